@@ -1,0 +1,152 @@
+use crate::scalar::Scalar;
+
+/// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// d a / d x.
+    pub gamma: f64,
+    /// d v / d x [s].
+    pub beta: f64,
+    /// d q / d x [s2].
+    pub alpha: f64,
+}
+
+impl Shift {
+    /// (gamma, beta, alpha).
+    pub const fn new(gamma: f64, beta: f64, alpha: f64) -> Self {
+        Shift { gamma, beta, alpha }
+    }
+}
+
+/// Which time derivative of the constraints is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// g = 0.
+    Position,
+    /// dg/dt = 0.
+    Velocity,
+    /// d2g/dt2 = 0.
+    Acceleration,
+    /// g = 0 and dg/dt = 0 together, with the additional unknowns y and eta (Gear, Gupta, Leimkuhler).
+    Stabilized,
+}
+
+/// One kind of nonlinear system: what moves with the unknowns, and which constraint level is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equations {
+    /// Shift of the point at which R is evaluated.
+    pub residual: Shift,
+    /// Shift of the point at which constraints and reactions are evaluated.
+    pub constraint: Shift,
+    /// Constraint level.
+    pub level: Level,
+    /// Subtract R at the base point: the metric of a projection instead of the equation of motion.
+    pub metric: bool,
+}
+
+impl Equations {
+    /// The equation of motion at a stage: both points move together.
+    pub fn stage(shift: Shift, level: Level) -> Self {
+        Equations { residual: shift, constraint: shift, level, metric: false }
+    }
+
+    /// The acceleration for given (v, q).
+    pub fn acceleration() -> Self {
+        Equations::stage(Shift::new(1.0, 0.0, 0.0), Level::Acceleration)
+    }
+
+    /// Projection of q onto g = 0 in the metric of the stage matrix; `step` is h a_ss.
+    ///
+    /// With x = d / step^2: R(a + x, v, q + d) - R(a, v, q) + A^T nu = 0, g(q + d) = 0.
+    pub fn position_projection(step: f64) -> Self {
+        let alpha = step * step;
+        let constraint = Shift::new(0.0, 0.0, alpha);
+        Equations { residual: Shift::new(1.0, 0.0, alpha), constraint, level: Level::Position, metric: true }
+    }
+
+    /// Projection of v onto dg/dt = 0 in the metric of the stage matrix; `step` is h a_ss.
+    ///
+    /// With x = w / step: R(a + x, v + w, q + step w) - R(a, v, q) + A^T nu = 0, A (v + w) + g_t = 0.
+    pub fn velocity_projection(step: f64) -> Self {
+        let constraint = Shift::new(0.0, step, 0.0);
+        Equations { residual: Shift::new(1.0, step, step * step), constraint, level: Level::Velocity, metric: true }
+    }
+
+    /// Projection of an initial q onto g = 0 in the mass metric: x = d.
+    pub fn initial_position_projection() -> Self {
+        let constraint = Shift::new(0.0, 0.0, 1.0);
+        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Position, metric: true }
+    }
+
+    /// Projection of an initial v onto dg/dt = 0 in the mass metric: x = w.
+    pub fn initial_velocity_projection() -> Self {
+        let constraint = Shift::new(0.0, 1.0, 0.0);
+        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Velocity, metric: true }
+    }
+
+    /// Factors that give the constraint rows (first set, second set) the scale of A x.
+    pub(crate) fn row_scales(&self) -> [f64; 2] {
+        let shift = self.constraint;
+        match self.level {
+            Level::Position => [1.0 / shift.alpha, 0.0],
+            Level::Velocity => [1.0 / shift.beta, 0.0],
+            Level::Acceleration => [1.0 / shift.gamma, 0.0],
+            Level::Stabilized => [1.0 / shift.alpha, 1.0 / shift.beta],
+        }
+    }
+}
+
+/// Accelerations, velocities and coordinates of the whole model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VectorsAvq<S> {
+    /// Accelerations.
+    pub a: Vec<S>,
+    /// Velocities.
+    pub v: Vec<S>,
+    /// Coordinates.
+    pub q: Vec<S>,
+}
+
+impl<S: Scalar> VectorsAvq<S> {
+    /// Zeros.
+    pub fn zeros(dofs: usize) -> Self {
+        let zero = || vec![S::zero(); dofs];
+        VectorsAvq { a: zero(), v: zero(), q: zero() }
+    }
+
+    /// Writes base + shift x (+ alpha y) to `self`.
+    pub fn set_shifted(&mut self, base: &Self, shift: Shift, unknowns: &Unknowns<S>) {
+        for (i, &x) in unknowns.x.iter().enumerate() {
+            self.a[i] = base.a[i] + x * shift.gamma;
+            self.v[i] = base.v[i] + x * shift.beta;
+            self.q[i] = base.q[i] + x * shift.alpha;
+        }
+        for (q, &y) in self.q.iter_mut().zip(&unknowns.y) {
+            *q += y * shift.alpha;
+        }
+    }
+
+    /// base + shift x (+ alpha y).
+    pub fn shifted(base: &Self, shift: Shift, unknowns: &Unknowns<S>) -> Self {
+        let mut point = Self::zeros(base.q.len());
+        point.set_shifted(base, shift, unknowns);
+        point
+    }
+}
+
+/// Unknowns of one system, node-local multipliers included.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unknowns<S> {
+    /// Accelerations (or scaled increments of a projection).
+    pub x: Vec<S>,
+    /// Rate corrections of the stabilized level; empty otherwise.
+    pub y: Vec<S>,
+    /// Multipliers, one for each constraint equation; zero for dropped ones.
+    pub mu: Vec<S>,
+    /// Multipliers of the rate corrections; empty unless stabilized.
+    pub eta: Vec<S>,
+    /// Multipliers of the constraints inside nodes.
+    pub local_mu: Vec<S>,
+    /// The same for the rate corrections; empty unless stabilized.
+    pub local_eta: Vec<S>,
+}

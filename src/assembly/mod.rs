@@ -1,0 +1,29 @@
+//! From elements to the equations of the whole: numbering, residual, Jacobian, transposed products.
+//!
+//! One [`System`] evaluates, for unknowns x (accelerations), mu (multipliers) and, at velocity level, y and eta,
+//!
+//! ```text
+//! F = R(a + gamma x, v + beta x, q + alpha (x + y), p, t) [- R(a, v, q, p, t)] + A^T mu        = 0
+//! Y = y - A^T eta                                                                            = 0
+//! G = g, dg/dt or d2g/dt2 at (a + gamma' x, v + beta' x, q + alpha' (x + y)), scaled          = 0
+//! ```
+//!
+//! which is a Runge-Kutta stage, an initial acceleration or a projection, depending on the shifts (see
+//! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
+
+mod equations;
+mod jacobian;
+mod local;
+mod model;
+mod numbering;
+mod products;
+mod residual;
+mod sparse_pattern;
+
+pub use equations::{Equations, Level, Shift, Unknowns, VectorsAvq};
+pub use jacobian::Jacobian;
+pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
+pub use numbering::{System, SystemOptions};
+pub use products::Adjoints;
+pub use residual::Residual;
+pub use sparse_pattern::SparsePattern;

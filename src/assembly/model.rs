@@ -1,0 +1,148 @@
+use crate::elements::bodies::EulerParameterNorm;
+use crate::elements::{AnyConstraint, AnyElement};
+use std::ops::Range;
+
+/// A node of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(pub(crate) usize);
+/// An element of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ElementId(pub(crate) usize);
+/// A constraint of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ConstraintId(pub(crate) usize);
+
+/// What a node's coordinates are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeKind {
+    /// Position of a point [m].
+    Point,
+    /// Position of a body frame [m] and its Euler parameters, kept at unit length inside the node.
+    Body,
+    /// Any number of coordinates with the meaning that the user's elements give them.
+    Coordinates(usize),
+}
+
+impl NodeKind {
+    /// Number of coordinates.
+    pub fn dofs(self) -> usize {
+        match self {
+            NodeKind::Point => 3,
+            NodeKind::Body => 7,
+            NodeKind::Coordinates(count) => count,
+        }
+    }
+
+    /// The constraint inside the node, if it has one.
+    pub fn local_constraint(self) -> Option<Box<dyn AnyConstraint>> {
+        match self {
+            NodeKind::Body => Some(Box::new(EulerParameterNorm)),
+            _ => None,
+        }
+    }
+
+    /// Name of coordinate `index`.
+    pub fn coordinate_name(self, index: usize) -> String {
+        match self {
+            NodeKind::Coordinates(_) => format!("coordinate {index}"),
+            _ => ["x", "y", "z", "e0", "e1", "e2", "e3"][index].to_string(),
+        }
+    }
+}
+
+/// A set of coordinates with a name.
+pub struct Node {
+    /// Name for messages and output.
+    pub name: String,
+    /// Meaning of the coordinates.
+    pub kind: NodeKind,
+    /// True for ground: its coordinates never move.
+    pub fixed: bool,
+    /// Place of its coordinates in q, v and a.
+    pub dofs: Range<usize>,
+}
+
+/// An element or constraint with its name, nodes and parameters.
+pub struct Attached<T: ?Sized> {
+    /// Name for messages and output.
+    pub name: String,
+    /// The nodes, in the order in which it sees their coordinates.
+    pub nodes: Vec<NodeId>,
+    /// Place of its parameters in p.
+    pub parameters: Range<usize>,
+    /// Place of its equations in mu; empty for elements.
+    pub equations: Range<usize>,
+    /// The physics.
+    pub physics: Box<T>,
+}
+
+/// The topology of a mechanism: nodes, elements and constraints, without any physical number.
+#[derive(Default)]
+pub struct Model {
+    /// Nodes, in the order of their coordinates.
+    pub nodes: Vec<Node>,
+    /// Bodies, springs, loads.
+    pub elements: Vec<Attached<dyn AnyElement>>,
+    /// Joints and drivers.
+    pub constraints: Vec<Attached<dyn AnyConstraint>>,
+    /// Length of q.
+    pub dofs: usize,
+    /// Length of mu.
+    pub equations: usize,
+    /// Length of p.
+    pub parameters: usize,
+}
+
+impl Model {
+    /// Adds a node behind the others.
+    pub fn add_node(&mut self, name: &str, kind: NodeKind, fixed: bool) -> NodeId {
+        let dofs = self.dofs..self.dofs + kind.dofs();
+        self.dofs = dofs.end;
+        self.nodes.push(Node { name: name.to_string(), kind, fixed, dofs });
+        NodeId(self.nodes.len() - 1)
+    }
+
+    /// Reserves `count` places in p.
+    pub fn add_parameters(&mut self, count: usize) -> Range<usize> {
+        let range = self.parameters..self.parameters + count;
+        self.parameters = range.end;
+        range
+    }
+
+    /// Adds an element; the caller has checked the number of coordinates.
+    pub fn add_element(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyElement>) -> ElementId {
+        let parameters = self.add_parameters(physics.parameter_list().len());
+        self.elements.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
+        ElementId(self.elements.len() - 1)
+    }
+
+    /// Adds a constraint; the caller has checked the number of coordinates.
+    pub fn add_constraint(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyConstraint>) -> ConstraintId {
+        let parameters = self.add_parameters(physics.parameter_list().len());
+        let equations = self.equations..self.equations + physics.equation_count();
+        self.equations = equations.end;
+        self.constraints.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations, physics });
+        ConstraintId(self.constraints.len() - 1)
+    }
+
+    /// Number of coordinates of some nodes together.
+    pub fn dof_count(&self, nodes: &[NodeId]) -> usize {
+        nodes.iter().map(|node| self.nodes[node.0].dofs.len()).sum()
+    }
+
+    /// Name of a coordinate: node and component.
+    pub fn dof_name(&self, dof: usize) -> String {
+        let node = self.nodes.iter().find(|node| node.dofs.contains(&dof));
+        node.map_or_else(String::new, |node| {
+            format!("\"{}\", {}", node.name, node.kind.coordinate_name(dof - node.dofs.start))
+        })
+    }
+
+    /// Name of a constraint equation: joint and number, counted from 1.
+    pub fn equation_name(&self, equation: usize) -> String {
+        let joint = self.constraints.iter().find(|joint| joint.equations.contains(&equation));
+        joint.map_or_else(String::new, |joint| {
+            format!("joint \"{}\", constraint {}", joint.name, equation - joint.equations.start + 1)
+        })
+    }
+}

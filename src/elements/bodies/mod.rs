@@ -1,0 +1,9 @@
+//! Elements with inertia, and the constraint inside a body node.
+
+mod euler_parameter_norm;
+mod point_mass;
+mod rigid_body;
+
+pub use euler_parameter_norm::EulerParameterNorm;
+pub use point_mass::PointMass;
+pub use rigid_body::RigidBody;

@@ -1,0 +1,26 @@
+use crate::elements::{Element, Parameter, State};
+use crate::scalar::{Scalar, Vec3};
+
+/// A mass at a point node: R = m a [N], T = m v . v / 2.
+///
+/// * `mass`  m [kg], greater than 0
+pub struct PointMass;
+
+impl Element for PointMass {
+    const DOFS: usize = 3;
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
+    const ENERGIES: bool = true;
+
+    fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
+        let velocity = Vec3::from_slice(v);
+        velocity.dot(velocity) * p[0] * 0.5
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        for (r, &a) in r.iter_mut().zip(s.a) {
+            *r += p[0] * a;
+        }
+    }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[0]
+    }
+}

@@ -1,0 +1,70 @@
+use crate::elements::{Anchor, Element, Parameter, State};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// A rigid body with position r of its frame and Euler parameters e.
+///
+/// T = m |v_c|^2 / 2 + omega . J omega / 2 with v_c = dr/dt + d(R(e) c)/dt and omega = 2 G(e) de/dt (body frame).
+/// With a_c the acceleration of the mass centre and B = d(R c)/de, exactly and for every e, unit or not:
+///
+/// R_r = m a_c,   R_e = B^T m a_c + 2 G(e)^T J domega/dt + 4 G(de/dt)^T J omega
+///
+/// * `mass`  m [kg], greater than 0
+/// * `centre x, y, z`  c, mass centre in the body frame [m]
+/// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
+///
+/// Source: Shabana (2013), Dynamics of Multibody Systems, section 3.
+pub struct RigidBody;
+
+const fn new(name: &'static str, unit: &'static str) -> Parameter {
+    Parameter::new(name, unit)
+}
+
+/// J omega for the six numbers of the symmetric tensor J.
+#[inline(always)]
+fn inertia_times<S: Scalar>(j: &[S], omega: Vec3<S>) -> Vec3<S> {
+    let [x, y, z] = omega.0;
+    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
+}
+
+impl Element for RigidBody {
+    const DOFS: usize = 7;
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::positive("mass", "kg"),
+        new("centre x", "m"),
+        new("centre y", "m"),
+        new("centre z", "m"),
+        Parameter::non_negative("inertia xx", "kg m2"),
+        Parameter::non_negative("inertia yy", "kg m2"),
+        Parameter::non_negative("inertia zz", "kg m2"),
+        new("inertia xy", "kg m2"),
+        new("inertia xz", "kg m2"),
+        new("inertia yz", "kg m2"),
+    ];
+    const ENERGIES: bool = true;
+
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
+        let velocity = Anchor::Body.velocity(v, q, Vec3::from_slice(&p[1..]));
+        let omega = Quaternion::from_slice(&q[3..]).g_times(Quaternion::from_slice(&v[3..])) * S::from(2.0);
+        (velocity.dot(velocity) * p[0] + omega.dot(inertia_times(&p[4..], omega))) * 0.5
+    }
+
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        let centre = Vec3::from_slice(&p[1..]);
+        let [e, rate, second] = [s.q, s.v, s.a].map(|x| Quaternion::from_slice(&x[3..]));
+        Anchor::Body.add_force(s.q, centre, Anchor::Body.acceleration(s, centre) * p[0], r);
+
+        // omega = 2 G(e) e', domega/dt = 2 G(e) e'' because G(e') e' = 0
+        let two = S::from(2.0);
+        let momentum = inertia_times(&p[4..], e.g_times(rate) * two);
+        let momentum_rate = inertia_times(&p[4..], e.g_times(second) * two);
+        let inertial = e.g_transposed_times(momentum_rate * two);
+        let gyroscopic = rate.g_transposed_times(momentum * S::from(4.0));
+        for i in 0..4 {
+            r[3 + i] += inertial[i] + gyroscopic[i];
+        }
+    }
+
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[0]
+    }
+}

@@ -1,0 +1,30 @@
+use super::Parameter;
+use crate::scalar::Scalar;
+
+/// A holonomic constraint g(q, p, t) = 0: nothing but g is written.
+///
+/// The reaction A^T mu with A = dg/dq, the velocity level dg/dt = 0, the acceleration level d2g/dt2 = 0, projections and
+/// all their derivatives follow by differentiation.
+pub trait Constraint: Send + Sync + 'static {
+    /// Number of coordinates of all its nodes together; the largest if [`dofs`](Constraint::dofs) chooses.
+    const DOFS: usize;
+    /// Number of equations.
+    const EQUATIONS: usize;
+    /// Its physical numbers, in the order of `p`.
+    const PARAMETERS: &'static [Parameter] = &[];
+
+    /// Number of coordinates of this instance.
+    fn dofs(&self) -> usize {
+        Self::DOFS
+    }
+    /// Parameters of this instance.
+    fn parameters(&self) -> Vec<Parameter> {
+        Self::PARAMETERS.to_vec()
+    }
+    /// Writes g(q, p, t) to `g`; scale the rows so that they are lengths or angles.
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
+    /// Times at which the motion it prescribes is not smooth: steps end there.
+    fn kinks(&self, _p: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+}

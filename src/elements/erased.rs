@@ -1,0 +1,185 @@
+use super::{Constraint, Element, Parameter, State};
+use crate::scalar::{Complex, Dual, LANES, Lanes, Scalar, Taylor};
+use smallvec::SmallVec;
+
+/// A scalar in which whole simulations run: the closed list over which elements and constraints are compiled.
+pub trait RunScalar: Scalar {
+    /// Number of derivative parts.
+    const PARTS: usize;
+    /// Derivative part `index`.
+    fn part(&self, index: usize) -> f64;
+    /// Adds to derivative part `index`.
+    fn add_to_part(&mut self, index: usize, increment: f64);
+    /// Adds to the value.
+    fn add_to_value(&mut self, increment: f64);
+    /// The element, in this scalar.
+    fn element(element: &dyn AnyElement) -> &dyn ElementIn<Self>;
+    /// The constraint, in this scalar.
+    fn constraint(constraint: &dyn AnyConstraint) -> &dyn ConstraintIn<Self>;
+}
+
+/// The two erasing methods, the same for every listed scalar.
+macro_rules! view_erased {
+    () => {
+        fn element(element: &dyn AnyElement) -> &dyn ElementIn<Self> {
+            element
+        }
+        fn constraint(constraint: &dyn AnyConstraint) -> &dyn ConstraintIn<Self> {
+            constraint
+        }
+    };
+}
+
+impl RunScalar for f64 {
+    const PARTS: usize = 0;
+    fn part(&self, _index: usize) -> f64 {
+        0.0
+    }
+    fn add_to_part(&mut self, _index: usize, _increment: f64) {}
+    fn add_to_value(&mut self, increment: f64) {
+        *self += increment;
+    }
+    view_erased!();
+}
+impl RunScalar for Complex {
+    const PARTS: usize = 1;
+    fn part(&self, _index: usize) -> f64 {
+        self.im
+    }
+    fn add_to_part(&mut self, _index: usize, increment: f64) {
+        self.im += increment;
+    }
+    fn add_to_value(&mut self, increment: f64) {
+        self.re += increment;
+    }
+    view_erased!();
+}
+impl RunScalar for Lanes {
+    const PARTS: usize = LANES;
+    fn part(&self, index: usize) -> f64 {
+        self.eps[index]
+    }
+    fn add_to_part(&mut self, index: usize, increment: f64) {
+        self.eps[index] += increment;
+    }
+    fn add_to_value(&mut self, increment: f64) {
+        self.re += increment;
+    }
+    view_erased!();
+}
+
+/// What the framework asks of an element in one scalar.
+pub trait ElementIn<S> {
+    /// Adds the residual to `r`.
+    fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]);
+    /// Kinetic and potential energy.
+    fn energy(&self, v: &[S], q: &[S], p: &[S]) -> [S; 2];
+    /// Mass.
+    fn mass_in(&self, p: &[S]) -> S;
+}
+
+/// An element with its type erased; every [`Element`] is one.
+pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + Send + Sync {
+    /// Number of coordinates.
+    fn dof_count(&self) -> usize;
+    /// Its parameters.
+    fn parameter_list(&self) -> Vec<Parameter>;
+    /// Whether the energies are complete.
+    fn has_energies(&self) -> bool;
+    /// Times at which a load jumps.
+    fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+}
+
+impl<E: Element, S: Scalar> ElementIn<S> for E {
+    fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        self.residual(s, p, t, r);
+    }
+    fn energy(&self, v: &[S], q: &[S], p: &[S]) -> [S; 2] {
+        [self.kinetic(v, q, p), self.potential(q, p)]
+    }
+    fn mass_in(&self, p: &[S]) -> S {
+        self.mass(p)
+    }
+}
+
+impl<E: Element> AnyElement for E {
+    fn dof_count(&self) -> usize {
+        self.dofs()
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
+    }
+    fn has_energies(&self) -> bool {
+        E::ENERGIES
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.kinks(p)
+    }
+}
+
+/// What the framework asks of a constraint in one scalar.
+pub trait ConstraintIn<S> {
+    /// Writes g.
+    fn value(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
+    /// Adds A^T mu to `r`.
+    fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]);
+    /// Writes g with its first and second derivative along q(s) = (q, v, a), t(s) = (t, t_rate, 0).
+    fn derivatives(&self, s: State<S>, p: &[S], t: S, t_rate: f64, g: &mut [Taylor<S>]);
+}
+
+/// A constraint with its type erased; every [`Constraint`] is one.
+pub trait AnyConstraint: ConstraintIn<f64> + ConstraintIn<Complex> + ConstraintIn<Lanes> + Send + Sync {
+    /// Number of coordinates.
+    fn dof_count(&self) -> usize;
+    /// Number of equations.
+    fn equation_count(&self) -> usize;
+    /// Its parameters.
+    fn parameter_list(&self) -> Vec<Parameter>;
+    /// Times at which the prescribed motion is not smooth.
+    fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+}
+
+impl<C: Constraint, S: Scalar> ConstraintIn<S> for C {
+    fn value(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
+        self.g(q, p, t, g);
+    }
+
+    fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]) {
+        let mut q_lanes: SmallVec<[Dual<S, LANES>; 16]> = q.iter().map(|&q| Dual::constant(q)).collect();
+        let p_lanes: SmallVec<[Dual<S, LANES>; 16]> = p.iter().map(|&p| Dual::constant(p)).collect();
+        let mut g: SmallVec<[Dual<S, LANES>; 6]> = SmallVec::from_elem(Dual::default(), C::EQUATIONS);
+        for first in (0..q.len()).step_by(LANES) {
+            let lanes = LANES.min(q.len() - first);
+            for lane in 0..lanes {
+                q_lanes[first + lane].eps[lane] = S::one();
+            }
+            self.g(&q_lanes, &p_lanes, Dual::constant(t), &mut g);
+            for lane in 0..lanes {
+                r[first + lane] += g.iter().zip(mu).map(|(g, &mu)| g.eps[lane] * mu).sum();
+                q_lanes[first + lane].eps[lane] = S::zero();
+            }
+        }
+    }
+
+    fn derivatives(&self, s: State<S>, p: &[S], t: S, t_rate: f64, g: &mut [Taylor<S>]) {
+        let q: SmallVec<[Taylor<S>; 16]> =
+            s.q.iter().zip(s.v.iter().zip(s.a)).map(|(&q, (&v, &a))| Taylor::new(q, v, a)).collect();
+        let p: SmallVec<[Taylor<S>; 16]> = p.iter().map(|&p| Taylor::new(p, S::zero(), S::zero())).collect();
+        self.g(&q, &p, Taylor::new(t, S::from(t_rate), S::zero()), g);
+    }
+}
+
+impl<C: Constraint> AnyConstraint for C {
+    fn dof_count(&self) -> usize {
+        self.dofs()
+    }
+    fn equation_count(&self) -> usize {
+        C::EQUATIONS
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.kinks(p)
+    }
+}

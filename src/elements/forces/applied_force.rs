@@ -1,0 +1,47 @@
+use super::LoadFrame;
+use crate::elements::{Anchor, Element, Parameter, TimeFunction};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// A force F = d f(t) [N] at a point of a body or at a point mass.
+///
+/// * `direction x, y, z`  d, in the world or, for a follower force, in the body frame [-]
+/// * `point x, y, z`  in the body frame [m]; ignored for a point
+/// * parameters of f(t) [N]
+pub struct AppliedForce {
+    /// What the force acts on.
+    pub on: Anchor,
+    /// Dead or follower load; a point has no frame to follow.
+    pub frame: LoadFrame,
+    /// Size over time.
+    pub size: TimeFunction,
+}
+
+impl Element for AppliedForce {
+    const DOFS: usize = 7;
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("direction x", "-"),
+        Parameter::new("direction y", "-"),
+        Parameter::new("direction z", "-"),
+        Parameter::new("point x", "m"),
+        Parameter::new("point y", "m"),
+        Parameter::new("point z", "m"),
+    ];
+    const ENERGIES: bool = true;
+
+    fn dofs(&self) -> usize {
+        self.on.dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
+    }
+    fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
+        let mut direction = Vec3::from_slice(p);
+        if self.frame == LoadFrame::Body && self.on == Anchor::Body {
+            direction = Quaternion::from_slice(&q[3..]).rotate(direction);
+        }
+        self.on.add_force(q, Vec3::from_slice(&p[3..]), direction * self.size.value(t, &p[6..]), force);
+    }
+    fn kinks(&self, p: &[f64]) -> Vec<f64> {
+        self.size.kinks(&p[6..])
+    }
+}

@@ -1,0 +1,38 @@
+use crate::elements::{Anchor, Element, Parameter};
+use crate::scalar::{Scalar, Vec3};
+
+/// Weight of a body or point mass: V = -m g . x_c [J].
+///
+/// * `mass`  m [kg], 0 or greater
+/// * `gravity x, y, z`  g [m/s2]
+/// * `centre x, y, z`  mass centre in the body frame [m]; ignored for a point
+pub struct Gravity {
+    /// What the weight hangs on.
+    pub on: Anchor,
+}
+
+impl Element for Gravity {
+    const DOFS: usize = 7;
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::non_negative("mass", "kg"),
+        Parameter::new("gravity x", "m/s2"),
+        Parameter::new("gravity y", "m/s2"),
+        Parameter::new("gravity z", "m/s2"),
+        Parameter::new("centre x", "m"),
+        Parameter::new("centre y", "m"),
+        Parameter::new("centre z", "m"),
+    ];
+    const ENERGIES: bool = true;
+
+    fn dofs(&self) -> usize {
+        self.on.dofs()
+    }
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let position = self.on.position(q, Vec3::from_slice(&p[4..]));
+        -(position.dot(Vec3::from_slice(&p[1..])) * p[0])
+    }
+    // written out because every body in every scene pays for it; the contract test holds it against the potential
+    fn residual<S: Scalar>(&self, s: crate::elements::State<S>, p: &[S], _t: S, r: &mut [S]) {
+        self.on.add_force(s.q, Vec3::from_slice(&p[4..]), Vec3::from_slice(&p[1..]) * -p[0], r);
+    }
+}

@@ -1,0 +1,40 @@
+use crate::elements::{Anchor, Element, Parameter};
+use crate::scalar::{Scalar, Vec3};
+
+/// A spring along the line between two points: V = k (l - l0)^2 / 2 [J], l = |x_b - x_a|.
+///
+/// * `stiffness`  k [N/m], 0 or greater
+/// * `rest length`  l0 [m], 0 or greater
+/// * `point a`, `point b`  in the frames of the bodies [m]
+pub struct LineSpring {
+    /// First end.
+    pub a: Anchor,
+    /// Second end.
+    pub b: Anchor,
+}
+
+impl Element for LineSpring {
+    const DOFS: usize = 14;
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::non_negative("stiffness", "N/m"),
+        Parameter::non_negative("rest length", "m"),
+        Parameter::new("point a x", "m"),
+        Parameter::new("point a y", "m"),
+        Parameter::new("point a z", "m"),
+        Parameter::new("point b x", "m"),
+        Parameter::new("point b y", "m"),
+        Parameter::new("point b z", "m"),
+    ];
+    const ENERGIES: bool = true;
+
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let (qa, qb) = q.split_at(self.a.dofs());
+        let from = self.a.position(qa, Vec3::from_slice(&p[2..]));
+        let to = self.b.position(qb, Vec3::from_slice(&p[5..]));
+        let stretch = (to - from).norm() - p[1];
+        stretch * stretch * p[0] * 0.5
+    }
+}

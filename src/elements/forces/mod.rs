@@ -1,0 +1,26 @@
+//! Springs, dampers and loads.
+
+mod applied_force;
+mod applied_torque;
+mod gravity;
+mod line_damper;
+mod line_spring;
+mod torsion_spring_damper;
+mod vector_damper;
+
+pub use applied_force::AppliedForce;
+pub use applied_torque::AppliedTorque;
+pub use gravity::Gravity;
+pub use line_damper::LineDamper;
+pub use line_spring::LineSpring;
+pub use torsion_spring_damper::TorsionSpringDamper;
+pub use vector_damper::VectorDamper;
+
+/// The frame in which a load keeps its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadFrame {
+    /// Dead load: constant direction in the world.
+    World,
+    /// Follower load: turns with the body.
+    Body,
+}

@@ -1,0 +1,29 @@
+use super::line_damper::{DAMPER_PARAMETERS, add_damping};
+use crate::elements::{Anchor, Element, Parameter};
+use crate::scalar::Scalar;
+
+/// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) [N].
+///
+/// * `damping`  c [N s/m], 0 or greater
+/// * `point a`, `point b`  in the frames of the bodies [m]
+///
+/// Source: Ebrahimi et al., eq. (65). [`LineDamper`](super::LineDamper) acts along the line only.
+pub struct VectorDamper {
+    /// First end.
+    pub a: Anchor,
+    /// Second end.
+    pub b: Anchor,
+}
+
+impl Element for VectorDamper {
+    const DOFS: usize = 14;
+    const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
+    const ENERGIES: bool = true;
+
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
+        add_damping([self.a, self.b], v, q, p, force, |_, velocity| velocity);
+    }
+}

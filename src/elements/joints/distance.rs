@@ -1,0 +1,32 @@
+use super::{POINTS, gap};
+use crate::elements::{Anchor, Constraint, Parameter};
+use crate::scalar::Scalar;
+
+/// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) [m].
+///
+/// The multiplier is minus the tension for a link at its length [N].
+///
+/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `length`  l [m], greater than 0
+pub struct DistanceJoint {
+    /// First end.
+    pub a: Anchor,
+    /// Second end.
+    pub b: Anchor,
+}
+
+impl Constraint for DistanceJoint {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 1;
+
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        POINTS.iter().cloned().chain([Parameter::positive("length", "m")]).collect()
+    }
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        let between = gap([self.a, self.b], q, p);
+        g[0] = (between.dot(between) - p[6] * p[6]) / (p[6] * 2.0);
+    }
+}

@@ -1,0 +1,37 @@
+use super::{POINTS, gap};
+use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 [m].
+///
+/// The multiplier is minus the driving force on b along the axis [N].
+///
+/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `axis`  n_a, unit vector in the frame of a
+/// * parameters of f(t) [m]
+pub struct PrescribedTranslation {
+    /// What is driven.
+    pub b: Anchor,
+    /// Displacement over time.
+    pub displacement: TimeFunction,
+}
+
+impl Constraint for PrescribedTranslation {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 1;
+
+    fn dofs(&self) -> usize {
+        Anchor::Body.dofs() + self.b.dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let axis = ["axis x", "axis y", "axis z"].map(|name| Parameter::new(name, "-"));
+        POINTS.iter().cloned().chain(axis).chain(self.displacement.parameters("m")).collect()
+    }
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
+        let axis = Quaternion::from_slice(&q[3..]).rotate(Vec3::from_slice(&p[6..]));
+        g[0] = axis.dot(gap([Anchor::Body, self.b], q, p)) - self.displacement.value(t, &p[9..]);
+    }
+    fn kinks(&self, p: &[f64]) -> Vec<f64> {
+        self.displacement.kinks(&p[9..])
+    }
+}

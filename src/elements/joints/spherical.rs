@@ -1,0 +1,26 @@
+use super::{POINTS, gap};
+use crate::elements::{Anchor, Constraint, Parameter};
+use crate::scalar::Scalar;
+
+/// Two points held together: g = x_b - x_a [m]. The multipliers are the force of b on a, in world components [N].
+///
+/// * `point a`, `point b`  in the frames of the bodies [m]
+pub struct SphericalJoint {
+    /// First end.
+    pub a: Anchor,
+    /// Second end.
+    pub b: Anchor,
+}
+
+impl Constraint for SphericalJoint {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 3;
+    const PARAMETERS: &'static [Parameter] = &POINTS;
+
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        g.copy_from_slice(&gap([self.a, self.b], q, p).0);
+    }
+}

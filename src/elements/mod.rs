@@ -1,0 +1,27 @@
+//! Bodies, forces and joints: the mechanics, each definition written once.
+//!
+//! * [`Element`]: residual R(a, v, q, p, t), or the energies and forces from which it follows
+//! * [`Constraint`]: g(q, p, t) = 0 and nothing else
+//!
+//! Sign: the residual is inertia + internal - applied = 0; a constraint adds A^T mu with A = dg/dq, so the force of the
+//! constraint on the bodies is -A^T mu.
+
+mod anchor;
+mod constraint;
+mod element;
+mod erased;
+mod lagrangian;
+mod parameter;
+mod time_function;
+
+pub mod bodies;
+pub mod forces;
+pub mod joints;
+
+pub use anchor::Anchor;
+pub use constraint::Constraint;
+pub use element::{Element, State};
+pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, RunScalar};
+pub use lagrangian::lagrangian_residual;
+pub use parameter::{Admissible, Parameter};
+pub use time_function::TimeFunction;

@@ -1,0 +1,63 @@
+use std::borrow::Cow;
+
+/// Which values a parameter may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Admissible {
+    /// Any finite number.
+    Any,
+    /// Greater than zero.
+    Positive,
+    /// Zero or greater.
+    NonNegative,
+}
+
+impl Admissible {
+    /// True if the value is finite and in the range.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Admissible::Any => true,
+                Admissible::Positive => value > 0.0,
+                Admissible::NonNegative => value >= 0.0,
+            }
+    }
+
+    /// The range in words, for messages.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Admissible::Any => "a finite number",
+            Admissible::Positive => "greater than 0",
+            Admissible::NonNegative => "0 or greater",
+        }
+    }
+}
+
+/// One physical number of an element, constraint or functional: a place in the flat parameter vector p.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// What it is, in the field's word.
+    pub name: Cow<'static, str>,
+    /// SI unit (or the scene's consistent one).
+    pub unit: &'static str,
+    /// Values that make sense.
+    pub admissible: Admissible,
+}
+
+impl Parameter {
+    /// Any finite number.
+    pub const fn new(name: &'static str, unit: &'static str) -> Self {
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Any }
+    }
+    /// A number greater than zero.
+    pub const fn positive(name: &'static str, unit: &'static str) -> Self {
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Positive }
+    }
+    /// A number that is zero or greater.
+    pub const fn non_negative(name: &'static str, unit: &'static str) -> Self {
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::NonNegative }
+    }
+    /// A parameter whose name is made at run time.
+    pub fn named(name: String, unit: &'static str) -> Self {
+        Parameter { name: Cow::Owned(name), unit, admissible: Admissible::Any }
+    }
+}

@@ -1,0 +1,4 @@
+//! costate
+pub mod scalar;
+pub mod elements;
+pub mod assembly;

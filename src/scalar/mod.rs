@@ -1,0 +1,146 @@
+//! The number types: one formula in, every derivative out.
+//!
+//! [`Scalar`] is implemented for a closed list of types, each for one purpose:
+//!
+//! | type | carries | used for |
+//! |---|---|---|
+//! | `f64` | value | simulation |
+//! | [`Complex`] | value and one complex perturbation | complex-step verification |
+//! | [`Dual<S, N>`](Dual) | value and N directional derivatives | Jacobians, tangent runs |
+//! | [`Taylor<S>`](Taylor) | value, first and second derivative in one direction | time derivatives of constraints |
+//! | [`Rev`] | value and a place on a tape | the chain from parameters to design variables |
+//!
+//! `Dual` and `Taylor` nest over any scalar of the list. Branches look at [`Scalar::value`] only, so every type takes the
+//! same path through a formula. The types are our own because two needs exclude the usual crates: a constraint's second
+//! time derivative inside a complex-step run is a `Taylor<Complex>`, and functions whose derivative is infinite
+//! at the point of evaluation (`sqrt` at 0) must not turn a vanishing perturbation into NaN.
+
+mod complex;
+mod dual;
+pub(crate) mod jet;
+mod real;
+mod reverse;
+mod rotation;
+mod taylor;
+mod vector;
+
+pub use complex::Complex;
+pub use dual::Dual;
+pub use reverse::{Rev, Tape};
+pub use rotation::{Quaternion, angle_about, rotation_gradient_transposed};
+pub use taylor::Taylor;
+pub use vector::Vec3;
+
+use std::fmt::Debug;
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// Number of derivative lanes evaluated together; 8 doubles fill the widest vector registers and unroll well on others.
+pub const LANES: usize = 8;
+
+/// Eight first derivatives at once: the type behind every Jacobian column and every tangent run.
+pub type Lanes = Dual<f64, LANES>;
+
+/// A number with which elements, constraints and functionals are evaluated.
+///
+/// Laws, held by `tests/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for
+/// bit where the function is elementary; derivative parts follow the chain rule; a zero derivative part stays zero where
+/// the derivative of the function is infinite.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Default
+    + Send
+    + Sync
+    + 'static
+    + From<f64>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + Sum
+{
+    /// The real value, without any derivative part. For branches only: inside a formula it silently drops the derivative.
+    fn value(self) -> f64;
+    /// True if every derivative part is zero.
+    fn is_constant(self) -> bool;
+
+    fn sqrt(self) -> Self;
+    fn exp(self) -> Self;
+    fn ln(self) -> Self;
+    fn sin(self) -> Self;
+    fn cos(self) -> Self;
+    fn tan(self) -> Self;
+    fn asin(self) -> Self;
+    fn acos(self) -> Self;
+    fn atan(self) -> Self;
+    fn sinh(self) -> Self;
+    fn cosh(self) -> Self;
+    fn tanh(self) -> Self;
+    /// 1 / x.
+    fn recip(self) -> Self;
+    /// x^n for an integer n.
+    fn powi(self, exponent: i32) -> Self;
+    /// x^r for a real exponent r; negative x only makes sense for integer r.
+    fn powf(self, exponent: f64) -> Self;
+    /// Angle of the point (x, y) with x = `other`: atan2(self, other), in (-pi, pi].
+    fn atan2(self, other: Self) -> Self;
+
+    /// |x|; the derivative follows the sign of the value, +1 at zero.
+    fn abs(self) -> Self {
+        if self.value() < 0.0 { -self } else { self }
+    }
+    /// The larger by value.
+    fn max(self, other: Self) -> Self {
+        if self.value() >= other.value() { self } else { other }
+    }
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+    /// Zero of this type.
+    fn zero() -> Self {
+        Self::from(0.0)
+    }
+    /// One of this type.
+    fn one() -> Self {
+        Self::from(1.0)
+    }
+}
+
+/// Assignment operators, `Sum` and nothing else, from the binary operators of a scalar type.
+macro_rules! assign_operators {
+    ([$($generics:tt)*] $type:ty) => {
+        impl<$($generics)*> std::ops::AddAssign for $type {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) { *self = *self + other; }
+        }
+        impl<$($generics)*> std::ops::SubAssign for $type {
+            #[inline(always)]
+            fn sub_assign(&mut self, other: Self) { *self = *self - other; }
+        }
+        impl<$($generics)*> std::ops::MulAssign for $type {
+            #[inline(always)]
+            fn mul_assign(&mut self, other: Self) { *self = *self * other; }
+        }
+        impl<$($generics)*> std::ops::DivAssign for $type {
+            #[inline(always)]
+            fn div_assign(&mut self, other: Self) { *self = *self / other; }
+        }
+        impl<$($generics)*> std::iter::Sum for $type {
+            fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
+                terms.fold(<$type>::from(0.0), |total, term| total + term)
+            }
+        }
+    };
+}
+pub(crate) use assign_operators;

@@ -1,0 +1,116 @@
+use super::{Scalar, Vec3};
+
+/// Euler parameters e = (e0, e1, e2, e3) of a rotation, scalar part first.
+///
+/// R(e) = (e0^2 - |u|^2) I + 2 u u^T + 2 e0 u~ with u = (e1, e2, e3): a rotation for |e| = 1, quadratic in e everywhere, so that
+/// its derivatives are polynomials. Body-frame angular velocity: omega = 2 G(e) de/dt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quaternion<S>(pub [S; 4]);
+
+impl<S: Scalar> Quaternion<S> {
+    /// No rotation.
+    pub fn identity() -> Self {
+        Quaternion([1.0, 0.0, 0.0, 0.0].map(S::from))
+    }
+    /// From the first four entries of a slice.
+    #[inline(always)]
+    pub fn from_slice(e: &[S]) -> Self {
+        Quaternion([e[0], e[1], e[2], e[3]])
+    }
+    /// Rotation by `angle` [rad] about the unit vector `axis`.
+    pub fn about(axis: Vec3<S>, angle: S) -> Self {
+        let (s, c) = (angle * 0.5).sin_cos();
+        let u = axis * s;
+        Quaternion([c, u.0[0], u.0[1], u.0[2]])
+    }
+    /// The rotation that takes the x axis to the unit vector `direction`, without twist about it.
+    ///
+    /// # Panics
+    /// Not for any unit vector: the direction -x is reached by half a turn about z.
+    pub fn x_axis_to(direction: Vec3<S>) -> Self {
+        let [x, y, z] = direction.0;
+        if x.value() < -0.9 {
+            // past the nearly opposite direction: half a turn about z first, then the small rest
+            let rest = Self::x_axis_to(-direction);
+            return rest.times(Quaternion([0.0, 0.0, 0.0, 1.0].map(S::from)));
+        }
+        // half-angle formulas: e ~ (1 + x, 0, -z, y)
+        let norm = ((x + 1.0) * 2.0).sqrt();
+        Quaternion([norm * 0.5, S::zero(), -z / norm, y / norm])
+    }
+    /// The product: first `other`, then `self`.
+    pub fn times(self, other: Self) -> Self {
+        let (a, u) = self.parts();
+        let (b, w) = other.parts();
+        let v = w * a + u * b + u.cross(w);
+        Quaternion([a * b - u.dot(w), v.0[0], v.0[1], v.0[2]])
+    }
+    /// Opposite rotation (for unit length).
+    pub fn conjugate(self) -> Self {
+        let [a, x, y, z] = self.0;
+        Quaternion([a, -x, -y, -z])
+    }
+    /// Scalar and vector part.
+    #[inline(always)]
+    pub fn parts(self) -> (S, Vec3<S>) {
+        let [a, x, y, z] = self.0;
+        (a, Vec3([x, y, z]))
+    }
+    /// R(e) s: a vector of the body frame in world components.
+    #[inline(always)]
+    pub fn rotate(self, s: Vec3<S>) -> Vec3<S> {
+        let (a, u) = self.parts();
+        s * (a * a - u.dot(u)) + u * (u.dot(s) * 2.0) + u.cross(s) * (a * 2.0)
+    }
+    /// R(e)^T s: a vector of the world in body-frame components.
+    #[inline(always)]
+    pub fn rotate_back(self, s: Vec3<S>) -> Vec3<S> {
+        self.conjugate().rotate(s)
+    }
+    /// Derivative of R(e) s along de: the bilinear form B(e, s) de with B = d(R s)/de.
+    #[inline(always)]
+    pub fn rotate_rate(self, rate: Self, s: Vec3<S>) -> Vec3<S> {
+        let (a, u) = self.parts();
+        let (b, w) = rate.parts();
+        let along = s * (a * b - u.dot(w)) + u * w.dot(s) + w * u.dot(s) + w.cross(s) * a + u.cross(s) * b;
+        along * S::from(2.0)
+    }
+    /// G(e) de: half the body-frame angular velocity of the rate `de`.
+    #[inline(always)]
+    pub fn g_times(self, rate: Self) -> Vec3<S> {
+        let (a, u) = self.parts();
+        let (b, w) = rate.parts();
+        w * a - u * b - u.cross(w)
+    }
+    /// G(e)^T m.
+    #[inline(always)]
+    pub fn g_transposed_times(self, m: Vec3<S>) -> [S; 4] {
+        let (a, u) = self.parts();
+        let w = m * a + u.cross(m);
+        [-u.dot(m), w.0[0], w.0[1], w.0[2]]
+    }
+    /// de/dt for the body-frame angular velocity omega: G(e)^T omega / 2.
+    pub fn rate_of_body_velocity(self, omega_body: Vec3<S>) -> [S; 4] {
+        self.g_transposed_times(omega_body * S::from(0.5))
+    }
+    /// |e|^2.
+    pub fn norm_squared(self) -> S {
+        let [a, x, y, z] = self.0;
+        a * a + x * x + y * y + z * z
+    }
+}
+
+/// B(e, s)^T f with B = d(R(e) s)/de: the generalized force of a world force f at the body point s.
+#[inline(always)]
+pub fn rotation_gradient_transposed<S: Scalar>(e: Quaternion<S>, s: Vec3<S>, f: Vec3<S>) -> [S; 4] {
+    let (a, u) = e.parts();
+    let sf = s.dot(f);
+    let scalar = (a * sf + u.cross(s).dot(f)) * 2.0;
+    let vector = (s * u.dot(f) + f * s.dot(u) - u * sf + s.cross(f) * a) * S::from(2.0);
+    [scalar, vector.0[0], vector.0[1], vector.0[2]]
+}
+
+/// Angle [rad] in (-pi, pi] by which `to` is turned from `from` about the unit vector `axis`.
+pub fn angle_about<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>) -> S {
+    axis.dot(from.cross(to)).atan2(from.dot(to))
+}
