@@ -1,4 +1,11 @@
 //! costate
-pub mod scalar;
-pub mod elements;
 pub mod assembly;
+pub mod design;
+pub mod elements;
+pub mod functionals;
+pub mod history;
+pub mod integrators;
+pub mod linalg;
+pub mod scalar;
+pub mod scenes;
+pub mod sensitivity;

@@ -1,1 +1,6 @@
-fn main(){}
+#[path = "../verification/mod.rs"]
+mod verification;
+
+fn main() {
+    let _ = verification::all();
+}

@@ -53,9 +53,8 @@ impl NodeSeeds<'_> {
 impl Jacobian {
     /// Storage for a system.
     pub fn new(system: &System) -> Self {
-        let storage = |list: &[Contributor]| -> Vec<Vec<f64>> {
-            list.iter().map(|c| vec![0.0; c.positions.len()]).collect()
-        };
+        let storage =
+            |list: &[Contributor]| -> Vec<Vec<f64>> { list.iter().map(|c| vec![0.0; c.positions.len()]).collect() };
         let mut blocks = storage(&system.element_blocks);
         blocks.extend(storage(&system.constraint_blocks));
         blocks.extend(system.node_blocks.iter().map(|(_, c)| vec![0.0; c.positions.len()]));
@@ -87,7 +86,8 @@ impl Jacobian {
         let (bases, blocks) = (&self.bases, &mut self.blocks);
         let (element_blocks, rest) = blocks.split_at_mut(system.element_blocks.len());
         let (constraint_blocks, node_blocks) = rest.split_at_mut(system.constraint_blocks.len());
-        let element = |(index, block): (usize, &mut Vec<f64>)| element_block(system, bases, equations, &at, index, p, t, block);
+        let element =
+            |(index, block): (usize, &mut Vec<f64>)| element_block(system, bases, equations, &at, index, p, t, block);
         if element_blocks.len() < PARALLEL_JACOBIANS {
             element_blocks.iter_mut().enumerate().for_each(element);
         } else {
@@ -408,8 +408,11 @@ fn constraint_block(
     let t = Lanes::from(t);
     let physics = Lanes::constraint(joint.physics);
     let mu = lanes_of(&mu[joint.equations.clone()]);
-    let eta: LocalVec<Lanes> =
-        if stabilized { eta[joint.equations.clone()].iter().map(|&e| Lanes::constant(-e)).collect() } else { LocalVec::new() };
+    let eta: LocalVec<Lanes> = if stabilized {
+        eta[joint.equations.clone()].iter().map(|&e| Lanes::constant(-e)).collect()
+    } else {
+        LocalVec::new()
+    };
     let scales = equations.row_scales();
     let dofs = seeded.q.len();
     let mut rows: LocalVec<Lanes> = SmallVec::from_elem(Lanes::default(), dofs);

@@ -56,8 +56,6 @@ pub(super) struct NodeUnknowns {
 
 /// A part that adds a dense block to the matrix.
 pub(super) struct Contributor {
-    /// Global number of each local row and column; `None` for dropped equations.
-    pub unknowns: Vec<Option<usize>>,
     /// Place in the matrix values of each entry of the column-major block; `NOWHERE` where nothing is added.
     pub positions: Vec<usize>,
 }
@@ -149,8 +147,7 @@ impl<'m> System<'m> {
         }
         let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || options.stabilized);
         let block_nodes: Vec<usize> = (0..nodes.len()).filter(|&node| with_block(&nodes[node])).collect();
-        let node_blocks: Vec<_> =
-            block_nodes.iter().map(|&node| (node_columns(&[NodeId(node)]), usize::MAX)).collect();
+        let node_blocks: Vec<_> = block_nodes.iter().map(|&node| (node_columns(&[NodeId(node)]), usize::MAX)).collect();
 
         let mut entries = Vec::new();
         for (unknowns, own) in elements.iter().chain(&constraints).chain(&node_blocks) {
@@ -164,7 +161,7 @@ impl<'m> System<'m> {
                     for_each_entry(&unknowns, own, |local, row, column| {
                         positions[local] = pattern.position(row, column).unwrap_or(NOWHERE);
                     });
-                    Contributor { unknowns, positions }
+                    Contributor { positions }
                 })
                 .collect()
         };
@@ -216,6 +213,16 @@ impl<'m> System<'m> {
     /// Number of constraint equations that appear as multipliers (node-local ones only if they are not eliminated).
     pub fn multipliers(&self) -> usize {
         self.multiplier_columns.len()
+    }
+
+    /// Number in the matrix of each constraint equation; `None` where it is dropped.
+    pub fn multiplier_places(&self) -> &[Option<usize>] {
+        &self.multiplier_columns
+    }
+
+    /// Number in the matrix of each multiplier of the rate corrections; empty unless stabilized.
+    pub fn stabilizer_places(&self) -> &[Option<usize>] {
+        &self.stabilizer_columns
     }
 
     /// True if there is any constraint, inside a node or between nodes.

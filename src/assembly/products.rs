@@ -138,7 +138,19 @@ impl System<'_> {
                 g: adjoints.g[rows.clone()].to_vec(),
                 g_second: second(&adjoints.g_second),
             };
-            self.add_joint_products(joint.physics, &joint.nodes, joint.parameters, &weights, equations, adjoints, at, p, t, at_bar, p_bar);
+            self.add_joint_products(
+                joint.physics,
+                &joint.nodes,
+                joint.parameters,
+                &weights,
+                equations,
+                adjoints,
+                at,
+                p,
+                t,
+                at_bar,
+                p_bar,
+            );
         }
     }
 
@@ -171,7 +183,19 @@ impl System<'_> {
             let silent = Adjoints { f: vec![0.0; 0], ..Adjoints::default() };
             let adjoints = if with_equations { &silent } else { adjoints };
             let nodes = [NodeId(local.node)];
-            self.add_joint_products(&*local.physics, &nodes, 0..0, &weights, equations, adjoints, at, &[], t, at_bar, &mut []);
+            self.add_joint_products(
+                &*local.physics,
+                &nodes,
+                0..0,
+                &weights,
+                equations,
+                adjoints,
+                at,
+                &[],
+                t,
+                at_bar,
+                &mut [],
+            );
         }
     }
 
@@ -222,11 +246,8 @@ impl System<'_> {
             }
             total
         });
-        let padded: LocalVec<f64> = if rates {
-            gradient
-        } else {
-            std::iter::repeat_n(0.0, 2 * dofs).chain(gradient).collect()
-        };
+        let padded: LocalVec<f64> =
+            if rates { gradient } else { std::iter::repeat_n(0.0, 2 * dofs).chain(gradient).collect() };
         self.scatter_gradient(nodes, parameters, &padded, at_bar, p_bar);
     }
 

@@ -1,0 +1,278 @@
+use super::{AnyQuantity, FunctionalScalar};
+use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
+use crate::elements::{RunScalar as _, State};
+use crate::history::History;
+use crate::integrators::Table;
+use crate::scalar::{LANES, Lanes};
+use std::ops::Range;
+
+/// What is measured at one time.
+pub enum Measured {
+    /// A quantity of some nodes and constraints.
+    Local {
+        /// Nodes, in the order in which it sees their coordinates.
+        nodes: Vec<NodeId>,
+        /// Constraints whose multipliers it sees.
+        constraints: Vec<ConstraintId>,
+        /// Place of its parameters in p.
+        parameters: Range<usize>,
+        /// The formula.
+        quantity: Box<dyn AnyQuantity>,
+    },
+    /// Kinetic and potential energy of all elements [J].
+    Energy,
+    /// Mass of all elements [kg].
+    Mass,
+}
+
+/// What is made of it over time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Over {
+    /// Value at the start.
+    Initial,
+    /// Value at the end.
+    Terminal,
+    /// Integral over time, with the integrator's own weights.
+    Integral,
+    /// Smooth maximum (Kreisselmeier & Steinhauser): c + ln(I) / rho, I = integral of exp(rho (y - c)), c the largest y seen.
+    ///
+    /// With `normalized` I is divided by the duration, which makes the value independent of the unit of time and at most the
+    /// maximum; without, it is the form of Boopathy & Kennedy.
+    SmoothMaximum {
+        /// rho, in units of 1 / y.
+        sharpness: f64,
+        /// Divide by the duration.
+        normalized: bool,
+    },
+}
+
+/// A functional f: a measured quantity and what is made of it over time.
+pub struct Functional {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: &'static str,
+    /// What is measured.
+    pub measured: Measured,
+    /// What is made of it.
+    pub over: Over,
+}
+
+/// States at which a functional reads: a stage, the start, or the end.
+#[derive(Clone, Debug)]
+pub struct Sample<S> {
+    /// Time [s].
+    pub t: f64,
+    /// Quadrature weight h b_i [s].
+    pub weight: f64,
+    /// Accelerations, velocities, coordinates.
+    pub at: VectorsAvq<S>,
+    /// Multipliers.
+    pub mu: Vec<S>,
+}
+
+impl<S: FunctionalScalar> History<S> {
+    /// The sample at the start: projected state, first acceleration.
+    pub fn initial_sample(&self) -> Option<Sample<S>> {
+        let start = &self.start.as_ref()?.acceleration;
+        Some(Sample { t: start.t, weight: 0.0, at: start.point(), mu: start.unknowns.mu.clone() })
+    }
+
+    /// The sample at the end: last state, with acceleration and multipliers of the last stage.
+    pub fn terminal_sample(&self) -> Option<Sample<S>> {
+        let step = self.steps.last()?;
+        let last = &step.stages.last()?.solve;
+        let at = VectorsAvq { a: last.unknowns.x.clone(), v: step.v.clone(), q: step.q.clone() };
+        Some(Sample { t: step.t + step.h, weight: 0.0, at, mu: last.unknowns.mu.clone() })
+    }
+
+    /// The sample at a stage.
+    pub fn stage_sample(&self, table: &Table, step: usize, stage: usize) -> Sample<S> {
+        let solve = &self.steps[step].stages[stage].solve;
+        let weight = self.steps[step].h * table.weights[stage];
+        Sample { t: solve.t, weight, at: solve.point(), mu: solve.unknowns.mu.clone() }
+    }
+
+    fn stage_samples<'h>(&'h self, table: &'h Table) -> impl Iterator<Item = Sample<S>> + 'h {
+        let stages = table.stages.len();
+        (0..self.steps.len()).flat_map(move |step| (0..stages).map(move |stage| self.stage_sample(table, step, stage)))
+    }
+
+    /// Length of the run [s].
+    pub fn duration(&self) -> f64 {
+        self.steps.iter().map(|step| step.h).sum()
+    }
+}
+
+impl Functional {
+    /// Largest measured value over the stages: the offset c of a smooth maximum. `None` for other functionals.
+    pub fn offset(&self, model: &Model, table: &Table, history: &History<f64>, p: &[f64]) -> Option<f64> {
+        let Over::SmoothMaximum { .. } = self.over else { return None };
+        let values = history.stage_samples(table).map(|sample| self.measured.value(model, &sample, p));
+        Some(values.fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// The value of a run; `offset` as given by [`Functional::offset`] for the real run.
+    pub fn value<S: FunctionalScalar>(
+        &self,
+        model: &Model,
+        table: &Table,
+        history: &History<S>,
+        p: &[S],
+        offset: Option<f64>,
+    ) -> S {
+        let measure =
+            |sample: Option<Sample<S>>| sample.map_or(S::from(f64::NAN), |sample| self.measured.value(model, &sample, p));
+        match self.over {
+            Over::Initial => measure(history.initial_sample()),
+            Over::Terminal => measure(history.terminal_sample()),
+            Over::Integral => history.stage_samples(table).map(|s| self.measured.value(model, &s, p) * s.weight).sum(),
+            Over::SmoothMaximum { sharpness, normalized } => {
+                let c = offset.unwrap_or(0.0);
+                let weighted = |s: Sample<S>| ((self.measured.value(model, &s, p) - c) * sharpness).exp() * s.weight;
+                let integral: S = history.stage_samples(table).map(weighted).sum();
+                let measure = if normalized { history.duration() } else { 1.0 };
+                (integral / measure).ln() / sharpness + c
+            }
+        }
+    }
+
+    /// Factor with which the gradient of the measured quantity at a stage enters df.
+    pub fn stage_factor(&self, model: &Model, sample: &Sample<f64>, p: &[f64], value: f64, duration: f64) -> f64 {
+        match self.over {
+            Over::Initial | Over::Terminal => 0.0,
+            Over::Integral => sample.weight,
+            Over::SmoothMaximum { sharpness, normalized } => {
+                // d f = sum w exp(rho (y - c)) dy / integral, and the integral is exp(rho (f - c)) times the measure: c cancels
+                let measure = if normalized { duration } else { 1.0 };
+                let y = self.measured.value(model, sample, p);
+                sample.weight * (sharpness * (y - value)).exp() / measure
+            }
+        }
+    }
+}
+
+fn gather<S: Copy>(model: &Model, nodes: &[NodeId], values: &[S]) -> Vec<S> {
+    nodes.iter().flat_map(|node| values[model.nodes[node.0].dofs.clone()].iter().copied()).collect()
+}
+
+impl Measured {
+    /// The value at a sample.
+    pub fn value<S: FunctionalScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
+        match self {
+            Measured::Local { nodes, constraints, parameters, quantity } => {
+                let [a, v, q] = [&sample.at.a, &sample.at.v, &sample.at.q].map(|x| gather(model, nodes, x));
+                let rows = constraints.iter().flat_map(|id| model.constraints[id.0].equations.clone());
+                let mu: Vec<S> = rows.map(|row| sample.mu[row]).collect();
+                let state = State { a: &a, v: &v, q: &q };
+                S::quantity(&**quantity).value_in(state, &mu, &p[parameters.clone()], S::from(sample.t))
+            }
+            Measured::Energy => {
+                let own = |element: &crate::assembly::Attached<dyn crate::elements::AnyElement>| {
+                    let [v, q] = [&sample.at.v, &sample.at.q].map(|x| gather(model, &element.nodes, x));
+                    let [t, v] = S::element(&*element.physics).energy(&v, &q, &p[element.parameters.clone()]);
+                    t + v
+                };
+                model.elements.iter().map(own).sum()
+            }
+            Measured::Mass => {
+                let own = |element: &crate::assembly::Attached<dyn crate::elements::AnyElement>| {
+                    S::element(&*element.physics).mass_in(&p[element.parameters.clone()])
+                };
+                model.elements.iter().map(own).sum()
+            }
+        }
+    }
+
+    /// Adds `factor` times the gradient at a sample.
+    pub fn add_gradient(
+        &self,
+        model: &Model,
+        sample: &Sample<f64>,
+        p: &[f64],
+        factor: f64,
+        at_bar: &mut VectorsAvq<f64>,
+        mu_bar: &mut [f64],
+        p_bar: &mut [f64],
+    ) {
+        let t = Lanes::from(sample.t);
+        match self {
+            Measured::Local { nodes, constraints, parameters, quantity } => {
+                let dofs: Vec<usize> = nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+                let rows: Vec<usize> = constraints.iter().flat_map(|id| model.constraints[id.0].equations.clone()).collect();
+                let n = dofs.len();
+                let places: Vec<f64> = [&sample.at.a, &sample.at.v, &sample.at.q]
+                    .into_iter()
+                    .flat_map(|x| dofs.iter().map(|&dof| x[dof]))
+                    .chain(rows.iter().map(|&row| sample.mu[row]))
+                    .chain(p[parameters.clone()].iter().copied())
+                    .collect();
+                let gradient = lanes_gradient(&places, |x| {
+                    let state = State { a: &x[..n], v: &x[n..2 * n], q: &x[2 * n..3 * n] };
+                    let (mu, p) = x[3 * n..].split_at(rows.len());
+                    Lanes::quantity(&**quantity).value_in(state, mu, p, t)
+                });
+                for (i, &dof) in dofs.iter().enumerate() {
+                    at_bar.a[dof] += factor * gradient[i];
+                    at_bar.v[dof] += factor * gradient[n + i];
+                    at_bar.q[dof] += factor * gradient[2 * n + i];
+                }
+                for (i, &row) in rows.iter().enumerate() {
+                    mu_bar[row] += factor * gradient[3 * n + i];
+                }
+                for (i, place) in parameters.clone().enumerate() {
+                    p_bar[place] += factor * gradient[3 * n + rows.len() + i];
+                }
+            }
+            Measured::Energy => {
+                for element in &model.elements {
+                    let dofs: Vec<usize> = element.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+                    let n = dofs.len();
+                    let places: Vec<f64> = [&sample.at.v, &sample.at.q]
+                        .into_iter()
+                        .flat_map(|x| dofs.iter().map(|&dof| x[dof]))
+                        .chain(p[element.parameters.clone()].iter().copied())
+                        .collect();
+                    let gradient = lanes_gradient(&places, |x| {
+                        let [t, v] = Lanes::element(&*element.physics).energy(&x[..n], &x[n..2 * n], &x[2 * n..]);
+                        t + v
+                    });
+                    for (i, &dof) in dofs.iter().enumerate() {
+                        at_bar.v[dof] += factor * gradient[i];
+                        at_bar.q[dof] += factor * gradient[n + i];
+                    }
+                    for (i, place) in element.parameters.clone().enumerate() {
+                        p_bar[place] += factor * gradient[2 * n + i];
+                    }
+                }
+            }
+            Measured::Mass => {
+                for element in &model.elements {
+                    let gradient =
+                        lanes_gradient(&p[element.parameters.clone()], |p| Lanes::element(&*element.physics).mass_in(p));
+                    for (place, g) in element.parameters.clone().zip(gradient) {
+                        p_bar[place] += factor * g;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Gradient of a function of several numbers, eight at a time.
+fn lanes_gradient(at: &[f64], function: impl Fn(&[Lanes]) -> Lanes) -> Vec<f64> {
+    let mut x: Vec<Lanes> = at.iter().map(|&x| Lanes::constant(x)).collect();
+    let mut gradient = Vec::with_capacity(x.len());
+    for first in (0..x.len()).step_by(LANES) {
+        let lanes = LANES.min(x.len() - first);
+        for lane in 0..lanes {
+            x[first + lane].eps[lane] = 1.0;
+        }
+        let value = function(&x);
+        gradient.extend_from_slice(&value.eps[..lanes]);
+        for lane in 0..lanes {
+            x[first + lane].eps[lane] = 0.0;
+        }
+    }
+    gradient
+}

@@ -1,0 +1,9 @@
+//! Numbers that a motion is judged by: quantities at a time, and what is made of them over time.
+
+mod functional;
+mod quantity;
+
+pub mod quantities;
+
+pub use functional::{Functional, Measured, Over, Sample};
+pub use quantity::{AnyQuantity, FunctionalScalar, Quantity, QuantityIn};

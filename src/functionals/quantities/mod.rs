@@ -1,0 +1,25 @@
+//! Quantities of points and joints. A new one is a file here and a line in this list.
+
+mod coordinate;
+mod position;
+mod reaction;
+mod target_distance;
+mod velocity;
+
+pub use coordinate::Coordinate;
+pub use position::Position;
+pub use reaction::Reaction;
+pub use target_distance::TargetDistance;
+pub use velocity::Velocity;
+
+use crate::elements::Parameter;
+
+/// A point of a body and a direction in the world: the parameters of projected point quantities.
+const POINT_AND_DIRECTION: [Parameter; 6] = [
+    Parameter::new("point x", "m"),
+    Parameter::new("point y", "m"),
+    Parameter::new("point z", "m"),
+    Parameter::new("direction x", "-"),
+    Parameter::new("direction y", "-"),
+    Parameter::new("direction z", "-"),
+];

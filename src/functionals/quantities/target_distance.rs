@@ -1,0 +1,31 @@
+use crate::elements::{Anchor, Parameter, State};
+use crate::functionals::Quantity;
+use crate::scalar::{Scalar, Vec3};
+
+/// Squared distance of a point from a target: |x - x*|^2 [m2].
+///
+/// * `point x, y, z`  in the body frame [m]; ignored for a point node
+/// * `target x, y, z`  x*, in the world [m]
+pub struct TargetDistance {
+    /// What the point belongs to.
+    pub of: Anchor,
+}
+
+impl Quantity for TargetDistance {
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("point x", "m"),
+        Parameter::new("point y", "m"),
+        Parameter::new("point z", "m"),
+        Parameter::new("target x", "m"),
+        Parameter::new("target y", "m"),
+        Parameter::new("target z", "m"),
+    ];
+
+    fn dofs(&self) -> usize {
+        self.of.dofs()
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
+        let miss = self.of.position(s.q, Vec3::from_slice(p)) - Vec3::from_slice(&p[3..]);
+        miss.dot(miss)
+    }
+}

@@ -1,0 +1,24 @@
+use super::POINT_AND_DIRECTION;
+use crate::elements::{Anchor, Parameter, State};
+use crate::functionals::Quantity;
+use crate::scalar::{Scalar, Vec3};
+
+/// Velocity of a point along a direction: d . dx/dt [m/s].
+///
+/// * `point x, y, z`  in the body frame [m]; ignored for a point node
+/// * `direction x, y, z`  d, in the world [-]
+pub struct Velocity {
+    /// What the point belongs to.
+    pub of: Anchor,
+}
+
+impl Quantity for Velocity {
+    const PARAMETERS: &'static [Parameter] = &POINT_AND_DIRECTION;
+
+    fn dofs(&self) -> usize {
+        self.of.dofs()
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
+        self.of.velocity(s.v, s.q, Vec3::from_slice(p)).dot(Vec3::from_slice(&p[3..]))
+    }
+}

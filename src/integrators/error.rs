@@ -1,0 +1,58 @@
+use std::fmt;
+
+/// Why a simulation stopped: where, what, how much, what to try.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RunError {
+    /// Input that makes no sense, found before the first step.
+    Input(String),
+    /// A system that does not determine one of its unknowns.
+    Singular {
+        /// Where in the run.
+        place: String,
+        /// The unknown.
+        unknown: String,
+        /// What it means and what to try.
+        hint: String,
+    },
+    /// Newton's method stopped without a solution.
+    NoConvergence {
+        /// Where in the run.
+        place: String,
+        /// Diverged, stagnated, or ran into numbers that are not finite.
+        how: &'static str,
+        /// Iterations made.
+        iterations: usize,
+        /// Size of the last correction, relative to the unknowns.
+        correction: f64,
+        /// The limit for it.
+        limit: f64,
+        /// Row with the largest residual.
+        row: String,
+        /// Its residual.
+        residual: f64,
+    },
+    /// The caller asked to stop.
+    Interrupted {
+        /// Steps finished before.
+        steps: usize,
+    },
+}
+
+impl fmt::Display for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            RunError::Input(message) => f.write_str(message),
+            RunError::Singular { place, unknown, hint } => {
+                write!(f, "{place}: the equations do not determine {unknown}; {hint}")
+            }
+            RunError::NoConvergence { place, how, iterations, correction, limit, row, residual } => write!(
+                f,
+                "{place}: Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
+                 largest row: {row} ({residual:.1e}); try a smaller step"
+            ),
+            RunError::Interrupted { steps } => write!(f, "interrupted after {steps} finished steps"),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}

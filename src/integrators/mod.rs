@@ -1,0 +1,54 @@
+//! From a start to the end of the motion: tables, stages, projections, Newton's method.
+//!
+//! An integrator is a [`Table`]: which stages it has and how they and the carried vectors combine. Forward, tangent,
+//! complex-step and adjoint runs are written once, for all tables and all constraint levels.
+
+mod error;
+mod grid;
+mod march;
+mod newton;
+mod record;
+mod start;
+mod table;
+mod tables;
+
+pub use error::RunError;
+pub use grid::TimeGrid;
+pub use march::{Method, Problem, Run, march};
+pub use newton::{Counters, Newton, NewtonTolerance};
+pub use record::{Recorder, SolveRecord, StageRecord, StartRecord, StepRecord};
+pub use start::{ConstraintPolicy, InitialState, StartPlan};
+pub use table::{Butcher, Carried, Combination, Stage, Table};
+pub use tables::{DEFAULT_TABLE, table_by_name, tables};
+
+/// On which time derivative the constraints are kept while stages are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ConstraintLevel {
+    /// g = 0 at the stages (index 3), as in Boopathy & Kennedy; velocities and multipliers lose orders.
+    Position,
+    /// g = 0 and dg/dt = 0 at the stages with rate corrections (Gear, Gupta, Leimkuhler).
+    Velocity,
+    /// d2g/dt2 = 0 at the stages, then (q, v) projected onto g = 0 and dg/dt = 0: full order for every table.
+    #[default]
+    Acceleration,
+}
+
+impl ConstraintLevel {
+    /// All levels.
+    pub const ALL: [ConstraintLevel; 3] =
+        [ConstraintLevel::Position, ConstraintLevel::Velocity, ConstraintLevel::Acceleration];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            ConstraintLevel::Position => "position",
+            ConstraintLevel::Velocity => "velocity",
+            ConstraintLevel::Acceleration => "acceleration",
+        }
+    }
+
+    /// The level with a given name.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|level| level.name() == name)
+    }
+}

@@ -1,0 +1,72 @@
+use crate::assembly::{Equations, Unknowns, VectorsAvq};
+
+/// One solved system: all that the adjoint needs to go back through it.
+#[derive(Clone, Debug)]
+pub struct SolveRecord<S> {
+    /// Time [s].
+    pub t: f64,
+    /// Its kind.
+    pub equations: Equations,
+    /// Point from which the unknowns move.
+    pub base: VectorsAvq<S>,
+    /// The solution.
+    pub unknowns: Unknowns<S>,
+}
+
+impl<S: crate::scalar::Scalar> SolveRecord<S> {
+    /// (a, v, q) at the solution.
+    pub fn point(&self) -> VectorsAvq<S> {
+        VectorsAvq::shifted(&self.base, self.equations.residual, &self.unknowns)
+    }
+}
+
+/// One stage of a step.
+#[derive(Clone, Debug)]
+pub struct StageRecord<S> {
+    /// The stage's system; for a known stage the point alone, with its acceleration as x.
+    pub solve: SolveRecord<S>,
+    /// Carried vector that is the acceleration of an explicit first stage, which is not solved for.
+    pub known: Option<usize>,
+    /// Rate correction w of the velocity level [m/s]; empty otherwise.
+    pub rate: Vec<S>,
+}
+
+/// One step.
+#[derive(Clone, Debug)]
+pub struct StepRecord<S> {
+    /// Start of the step [s].
+    pub t: f64,
+    /// Size of the step [s].
+    pub h: f64,
+    /// Acceleration solved anew at the start, at a kink.
+    pub restart: Option<SolveRecord<S>>,
+    /// Stages.
+    pub stages: Vec<StageRecord<S>>,
+    /// Projection of the coordinates at the end.
+    pub position_projection: Option<SolveRecord<S>>,
+    /// Projection of the velocities at the end.
+    pub velocity_projection: Option<SolveRecord<S>>,
+    /// Coordinates at the end.
+    pub q: Vec<S>,
+    /// Velocities at the end.
+    pub v: Vec<S>,
+}
+
+/// What happens before the first step.
+#[derive(Clone, Debug)]
+pub struct StartRecord<S> {
+    /// Projection of the given coordinates, if asked for.
+    pub position_projection: Option<SolveRecord<S>>,
+    /// Projection of the given velocities, if asked for.
+    pub velocity_projection: Option<SolveRecord<S>>,
+    /// The first acceleration and its multipliers.
+    pub acceleration: SolveRecord<S>,
+}
+
+/// Receives a run step by step.
+pub trait Recorder<S> {
+    /// The start, after projections.
+    fn start(&mut self, start: StartRecord<S>);
+    /// A finished step; `false` stops the run.
+    fn step(&mut self, step: StepRecord<S>) -> bool;
+}

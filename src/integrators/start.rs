@@ -1,0 +1,184 @@
+use super::newton::Newton;
+use super::{NewtonTolerance, Problem, RunError};
+use crate::assembly::{Equations, Model, NodeKind, Residual, System, SystemOptions, VectorsAvq};
+use crate::elements::{RunScalar, State};
+use crate::linalg::{Backend, independent_rows};
+use crate::scalar::{Quaternion, Taylor};
+
+/// Coordinates and velocities at t = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InitialState<S> {
+    /// Coordinates.
+    pub q: Vec<S>,
+    /// Velocities.
+    pub v: Vec<S>,
+}
+
+/// What to do about a start that violates constraints, and about constraints that depend on each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ConstraintPolicy {
+    /// Project the start onto the constraints (in the mass metric, differentiated) instead of refusing it.
+    pub project_start: bool,
+    /// Leave out constraint equations that depend on others instead of refusing them.
+    pub drop_redundant: bool,
+}
+
+/// Decisions made once, for the real numbers, and used by every run of the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StartPlan {
+    /// Constraint equations that are left out.
+    pub dropped: Vec<usize>,
+    /// Project the start.
+    pub project: bool,
+}
+
+/// Violation of a constraint beyond which a start is inconsistent, relative to the size of the coordinates or rates.
+const INCONSISTENT: f64 = 1e-9;
+
+impl StartPlan {
+    /// Examines a start: numbers, nodes, Euler parameters, constraints, rank.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] or [`RunError::Singular`] with the name and the numbers of what is wrong.
+    pub fn prepare(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
+        let model = problem.model;
+        check_numbers(problem)?;
+        check_nodes(model)?;
+        check_euler_parameters(problem, policy)?;
+        check_consistency(problem, policy)?;
+        let dropped = find_dependent(problem, policy)?;
+        Ok(StartPlan { dropped, project: policy.project_start })
+    }
+}
+
+fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
+    let model = problem.model;
+    for (what, values) in [("coordinate", &problem.start.q), ("velocity", &problem.start.v)] {
+        if let Some(dof) = values.iter().position(|value| !value.is_finite()) {
+            let (name, value) = (model.dof_name(dof), values[dof]);
+            return Err(RunError::Input(format!("initial {what} of {name} is {value}: it must be a finite number")));
+        }
+    }
+    for part in model
+        .elements
+        .iter()
+        .map(|e| (&e.name, &e.parameters, e.physics.parameter_list()))
+        .chain(model.constraints.iter().map(|c| (&c.name, &c.parameters, c.physics.parameter_list())))
+    {
+        let (owner, places, parameters) = part;
+        for (parameter, place) in parameters.iter().zip(places.clone()) {
+            let value = problem.p[place];
+            if !parameter.admissible.contains(value) {
+                let (name, unit) = (&parameter.name, parameter.unit);
+                let allowed = parameter.admissible.describe();
+                return Err(RunError::Input(format!("\"{owner}\": {name} is {value} {unit}; it must be {allowed}")));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_nodes(model: &Model) -> Result<(), RunError> {
+    for (index, node) in model.nodes.iter().enumerate().filter(|(_, node)| !node.fixed) {
+        if !model.elements.iter().any(|element| element.nodes.iter().any(|id| id.0 == index)) {
+            return Err(RunError::Input(format!(
+                "node \"{}\" is not connected: no element acts on it, so it has no inertia; add a body or mass to it, or remove it",
+                node.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<(), RunError> {
+    for node in problem.model.nodes.iter().filter(|node| node.kind == NodeKind::Body && !policy.project_start) {
+        let own = |x: &[f64]| Quaternion::from_slice(&x[node.dofs.start + 3..]);
+        let (e, rate) = (own(&problem.start.q), own(&problem.start.v));
+        let norm = e.norm_squared().sqrt();
+        if (norm - 1.0).abs() > INCONSISTENT {
+            return Err(RunError::Input(format!(
+                "body \"{}\": its Euler parameters {:?} have length {norm}, not 1; normalize them or ask for the start to be projected",
+                node.name, e.0
+            )));
+        }
+        let along: f64 = e.0.iter().zip(rate.0).map(|(e, r)| e * r).sum();
+        let size = rate.norm_squared().sqrt();
+        if along.abs() > INCONSISTENT * size.max(1.0) {
+            return Err(RunError::Input(format!(
+                "body \"{}\": the rates of its Euler parameters change their length (e . de/dt = {along:.3e} 1/s); \
+                 give an angular velocity instead or ask for the start to be projected",
+                node.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn check_consistency(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<(), RunError> {
+    let model = problem.model;
+    let size = |x: &[f64]| x.iter().fold(1.0, |s: f64, x| s.max(x.abs()));
+    let (length, speed) = (size(&problem.start.q), size(&problem.start.v));
+    let mut messages = Vec::new();
+    for joint in &model.constraints {
+        let gather =
+            |x: &[f64]| joint.nodes.iter().flat_map(|n| x[model.nodes[n.0].dofs.clone()].to_vec()).collect::<Vec<_>>();
+        let (q, v) = (gather(&problem.start.q), gather(&problem.start.v));
+        let zeros = vec![0.0; q.len()];
+        let mut g = vec![Taylor::<f64>::default(); joint.equations.len()];
+        let state = State { a: &zeros, v: &v, q: &q };
+        f64::constraint(&*joint.physics).derivatives(state, &problem.p[joint.parameters.clone()], 0.0, 1.0, &mut g);
+        for (row, g) in g.iter().enumerate() {
+            if !(g.value.abs() <= INCONSISTENT * length) {
+                messages.push(format!("joint \"{}\", constraint {}: g = {:.6e}", joint.name, row + 1, g.value));
+            } else if !(g.first.abs() <= INCONSISTENT * speed) {
+                messages.push(format!("joint \"{}\", constraint {}: dg/dt = {:.6e}", joint.name, row + 1, g.first));
+            }
+        }
+    }
+    if messages.is_empty() || policy.project_start {
+        return Ok(());
+    }
+    let shown = messages.iter().take(6).cloned().collect::<Vec<_>>().join("; ");
+    let more = if messages.len() > 6 { format!("; and {} more", messages.len() - 6) } else { String::new() };
+    Err(RunError::Input(format!(
+        "the start violates its constraints: {shown}{more}; correct the initial positions and velocities or ask for the start to be projected"
+    )))
+}
+
+/// Constraint equations that depend on others at the start, if the policy allows to drop them.
+fn find_dependent(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
+    let model = problem.model;
+    let place = "start (t = 0 s)";
+    let system = System::new(model, SystemOptions::default());
+    let singular = |newton: Option<&Newton<f64>>, unknown: usize| RunError::Singular {
+        place: place.into(),
+        unknown: newton.map_or("an unknown".into(), |n| n.system.unknown_name(unknown, &n.jacobian)),
+        hint: "it has no inertia, or nothing holds it: give it a mass or a constraint".into(),
+    };
+    let mut newton =
+        Newton::<f64>::new(&system, NewtonTolerance::RoundOff, Backend::Automatic).map_err(|s| singular(None, s.unknown))?;
+    let mut unknowns = Residual::unknowns(&system);
+    // the point of the analysis: the constraints at their own start, whatever its consistency
+    let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
+    let Err(failure) = newton.solve(&Equations::acceleration(), &base, &mut unknowns, &problem.p, 0.0) else {
+        return Ok(Vec::new());
+    };
+    let rows = newton.constraint_rows();
+    let kept = independent_rows(&rows);
+    if kept.len() == rows.len() {
+        return Err(newton.describe(&failure, place));
+    }
+    let dependent: Vec<usize> = (0..rows.len()).filter(|row| !kept.contains(row)).collect();
+    if policy.drop_redundant {
+        return Ok(dependent);
+    }
+    let names = |list: &[usize]| list.iter().map(|&row| model.equation_name(row)).collect::<Vec<_>>().join("; ");
+    Err(RunError::Input(format!(
+        "the constraints are redundant: {} of {} equations depend on the others: {}. An independent subset is: {}. \
+         Remove a joint's excess equations or allow redundant ones to be dropped",
+        dependent.len(),
+        rows.len(),
+        names(&dependent),
+        names(&kept)
+    )))
+}

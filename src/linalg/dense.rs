@@ -1,0 +1,93 @@
+use super::{LinearSolver, Singular};
+use crate::assembly::SparsePattern;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::perm::PermRef;
+use faer::{Conj, Mat, Par};
+
+/// Dense LU with partial pivoting: for up to about a hundred unknowns.
+pub struct DenseLu {
+    pattern: SparsePattern,
+    lu: Mat<f64>,
+    rows: Vec<usize>,
+    rows_inverse: Vec<usize>,
+    memory: MemBuffer,
+}
+
+/// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
+const TINY_PIVOT: f64 = 1e-14;
+
+impl DenseLu {
+    /// Workspace for a pattern.
+    pub fn new(pattern: &SparsePattern) -> Self {
+        let n = pattern.size;
+        let memory = StackReq::any_of(&[
+            factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default()),
+            solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
+            solve::solve_transpose_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
+        ]);
+        DenseLu {
+            pattern: pattern.clone(),
+            lu: Mat::zeros(n, n),
+            rows: vec![0; n],
+            rows_inverse: vec![0; n],
+            memory: MemBuffer::new(memory),
+        }
+    }
+
+    /// The unknown that dominates the null vector belonging to the vanishing pivot `k`: U x = 0 with x_k = 1.
+    fn dependent_unknown(&self, k: usize) -> usize {
+        let mut x = vec![0.0; k + 1];
+        x[k] = 1.0;
+        for i in (0..k).rev() {
+            let sum: f64 = (i + 1..=k).map(|j| self.lu[(i, j)] * x[j]).sum();
+            x[i] = -sum / self.lu[(i, i)];
+        }
+        (0..=k).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs())).unwrap_or(k)
+    }
+}
+
+impl LinearSolver for DenseLu {
+    fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
+        let n = self.pattern.size;
+        self.lu.fill(0.0);
+        for column in 0..n {
+            for place in self.pattern.column_starts[column]..self.pattern.column_starts[column + 1] {
+                self.lu[(self.pattern.rows[place], column)] = values[place];
+            }
+        }
+        factor::lu_in_place(
+            self.lu.as_mut(),
+            &mut self.rows,
+            &mut self.rows_inverse,
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        );
+        for k in 0..n {
+            let pivot = self.lu[(k, k)];
+            if !pivot.is_finite() {
+                return Err(Singular { unknown: k });
+            }
+            if pivot.abs() < TINY_PIVOT {
+                return Err(Singular { unknown: self.dependent_unknown(k) });
+            }
+        }
+        Ok(())
+    }
+
+    fn solve(&mut self, rhs: &mut [f64]) {
+        let rows = PermRef::new_checked(&self.rows, &self.rows_inverse, self.pattern.size);
+        let rhs = faer::ColMut::from_slice_mut(rhs).as_mat_mut();
+        let memory = MemStack::new(&mut self.memory);
+        solve::solve_in_place_with_conj(self.lu.as_ref(), self.lu.as_ref(), rows, Conj::No, rhs, Par::Seq, memory);
+    }
+
+    fn solve_transposed(&mut self, rhs: &mut [f64]) {
+        let rows = PermRef::new_checked(&self.rows, &self.rows_inverse, self.pattern.size);
+        let rhs = faer::ColMut::from_slice_mut(rhs).as_mat_mut();
+        let memory = MemStack::new(&mut self.memory);
+        let lu = self.lu.as_ref();
+        solve::solve_transpose_in_place_with_conj(lu, lu, rows, Conj::No, rhs, Par::Seq, memory);
+    }
+}

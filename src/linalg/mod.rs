@@ -1,0 +1,34 @@
+//! Linear systems: analyse a pattern once, factor values, solve, solve transposed.
+//!
+//! Only `f64` is factored; derivative parts are solved with the same factors. [`Factorization`] scales rows and columns,
+//! chooses the backend by size, refines solutions, and names the unknown of a singular system.
+
+mod dense;
+mod factorization;
+mod rank;
+mod sparse;
+
+pub use dense::DenseLu;
+pub use factorization::{Backend, Factorization};
+pub use rank::independent_rows;
+pub use sparse::SparseLu;
+
+/// A singular or non-finite matrix: the unknown that it does not determine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Singular {
+    /// Number of the unknown (column).
+    pub unknown: usize,
+}
+
+/// A direct solver for square matrices of one pattern; scaled and refined by [`Factorization`].
+pub trait LinearSolver: Send {
+    /// Factors values given in the order of the pattern.
+    ///
+    /// # Errors
+    /// [`Singular`] if a pivot is zero, tiny or not finite and the solver sees it.
+    fn factor(&mut self, values: &[f64]) -> Result<(), Singular>;
+    /// Replaces b by A^-1 b.
+    fn solve(&mut self, rhs: &mut [f64]);
+    /// Replaces b by A^-T b.
+    fn solve_transposed(&mut self, rhs: &mut [f64]);
+}

@@ -1,0 +1,400 @@
+use crate::assembly::{ConstraintId, ElementId, Model, NodeId, NodeKind};
+use crate::design::ModelNumbers;
+use crate::elements::bodies::{PointMass, RigidBody};
+use crate::elements::forces::{Gravity, LineDamper, LineSpring, TorsionSpringDamper, VectorDamper};
+use crate::elements::joints::{
+    DistanceJoint, FixedJoint, PrescribedRotation, PrescribedTranslation, RevoluteJoint, SphericalJoint,
+};
+use crate::elements::{Anchor, AnyConstraint, AnyElement, TimeFunction};
+use crate::functionals::quantities::{Coordinate, Position, Reaction, TargetDistance, Velocity};
+use crate::functionals::{AnyQuantity, Functional, Measured, Over};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// A line of the picture of the motion: points of one node, in its frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// The node that it moves with.
+    pub node: NodeId,
+    /// Corners [m].
+    pub points: Vec<[f64; 3]>,
+}
+
+/// Collects a mechanism: nodes with their start, elements, joints, functionals, and lines to draw.
+///
+/// Geometry is given in the world at t = 0; the builder turns it into body frames. Mistakes are collected by name and
+/// reported by [`finish`](MechanismBuilder::finish), so that a scene function reads without question marks.
+#[derive(Default)]
+pub struct MechanismBuilder<S> {
+    /// Topology.
+    pub model: Model,
+    /// Parameters and start.
+    pub numbers: ModelNumbers<S>,
+    /// Functionals.
+    pub functionals: Vec<Functional>,
+    /// Lines of the picture.
+    pub drawings: Vec<Drawing>,
+    ground: Option<NodeId>,
+    masses: Vec<(NodeId, S, Vec3<S>)>,
+    mistakes: Vec<String>,
+}
+
+impl<S: Scalar> MechanismBuilder<S> {
+    fn add_node(&mut self, name: &str, kind: NodeKind, fixed: bool, q: &[S]) -> NodeId {
+        if self.model.nodes.iter().any(|node| node.name == name) {
+            self.mistakes.push(format!("two nodes are named \"{name}\""));
+        }
+        self.numbers.q.extend_from_slice(q);
+        self.numbers.v.resize(self.numbers.q.len(), S::zero());
+        self.model.add_node(name, kind, fixed)
+    }
+
+    /// A rigid body's node at rest: position of its frame [m] and Euler parameters.
+    pub fn body(&mut self, name: &str, position: Vec3<S>, rotation: Quaternion<S>) -> NodeId {
+        let q: Vec<S> = position.0.into_iter().chain(rotation.0).collect();
+        self.add_node(name, NodeKind::Body, false, &q)
+    }
+
+    /// A point's node at rest [m].
+    pub fn point(&mut self, name: &str, position: Vec3<S>) -> NodeId {
+        self.add_node(name, NodeKind::Point, false, &position.0)
+    }
+
+    /// A node of coordinates that the scene's own elements give a meaning to, with their rates.
+    pub fn coordinates(&mut self, name: &str, q: &[S], v: &[S]) -> NodeId {
+        let node = self.add_node(name, NodeKind::Coordinates(q.len()), false, q);
+        if q.len() != v.len() {
+            self.mistakes.push(format!("\"{name}\" has {} coordinates but {} velocities", q.len(), v.len()));
+        }
+        let dofs = self.model.nodes[node.0].dofs.clone();
+        for (place, &v) in dofs.zip(v) {
+            self.numbers.v[place] = v;
+        }
+        node
+    }
+
+    /// The ground: a body at the origin that never moves.
+    pub fn ground(&mut self) -> NodeId {
+        if let Some(ground) = self.ground {
+            return ground;
+        }
+        let q: Vec<S> = Vec3::zero().0.into_iter().chain(Quaternion::identity().0).collect();
+        let ground = self.add_node("ground", NodeKind::Body, true, &q);
+        self.ground = Some(ground);
+        ground
+    }
+
+    /// Gives a node a velocity [m/s] and, if it is a body, an angular velocity in world components [rad/s].
+    pub fn set_velocity(&mut self, node: NodeId, velocity: Vec3<S>, omega_world: Vec3<S>) {
+        let first = self.model.nodes[node.0].dofs.start;
+        for (place, v) in (first..).zip(velocity.0) {
+            self.numbers.v[place] = v;
+        }
+        if self.model.nodes[node.0].kind == NodeKind::Body {
+            let e = self.rotation(node);
+            for (place, rate) in (first + 3..).zip(e.rate_of_body_velocity(e.rotate_back(omega_world))) {
+                self.numbers.v[place] = rate;
+            }
+        }
+    }
+
+    /// Initial position of a node's frame [m].
+    pub fn position(&self, node: NodeId) -> Vec3<S> {
+        Vec3::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start..])
+    }
+
+    /// Initial Euler parameters of a body.
+    pub fn rotation(&self, node: NodeId) -> Quaternion<S> {
+        Quaternion::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..])
+    }
+
+    /// A world point [m] in the frame of a node; zero for a point node, whose own position it is.
+    pub fn local_point(&self, node: NodeId, point: Vec3<S>) -> Vec3<S> {
+        match self.model.nodes[node.0].kind {
+            NodeKind::Body => self.rotation(node).rotate_back(point - self.position(node)),
+            _ => Vec3::zero(),
+        }
+    }
+
+    /// A world direction in the frame of a body.
+    pub fn local_direction(&self, node: NodeId, direction: Vec3<S>) -> Vec3<S> {
+        self.rotation(node).rotate_back(direction)
+    }
+
+    fn anchor(&mut self, owner: &str, node: NodeId) -> Anchor {
+        match self.model.nodes[node.0].kind {
+            NodeKind::Point => Anchor::Point,
+            NodeKind::Body => Anchor::Body,
+            NodeKind::Coordinates(_) => {
+                let name = &self.model.nodes[node.0].name;
+                self.mistakes.push(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
+                Anchor::Point
+            }
+        }
+    }
+
+    fn check_sizes(&mut self, name: &str, nodes: &[NodeId], dofs: usize, parameters: usize, given: usize) -> bool {
+        let have = self.model.dof_count(nodes);
+        if have != dofs {
+            self.mistakes.push(format!("\"{name}\" works on {dofs} coordinates, but its nodes have {have}"));
+        }
+        if parameters != given {
+            self.mistakes.push(format!("\"{name}\" has {parameters} parameters, but {given} values were given"));
+        }
+        have == dofs && parameters == given
+    }
+
+    /// Adds any element with its parameters.
+    pub fn element(&mut self, name: &str, nodes: &[NodeId], element: impl AnyElement + 'static, p: &[S]) -> ElementId {
+        let sound = self.check_sizes(name, nodes, element.dof_count(), element.parameter_list().len(), p.len());
+        if !sound {
+            return ElementId(usize::MAX);
+        }
+        self.numbers.p.extend_from_slice(p);
+        self.model.add_element(name, nodes, Box::new(element))
+    }
+
+    /// Adds any constraint with its parameters.
+    pub fn constraint(
+        &mut self,
+        name: &str,
+        nodes: &[NodeId],
+        constraint: impl AnyConstraint + 'static,
+        p: &[S],
+    ) -> ConstraintId {
+        let sound = self.check_sizes(name, nodes, constraint.dof_count(), constraint.parameter_list().len(), p.len());
+        if !sound {
+            return ConstraintId(usize::MAX);
+        }
+        self.numbers.p.extend_from_slice(p);
+        self.model.add_constraint(name, nodes, Box::new(constraint))
+    }
+
+    /// Inertia of a body: mass [kg], mass centre in the body frame [m], tensor about it (xx, yy, zz, xy, xz, yz) [kg m2].
+    pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vec3<S>, inertia: [S; 6]) -> ElementId {
+        self.masses.push((node, mass, centre));
+        let p: Vec<S> = [mass].into_iter().chain(centre.0).chain(inertia).collect();
+        self.element(name, &[node], RigidBody, &p)
+    }
+
+    /// A mass [kg] at a point.
+    pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
+        self.masses.push((node, mass, Vec3::zero()));
+        self.element(name, &[node], PointMass, &[mass])
+    }
+
+    /// Weight for every mass added so far: g [m/s2].
+    pub fn gravity(&mut self, gravity: Vec3<S>) {
+        for (node, mass, centre) in std::mem::take(&mut self.masses) {
+            let name = format!("weight of {}", self.model.nodes[node.0].name);
+            let on = self.anchor(&name, node);
+            let p: Vec<S> = [mass].into_iter().chain(gravity.0).chain(centre.0).collect();
+            self.element(&name, &[node], Gravity { on }, &p);
+        }
+    }
+
+    fn points_between(&self, [a, b]: [NodeId; 2], [on_a, on_b]: [Vec3<S>; 2]) -> Vec<S> {
+        self.local_point(a, on_a).0.into_iter().chain(self.local_point(b, on_b).0).collect()
+    }
+
+    /// A spring along the line between world points of two nodes: stiffness [N/m], rest length [m].
+    pub fn line_spring(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        ends: [Vec3<S>; 2],
+        stiffness: S,
+        rest_length: S,
+    ) -> ElementId {
+        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let p = [vec![stiffness, rest_length], self.points_between(nodes, ends)].concat();
+        self.element(name, &nodes, LineSpring { a, b }, &p)
+    }
+
+    /// A damper along the line between world points of two nodes [N s/m].
+    pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
+        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let p = [vec![damping], self.points_between(nodes, ends)].concat();
+        self.element(name, &nodes, LineDamper { a, b }, &p)
+    }
+
+    /// A damper on the whole relative velocity of world points of two nodes [N s/m].
+    pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
+        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let p = [vec![damping], self.points_between(nodes, ends)].concat();
+        self.element(name, &nodes, VectorDamper { a, b }, &p)
+    }
+
+    /// Axis and reference directions of an angle between two bodies that is zero at the start.
+    fn angle_frame(&self, [a, b]: [NodeId; 2], axis: Vec3<S>) -> Vec<S> {
+        let axis = axis.normalized();
+        let [reference, _] = axis.perpendiculars();
+        [self.local_direction(a, axis), self.local_direction(a, reference), self.local_direction(b, reference)]
+            .into_iter()
+            .flat_map(|vector| vector.0)
+            .collect()
+    }
+
+    /// A torsion spring and damper about a world axis [N m/rad], [N m s/rad]; the angle is zero at the start.
+    pub fn torsion_spring_damper(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        axis: Vec3<S>,
+        [stiffness, damping, rest_angle]: [S; 3],
+    ) -> ElementId {
+        let p = [vec![stiffness, damping, rest_angle], self.angle_frame(nodes, axis)].concat();
+        self.element(name, &nodes, TorsionSpringDamper, &p)
+    }
+
+    /// A spherical joint at a world point [m].
+    pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
+        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let p = self.points_between(nodes, [point, point]);
+        self.constraint(name, &nodes, SphericalJoint { a, b }, &p)
+    }
+
+    /// A massless link between two world points [m], as long as they are apart at the start.
+    pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2]) -> ConstraintId {
+        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let mut p = self.points_between(nodes, ends);
+        p.push((ends[1] - ends[0]).norm());
+        self.constraint(name, &nodes, DistanceJoint { a, b }, &p)
+    }
+
+    /// A revolute joint at a world point [m] about a world axis.
+    pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
+        let axis = axis.normalized();
+        let [u, w] = axis.perpendiculars();
+        let mut p = self.points_between(nodes, [point, point]);
+        let [a, b] = nodes;
+        for vector in [self.local_direction(a, u), self.local_direction(a, w), self.local_direction(b, axis)] {
+            p.extend(vector.0);
+        }
+        self.constraint(name, &nodes, RevoluteJoint, &p)
+    }
+
+    /// Two bodies welded together at a world point [m].
+    pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
+        let relative = self.rotation(nodes[0]).conjugate().times(self.rotation(nodes[1]));
+        let p = [self.points_between(nodes, [point, point]), relative.0.to_vec()].concat();
+        self.constraint(name, &nodes, FixedJoint, &p)
+    }
+
+    /// Drives the angle of b against a about a world axis [rad]; the angle is zero at the start of the geometry.
+    pub fn prescribed_rotation(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        axis: Vec3<S>,
+        angle: TimeFunction,
+        function_parameters: &[S],
+    ) -> ConstraintId {
+        let p = [self.angle_frame(nodes, axis), function_parameters.to_vec()].concat();
+        self.constraint(name, &nodes, PrescribedRotation { angle }, &p)
+    }
+
+    /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` [m].
+    pub fn prescribed_translation(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        [origin, point]: [Vec3<S>; 2],
+        axis: Vec3<S>,
+        displacement: TimeFunction,
+        function_parameters: &[S],
+    ) -> ConstraintId {
+        let b = self.anchor(name, nodes[1]);
+        let axis = self.local_direction(nodes[0], axis.normalized());
+        let p = [self.points_between(nodes, [origin, point]), axis.0.to_vec(), function_parameters.to_vec()].concat();
+        self.constraint(name, &nodes, PrescribedTranslation { b, displacement }, &p)
+    }
+
+    /// A functional of any quantity.
+    pub fn functional(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        over: Over,
+        (nodes, constraints): (&[NodeId], &[ConstraintId]),
+        quantity: impl AnyQuantity + 'static,
+        p: &[S],
+    ) {
+        if !self.check_sizes(name, nodes, quantity.dof_count(), quantity.parameter_list().len(), p.len()) {
+            return;
+        }
+        let parameters = self.model.add_parameters(p.len());
+        self.numbers.p.extend_from_slice(p);
+        let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
+        let measured = Measured::Local { nodes, constraints, parameters, quantity: Box::new(quantity) };
+        self.functionals.push(Functional { name: name.into(), unit, measured, over });
+    }
+
+    /// A functional of the position of a world point of a node along a direction [m].
+    pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vec3<S>, direction: Vec3<S>) {
+        let of = self.anchor(name, node);
+        let p = [self.local_point(node, point).0, direction.0].concat();
+        self.functional(name, "m", over, (&[node], &[]), Position { of }, &p);
+    }
+
+    /// A functional of the velocity of a world point of a node along a direction [m/s].
+    pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vec3<S>, direction: Vec3<S>) {
+        let of = self.anchor(name, node);
+        let p = [self.local_point(node, point).0, direction.0].concat();
+        self.functional(name, "m/s", over, (&[node], &[]), Velocity { of }, &p);
+    }
+
+    /// A functional of the squared distance of a world point of a node from a target [m2].
+    pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vec3<S>, target: Vec3<S>) {
+        let of = self.anchor(name, node);
+        let p = [self.local_point(node, point).0, target.0].concat();
+        self.functional(name, "m2", over, (&[node], &[]), TargetDistance { of }, &p);
+    }
+
+    /// A functional of a weighted sum of a joint's multipliers.
+    pub fn reaction_functional(&mut self, name: &str, over: Over, joint: ConstraintId, weights: &[S]) {
+        if let Some(constraint) = self.model.constraints.get(joint.0) {
+            let equations = constraint.equations.len();
+            self.functional(name, "N", over, (&[], &[joint]), Reaction { equations }, weights);
+        }
+    }
+
+    /// A functional of one coordinate of a node.
+    pub fn coordinate_functional(&mut self, name: &str, over: Over, node: NodeId, index: usize) {
+        let of = self.model.nodes[node.0].dofs.len();
+        self.functional(name, "-", over, (&[node], &[]), Coordinate { of, index }, &[]);
+    }
+
+    /// A functional of the energy of all elements [J].
+    pub fn energy_functional(&mut self, name: &str, over: Over) {
+        self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::Energy, over });
+    }
+
+    /// A functional of the mass of all elements [kg].
+    pub fn mass_functional(&mut self, name: &str, over: Over) {
+        self.functionals.push(Functional { name: name.into(), unit: "kg", measured: Measured::Mass, over });
+    }
+
+    /// Draws a line through world points with a node.
+    pub fn draw(&mut self, node: NodeId, points: &[Vec3<S>]) {
+        let points = points.iter().map(|&point| self.local_point(node, point).0.map(Scalar::value)).collect();
+        self.drawings.push(Drawing { node, points });
+    }
+
+    /// Checks what was collected.
+    ///
+    /// # Errors
+    /// All mistakes, one after the other.
+    pub fn finish(mut self) -> Result<Self, String> {
+        if self.functionals.iter().any(|f| matches!(f.measured, Measured::Energy)) {
+            for element in self.model.elements.iter().filter(|element| !element.physics.has_energies()) {
+                let name = &element.name;
+                self.mistakes
+                    .push(format!("an energy functional needs the energies of \"{name}\", which it does not state"));
+            }
+        }
+        if self.model.nodes.iter().all(|node| node.fixed) {
+            self.mistakes.push("the scene has no node that can move".into());
+        }
+        if self.mistakes.is_empty() { Ok(self) } else { Err(self.mistakes.join("; ")) }
+    }
+}

@@ -1,0 +1,169 @@
+use super::builder::MechanismBuilder;
+use super::scene::AnyScene;
+use crate::assembly::{Model, NodeId};
+use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design};
+use crate::functionals::Functional;
+use crate::integrators::{
+    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, TimeGrid,
+    table_by_name,
+};
+use crate::scalar::{Complex, Lanes, Rev, Scalar};
+use crate::sensitivity::Analysis;
+
+/// Defaults of a scene's runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Duration [s].
+    pub end: f64,
+    /// Steps.
+    pub steps: usize,
+    /// What to do about inconsistent starts and redundant constraints.
+    pub policy: ConstraintPolicy,
+}
+
+impl Settings {
+    /// A duration [s] and a number of steps; inconsistent starts and redundant constraints are refused.
+    pub fn new(end: f64, steps: usize) -> Self {
+        Settings { end, steps, policy: ConstraintPolicy::default() }
+    }
+
+    /// Leaves out redundant constraint equations.
+    #[must_use]
+    pub fn dropping_redundant(mut self) -> Self {
+        self.policy.drop_redundant = true;
+        self
+    }
+
+    /// Projects the start onto the constraints.
+    #[must_use]
+    pub fn projecting_start(mut self) -> Self {
+        self.policy.project_start = true;
+        self
+    }
+}
+
+/// A scene at one design, ready to run: built, checked, with its steps laid out.
+pub struct Prepared<'s> {
+    /// The scene.
+    pub scene: &'s dyn AnyScene,
+    /// Design variables.
+    pub variables: Vec<DesignVariable>,
+    /// The design.
+    pub x: Vec<f64>,
+    /// The mechanism in real numbers.
+    pub mechanism: MechanismBuilder<f64>,
+    /// How it is integrated.
+    pub method: Method,
+    /// Its steps.
+    pub grid: TimeGrid,
+    /// Decisions about the start.
+    pub plan: StartPlan,
+}
+
+impl<'s> Prepared<'s> {
+    /// The default method: ESDIRK of order 3 at acceleration level.
+    ///
+    /// # Panics
+    /// Not: the default table is on the list.
+    pub fn default_method() -> Method {
+        let table = table_by_name(DEFAULT_TABLE).expect("the default table is listed");
+        Method::new(table, ConstraintLevel::default())
+    }
+
+    /// Builds a scene at its initial design, with its own settings and the default method.
+    ///
+    /// # Errors
+    /// See [`Prepared::with`].
+    pub fn new(scene: &'s dyn AnyScene) -> Result<Self, RunError> {
+        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        Self::with(scene, &x, Self::default_method(), scene.default_settings())
+    }
+
+    /// Builds a scene at a design.
+    ///
+    /// # Errors
+    /// A design out of bounds, a mistake of the scene, or a start that cannot be simulated, with names and numbers.
+    pub fn with(scene: &'s dyn AnyScene, x: &[f64], method: Method, settings: Settings) -> Result<Self, RunError> {
+        let variables = scene.design_variables();
+        check_design(&variables, x).map_err(RunError::Input)?;
+        let mechanism = scene.build_real(x).map_err(RunError::Input)?;
+        let kinks = mechanism.kinks();
+        let grid = TimeGrid::uniform(settings.end, settings.steps, &kinks).map_err(RunError::Input)?;
+        let mut prepared = Prepared { scene, variables, x: x.to_vec(), mechanism, method, grid, plan: StartPlan::default() };
+        prepared.plan = StartPlan::prepare(&prepared.problem(), settings.policy)?;
+        Ok(prepared)
+    }
+
+    /// The topology.
+    pub fn model(&self) -> &Model {
+        &self.mechanism.model
+    }
+
+    /// The functionals.
+    pub fn functionals(&self) -> &[Functional] {
+        &self.mechanism.functionals
+    }
+
+    /// The problem in real numbers.
+    pub fn problem(&self) -> Problem<'_, f64> {
+        let ModelNumbers { p, q, v } = self.mechanism.numbers.clone();
+        Problem { model: &self.mechanism.model, p, start: InitialState { q, v } }
+    }
+
+    /// The scene's dependence on its design.
+    pub fn analysis(&self) -> Analysis<'_> {
+        Analysis {
+            model: &self.mechanism.model,
+            map: self,
+            functionals: &self.mechanism.functionals,
+            method: &self.method,
+            grid: &self.grid,
+            plan: &self.plan,
+        }
+    }
+
+    fn same_topology<S: Scalar>(&self, built: Result<MechanismBuilder<S>, String>) -> Result<ModelNumbers<S>, String> {
+        let built = built?;
+        let (ours, theirs) = (&self.mechanism.model, &built.model);
+        let nodes = |model: &Model| model.nodes.iter().map(|n| (n.name.clone(), n.kind, n.fixed)).collect::<Vec<_>>();
+        let parts = |model: &Model| -> Vec<(String, Vec<NodeId>, usize)> {
+            let elements = model.elements.iter().map(|e| (e.name.clone(), e.nodes.clone(), e.parameters.start));
+            let joints = model.constraints.iter().map(|c| (c.name.clone(), c.nodes.clone(), c.parameters.start));
+            elements.chain(joints).collect()
+        };
+        let (a, b) = (parts(ours), parts(theirs));
+        if nodes(ours) != nodes(theirs) || a != b || ours.parameters != theirs.parameters {
+            let changed = a.iter().zip(&b).find(|(a, b)| a != b).map_or("nodes or parts", |(a, _)| &a.0);
+            return Err(format!(
+                "scene \"{}\": its topology changes with the design ({changed}); only numbers may depend on design variables",
+                self.scene.scene_name()
+            ));
+        }
+        Ok(built.numbers)
+    }
+}
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// Times at which loads jump or drivers are not smooth.
+    pub fn kinks(&self) -> Vec<f64> {
+        let p: Vec<f64> = self.numbers.p.iter().map(|p| p.value()).collect();
+        let elements = self.model.elements.iter().flat_map(|e| e.physics.kink_times(&p[e.parameters.clone()]));
+        let joints = self.model.constraints.iter().flat_map(|c| c.physics.kink_times(&p[c.parameters.clone()]));
+        elements.chain(joints).collect()
+    }
+}
+
+impl DesignMap for Prepared<'_> {
+    fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
+        self.same_topology(self.scene.build_real(x))
+    }
+    fn complex(&self, x: &[Complex]) -> Result<ModelNumbers<Complex>, String> {
+        self.same_topology(self.scene.build_complex(x))
+    }
+    fn lanes(&self, x: &[Lanes]) -> Result<ModelNumbers<Lanes>, String> {
+        self.same_topology(self.scene.build_lanes(x))
+    }
+    fn recorded(&self, x: &[Rev]) -> Result<ModelNumbers<Rev>, String> {
+        self.same_topology(self.scene.build_recorded(x))
+    }
+}

@@ -1,0 +1,78 @@
+use super::builder::MechanismBuilder;
+use super::prepared::Settings;
+use crate::design::DesignVariable;
+use crate::scalar::{Complex, Lanes, Rev, Scalar};
+
+/// A mechanism as a function of its design variables, written once for every number type.
+///
+/// `build` states topology, parameters and initial state; topology must not depend on `x` (it is checked).
+pub trait Scene {
+    /// Name on the command line.
+    fn name(&self) -> String;
+    /// One sentence: what it is.
+    fn summary(&self) -> String {
+        String::new()
+    }
+    /// Design variables, in the order of `x`.
+    fn variables(&self) -> Vec<DesignVariable>;
+    /// Duration, steps, and what to do about redundant constraints.
+    fn settings(&self) -> Settings;
+    /// Builds the mechanism for the design `x`.
+    ///
+    /// # Errors
+    /// In words, with names and numbers.
+    fn build<S: Scalar>(&self, x: &[S], mechanism: &mut MechanismBuilder<S>) -> Result<(), String>;
+}
+
+/// A scene with its type erased; every [`Scene`] is one.
+pub trait AnyScene: Sync {
+    /// Name on the command line.
+    fn scene_name(&self) -> String;
+    /// What it is.
+    fn scene_summary(&self) -> String;
+    /// Design variables.
+    fn design_variables(&self) -> Vec<DesignVariable>;
+    /// Defaults of its runs.
+    fn default_settings(&self) -> Settings;
+    /// In real numbers.
+    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
+    /// With a complex step.
+    fn build_complex(&self, x: &[Complex]) -> Result<MechanismBuilder<Complex>, String>;
+    /// With derivative lanes.
+    fn build_lanes(&self, x: &[Lanes]) -> Result<MechanismBuilder<Lanes>, String>;
+    /// Recorded.
+    fn build_recorded(&self, x: &[Rev]) -> Result<MechanismBuilder<Rev>, String>;
+}
+
+fn built<T: Scene + ?Sized, S: Scalar>(scene: &T, x: &[S]) -> Result<MechanismBuilder<S>, String> {
+    let mut mechanism = MechanismBuilder::default();
+    scene.build(x, &mut mechanism)?;
+    mechanism.finish()
+}
+
+impl<T: Scene + Sync> AnyScene for T {
+    fn scene_name(&self) -> String {
+        self.name()
+    }
+    fn scene_summary(&self) -> String {
+        self.summary()
+    }
+    fn design_variables(&self) -> Vec<DesignVariable> {
+        self.variables()
+    }
+    fn default_settings(&self) -> Settings {
+        self.settings()
+    }
+    fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
+        built(self, x)
+    }
+    fn build_complex(&self, x: &[Complex]) -> Result<MechanismBuilder<Complex>, String> {
+        built(self, x)
+    }
+    fn build_lanes(&self, x: &[Lanes]) -> Result<MechanismBuilder<Lanes>, String> {
+        built(self, x)
+    }
+    fn build_recorded(&self, x: &[Rev]) -> Result<MechanismBuilder<Rev>, String> {
+        built(self, x)
+    }
+}

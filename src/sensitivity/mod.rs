@@ -1,0 +1,9 @@
+//! Gradients of functionals: discrete adjoint, tangent, complex step, and the checks between them.
+
+mod adjoint;
+mod analysis;
+mod checks;
+
+pub use adjoint::{AdjointRun, adjoint};
+pub use analysis::{Analysis, Forward, Gradient};
+pub use checks::{TaylorTest, largest_difference};

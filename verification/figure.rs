@@ -1,0 +1,53 @@
+/// One measured number with what it is compared to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Path-like name, from general to particular.
+    pub name: String,
+    /// Measured.
+    pub value: f64,
+    /// What it should be; `None` if it only informs.
+    pub reference: Option<f64>,
+    /// How far it may be away.
+    pub tolerance: Option<f64>,
+    /// Within tolerance, or informing only.
+    pub pass: bool,
+}
+
+/// The figures of a study, in the order in which they were measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// All of them.
+    pub figures: Vec<Figure>,
+    /// Lines for people: explanations that belong to the result.
+    pub notes: Vec<String>,
+}
+
+impl Report {
+    /// A number that must be within `tolerance` of `reference`.
+    pub fn compare(&mut self, name: impl Into<String>, value: f64, reference: f64, tolerance: f64) {
+        // written so that a NaN fails
+        let pass = (value - reference).abs() <= tolerance;
+        let (reference, tolerance) = (Some(reference), Some(tolerance));
+        self.figures.push(Figure { name: name.into(), value, reference, tolerance, pass });
+    }
+
+    /// An error or other number of no less than zero that must not exceed `limit`.
+    pub fn at_most(&mut self, name: impl Into<String>, value: f64, limit: f64) {
+        self.compare(name, value, 0.0, limit);
+    }
+
+    /// A number that only informs.
+    pub fn inform(&mut self, name: impl Into<String>, value: f64) {
+        self.figures.push(Figure { name: name.into(), value, reference: None, tolerance: None, pass: true });
+    }
+
+    /// A line of explanation.
+    pub fn note(&mut self, line: impl Into<String>) {
+        self.notes.push(line.into());
+    }
+
+    /// True if every figure is within its tolerance and there is at least one that could fail.
+    pub fn pass(&self) -> bool {
+        self.figures.iter().all(|figure| figure.pass) && self.figures.iter().any(|figure| figure.tolerance.is_some())
+    }
+}

@@ -1,0 +1,23 @@
+//! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
+
+mod figure;
+
+pub use figure::{Figure, Report};
+
+/// A study: a published or closed-form problem, measured.
+pub trait Study {
+    /// Name on the command line and of its folder.
+    fn name(&self) -> &'static str;
+    /// One sentence: what it shows.
+    fn summary(&self) -> &'static str;
+    /// Measures; `say` prints a line of progress for people.
+    ///
+    /// # Errors
+    /// In words, if the study could not be carried out; a figure out of tolerance is no error but a failed figure.
+    fn run(&self, report: &mut Report) -> Result<(), String>;
+}
+
+/// All studies. A new one is a folder with `study.rs` and a line here.
+pub fn all() -> Vec<Box<dyn Study>> {
+    vec![]
+}
