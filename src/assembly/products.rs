@@ -1,8 +1,8 @@
 use super::numbering::System;
 use super::residual::{LocalVec, gather, scatter_add, select};
 use super::{Equations, Level, NodeId, Unknowns, VectorsAvq};
-use crate::elements::{AnyConstraint, RunScalar, State};
-use crate::scalar::{LANES, Lanes, Taylor};
+use crate::elements::{AnyConstraint, ConstraintIn, ElementIn, State};
+use crate::scalar::{Rev, Taylor, add_gradient};
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -35,58 +35,19 @@ impl Adjoints {
     }
 }
 
-/// Scalar variables of one part: where the derivative lanes go.
-struct Variables<'a> {
-    values: [&'a mut [Lanes]; 4],
-}
-
-impl Variables<'_> {
-    fn len(&self) -> usize {
-        self.values.iter().map(|list| list.len()).sum()
-    }
-    fn set(&mut self, mut index: usize, lane: usize, value: f64) {
-        for list in &mut self.values {
-            if index < list.len() {
-                list[index].eps[lane] = value;
-                return;
-            }
-            index -= list.len();
-        }
-    }
-}
-
-/// Gradient of a scalar function with respect to all of its variables, eight at a time.
-fn gradient(
-    mut a: LocalVec<Lanes>,
-    mut v: LocalVec<Lanes>,
-    mut q: LocalVec<Lanes>,
-    mut p: LocalVec<Lanes>,
-    function: impl Fn(State<Lanes>, &[Lanes]) -> Lanes,
-) -> LocalVec<f64> {
-    let count = a.len() + v.len() + q.len() + p.len();
-    let mut gradient = LocalVec::with_capacity(count);
-    for first in (0..count).step_by(LANES) {
-        let lanes = LANES.min(count - first);
-        let mut seed = |value: f64| {
-            let mut variables = Variables { values: [&mut a, &mut v, &mut q, &mut p] };
-            debug_assert_eq!(variables.len(), count);
-            for lane in 0..lanes {
-                variables.set(first + lane, lane, value);
-            }
-        };
-        seed(1.0);
-        let value = function(State { a: &a, v: &v, q: &q }, &p);
-        let mut variables = Variables { values: [&mut a, &mut v, &mut q, &mut p] };
-        for lane in 0..lanes {
-            variables.set(first + lane, lane, 0.0);
-        }
-        gradient.extend_from_slice(&value.eps[..lanes]);
-    }
+/// Gradient of a scalar function of (a, v, q, p) of one part, one after the other.
+fn gradient(local: [&[f64]; 4], function: impl FnOnce(State<Rev>, &[Rev]) -> Rev) -> LocalVec<f64> {
+    let [a, v, q, p] = local.map(<[f64]>::len);
+    let mut gradient = SmallVec::from_elem(0.0, a + v + q + p);
+    let values = local.into_iter().flatten().copied();
+    let work = |x: &[Rev]| {
+        let (a, rest) = x.split_at(a);
+        let (v, rest) = rest.split_at(v);
+        let (q, p) = rest.split_at(q);
+        function(State { a, v, q }, p)
+    };
+    add_gradient(values, work, &mut gradient);
     gradient
-}
-
-fn lanes_of(values: &[f64]) -> LocalVec<Lanes> {
-    values.iter().map(|&value| Lanes::constant(value)).collect()
 }
 
 impl System<'_> {
@@ -105,11 +66,12 @@ impl System<'_> {
             if weights.iter().all(|&w| w == 0.0) {
                 continue;
             }
-            let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| lanes_of(&gather(self.model, &element.nodes, x)));
+            let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| gather(self.model, &element.nodes, x));
             let own = element.parameters.clone();
-            let gradient = gradient(a, v, q, lanes_of(&p[own.clone()]), |s, p| {
-                let mut r: LocalVec<Lanes> = SmallVec::from_elem(Lanes::default(), s.q.len());
-                Lanes::element(&*element.physics).add_residual(s, p, Lanes::from(t), &mut r);
+            let physics: &dyn ElementIn<Rev> = &*element.physics;
+            let gradient = gradient([&a, &v, &q, &p[own.clone()]], |s, p| {
+                let mut r: LocalVec<Rev> = SmallVec::from_elem(Rev::default(), s.q.len());
+                physics.add_residual(s, p, Rev::from(t), &mut r);
                 r.iter().zip(&weights).map(|(&r, &w)| r * w).sum()
             });
             self.scatter_gradient(&element.nodes, own, &gradient, at_bar, p_bar);
@@ -214,26 +176,31 @@ impl System<'_> {
         at_bar: &mut VectorsAvq<f64>,
         p_bar: &mut [f64],
     ) {
-        let direction = |x: &[f64]| if x.is_empty() { LocalVec::new() } else { lanes_of(&gather(self.model, nodes, x)) };
-        let (lambda_f, lambda_y) = (direction(&adjoints.f), direction(&adjoints.y));
-        let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| lanes_of(&gather(self.model, nodes, x)));
+        let direction = |x: &[f64]| if x.is_empty() { LocalVec::new() } else { gather(self.model, nodes, x) };
+        let (lambda_f, lambda_y): (LocalVec<f64>, LocalVec<f64>) = (direction(&adjoints.f), direction(&adjoints.y));
+        let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| gather(self.model, nodes, x));
         let scales = equations.row_scales();
-        let physics = Lanes::constraint(physics);
+        let physics: &dyn ConstraintIn<Rev> = physics;
         let (count, dofs) = (weights.g.len(), q.len());
-        let zeros: LocalVec<Lanes> = SmallVec::from_elem(Lanes::default(), dofs);
-        let time = Lanes::from(t);
+        let zeros: LocalVec<Rev> = SmallVec::from_elem(Rev::default(), dofs);
+        let time = Rev::from(t);
         // without rates in the level's equations, a and v have no derivative
         let rates = equations.level != Level::Position;
-        let keep = |x: LocalVec<Lanes>| if rates { x } else { LocalVec::new() };
-        let gradient = gradient(keep(a), keep(v), q, lanes_of(&p[parameters.clone()]), |s, p| {
-            let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), count);
-            let mut total = Lanes::default();
+        let none: &[f64] = &[];
+        let (a, v) = if rates { (&a[..], &v[..]) } else { (none, none) };
+        let gradient = gradient([a, v, &q, &p[parameters.clone()]], |s, p| {
+            let mut g: SmallVec<[Taylor<Rev>; 6]> = SmallVec::from_elem(Taylor::default(), count);
+            let mut total = Rev::default();
             // lambda . A^T mu is the derivative of mu . g along lambda
             for (lambda, multipliers, sign) in [(&lambda_f, &weights.mu, 1.0), (&lambda_y, &weights.eta, -1.0)] {
-                if lambda.iter().any(|l| l.re != 0.0) && multipliers.iter().any(|&m| m != 0.0) {
-                    physics.derivatives(State { a: &zeros, v: lambda, q: s.q }, p, time, 0.0, &mut g);
-                    total += g.iter().zip(multipliers).map(|(g, &m)| g.first * (m * sign)).sum::<Lanes>();
+                if lambda.iter().any(|&l| l != 0.0) && multipliers.iter().any(|&m| m != 0.0) {
+                    let along: LocalVec<Rev> = lambda.iter().map(|&l| Rev::from(l)).collect();
+                    physics.derivatives(State { a: &zeros, v: &along, q: s.q }, p, time, 0.0, &mut g);
+                    total += g.iter().zip(multipliers).map(|(g, &m)| g.first * (m * sign)).sum::<Rev>();
                 }
+            }
+            if weights.g.iter().chain(&weights.g_second).all(|&weight| weight == 0.0) {
+                return total;
             }
             let state = State { a: if rates { s.a } else { &zeros }, v: if rates { s.v } else { &zeros }, q: s.q };
             physics.derivatives(state, p, time, 1.0, &mut g);

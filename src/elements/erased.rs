@@ -1,9 +1,9 @@
 use super::{Constraint, Element, Parameter, State};
-use crate::scalar::{Complex, Dual, LANES, Lanes, Scalar, Taylor};
+use crate::scalar::{Complex, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient};
 use smallvec::SmallVec;
 
 /// A scalar in which whole simulations run: the closed list over which elements and constraints are compiled.
-pub trait RunScalar: Scalar {
+pub trait RunScalar: Recordable {
     /// Number of derivative parts.
     const PARTS: usize;
     /// Derivative part `index`.
@@ -15,7 +15,7 @@ pub trait RunScalar: Scalar {
     /// The element, in this scalar.
     fn element(element: &dyn AnyElement) -> &dyn ElementIn<Self>;
     /// The constraint, in this scalar.
-    fn constraint(constraint: &dyn AnyConstraint) -> &dyn ConstraintIn<Self>;
+    fn constraint(constraint: &dyn AnyConstraint) -> &dyn ReactingConstraintIn<Self>;
 }
 
 /// The two erasing methods, the same for every listed scalar.
@@ -24,7 +24,7 @@ macro_rules! view_erased {
         fn element(element: &dyn AnyElement) -> &dyn ElementIn<Self> {
             element
         }
-        fn constraint(constraint: &dyn AnyConstraint) -> &dyn ConstraintIn<Self> {
+        fn constraint(constraint: &dyn AnyConstraint) -> &dyn ReactingConstraintIn<Self> {
             constraint
         }
     };
@@ -79,7 +79,7 @@ pub trait ElementIn<S> {
 }
 
 /// An element with its type erased; every [`Element`] is one.
-pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + Send + Sync {
+pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + ElementIn<Rev> + Send + Sync {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Its parameters.
@@ -121,14 +121,20 @@ impl<E: Element> AnyElement for E {
 pub trait ConstraintIn<S> {
     /// Writes g.
     fn value(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
-    /// Adds A^T mu to `r`.
-    fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]);
     /// Writes g with its first and second derivative along q(s) = (q, v, a), t(s) = (t, t_rate, 0).
     fn derivatives(&self, s: State<S>, p: &[S], t: S, t_rate: f64, g: &mut [Taylor<S>]);
 }
 
+/// A constraint with its reaction, in a scalar of runs.
+pub trait ReactingConstraintIn<S>: ConstraintIn<S> {
+    /// Adds A^T mu to `r`, as the gradient of mu . g.
+    fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]);
+}
+
 /// A constraint with its type erased; every [`Constraint`] is one.
-pub trait AnyConstraint: ConstraintIn<f64> + ConstraintIn<Complex> + ConstraintIn<Lanes> + Send + Sync {
+pub trait AnyConstraint:
+    ReactingConstraintIn<f64> + ReactingConstraintIn<Complex> + ReactingConstraintIn<Lanes> + ConstraintIn<Rev> + Send + Sync
+{
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Number of equations.
@@ -144,28 +150,23 @@ impl<C: Constraint, S: Scalar> ConstraintIn<S> for C {
         self.g(q, p, t, g);
     }
 
-    fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]) {
-        let mut q_lanes: SmallVec<[Dual<S, LANES>; 16]> = q.iter().map(|&q| Dual::constant(q)).collect();
-        let p_lanes: SmallVec<[Dual<S, LANES>; 16]> = p.iter().map(|&p| Dual::constant(p)).collect();
-        let mut g: SmallVec<[Dual<S, LANES>; 6]> = SmallVec::from_elem(Dual::default(), C::EQUATIONS);
-        for first in (0..q.len()).step_by(LANES) {
-            let lanes = LANES.min(q.len() - first);
-            for lane in 0..lanes {
-                q_lanes[first + lane].eps[lane] = S::one();
-            }
-            self.g(&q_lanes, &p_lanes, Dual::constant(t), &mut g);
-            for lane in 0..lanes {
-                r[first + lane] += g.iter().zip(mu).map(|(g, &mu)| g.eps[lane] * mu).sum();
-                q_lanes[first + lane].eps[lane] = S::zero();
-            }
-        }
-    }
-
     fn derivatives(&self, s: State<S>, p: &[S], t: S, t_rate: f64, g: &mut [Taylor<S>]) {
         let q: SmallVec<[Taylor<S>; 16]> =
             s.q.iter().zip(s.v.iter().zip(s.a)).map(|(&q, (&v, &a))| Taylor::new(q, v, a)).collect();
         let p: SmallVec<[Taylor<S>; 16]> = p.iter().map(|&p| Taylor::new(p, S::zero(), S::zero())).collect();
         self.g(&q, &p, Taylor::new(t, S::from(t_rate), S::zero()), g);
+    }
+}
+
+impl<C: Constraint, S: Recordable> ReactingConstraintIn<S> for C {
+    fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]) {
+        let p: SmallVec<[Reverse<S>; 16]> = p.iter().map(|&p| Reverse::constant(p)).collect();
+        let work = |q: &[Reverse<S>]| {
+            let mut g: SmallVec<[Reverse<S>; 6]> = SmallVec::from_elem(Reverse::default(), C::EQUATIONS);
+            self.g(q, &p, Reverse::constant(t), &mut g);
+            g.iter().zip(mu).map(|(&g, &mu)| g * Reverse::constant(mu)).sum()
+        };
+        add_gradient(q.iter().copied(), work, r);
     }
 }
 

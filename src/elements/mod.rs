@@ -21,7 +21,7 @@ pub mod joints;
 pub use anchor::Anchor;
 pub use constraint::Constraint;
 pub use element::{Element, State};
-pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, RunScalar};
+pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingConstraintIn, RunScalar};
 pub use lagrangian::lagrangian_residual;
 pub use parameter::{Admissible, Parameter};
 pub use time_function::TimeFunction;

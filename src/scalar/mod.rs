@@ -8,9 +8,9 @@
 //! | [`Complex`] | value and one complex perturbation | complex-step verification |
 //! | [`Dual<S, N>`](Dual) | value and N directional derivatives | Jacobians, tangent runs |
 //! | [`Taylor<S>`](Taylor) | value, first and second derivative in one direction | time derivatives of constraints |
-//! | [`Rev`] | value and a place on a tape | the chain from parameters to design variables |
+//! | [`Reverse<S>`](Reverse) | value and a place on a tape | reactions A^T mu, adjoint products, the chain to design variables |
 //!
-//! `Dual` and `Taylor` nest over any scalar of the list. Branches look at [`Scalar::value`] only, so every type takes the
+//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex` and eight dual lanes ([`Rev`] is the first). Branches look at [`Scalar::value`] only, so every type takes the
 //! same path through a formula. The types are our own because two needs exclude the usual crates: a constraint's second
 //! time derivative inside a complex-step run is a `Taylor<Complex>`, and functions whose derivative is infinite
 //! at the point of evaluation (`sqrt` at 0) must not turn a vanishing perturbation into NaN.
@@ -26,7 +26,7 @@ mod vector;
 
 pub use complex::Complex;
 pub use dual::Dual;
-pub use reverse::{Rev, Tape};
+pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient};
 pub use rotation::{Quaternion, angle_about, rotation_gradient_transposed};
 pub use taylor::Taylor;
 pub use vector::Vec3;

@@ -1,34 +1,115 @@
-use super::{Scalar, assign_operators};
+use super::{Complex, Lanes, Scalar};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value and its place on the thread's tape: reverse-mode differentiation of scene functions.
+/// A value and its place on the thread's tape: reverse-mode differentiation, over a scalar that may itself carry derivatives.
 ///
-/// A scene maps a few design variables to many parameters; recorded once, one sweep back over the [`Tape`] gives
-/// (dp/dx)^T p_bar for any number of variables. Values that no recorded variable touches carry no place and cost nothing.
+/// One sweep back gives the gradient of one number with respect to all others: reactions A^T mu as the gradient of mu . g, adjoint
+/// products (dR/dp)^T lambda, and the chain from parameters to design variables. Values that no recorded variable touches
+/// carry no place and cost nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rev {
-    value: f64,
+pub struct Reverse<S> {
+    value: S,
     node: u32,
 }
+
+/// Reverse mode over real numbers.
+pub type Rev = Reverse<f64>;
 
 /// Marks a value without a place on the tape.
 const CONSTANT: u32 = u32::MAX;
 
 /// One recorded operation: up to two operands with the partial derivatives towards them.
-#[derive(Clone, Copy)]
-struct Record {
+#[derive(Clone, Copy, Debug)]
+pub struct Record<S> {
     operands: [u32; 2],
-    partials: [f64; 2],
+    partials: [S; 2],
 }
 
-thread_local! {
-    static RECORDS: RefCell<Vec<Record>> = const { RefCell::new(Vec::new()) };
+/// The tape of one thread for one scalar, with the workspace of its sweeps.
+#[derive(Debug, Default)]
+pub struct Records<S> {
+    list: Vec<Record<S>>,
+    adjoint: Vec<S>,
+}
+
+/// A scalar over which reverse mode records: a closed list, because each needs a tape on every thread.
+pub trait Recordable: Scalar {
+    /// Calls `f` with this thread's tape.
+    fn with_records<T>(f: impl FnOnce(&mut Records<Self>) -> T) -> T;
+}
+
+macro_rules! recordable {
+    ($($scalar:ty),*) => {$(
+        impl Recordable for $scalar {
+            #[inline]
+            fn with_records<T>(f: impl FnOnce(&mut Records<Self>) -> T) -> T {
+                thread_local! {
+                    static RECORDS: RefCell<Records<$scalar>> =
+                        const { RefCell::new(Records { list: Vec::new(), adjoint: Vec::new() }) };
+                }
+                RECORDS.with_borrow_mut(f)
+            }
+        }
+    )*};
+}
+recordable!(f64, Complex, Lanes);
+
+impl<S: Recordable> Records<S> {
+    fn push(&mut self, operands: [u32; 2], partials: [S; 2]) -> u32 {
+        let node = u32::try_from(self.list.len()).expect("fewer than 2^32 operations are recorded");
+        self.list.push(Record { operands, partials });
+        node
+    }
+}
+
+/// Back through records that start at number `start`: `adjoint` holds one entry for each of them.
+fn sweep<S: Scalar>(records: &[Record<S>], start: usize, adjoint: &mut [S]) {
+    for (index, record) in records.iter().enumerate().rev() {
+        let bar = adjoint[index];
+        if bar.value() == 0.0 && bar.is_constant() {
+            continue;
+        }
+        for (operand, partial) in record.operands.iter().zip(record.partials) {
+            // a partial of zero ends the chain, whatever lies before it: 0 times infinity is not reached
+            if *operand != CONSTANT && !(partial.value() == 0.0 && partial.is_constant()) {
+                adjoint[*operand as usize - start] += partial * bar;
+            }
+        }
+    }
+}
+
+/// Adds the gradient of `function` at `values` to `gradient`. Works inside another recording.
+pub fn add_gradient<S: Recordable>(
+    values: impl Iterator<Item = S>,
+    function: impl FnOnce(&[Reverse<S>]) -> Reverse<S>,
+    gradient: &mut [S],
+) {
+    let no_operands = ([CONSTANT; 2], [S::zero(); 2]);
+    let (start, variables) = S::with_records(|records| {
+        let start = records.list.len();
+        let place = |value| Reverse { value, node: records.push(no_operands.0, no_operands.1) };
+        (start, values.map(place).collect::<smallvec::SmallVec<[Reverse<S>; 64]>>())
+    });
+    let result = function(&variables);
+    S::with_records(|records| {
+        if result.node != CONSTANT {
+            let list = &records.list[start..=result.node as usize];
+            records.adjoint.clear();
+            records.adjoint.resize(list.len(), S::zero());
+            records.adjoint[list.len() - 1] = S::one();
+            sweep(list, start, &mut records.adjoint);
+            for (target, &bar) in gradient.iter_mut().zip(&records.adjoint) {
+                *target += bar;
+            }
+        }
+        records.list.truncate(start);
+    });
 }
 
 /// The recording of one scene function on this thread, from its variables to its results.
 pub struct Tape {
-    records: Vec<Record>,
+    records: Vec<Record<f64>>,
     variables: usize,
 }
 
@@ -36,23 +117,23 @@ impl Tape {
     /// Runs `function` on recorded variables with the given values and keeps what it did.
     ///
     /// # Panics
-    /// Inside another recording on the same thread: tapes do not nest.
+    /// Inside another recording on the same thread.
     pub fn record<T>(values: &[f64], function: impl FnOnce(&[Rev]) -> T) -> (Tape, T) {
-        RECORDS.with_borrow_mut(|records| {
-            assert!(records.is_empty(), "a recording is already running on this thread");
-            records.resize(values.len(), Record { operands: [CONSTANT; 2], partials: [0.0; 2] });
+        f64::with_records(|records| {
+            assert!(records.list.is_empty(), "a recording is already running on this thread");
+            records.list.resize(values.len(), Record { operands: [CONSTANT; 2], partials: [0.0; 2] });
         });
         // emptied on unwinding too, so that a caught panic leaves a usable thread
         struct Emptied;
         impl Drop for Emptied {
             fn drop(&mut self) {
-                RECORDS.with_borrow_mut(Vec::clear);
+                f64::with_records(|records| records.list.clear());
             }
         }
         let emptied = Emptied;
         let variables: Vec<Rev> = values.iter().zip(0..).map(|(&value, node)| Rev { value, node }).collect();
         let result = function(&variables);
-        let records = RECORDS.with_borrow_mut(std::mem::take);
+        let records = f64::with_records(|records| std::mem::take(&mut records.list));
         drop(emptied);
         (Tape { records, variables: values.len() }, result)
     }
@@ -65,124 +146,137 @@ impl Tape {
                 adjoint[result.node as usize] += weight;
             }
         }
-        for (index, record) in self.records.iter().enumerate().rev() {
-            let bar = adjoint[index];
-            if bar != 0.0 {
-                for (operand, partial) in record.operands.iter().zip(record.partials) {
-                    if *operand != CONSTANT {
-                        adjoint[*operand as usize] += partial * bar;
-                    }
-                }
-            }
-        }
+        sweep(&self.records, 0, &mut adjoint);
         adjoint.truncate(self.variables);
         adjoint
     }
 }
 
-impl Rev {
+impl<S: Recordable> Reverse<S> {
     /// True if the value depends on a recorded variable.
     pub fn depends_on_variables(self) -> bool {
         self.node != CONSTANT
     }
 
-    fn record(value: f64, operands: [u32; 2], partials: [f64; 2]) -> Self {
-        if operands == [CONSTANT; 2] {
-            return Rev { value, node: CONSTANT };
+    /// The value, with the derivatives of its own scalar.
+    pub fn inner(self) -> S {
+        self.value
+    }
+
+    /// A value that no recorded variable touches.
+    #[inline]
+    pub fn constant(value: S) -> Self {
+        Reverse { value, node: CONSTANT }
+    }
+
+    #[inline]
+    fn unary(self, value: S, partial: S) -> Self {
+        if self.node == CONSTANT {
+            return Self::constant(value);
         }
-        RECORDS.with_borrow_mut(|records| {
-            let node = u32::try_from(records.len()).expect("a scene function records fewer than 2^32 operations");
-            records.push(Record { operands, partials });
-            Rev { value, node }
-        })
+        let node = S::with_records(|records| records.push([self.node, CONSTANT], [partial, S::zero()]));
+        Reverse { value, node }
     }
 
-    fn chain(self, [value, first, _]: [f64; 3]) -> Self {
-        Rev::record(value, [self.node, CONSTANT], [first, 0.0])
+    #[inline]
+    fn chain(self, [value, first, _]: [S; 3]) -> Self {
+        self.unary(value, first)
     }
 
-    fn binary(self, other: Self, value: f64, partials: [f64; 2]) -> Self {
-        Rev::record(value, [self.node, other.node], partials)
+    #[inline]
+    fn binary(self, other: Self, value: S, partials: [S; 2]) -> Self {
+        if self.node == CONSTANT && other.node == CONSTANT {
+            return Self::constant(value);
+        }
+        if self.node == other.node {
+            // one operand: x - x does not move at all
+            return self.unary(value, partials[0] + partials[1]);
+        }
+        let node = S::with_records(|records| records.push([self.node, other.node], partials));
+        Reverse { value, node }
     }
 }
 
-impl Default for Rev {
+impl<S: Recordable> Default for Reverse<S> {
     fn default() -> Self {
-        Rev::from(0.0)
+        Self::constant(S::zero())
     }
 }
-impl From<f64> for Rev {
+impl<S: Recordable> From<f64> for Reverse<S> {
     fn from(value: f64) -> Self {
-        Rev { value, node: CONSTANT }
+        Self::constant(S::from(value))
     }
 }
-impl Neg for Rev {
+impl<S: Recordable> Neg for Reverse<S> {
     type Output = Self;
     fn neg(self) -> Self {
-        self.chain([-self.value, -1.0, 0.0])
+        self.unary(-self.value, S::from(-1.0))
     }
 }
-impl Add for Rev {
+impl<S: Recordable> Add for Reverse<S> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.binary(other, self.value + other.value, [1.0, 1.0])
+        self.binary(other, self.value + other.value, [S::one(), S::one()])
     }
 }
-impl Sub for Rev {
+impl<S: Recordable> Sub for Reverse<S> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self.binary(other, self.value - other.value, [1.0, -1.0])
+        self.binary(other, self.value - other.value, [S::one(), S::from(-1.0)])
     }
 }
-impl Mul for Rev {
+impl<S: Recordable> Mul for Reverse<S> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         self.binary(other, self.value * other.value, [other.value, self.value])
     }
 }
-impl Div for Rev {
+impl<S: Recordable> Div for Reverse<S> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
-        self.binary(other, quotient, [1.0 / other.value, -quotient / other.value])
+        let inverse = other.value.recip();
+        self.binary(other, quotient, [inverse, -(quotient * inverse)])
     }
 }
-impl Add<f64> for Rev {
+impl<S: Recordable> Add<f64> for Reverse<S> {
     type Output = Self;
     fn add(self, other: f64) -> Self {
-        self.chain([self.value + other, 1.0, 0.0])
+        // the same place: the derivative is that of self
+        Reverse { value: self.value + other, node: self.node }
     }
 }
-impl Sub<f64> for Rev {
+impl<S: Recordable> Sub<f64> for Reverse<S> {
     type Output = Self;
     fn sub(self, other: f64) -> Self {
-        self.chain([self.value - other, 1.0, 0.0])
+        Reverse { value: self.value - other, node: self.node }
     }
 }
-impl Mul<f64> for Rev {
+impl<S: Recordable> Mul<f64> for Reverse<S> {
     type Output = Self;
     fn mul(self, other: f64) -> Self {
-        self.chain([self.value * other, other, 0.0])
+        self.unary(self.value * other, S::from(other))
     }
 }
-impl Div<f64> for Rev {
+impl<S: Recordable> Div<f64> for Reverse<S> {
     type Output = Self;
     fn div(self, other: f64) -> Self {
-        self.chain([self.value / other, 1.0 / other, 0.0])
+        self.unary(self.value / other, S::from(1.0 / other))
     }
 }
-assign_operators!([] Rev);
+super::assign_operators!([S: Recordable] Reverse<S>);
 
-impl Scalar for Rev {
+impl<S: Recordable> Scalar for Reverse<S> {
     fn value(self) -> f64 {
-        self.value
+        self.value.value()
     }
     fn is_constant(self) -> bool {
-        self.node == CONSTANT
+        self.node == CONSTANT && self.value.is_constant()
     }
     super::jet::functions_by_chain!(value);
     fn atan2(self, other: Self) -> Self {
         let square = self.value * self.value + other.value * other.value;
-        self.binary(other, self.value.atan2(other.value), [other.value / square, -self.value / square])
+        let partials = [other.value / square, -(self.value / square)];
+        self.binary(other, self.value.atan2(other.value), partials)
     }
 }
