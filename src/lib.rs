@@ -2,3 +2,4 @@
 pub mod scalar;
 pub mod elements;
 pub mod assembly;
+pub mod io;
