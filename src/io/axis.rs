@@ -69,8 +69,8 @@ impl Scale {
                     2 | 5 => decades < 2.0,
                     _ => false,
                 };
-                // beyond a dozen decades minor marks are a grey bar
-                if (-1e-9..=1.0 + 1e-9).contains(&self.at(value)) && (labelled || decades < 12.0 || digit == 1) {
+                // over many decades minor marks are a grey bar
+                if (-1e-9..=1.0 + 1e-9).contains(&self.at(value)) && (digit == 1 || decades < 4.5) {
                     let digits = if digit == 1 { String::new() } else { format!("{digit}×") };
                     let label = if labelled { format!("{digits}10{}", superscript(exponent)) } else { String::new() };
                     list.push(Mark { value, label });

@@ -2,7 +2,8 @@
 
 use super::axis::{Marks, Scale, drawable};
 use super::file::IoError;
-use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
+use super::picture::{Align, Colour, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
+use super::plot::{Plot, TITLE_SIZE, marks_width};
 use std::path::Path;
 
 /// How a [`Series`] is drawn.
@@ -76,28 +77,8 @@ pub fn write_panels(charts: &[Chart], stem: &Path) -> Result<(), IoError> {
 }
 
 const WIDTH: f64 = 900.0;
-const TITLE_SIZE: f64 = 17.0;
-const LABEL_SIZE: f64 = 14.0;
-const MARK_SIZE: f64 = 12.5;
 const LEGEND_SIZE: f64 = 13.0;
 const LEGEND_LINE: f64 = 20.0;
-
-/// The rectangle of one chart in the picture [px] and its axes.
-#[derive(Clone)]
-struct Plot {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-    x: Scale,
-    y: Scale,
-}
-
-impl Plot {
-    fn place(&self, (x, y): (f64, f64)) -> Place {
-        [self.left + self.x.at(x) * (self.right - self.left), self.bottom - self.y.at(y) * (self.bottom - self.top)]
-    }
-}
 
 fn stacked(charts: &[Chart], plot_height: f64) -> Picture {
     let points = || charts.iter().flat_map(|chart| &chart.series).flat_map(|series| &series.points);
@@ -112,7 +93,7 @@ fn stacked(charts: &[Chart], plot_height: f64) -> Picture {
     for chart in charts {
         let values = chart.series.iter().flat_map(|series| &series.points).filter(|point| drawable(point.0, log_x));
         let y = Scale::around(values.map(|point| point.1), chart.log_y, 0.05);
-        let marks = y.marks((plot_height / 45.0).round() as usize);
+        let marks = y.marks((plot_height / 40.0 + 2.0).round() as usize);
         top += if chart.title.is_empty() { 12.0 } else { 32.0 };
         top += if marks.factor.is_empty() { 0.0 } else { 20.0 };
         plots.push((Plot { left: 0.0, right: 0.0, top, bottom: top + plot_height, x, y }, marks));
@@ -122,7 +103,6 @@ fn stacked(charts: &[Chart], plot_height: f64) -> Picture {
     let x_label = labelled.map_or("", |chart| &chart.x_label);
     let below = if x_label.is_empty() && x_marks.factor.is_empty() { 32.0 } else { 60.0 };
 
-    let marks_width = |marks: &Marks| marks.list.iter().map(|mark| text_width(&mark.label, MARK_SIZE)).fold(0.0, f64::max);
     let left = 46.0 + plots.iter().map(|(_, marks)| marks_width(marks)).fold(0.0, f64::max);
     let mut right = WIDTH - 30.0;
     let fit = |plots: &mut [(Plot, Marks)], right: f64| {
@@ -142,43 +122,20 @@ fn stacked(charts: &[Chart], plot_height: f64) -> Picture {
 
     let mut picture = Picture::new(WIDTH, (top + below).ceil());
     for (chart, (plot, marks)) in charts.iter().zip(&plots) {
-        draw_axes(&mut picture, chart, plot, marks, &x_marks);
+        plot.draw_grid(&mut picture, &x_marks, marks);
+        let title_at = plot.top - if marks.factor.is_empty() { 10.0 } else { 30.0 };
+        picture.text([plot.left, title_at], &chart.title, TITLE_SIZE, INK, Align::Left);
+        plot.draw_y_label(&mut picture, &chart.y_label);
         for (index, series) in chart.series.iter().enumerate() {
             draw_series(&mut picture, plot, series, index);
         }
-        picture.outline([plot.left, plot.top], [plot.right, plot.bottom], 1.0, FRAME);
+        plot.draw_border(&mut picture);
         draw_legend(&mut picture, chart, plot);
     }
     if let Some((plot, _)) = plots.last() {
-        for mark in x_marks.list.iter().filter(|mark| !mark.label.is_empty()) {
-            let at = plot.left + plot.x.at(mark.value) * (plot.right - plot.left);
-            picture.text([at, plot.bottom + 20.0], &mark.label, MARK_SIZE, GREY_INK, Align::Centre);
-        }
-        let middle = 0.5 * (plot.left + plot.right);
-        picture.text([middle, plot.bottom + 45.0], x_label, LABEL_SIZE, INK, Align::Centre);
-        picture.text([plot.right, plot.bottom + 43.0], &x_marks.factor, MARK_SIZE, GREY_INK, Align::Right);
+        plot.draw_x_labels(&mut picture, x_label, &x_marks);
     }
     picture
-}
-
-fn draw_axes(picture: &mut Picture, chart: &Chart, plot: &Plot, y_marks: &Marks, x_marks: &Marks) {
-    for mark in &x_marks.list {
-        let at = plot.left + plot.x.at(mark.value) * (plot.right - plot.left);
-        let [width, tick] = if mark.label.is_empty() { [0.5, 3.0] } else { [1.0, 5.0] };
-        picture.line(vec![[at, plot.top], [at, plot.bottom]], width, GRID);
-        picture.line(vec![[at, plot.bottom], [at, plot.bottom + tick]], 1.0, FRAME);
-    }
-    for mark in &y_marks.list {
-        let at = plot.bottom - plot.y.at(mark.value) * (plot.bottom - plot.top);
-        let [width, tick] = if mark.label.is_empty() { [0.5, 3.0] } else { [1.0, 5.0] };
-        picture.line(vec![[plot.left, at], [plot.right, at]], width, GRID);
-        picture.line(vec![[plot.left - tick, at], [plot.left, at]], 1.0, FRAME);
-        picture.text([plot.left - 9.0, at + 0.36 * MARK_SIZE], &mark.label, MARK_SIZE, GREY_INK, Align::Right);
-    }
-    picture.text([plot.left, plot.top - 8.0], &y_marks.factor, MARK_SIZE, GREY_INK, Align::Left);
-    let title_at = plot.top - if y_marks.factor.is_empty() { 10.0 } else { 30.0 };
-    picture.text([plot.left, title_at], &chart.title, TITLE_SIZE, INK, Align::Left);
-    picture.upward_text([22.0, 0.5 * (plot.top + plot.bottom)], &chart.y_label, LABEL_SIZE, INK);
 }
 
 /// The unbroken pieces of a series in the picture, thinned to what can be seen.

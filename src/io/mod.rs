@@ -6,13 +6,14 @@
 mod axis;
 mod chart;
 mod file;
-//mod motion;
+mod motion;
 mod picture;
+mod plot;
 mod progress;
 mod table;
 
 pub use chart::{Chart, Series, Style, write_panels};
 pub use file::{IoError, write_file, write_json, write_with};
-//pub use motion::{Frame, Motion, Polyline, Trail, View};
+pub use motion::{Frame, Motion, Polyline, Trail, View};
 pub use progress::Progress;
 pub use table::{Cell, Table, number, write_csv};
