@@ -131,7 +131,7 @@ impl Motion {
         let ends = |index: usize| Scale::around(corners.iter().map(|corner| corner[index]), false, 0.0);
         let (across, up) = (ends(0), ends(1));
         let (width, height, metre) = fitted(across.hi - across.lo, up.hi - up.lo);
-        let (left, top) = (60.0, self.head_height() - 10.0);
+        let (left, top) = (76.0, self.head_height() - 10.0);
         let place = |point| {
             let [u, v] = seen(point);
             [
@@ -139,9 +139,9 @@ impl Motion {
                 top + 0.5 * height - (v - 0.5 * (up.lo + up.hi)) * metre,
             ]
         };
-        let mut picture = Picture::new((left + width + 60.0).ceil(), (top + height + 30.0).ceil());
+        let mut picture = Picture::new((left + width + 46.0).ceil(), (top + height + 30.0).ceil());
 
-        let step = round_step(longest, 6);
+        let step = round_step(longest, 9);
         let marks = [0, 1, 2].map(|index| axes[index].marks(((axes[index].hi - axes[index].lo) / step).ceil() as usize));
         for mark in &marks[0].list {
             let at = mark.value;
@@ -155,9 +155,13 @@ impl Motion {
             let at = mark.value;
             picture.line([[x.hi, y.lo, at], [x.lo, y.lo, at], [x.lo, y.hi, at]].map(place).to_vec(), 1.0, GRID);
         }
-        let floor = [[x.hi, y.lo, z.lo], [x.hi, y.hi, z.lo], [x.lo, y.hi, z.lo]];
-        picture.line(floor.map(place).to_vec(), 1.0, FRAME);
-        picture.line([[x.hi, y.lo, z.lo], [x.hi, y.lo, z.hi]].map(place).to_vec(), 1.0, FRAME);
+        let mut edge = |corners: [[f64; 3]; 3], colour| picture.line(corners.map(place).to_vec(), 1.0, colour);
+        edge([[x.hi, y.lo, z.hi], [x.lo, y.lo, z.hi], [x.lo, y.hi, z.hi]], GRID);
+        edge([[x.hi, y.lo, z.lo], [x.lo, y.lo, z.lo], [x.lo, y.hi, z.lo]], FRAME);
+        edge([[x.lo, y.lo, z.lo], [x.lo, y.lo, z.hi], [x.lo, y.lo, z.hi]], FRAME);
+        edge([[x.lo, y.hi, z.lo], [x.lo, y.hi, z.hi], [x.lo, y.hi, z.hi]], GRID);
+        edge([[x.hi, y.lo, z.lo], [x.hi, y.hi, z.lo], [x.lo, y.hi, z.lo]], FRAME);
+        edge([[x.hi, y.lo, z.lo], [x.hi, y.lo, z.hi], [x.hi, y.lo, z.hi]], FRAME);
 
         // numbers below the two near edges of the floor and to the left of the upright edge
         let middle = |axis: &Scale| 0.5 * (axis.lo + axis.hi);
@@ -187,7 +191,7 @@ impl Motion {
             label(at(middle(&axes[index])), far, &unit, true, align);
         }
         self.draw_system(&mut picture, place);
-        self.draw_head(&mut picture, 30.0, left + width + 30.0);
+        self.draw_head(&mut picture, 30.0, left + width + 16.0);
         picture
     }
 
@@ -232,14 +236,18 @@ impl Motion {
         }
     }
 
-    /// A triangle on hatched ground below every anchor.
+    /// A triangle on hatched ground at every anchor, on the side away from the motion.
     fn draw_anchors(&self, picture: &mut Picture, place: impl Fn([f64; 3]) -> Place) {
+        let heights = || self.points().map(|&point| place(point)[1]);
+        let mean = heights().sum::<f64>() / heights().count().max(1) as f64;
         for &anchor in self.anchors.iter().filter(|point| shown(point)) {
             let [x, y] = place(anchor);
-            let base = y + 15.0;
+            // the motion hangs clearly below: the ground is a ceiling
+            let down = if mean > y + 25.0 { -1.0 } else { 1.0 };
+            let base = y + 15.0 * down;
             for step in 0..5 {
                 let foot = x - 9.0 + 5.5 * f64::from(step);
-                picture.line(vec![[foot, base], [foot - 5.0, base + 6.0]], 1.0, GREY_INK);
+                picture.line(vec![[foot, base], [foot - 5.0 * down, base + 6.0 * down]], 1.0, GREY_INK);
             }
             picture.area(vec![[x, y], [x + 9.0, base], [x - 9.0, base]], [222, 226, 231]);
             picture.line(vec![[x, y], [x + 9.0, base], [x - 9.0, base], [x, y]], 1.3, INK);
@@ -269,7 +277,7 @@ impl Motion {
             return;
         }
         let (first, last) = self.times();
-        let (from, to) = (format!("t = {}", number(round_time(first))), format!("{} s", number(round_time(last))));
+        let (from, to) = (format!("t = {} s", number(round_time(first))), format!("{} s", number(round_time(last))));
         let end = right - text_width(&to, MARK_SIZE) - 8.0;
         let (start, top, bottom) = (end - 130.0, 17.0, 29.0);
         picture.text([right, 27.5], &to, MARK_SIZE, GREY_INK, Align::Right);
@@ -334,7 +342,7 @@ fn role_colour(role: usize) -> Colour {
 
 /// The colour of an earlier frame: nearly white at age 0, just lighter than the last frame at age 1.
 fn faded(colour: Colour, age: f64) -> Colour {
-    let strength = 0.13 + 0.5 * age.clamp(0.0, 1.0).powf(1.3);
+    let strength = 0.2 + 0.45 * age.clamp(0.0, 1.0).powf(1.3);
     colour.map(|byte| (255.0 + (f64::from(byte) - 255.0) * strength).round() as u8)
 }
 
@@ -427,7 +435,7 @@ mod tests {
             let stem = folder.0.join(format!("motion-{view:?}"));
             pendulum(view).write(&stem).unwrap();
             let svg = std::fs::read_to_string(folder.0.join(format!("motion-{view:?}.svg"))).unwrap();
-            for label in labels.into_iter().chain(["Flexible double pendulum", "tip", "t = 0", "1.5 s"]) {
+            for label in labels.into_iter().chain(["Flexible double pendulum", "tip", "t = 0 s", "1.5 s"]) {
                 assert!(svg.contains(label), "{view:?}: {label}");
             }
             let picture = pendulum(view).picture();
