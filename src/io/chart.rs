@@ -385,13 +385,22 @@ mod tests {
 
     #[test]
     fn points_without_a_place_interrupt_the_line() {
-        let points =
-            vec![(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN), (3.0, f64::INFINITY), (4.0, 1.0), (5.0, -1.0), (6.0, 2.0)];
+        let points = vec![
+            (0.0, 1.0),
+            (1.0, 2.0),
+            (2.0, f64::NAN),
+            (3.0, f64::INFINITY),
+            (4.0, 1.0),
+            (5.0, -1.0),
+            (6.0, 2.0),
+            (f64::NAN, 1.0),
+            (6.0, 3.0),
+        ];
         let series = Series { points, ..Series::default() };
         let x = Scale { lo: 0.0, hi: 6.0, log: false };
         let y = Scale { lo: 0.0, hi: 1.0, log: true };
         let plot = Plot { left: 0.0, right: 600.0, top: 0.0, bottom: 100.0, x, y };
-        assert_eq!(pieces(&plot, &series).iter().map(Vec::len).collect::<Vec<_>>(), [2, 1, 1]);
+        assert_eq!(pieces(&plot, &series).iter().map(Vec::len).collect::<Vec<_>>(), [2, 1, 1, 1]);
     }
 
     #[test]

@@ -290,8 +290,9 @@ impl Motion {
         for (line, &role) in roles.iter().enumerate() {
             let y = top + strip * line as f64;
             for step in 0..60 {
-                let [x0, x1] = [step, step + 1].map(|step| start + 124.0 / 60.0 * f64::from(step));
-                picture.block([x0, y], [x1, y + strip], faded(role_colour(role), f64::from(step) / 59.0));
+                // each block reaches to the end, so that no paper shows between it and the next
+                let from = start + 124.0 / 60.0 * f64::from(step);
+                picture.block([from, y], [end, y + strip], faded(role_colour(role), f64::from(step) / 59.0));
             }
             picture.block([end - 6.0, y], [end, y + strip], role_colour(role));
         }

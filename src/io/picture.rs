@@ -1,6 +1,6 @@
 //! A picture as a list of shapes, drawn once for the screen (PNG) and once for print (SVG).
 
-use super::file::{Aside, IoError, write_file};
+use super::file::{Aside, IoError};
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -109,8 +109,12 @@ impl Picture {
     pub fn write(&self, stem: &Path) -> Result<(), IoError> {
         let svg = with_ending(stem, ".svg")?;
         let png = with_ending(stem, ".png")?;
-        write_file(&svg, self.svg().map_err(|cause| IoError::new(&svg, cause))?.as_bytes())?;
-        self.write_png(&png)
+        let (svg_aside, png_aside) = (Aside::beside(&svg)?, Aside::beside(&png)?);
+        let text = self.svg().map_err(|cause| IoError::new(&svg, cause))?;
+        std::fs::write(&svg_aside.part, text).map_err(|cause| IoError::new(&svg, cause))?;
+        self.write_png(&png_aside.part).map_err(|cause| IoError::new(&png, cause))?;
+        svg_aside.publish()?;
+        png_aside.publish()
     }
 
     fn svg(&self) -> Result<String, String> {
@@ -163,20 +167,14 @@ impl Picture {
         Ok(text.replacen(&format!("<svg width=\"{width}\" height=\"{height}\""), &shown, 1))
     }
 
-    fn write_png(&self, path: &Path) -> Result<(), IoError> {
+    fn write_png(&self, path: &Path) -> Result<(), String> {
         const SCALE: u32 = 2;
         const SAMPLES: usize = 3;
         let (width, height) = (self.width.round() as u32 * SCALE, self.height.round() as u32 * SCALE);
-        let fail = |cause: String| IoError::new(path, cause);
-        let fine = self.pixels(f64::from(SCALE) * SAMPLES as f64, width as usize * SAMPLES, height as usize * SAMPLES);
-        let pixels = averaged(&fine.map_err(fail)?, width as usize, height as usize, SAMPLES);
-        let aside = Aside::beside(path)?;
-        let mut file = BitMapBackend::new(&aside.part, (width, height));
-        file.blit_bitmap((0, 0), (width, height), &pixels)
-            .and_then(|()| file.present())
-            .map_err(|error| IoError::new(path, root_cause(&error)))?;
-        drop(file);
-        aside.publish()
+        let fine = self.pixels(f64::from(SCALE) * SAMPLES as f64, width as usize * SAMPLES, height as usize * SAMPLES)?;
+        let pixels = averaged(&fine, width as usize, height as usize, SAMPLES);
+        let mut file = BitMapBackend::new(path, (width, height));
+        file.blit_bitmap((0, 0), (width, height), &pixels).and_then(|()| file.present()).map_err(as_text)
     }
 
     /// The picture in `scale` times its size, three bytes a pixel.
@@ -387,6 +385,7 @@ pub(super) mod tests {
         std::fs::create_dir(folder.0.join("taken.png")).unwrap();
         let error = Picture::new(10.0, 10.0).write(&folder.0.join("taken")).unwrap_err().to_string();
         assert!(error.contains("taken.png"), "{error}");
+        assert_eq!(folder.names(), ["taken.png"]);
         assert!(Picture::new(10.0, 10.0).write(Path::new("..")).unwrap_err().to_string().contains("file name"));
     }
 }
