@@ -396,6 +396,7 @@ mod tests {
             (f64::NAN, 1.0),
             (6.0, 3.0),
         ];
+        let points = points.into_iter().chain([(f64::NAN, 1.0), (6.0, 3.0)]).collect();
         let series = Series { points, ..Series::default() };
         let x = Scale { lo: 0.0, hi: 6.0, log: false };
         let y = Scale { lo: 0.0, hi: 1.0, log: true };
