@@ -18,7 +18,9 @@ pub enum Style {
     Both,
 }
 
-/// A named list of points; a point that is not finite (or not positive on a logarithmic axis) is left out and interrupts the line.
+/// A named list of points.
+///
+/// A point that is not finite, or not positive on a logarithmic axis, is left out and interrupts the line.
 #[derive(Debug, Clone, Default)]
 pub struct Series {
     /// The name in the legend; an empty name is not listed.
@@ -396,7 +398,6 @@ mod tests {
             (f64::NAN, 1.0),
             (6.0, 3.0),
         ];
-        let points = points.into_iter().chain([(f64::NAN, 1.0), (6.0, 3.0)]).collect();
         let series = Series { points, ..Series::default() };
         let x = Scale { lo: 0.0, hi: 6.0, log: false };
         let y = Scale { lo: 0.0, hi: 1.0, log: true };
