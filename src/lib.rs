@@ -1,11 +1,61 @@
-//! costate
-pub mod assembly;
-pub mod design;
-pub mod elements;
-pub mod functionals;
-pub mod history;
-pub mod integrators;
-pub mod linalg;
+//! Flexible multibody dynamics whose elements are written once, generic over a scalar, with exact gradients of anything a
+//! mechanism does.
+//!
+//! The way of the data, and the order of the modules: each uses only those before it.
+//!
+//! ```text
+//! scalar        number types: real, complex step, dual lanes, Taylor, reverse
+//! design        design variables x, the map x -> p, q0, v0 and its transpose
+//! elements      residuals R(a, v, q, p, t), constraints g(q, p, t)
+//! assembly      numbering, residual, Jacobian, transposed products
+//! linalg        factor, solve, solve transposed
+//! integrators   start, stages, projections, step by step through time
+//! history       states kept for the way back
+//! functionals   f of the motion
+//! sensitivity   backwards: adjoint variables, df/dp, df/dx
+//! scenes        mechanisms as functions of x
+//! io            plots, pictures, tables, files
+//! ```
+//!
+//! # Conventions
+//!
+//! * residual: inertia + internal - applied = 0; constraints add A^T mu with A = dg/dq, so the force on the bodies is -A^T mu
+//! * a body node: position of its frame in the world, then Euler parameters with the scalar part first; R(e) takes body
+//!   components to world components; angular velocity in the body frame is 2 G(e) de/dt
+//! * units are the caller's, consistent; documentation names SI
+//!
+//! # Symbols
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | q, v, a | coordinates, velocities, accelerations |
+//! | p | parameters: every physical number of the model |
+//! | x | design variables; in a solved system: its unknowns |
+//! | mu | multipliers of the constraints g |
+//! | alpha, beta, gamma | dq/dx, dv/dx, da/dx of a system's unknowns |
+//! | lambda | adjoint variables of a system |
+//! | a bar behind a name | derivative of the functional with respect to it |
+// units in documentation are written in brackets, as in `mass [kg]`
+#![allow(rustdoc::broken_intra_doc_links)]
+
 pub mod scalar;
-pub mod scenes;
+
+pub mod design;
+
+pub mod elements;
+
+pub mod assembly;
+
+pub mod linalg;
+
+pub mod integrators;
+
+pub mod history;
+
+pub mod functionals;
+
 pub mod sensitivity;
+
+pub mod scenes;
+
+pub mod io;
