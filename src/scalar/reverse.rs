@@ -69,7 +69,8 @@ impl Tape {
             let bar = adjoint[index];
             if bar != 0.0 {
                 for (operand, partial) in record.operands.iter().zip(record.partials) {
-                    if *operand != CONSTANT {
+                    // a partial of zero ends the chain even where the derivative above it is infinite, as in forward mode
+                    if *operand != CONSTANT && partial != 0.0 {
                         adjoint[*operand as usize] += partial * bar;
                     }
                 }
@@ -102,6 +103,10 @@ impl Rev {
     }
 
     fn binary(self, other: Self, value: f64, partials: [f64; 2]) -> Self {
+        if self.node == other.node {
+            // one operand, so that x - x does not move at all
+            return self.chain([value, partials[0] + partials[1], 0.0]);
+        }
         Rev::record(value, [self.node, other.node], partials)
     }
 }
