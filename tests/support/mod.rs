@@ -1,5 +1,9 @@
 //! Deterministic random numbers for the contract tests: a failure names a state that comes back in every run.
 
+// not every test file moves bodies
+#[allow(dead_code)]
+pub mod motion;
+
 /// Linear congruential generator of Knuth's MMIX; the high bits are good enough to scatter test states.
 pub struct Random(u64);
 
