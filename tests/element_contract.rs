@@ -330,6 +330,84 @@ fn dampers_never_give_power() {
     }
 }
 
+/// Power of an element's non-conservative forces [W]: their size, which the balance above cannot see.
+fn power(element: &impl Contract, sample: &Sample, p: &[f64]) -> f64 {
+    element.force(&sample.v, &sample.q, p, sample.t).iter().zip(&sample.v).map(|(f, v)| f * v).sum()
+}
+
+#[test]
+fn damper_between_points_takes_c_times_the_square_of_the_rate() {
+    let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
+    for [a, b] in PAIRS {
+        let p = [&[2.3], &ends[..]].concat();
+        let case = Case::new("dampers", LineDamper { a, b }, &[a, b], &p);
+        for sample in samples(&case) {
+            // positions along the motion: their rates need no formula of velocities
+            let along: Vec<_> = sample.q.iter().zip(&sample.v).map(|(&re, &rate)| Dual { re, eps: [rate] }).collect();
+            let (of_a, of_b) = along.split_at(a.dofs());
+            let ends = [&ends[..3], &ends[3..]].map(|point: &[f64]| Vec3::from_f64([point[0], point[1], point[2]]));
+            let between: Vec3<Dual<f64, 1>> = b.position(of_b, ends[1]) - a.position(of_a, ends[0]);
+            let length_rate = between.norm().eps[0];
+            let speed = Vec3(between.0.map(|x| x.eps[0])).norm();
+            let line = power(&LineDamper { a, b }, &sample, &p);
+            let vector = power(&VectorDamper { a, b }, &sample, &p);
+            assert_close("line damper", &[line], &[-2.3 * length_rate * length_rate], 1e-12, 1.0);
+            assert_close("vector damper", &[vector], &[-2.3 * speed * speed], 1e-12, 1.0);
+        }
+    }
+}
+
+#[test]
+fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular_velocity() {
+    let (direction, point) = (Vec3([0.3, -0.5, 0.7]), Vec3([0.2, 0.4, -0.1]));
+    let axis = Vec3([0.6, 0.0, 0.8]);
+    for frame in FRAMES {
+        let size = TimeFunction::Constant;
+        let body = Case::new("load", AppliedTorque { frame, size: size.clone() }, &[Body], &[0.3, -0.5, 0.7, 1.3]);
+        for Sample { mut v, mut q, t, a } in samples(&body) {
+            // a rotation of unit length that turns by 0.9 rad/s about `axis`, exactly
+            let unit = Quaternion::about(axis, t);
+            q[3..].copy_from_slice(&unit.0);
+            v[3..].copy_from_slice(&unit.rate_of_body_velocity(axis * 0.9));
+            let in_world = |vector: Vec3<f64>| if frame == LoadFrame::Body { unit.rotate(vector) } else { vector };
+            let velocity = Vec3::from_slice(&v) + (axis * 0.9).cross(unit.rotate(point));
+            let sample = Sample { a, v, q, t };
+            let force = AppliedForce { on: Body, frame, size: size.clone() };
+            let of_force = power(&force, &sample, &[0.3, -0.5, 0.7, 0.2, 0.4, -0.1, 1.3]);
+            assert_close("force", &[of_force], &[1.3 * in_world(direction).dot(velocity)], 1e-13, 1.0);
+            let of_torque = power(&AppliedTorque { frame, size: size.clone() }, &sample, &body.p);
+            assert_close("torque", &[of_torque], &[1.3 * 0.9 * in_world(direction).dot(axis)], 1e-13, 1.0);
+        }
+    }
+}
+
+#[test]
+fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
+    let [stiffness, damping, rest] = [3.1, 0.7, 0.2];
+    let [axis, reference_a, reference_b] = [[0.6, 0.0, 0.8], [0.8, 0.0, -0.6], [0.8, 0.0, -0.6]];
+    let p = [&[stiffness, damping, rest][..], &axis, &reference_a, &reference_b].concat();
+    let axis = Vec3(axis);
+    let rate = -1.7;
+    for angle in [-3.0, -1.2, 0.0, 0.4, 2.9] {
+        // both bodies tumble together, b turns on about the axis: e_b = e_a about(axis, angle)
+        let (of_a, tumbling) = (Quaternion::about(Vec3([0.0, 1.0, 0.0]), 0.8), Vec3([0.5, -1.1, 0.3]));
+        let relative = Quaternion::about(axis, angle);
+        let of_b = of_a.times(relative);
+        let rate_a = of_a.rate_of_body_velocity(tumbling);
+        let rate_b = of_b.rate_of_body_velocity(relative.rotate_back(tumbling) + axis * rate);
+        let at = [1.0, 2.0, 3.0];
+        let q = [&at[..], &of_a.0, &at, &of_b.0].concat();
+        let v = [&at[..], &rate_a, &at, &rate_b].concat();
+        let sample = Sample { a: vec![0.0; 14], v, q, t: 0.0 };
+        let [_, potential] = TorsionSpringDamper.energy(&sample.v, &sample.q, &p);
+        assert_close("energy", &[potential], &[0.5 * stiffness * (angle - rest) * (angle - rest)], 1e-13, 1.0);
+        let taken = power(&TorsionSpringDamper, &sample, &p);
+        assert_close("power", &[taken], &[-damping * rate * rate], 1e-13, 1.0);
+        let balance = TorsionSpringDamper.energy_rate(sample.state(), &p).eps[0];
+        assert_close("rate of energy", &[balance], &[stiffness * (angle - rest) * rate], 1e-13, 1.0);
+    }
+}
+
 #[test]
 fn rigid_motion_keeps_the_energies_and_carries_the_residual_along() {
     let motion = RigidMotion { rotation: Quaternion([0.5, -0.5, 0.7, 0.1]), translation: Vec3([0.4, -1.3, 2.1]) };
