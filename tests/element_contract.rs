@@ -10,6 +10,7 @@ use costate::elements::{Anchor, AnyElement, Element, ElementIn, State, TimeFunct
 use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
+use support::time_functions::time_functions;
 
 use Anchor::{Body, Point};
 
@@ -77,18 +78,6 @@ impl Case {
         }
         self
     }
-}
-
-/// Every function of time with sample parameters; the states are taken at times in [-1, 1].
-fn time_functions() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
-    vec![
-        ("constant", TimeFunction::Constant, vec![1.3]),
-        ("constant rate", TimeFunction::ConstantRate, vec![0.4, -1.1]),
-        ("sine", TimeFunction::Sine, vec![0.2, 1.4, 2.3, 0.6]),
-        ("smooth ramp", TimeFunction::SmoothRamp, vec![0.3, 1.7, -0.4, 0.9]),
-        ("step", TimeFunction::Step { switch: 0.1 }, vec![0.8, -0.6]),
-        ("table", TimeFunction::table(vec![-0.7, -0.2, 0.1, 0.8]).expect("increasing"), vec![0.5, -0.3, 0.9, 0.2]),
-    ]
 }
 
 const ANCHORS: [Anchor; 2] = [Point, Body];

@@ -1,8 +1,10 @@
-//! Deterministic random numbers for the contract tests: a failure names a state that comes back in every run.
+//! Deterministic samples for the contract tests: a failure names a state that comes back in every run.
 
-// not every test file moves bodies
+// not every test file uses all of it
 #[allow(dead_code)]
 pub mod motion;
+#[allow(dead_code)]
+pub mod time_functions;
 
 /// Linear congruential generator of Knuth's MMIX; the high bits are good enough to scatter test states.
 pub struct Random(u64);
