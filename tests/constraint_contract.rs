@@ -438,6 +438,37 @@ fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
     }
 }
 
+/// Force of the constraint on the node of b [N]: the first three entries of -A^T mu there.
+fn force_on_b(case: &Case, q: &[f64], mu: &[f64]) -> [f64; 3] {
+    let r = reaction(case, q, mu, &case.p, NOW);
+    let first = case.nodes[0].dofs();
+    [-r[first], -r[first + 1], -r[first + 2]]
+}
+
+#[test]
+fn multipliers_are_the_forces_that_the_joints_say() {
+    for case in cases().iter().filter(|case| case.nodes.len() == 2) {
+        let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), Quaternion::identity(), case.placed);
+        let force = |mu: &[f64]| force_on_b(case, &q, mu);
+        if case.name.starts_with("distance") {
+            // a tension of 3 N draws b towards a
+            assert_close(&case.name, &force(&[3.0]), &(AXIS * -3.0).0, 1e-14);
+        } else if case.name.starts_with("spherical") {
+            // the force of a on b is opposite to that of b on a
+            assert_close(&case.name, &force(&[1.0, 2.0, 3.0]), &[-1.0, -2.0, -3.0], 1e-14);
+        } else if case.name.contains("translation") {
+            assert_close(&case.name, &force(&[-3.0]), &(AXIS * 3.0).0, 1e-14);
+        } else if case.name.contains("rotation") {
+            // the power of the driving moment 3 N m on b while b turns by 0.8 rad/s about the axis, a at rest
+            let r = reaction(case, &q, &[-3.0], &case.p, NOW);
+            let rate = case.placed.turn.rate_of_body_velocity(AXIS * 0.8);
+            let power: f64 = r[10..].iter().zip(rate).map(|(r, rate)| -r * rate).sum();
+            assert_close(&case.name, &[power], &[3.0 * 0.8], 1e-14);
+            assert_close(&case.name, &force(&[-3.0]), &[0.0; 3], 1e-14);
+        }
+    }
+}
+
 #[test]
 fn prescribed_motion_names_the_kinks_of_its_function() {
     for (_, function, own) in drives() {
