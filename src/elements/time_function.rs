@@ -35,12 +35,15 @@ impl TimeFunction {
     /// A table over the given knots.
     ///
     /// # Errors
-    /// Fewer than two knots, or times that do not increase; the message shows which.
+    /// Fewer than two knots, or times that are not finite or do not increase; the message shows which.
     pub fn table(times: Vec<f64>) -> Result<TimeFunction, String> {
         if times.len() < 2 {
             return Err(format!("a table over time needs at least 2 knots, not {}", times.len()));
         }
-        if let Some(i) = (1..times.len()).find(|&i| !(times[i] > times[i - 1] && times[i].is_finite())) {
+        if let Some(i) = times.iter().position(|t| !t.is_finite()) {
+            return Err(format!("table times must be finite: knot {i} is {}", times[i]));
+        }
+        if let Some(i) = (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
             return Err(format!("table times must increase: knot {i} is {} after {}", times[i], times[i - 1]));
         }
         let second = second_derivative_matrix(&times);

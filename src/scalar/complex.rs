@@ -3,9 +3,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A complex number for complex-step derivatives: f(x + i h) = f(x) + i h f'(x) + O(h^2).
 ///
-/// Sums, products, quotients, exponential, trigonometric and hyperbolic functions are those of complex arithmetic; functions
-/// whose usual complex formulas lose a tiny imaginary part or add one of their own (`sqrt`, `ln`, powers, inverse
-/// trigonometric ones) are continued to first order, f + i f' im. Nothing is ever conjugated.
+/// Exponential, sine, cosine and hyperbolic functions are those of complex arithmetic; functions whose usual complex formulas
+/// lose a tiny imaginary part or add one of their own (`sqrt`, `ln`, powers, inverse trigonometric ones) are continued to first
+/// order, f + i f' im. So are products and quotients: the square of the step, left in the real part, would make x^2 negative
+/// at x = 0 and its root NaN. The real part is thus the `f64` result. Nothing is ever conjugated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Complex {
     /// Real part: the value.
@@ -15,7 +16,7 @@ pub struct Complex {
 }
 
 impl Complex {
-    /// Step for first derivatives; far below round-off of any value, far above underflow of any product of two.
+    /// Step for first derivatives; any other gives the same derivative as long as nothing underflows or overflows.
     pub const STEP: f64 = 1e-100;
 
     /// re + i im.
@@ -60,23 +61,15 @@ impl Mul for Complex {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Complex { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
+        Complex { re: self.re * other.re, im: self.re * other.im + self.im * other.re }
     }
 }
 impl Div for Complex {
     type Output = Self;
-    /// Smith's division: no overflow where the quotient itself has none.
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        if other.re.abs() >= other.im.abs() {
-            let ratio = other.im / other.re;
-            let denominator = other.re + other.im * ratio;
-            Complex { re: (self.re + self.im * ratio) / denominator, im: (self.im - self.re * ratio) / denominator }
-        } else {
-            let ratio = other.re / other.im;
-            let denominator = other.re * ratio + other.im;
-            Complex { re: (self.re * ratio + self.im) / denominator, im: (self.im * ratio - self.re) / denominator }
-        }
+        let quotient = self.re / other.re;
+        Complex { re: quotient, im: (self.im - quotient * other.im) / other.re }
     }
 }
 impl Add<f64> for Complex {
@@ -128,9 +121,6 @@ impl Scalar for Complex {
     fn cos(self) -> Self {
         Complex { re: self.re.cos() * self.im.cosh(), im: -(self.re.sin() * self.im.sinh()) }
     }
-    fn tan(self) -> Self {
-        self.sin() / self.cos()
-    }
     fn sinh(self) -> Self {
         Complex { re: self.re.sinh() * self.im.cos(), im: self.re.cosh() * self.im.sin() }
     }
@@ -140,7 +130,7 @@ impl Scalar for Complex {
     fn recip(self) -> Self {
         Complex::from(1.0) / self
     }
-    super::jet::functions_by_chain!(re: sqrt, ln, asin, acos, atan, tanh);
+    super::jet::functions_by_chain!(re: sqrt, ln, tan, asin, acos, atan, tanh);
     fn atan2(self, other: Self) -> Self {
         let norm = self.re.hypot(other.re);
         // divided twice by the norm: its square may overflow where the angle does not

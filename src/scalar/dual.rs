@@ -29,7 +29,9 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     /// f(x) with the derivatives f' eps; a zero perturbation stays zero where f' is infinite.
     #[inline]
     pub(crate) fn chain(self, [f, first, _]: Jet<S>) -> Self {
-        if first.value().is_finite() {
+        // true if every part of f' is finite: an inner derivative may be infinite where the value is not (x^1.5 at 0)
+        let vanishing = first * 0.0;
+        if vanishing.value() == 0.0 && vanishing.is_constant() {
             Dual { re: f, eps: self.eps.map(|e| first * e) }
         } else {
             let guarded = |e: S| if e.value() == 0.0 && e.is_constant() { S::zero() } else { first * e };

@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 
 /// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) [m].
 ///
-/// The multiplier is minus the tension for a link at its length [N].
+/// The multiplier is the tension for a link at its length [N], negative in compression.
 ///
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `length`  l [m], greater than 0

@@ -1,0 +1,481 @@
+//! What every constraint owes, for every joint in every topology: one line in `cases` enters a new one.
+
+mod support;
+
+use costate::elements::bodies::EulerParameterNorm;
+use costate::elements::joints::{
+    DistanceJoint, FixedJoint, PrescribedRotation, PrescribedTranslation, RevoluteJoint, SphericalJoint,
+};
+use costate::elements::{Anchor, AnyConstraint, Constraint, ConstraintIn, ReactingConstraintIn, State, TimeFunction};
+use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
+use support::Random;
+use support::motion::{RigidMotion, random_coordinates};
+use support::time_functions::time_functions;
+
+use Anchor::{Body, Point};
+
+/// Where b stands relative to a: its turn, and the vector from the point of a to the point of b, both seen from a.
+#[derive(Clone, Copy)]
+struct Placement {
+    turn: Quaternion<f64>,
+    offset: Vec3<f64>,
+}
+
+impl Placement {
+    /// Turned on by `angle` [rad] about `axis` of a; the points stay where they are.
+    fn turned(self, axis: Vec3<f64>, angle: f64) -> Placement {
+        Placement { turn: Quaternion::about(axis, angle).times(self.turn), ..self }
+    }
+    /// Shifted by `by` [m] in the frame of a.
+    fn shifted(self, by: Vec3<f64>) -> Placement {
+        Placement { offset: self.offset + by, ..self }
+    }
+}
+
+/// A placement next to the consistent one, and the rows that must then be as large as the step away.
+struct Move {
+    what: &'static str,
+    to: Placement,
+    violated: Vec<usize>,
+}
+
+struct Case {
+    name: String,
+    constraint: Box<dyn AnyConstraint>,
+    nodes: Vec<Anchor>,
+    p: Vec<f64>,
+    /// Consistent at time [`NOW`].
+    placed: Placement,
+    moves: Vec<Move>,
+    /// Parameters that this topology takes and, as documented, does not read: the start of their names.
+    ignored: Vec<&'static str>,
+}
+
+impl Case {
+    fn new(name: impl Into<String>, constraint: impl Constraint, nodes: &[Anchor], p: &[f64], placed: Placement) -> Case {
+        let (name, constraint) = (name.into(), Box::new(constraint));
+        let mut ignored = vec![];
+        if let [a, b] = *nodes {
+            ignored.extend((a == Point).then_some("point a"));
+            ignored.extend((b == Point).then_some("point b"));
+        }
+        Case { name, constraint, nodes: nodes.to_vec(), p: p.to_vec(), placed, moves: vec![], ignored }
+    }
+    /// `to` violates the rows `violated` by [`STEP`] and no others.
+    fn shows(mut self, what: &'static str, violated: &[usize], to: impl Fn(Placement) -> Placement) -> Case {
+        self.moves.push(Move { what, to: to(self.placed), violated: violated.to_vec() });
+        self
+    }
+
+    /// Coordinates of both nodes for a body a at `position` with the Euler parameters `turn`.
+    fn coordinates(&self, position: Vec3<f64>, turn: Quaternion<f64>, placed: Placement) -> Vec<f64> {
+        let [a, b] = self.nodes[..] else {
+            return [position.0.to_vec(), turn.0.to_vec()].concat();
+        };
+        let in_world = |vector: Vec3<f64>| if a == Body { turn.rotate(vector) } else { vector };
+        let mut q = position.0.to_vec();
+        let mut point = position + in_world(placed.offset);
+        if a == Body {
+            q.extend(turn.0);
+            point += turn.rotate(POINT_A);
+        }
+        if b == Body {
+            let turn_b = if a == Body { turn.times(placed.turn) } else { placed.turn };
+            q.extend((point - turn_b.rotate(POINT_B)).0);
+            q.extend(turn_b.0);
+        } else {
+            q.extend(point.0);
+        }
+        q
+    }
+}
+
+const NOW: f64 = 0.3;
+const STEP: f64 = 1e-3;
+const POINT_A: Vec3<f64> = Vec3([0.3, -0.2, 0.5]);
+const POINT_B: Vec3<f64> = Vec3([-0.4, 0.1, 0.6]);
+/// A right-handed triad of a; the first is the axis of hinges and drives.
+const AXIS: Vec3<f64> = Vec3([0.6, 0.0, 0.8]);
+const NORMAL_U: Vec3<f64> = Vec3([0.8, 0.0, -0.6]);
+const NORMAL_W: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
+const X: Vec3<f64> = Vec3([1.0, 0.0, 0.0]);
+const Y: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
+const Z: Vec3<f64> = Vec3([0.0, 0.0, 1.0]);
+const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
+
+/// Drives of motion: everything but jumps, which no motion can follow.
+fn drives() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
+    time_functions().into_iter().filter(|(_, function, _)| !matches!(function, TimeFunction::Step { .. })).collect()
+}
+
+#[rustfmt::skip]
+fn cases() -> Vec<Case> {
+    let points = [POINT_A.0, POINT_B.0].concat();
+    let skew = Quaternion::about(Vec3([0.36, 0.48, 0.8]), 0.9);
+    let together = Placement { turn: skew, offset: Vec3::zero() };
+    let hinged = Placement { turn: Quaternion::about(AXIS, 0.7), offset: Vec3::zero() };
+    let mut list = vec![
+        Case::new("Euler parameter norm", EulerParameterNorm, &[Body], &[], together),
+        Case::new("fixed", FixedJoint, &[Body, Body], &[&points[..], &skew.0].concat(), together)
+            .shows("turn about x", &[3], |placed| placed.turned(X, STEP))
+            .shows("turn about y", &[4], |placed| placed.turned(Y, STEP))
+            .shows("turn about z", &[5], |placed| placed.turned(Z, STEP))
+            .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
+            .shows("Euler parameters of the other sign", &[], |placed| Placement { turn: Quaternion(placed.turn.0.map(|e| -e)), ..placed }),
+        Case::new("revolute", RevoluteJoint, &[Body, Body], &[&points[..], &NORMAL_U.0, &NORMAL_W.0, &AXIS.0].concat(), hinged)
+            .shows("turn about the axis", &[], |placed| placed.turned(AXIS, 2.0))
+            .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
+            .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
+            .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
+    ];
+    for [a, b] in PAIRS {
+        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint { a, b }, &[a, b], &points, together)
+            .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
+            .shows("shift along x", &[0], |placed| placed.shifted(X * STEP))
+            .shows("shift along z", &[2], |placed| placed.shifted(Z * -STEP)));
+        let length = 1.7;
+        let apart = Placement { offset: AXIS * length, ..together };
+        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[a, b], &[&points[..], &[length]].concat(), apart)
+            .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
+            .shows("another direction", &[], |placed| Placement { offset: Vec3([-1.7, 0.0, 0.0]), ..placed })
+            .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
+    }
+    for (of_time, function, own) in drives() {
+        let now = function.value(NOW, &own);
+        let driven = Placement { turn: Quaternion::about(AXIS, now), offset: Vec3::zero() };
+        let p = [&AXIS.0[..], &NORMAL_U.0, &NORMAL_U.0, &own].concat();
+        list.push(Case::new(format!("{of_time} rotation"), PrescribedRotation { angle: function.clone() }, &[Body, Body], &p, driven)
+            .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
+            .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
+            .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
+        for b in [Point, Body] {
+            let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
+            let drive = PrescribedTranslation { b, displacement: function.clone() };
+            list.push(Case::new(format!("{of_time} translation of {b:?}"), drive, &[Body, b], &[&points[..], &AXIS.0, &own].concat(), slid)
+                .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
+                .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))
+                .shows("shift along the axis", &[0], |placed| placed.shifted(AXIS * STEP)));
+        }
+    }
+    list
+}
+
+fn value<S: Scalar>(case: &Case, q: &[S], p: &[S], t: S) -> Vec<S>
+where
+    dyn AnyConstraint: ConstraintIn<S>,
+{
+    let mut g = vec![S::zero(); case.constraint.equation_count()];
+    ConstraintIn::<S>::value(&*case.constraint, q, p, t, &mut g);
+    g
+}
+
+fn derivatives<S: Scalar>(case: &Case, s: State<S>, p: &[S], t: S, t_rate: f64) -> Vec<Taylor<S>>
+where
+    dyn AnyConstraint: ConstraintIn<S>,
+{
+    let mut g = vec![Taylor::default(); case.constraint.equation_count()];
+    ConstraintIn::<S>::derivatives(&*case.constraint, s, p, t, t_rate, &mut g);
+    g
+}
+
+fn reaction<S: Scalar>(case: &Case, q: &[S], mu: &[S], p: &[S], t: S) -> Vec<S>
+where
+    dyn AnyConstraint: ReactingConstraintIn<S>,
+{
+    let mut r = vec![S::zero(); q.len()];
+    ReactingConstraintIn::<S>::add_reaction(&*case.constraint, q, mu, p, t, &mut r);
+    r
+}
+
+/// One random state, far from g = 0; Euler parameters have any length between 1/2 and 3/2.
+struct Sample {
+    a: Vec<f64>,
+    v: Vec<f64>,
+    q: Vec<f64>,
+    mu: Vec<f64>,
+    t: f64,
+}
+
+impl Sample {
+    fn state(&self) -> State<'_, f64> {
+        State { a: &self.a, v: &self.v, q: &self.q }
+    }
+}
+
+fn samples(case: &Case) -> Vec<Sample> {
+    let mut random = Random::new(5);
+    let n = case.constraint.dof_count();
+    let sample = |_| {
+        let q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        let mu = random.vector(case.constraint.equation_count());
+        Sample { a: random.vector(n), v: random.vector(n), q, mu, t: random.uniform(-1.0, 1.0) }
+    };
+    (0..12).map(sample).collect()
+}
+
+fn complex(real: &[f64]) -> Vec<Complex> {
+    real.iter().map(|&x| x.into()).collect()
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+/// Asserts |a - b| <= tolerance x the larger of 1 and the largest number.
+fn assert_close(what: &str, a: &[f64], b: &[f64], tolerance: f64) {
+    assert_eq!(a.len(), b.len(), "{what}");
+    assert!(a.iter().chain(b).all(|x| x.is_finite()), "{what}: {a:?} against {b:?}");
+    let limit = tolerance * largest(a).max(largest(b)).max(1.0);
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= limit), "{what}: {a:?} against {b:?}");
+}
+
+#[test]
+fn sizes_fit_and_sample_parameters_are_admissible() {
+    for case in cases() {
+        let parameters = case.constraint.parameter_list();
+        assert_eq!(parameters.len(), case.p.len(), "{}", case.name);
+        assert_eq!(case.nodes.iter().map(|node| node.dofs()).sum::<usize>(), case.constraint.dof_count(), "{}", case.name);
+        for (parameter, &value) in parameters.iter().zip(&case.p) {
+            assert!(parameter.admissible.contains(value), "{}: {} = {value}", case.name, parameter.name);
+        }
+        let distinct: std::collections::BTreeSet<_> = parameters.iter().map(|p| &p.name).collect();
+        assert_eq!(distinct.len(), parameters.len(), "{}: two parameters of one name", case.name);
+    }
+}
+
+#[test]
+fn every_parameter_is_read_unless_the_topology_ignores_it() {
+    for case in cases() {
+        for (k, parameter) in case.constraint.parameter_list().iter().enumerate() {
+            let moves = samples(&case).iter().any(|sample| {
+                // exactly as many entries as the list of parameters has: reading one more would panic here
+                let mut p = complex(&case.p);
+                p[k].im = Complex::STEP;
+                value(&case, &complex(&sample.q), &p, sample.t.into()).iter().any(|g| g.im != 0.0)
+            });
+            let ignored = case.ignored.iter().any(|start| parameter.name.starts_with(start));
+            assert_eq!(moves, !ignored, "{}: does {} enter g?", case.name, parameter.name);
+        }
+    }
+}
+
+#[test]
+fn derivatives_equal_complex_steps_along_the_motion() {
+    for case in cases() {
+        for sample in samples(&case) {
+            for t_rate in [0.0, 1.0] {
+                let g = derivatives(&case, sample.state(), &case.p, sample.t, t_rate);
+                let along = |x: &[f64], rate: &[f64]| -> Vec<Complex> {
+                    x.iter().zip(rate).map(|(&x, &rate)| Complex::new(x, rate * Complex::STEP)).collect()
+                };
+                let (q, v) = (along(&sample.q, &sample.v), along(&sample.v, &sample.a));
+                let (a, p, t) = (complex(&sample.a), complex(&case.p), Complex::new(sample.t, t_rate * Complex::STEP));
+                let stepped = value(&case, &q, &p, t);
+                let stepped_rate = derivatives(&case, State { a: &a, v: &v, q: &q }, &p, t, t_rate);
+                let of = |part: fn(&Taylor<f64>) -> f64| g.iter().map(part).collect::<Vec<_>>();
+                let part = |x: &Complex| x.im / Complex::STEP;
+                assert_close(&case.name, &of(|g| g.value), &value(&case, &sample.q, &case.p, sample.t), 1e-15);
+                assert_close(&case.name, &of(|g| g.first), &stepped.iter().map(part).collect::<Vec<_>>(), 1e-12);
+                let second: Vec<_> = stepped_rate.iter().map(|g| part(&g.first)).collect();
+                assert_close(&case.name, &of(|g| g.second), &second, 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_equal_differences_of_time_along_a_smooth_path() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let at = |s: f64| {
+                let q: Vec<_> =
+                    (0..sample.q.len()).map(|i| sample.q[i] + s * (sample.v[i] + 0.5 * s * sample.a[i])).collect();
+                value(&case, &q, &case.p, sample.t + s)
+            };
+            let g = derivatives(&case, sample.state(), &case.p, sample.t, 1.0);
+            // one step of Richardson removes h^2; round-off of the second difference is 1e-16 / h^2
+            let [(first_coarse, second_coarse), (first_fine, second_fine)] = [8e-4, 4e-4].map(|h| {
+                let (plus, here, minus) = (at(h), at(0.0), at(-h));
+                let row = |i: usize| (plus[i] - minus[i]) / (2.0 * h);
+                let bend = |i: usize| (plus[i] - 2.0 * here[i] + minus[i]) / (h * h);
+                let rows = 0..here.len();
+                (rows.clone().map(row).collect::<Vec<f64>>(), rows.map(bend).collect::<Vec<f64>>())
+            });
+            let richardson = |coarse: &[f64], fine: &[f64]| -> Vec<f64> {
+                coarse.iter().zip(fine).map(|(coarse, fine)| (4.0 * fine - coarse) / 3.0).collect()
+            };
+            let place = format!("{} at t = {}", case.name, sample.t);
+            let (first, second): (Vec<_>, Vec<_>) = g.iter().map(|g| (g.first, g.second)).unzip();
+            assert_close(&place, &first, &richardson(&first_coarse, &first_fine), 1e-7);
+            assert_close(&place, &second, &richardson(&second_coarse, &second_fine), 1e-7);
+        }
+    }
+}
+
+#[test]
+fn reaction_is_the_transposed_gradient_times_the_multipliers() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let gradient_times_mu: Vec<f64> = (0..sample.q.len())
+                .map(|column| {
+                    let mut q = complex(&sample.q);
+                    q[column].im = Complex::STEP;
+                    let g = value(&case, &q, &complex(&case.p), sample.t.into());
+                    g.iter().zip(&sample.mu).map(|(g, mu)| g.im / Complex::STEP * mu).sum()
+                })
+                .collect();
+            let r = reaction(&case, &sample.q, &sample.mu, &case.p, sample.t);
+            assert_close(&case.name, &r, &gradient_times_mu, 1e-12);
+            let mut added = vec![10.0; r.len()];
+            case.constraint.add_reaction(&sample.q, &sample.mu, &case.p, sample.t, &mut added);
+            assert_close(&case.name, &added, &r.iter().map(|r| r + 10.0).collect::<Vec<_>>(), 1e-14);
+        }
+    }
+}
+
+/// Reaction, g, dg/dt and d2g/dt2 of the arguments (a, v, q, mu, p, t), one after the other.
+fn everything<S: Scalar>(case: &Case, arguments: &[S]) -> Vec<S>
+where
+    dyn AnyConstraint: ReactingConstraintIn<S>,
+{
+    let n = case.constraint.dof_count();
+    let (a, rest) = arguments.split_at(n);
+    let (v, rest) = rest.split_at(n);
+    let (q, rest) = rest.split_at(n);
+    let (mu, rest) = rest.split_at(case.constraint.equation_count());
+    let (p, t) = rest.split_at(case.p.len());
+    let mut all = reaction(case, q, mu, p, t[0]);
+    all.extend(derivatives(case, State { a, v, q }, p, t[0], 1.0).iter().flat_map(|g| [g.value, g.first, g.second]));
+    all
+}
+
+#[test]
+fn lanes_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
+    for case in cases() {
+        for sample in samples(&case).iter().take(4) {
+            let at = [&sample.a[..], &sample.v, &sample.q, &sample.mu, &case.p, &[sample.t]].concat();
+            for first in (0..at.len()).step_by(LANES) {
+                let lanes = LANES.min(at.len() - first);
+                let mut seeded: Vec<Lanes> = at.iter().map(|&x| x.into()).collect();
+                for lane in 0..lanes {
+                    seeded[first + lane] = Dual::variable(at[first + lane], lane);
+                }
+                let by_lanes = everything(&case, &seeded);
+                for lane in 0..lanes {
+                    let mut stepped = complex(&at);
+                    stepped[first + lane].im = Complex::STEP;
+                    let by_step: Vec<_> = everything(&case, &stepped).iter().map(|x| x.im / Complex::STEP).collect();
+                    let column: Vec<_> = by_lanes.iter().map(|x| x.eps[lane]).collect();
+                    let place = format!("{}, derivative to entry {} of (a, v, q, mu, p, t)", case.name, first + lane);
+                    assert_close(&place, &column, &by_step, 1e-12);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn consistent_configuration_stays_consistent_when_moved_rigidly() {
+    let turn = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    for case in cases() {
+        // a point has no frame, so what it sees is seen from the world
+        let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), turn, case.placed);
+        let rows = case.constraint.equation_count();
+        assert_close(&case.name, &value(&case, &q, &case.p, NOW), &vec![0.0; rows], 1e-14);
+        for (k, translation) in [Vec3([0.4, -1.3, 2.1]), Vec3([-7.0, 3.0, 0.5])].into_iter().enumerate() {
+            let rotation = Quaternion([0.5, -0.5, 0.7 - k as f64, 0.1]);
+            let moved = RigidMotion { rotation, translation }.of_coordinates(&case.nodes, &q);
+            assert_close(&case.name, &value(&case, &moved, &case.p, NOW), &vec![0.0; rows], 1e-13);
+        }
+    }
+}
+
+#[test]
+fn rows_are_zero_exactly_where_the_joint_leaves_freedom() {
+    for case in cases() {
+        for Move { what, to, violated } in &case.moves {
+            // body a in the axes of the world, so that shifts seen from a are rows of g
+            let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), Quaternion::identity(), *to);
+            for (row, g) in value(&case, &q, &case.p, NOW).into_iter().enumerate() {
+                // rows are lengths and angles, so that a small step away shows at its own size
+                let (size, limit) = if violated.contains(&row) { (STEP, 1e-2 * STEP) } else { (0.0, 1e-14) };
+                assert!((g.abs() - size).abs() <= limit, "{}, {what}: row {row} is {g}, not {size}", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn euler_parameters_of_another_length_violate_their_norm_whatever_the_rotation() {
+    for scale in [0.5, 0.9, 1.0, 1.1] {
+        let turn = Quaternion::about(AXIS, 2.0);
+        let q = [&[0.3, 0.4, 0.5][..], &turn.0.map(|e| e * scale)].concat();
+        let mut g = [0.0];
+        EulerParameterNorm.value(&q, &[], 0.0, &mut g);
+        assert_close("norm", &g, &[0.5 * (scale * scale - 1.0)], 1e-15);
+    }
+}
+
+#[test]
+fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
+    let drive = PrescribedRotation { angle: TimeFunction::ConstantRate };
+    let (offset, rate) = (0.2, 9.0);
+    let p = [&AXIS.0[..], &NORMAL_U.0, &NORMAL_U.0, &[offset, rate]].concat();
+    let case =
+        Case::new("driven", drive, &[Body, Body], &p, Placement { turn: Quaternion::identity(), offset: Vec3::zero() });
+    let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    // 4 seconds are almost 6 turns forwards, and as many backwards
+    for k in -40..=40 {
+        let t = f64::from(k) / 10.0;
+        for off in [0.0, 1e-6, -0.5, 2.0, -3.1, 3.1] {
+            let placed = case.placed.turned(AXIS, offset + rate * t + off);
+            let g = value(&case, &case.coordinates(Vec3::zero(), of_a, placed), &p, t);
+            assert_close(&format!("t = {t}"), &g, &[off], 1e-13);
+        }
+        let half_a_turn = case.placed.turned(AXIS, offset + rate * t + std::f64::consts::PI);
+        let g = value(&case, &case.coordinates(Vec3::zero(), of_a, half_a_turn), &p, t);
+        assert_close(&format!("half a turn off at t = {t}"), &[g[0].abs()], &[std::f64::consts::PI], 1e-13);
+    }
+}
+
+/// Force of the constraint on the node of b [N]: the first three entries of -A^T mu there.
+fn force_on_b(case: &Case, q: &[f64], mu: &[f64]) -> [f64; 3] {
+    let r = reaction(case, q, mu, &case.p, NOW);
+    let first = case.nodes[0].dofs();
+    [-r[first], -r[first + 1], -r[first + 2]]
+}
+
+#[test]
+fn multipliers_are_the_forces_that_the_joints_say() {
+    for case in cases().iter().filter(|case| case.nodes.len() == 2) {
+        let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), Quaternion::identity(), case.placed);
+        let force = |mu: &[f64]| force_on_b(case, &q, mu);
+        if case.name.starts_with("distance") {
+            // a tension of 3 N draws b towards a
+            assert_close(&case.name, &force(&[3.0]), &(AXIS * -3.0).0, 1e-14);
+        } else if case.name.starts_with("spherical") {
+            // the force of a on b is opposite to that of b on a
+            assert_close(&case.name, &force(&[1.0, 2.0, 3.0]), &[-1.0, -2.0, -3.0], 1e-14);
+        } else if case.name.contains("translation") {
+            assert_close(&case.name, &force(&[-3.0]), &(AXIS * 3.0).0, 1e-14);
+        } else if case.name.contains("rotation") {
+            // the power of the driving moment 3 N m on b while b turns by 0.8 rad/s about the axis, a at rest
+            let r = reaction(case, &q, &[-3.0], &case.p, NOW);
+            let rate = case.placed.turn.rate_of_body_velocity(AXIS * 0.8);
+            let power: f64 = r[10..].iter().zip(rate).map(|(r, rate)| -r * rate).sum();
+            assert_close(&case.name, &[power], &[3.0 * 0.8], 1e-14);
+            assert_close(&case.name, &force(&[-3.0]), &[0.0; 3], 1e-14);
+        }
+    }
+}
+
+#[test]
+fn prescribed_motion_names_the_kinks_of_its_function() {
+    for (_, function, own) in drives() {
+        let rotation = PrescribedRotation { angle: function.clone() };
+        let translation = PrescribedTranslation { b: Body, displacement: function.clone() };
+        let p = [&[0.0; 9][..], &own].concat();
+        assert_eq!(rotation.kink_times(&p), function.kinks(&own));
+        assert_eq!(translation.kink_times(&p), function.kinks(&own));
+    }
+}

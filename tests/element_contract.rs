@@ -1,0 +1,480 @@
+//! What every element owes, for every element in every topology: one line in `cases` enters a new one.
+
+mod support;
+
+use costate::elements::bodies::{PointMass, RigidBody};
+use costate::elements::forces::{
+    AppliedForce, AppliedTorque, Gravity, LineDamper, LineSpring, LoadFrame, TorsionSpringDamper, VectorDamper,
+};
+use costate::elements::{Anchor, AnyElement, Element, ElementIn, State, TimeFunction, lagrangian_residual};
+use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
+use support::Random;
+use support::motion::{RigidMotion, random_coordinates};
+use support::time_functions::time_functions;
+
+use Anchor::{Body, Point};
+
+/// An element beside what only its energies tell; every `Element` is one.
+trait Contract: AnyElement {
+    fn residual_of_energies(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64>;
+    fn force(&self, v: &[f64], q: &[f64], p: &[f64], t: f64) -> Vec<f64>;
+    /// T + V with its rate along the motion.
+    fn energy_rate(&self, s: State<f64>, p: &[f64]) -> Dual<f64, 1>;
+}
+
+impl<E: Element> Contract for E {
+    fn residual_of_energies(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
+        let mut r = vec![0.0; s.q.len()];
+        lagrangian_residual(self, s, p, t, &mut r);
+        r
+    }
+    fn force(&self, v: &[f64], q: &[f64], p: &[f64], t: f64) -> Vec<f64> {
+        let mut force = vec![0.0; q.len()];
+        self.add_force(v, q, p, t, &mut force);
+        force
+    }
+    fn energy_rate(&self, s: State<f64>, p: &[f64]) -> Dual<f64, 1> {
+        let along = |x: &[f64], rate: &[f64]| -> Vec<Dual<f64, 1>> {
+            x.iter().zip(rate).map(|(&re, &rate)| Dual { re, eps: [rate] }).collect()
+        };
+        let (q, v) = (along(s.q, s.v), along(s.v, s.a));
+        let p: Vec<_> = p.iter().map(|&p| Dual::constant(p)).collect();
+        self.kinetic(&v, &q, &p) + self.potential(&q, &p)
+    }
+}
+
+/// What a rigid motion of all nodes does to the element.
+#[derive(Clone, Copy, PartialEq)]
+enum UnderRigidMotion {
+    /// The energies stay and the residual moves along.
+    Invariant,
+    /// It knows a direction of the world: weight and dead loads.
+    BoundToWorld,
+}
+use UnderRigidMotion::{BoundToWorld, Invariant};
+
+struct Case {
+    name: String,
+    element: Box<dyn Contract>,
+    nodes: Vec<Anchor>,
+    p: Vec<f64>,
+    motion: UnderRigidMotion,
+    /// Parameters that this topology takes and, as documented, does not read: the start of their names.
+    ignored: Vec<&'static str>,
+}
+
+impl Case {
+    fn new(name: impl Into<String>, element: impl Element, nodes: &[Anchor], p: &[f64]) -> Case {
+        let (name, element, nodes, p) = (name.into(), Box::new(element), nodes.to_vec(), p.to_vec());
+        Case { name, element, nodes, p, motion: Invariant, ignored: vec![] }
+    }
+    fn bound_to_world(self, bound: bool) -> Case {
+        Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
+    }
+    /// `names` are not read if their node is a point.
+    fn ignoring(mut self, name: &'static str, node: Anchor) -> Case {
+        if node == Point {
+            self.ignored.push(name);
+        }
+        self
+    }
+}
+
+const ANCHORS: [Anchor; 2] = [Point, Body];
+const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
+const FRAMES: [LoadFrame; 2] = [LoadFrame::World, LoadFrame::Body];
+
+#[rustfmt::skip]
+fn cases() -> Vec<Case> {
+    let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
+    let torsion = [3.1, 0.7, 0.2, 0.6, 0.0, 0.8, 0.8, 0.0, -0.6, 0.0, 1.0, 0.0];
+    let mut list = vec![
+        Case::new("point mass", PointMass, &[Point], &[1.7]),
+        Case::new("rigid body", RigidBody, &[Body], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
+        Case::new("torsion spring damper", TorsionSpringDamper, &[Body, Body], &torsion),
+    ];
+    for on in ANCHORS {
+        list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[on], &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
+            .bound_to_world(true).ignoring("centre", on));
+    }
+    for [a, b] in PAIRS {
+        let mut add = |name: &str, case: fn(String, [Anchor; 2], &[f64]) -> Case, own: &[f64]| {
+            list.push(case(format!("{name} {a:?} to {b:?}"), [a, b], &[own, &ends].concat()).ignoring("point a", a).ignoring("point b", b));
+        };
+        add("line spring", |name, [a, b], p| Case::new(name, LineSpring { a, b }, &[a, b], p), &[5.0, 0.7]);
+        add("line damper", |name, [a, b], p| Case::new(name, LineDamper { a, b }, &[a, b], p), &[2.3]);
+        add("vector damper", |name, [a, b], p| Case::new(name, VectorDamper { a, b }, &[a, b], p), &[2.3]);
+    }
+    for (of_time, size, own) in time_functions() {
+        for frame in FRAMES {
+            let torque = AppliedTorque { frame, size: size.clone() };
+            list.push(Case::new(format!("{of_time} torque in {frame:?}"), torque, &[Body], &[&[0.3, -0.5, 0.7], &own[..]].concat())
+                .bound_to_world(frame == LoadFrame::World));
+            for on in ANCHORS {
+                let force = AppliedForce { on, frame, size: size.clone() };
+                let p = [&[0.3, -0.5, 0.7, 0.2, 0.4, -0.1], &own[..]].concat();
+                // a point has no frame of its own, so its loads are all dead ones
+                list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &[on], &p)
+                    .bound_to_world(frame == LoadFrame::World || on == Point).ignoring("point", on));
+            }
+        }
+    }
+    list
+}
+
+/// One random state; Euler parameters have any length between 1/2 and 3/2.
+struct Sample {
+    a: Vec<f64>,
+    v: Vec<f64>,
+    q: Vec<f64>,
+    t: f64,
+}
+
+impl Sample {
+    fn state(&self) -> State<'_, f64> {
+        State { a: &self.a, v: &self.v, q: &self.q }
+    }
+}
+
+fn samples(case: &Case) -> Vec<Sample> {
+    let mut random = Random::new(3);
+    let n = case.element.dof_count();
+    let sample = |_| {
+        let q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        Sample { a: random.vector(n), v: random.vector(n), q, t: random.uniform(-1.0, 1.0) }
+    };
+    (0..12).map(sample).collect()
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+/// Asserts |a - b| <= tolerance x the larger of `scale` and the largest number.
+fn assert_close(what: &str, a: &[f64], b: &[f64], tolerance: f64, scale: f64) {
+    assert_eq!(a.len(), b.len(), "{what}");
+    assert!(a.iter().chain(b).all(|x| x.is_finite()), "{what}: {a:?} against {b:?}");
+    let limit = tolerance * largest(a).max(largest(b)).max(scale);
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= limit), "{what}: {a:?} against {b:?}");
+}
+
+/// (a, v, q, p, t) in one list, so that every column of the derivative is one entry of it.
+fn inputs(case: &Case, sample: &Sample) -> Vec<f64> {
+    [&sample.a[..], &sample.v, &sample.q, &case.p, &[sample.t]].concat()
+}
+
+fn residual<S: Scalar>(case: &Case, inputs: &[S]) -> Vec<S>
+where
+    dyn Contract: ElementIn<S>,
+{
+    let n = case.element.dof_count();
+    let (a, rest) = inputs.split_at(n);
+    let (v, rest) = rest.split_at(n);
+    let (q, rest) = rest.split_at(n);
+    let (p, t) = rest.split_at(case.p.len());
+    let mut r = vec![S::zero(); n];
+    ElementIn::<S>::add_residual(&*case.element, State { a, v, q }, p, t[0], &mut r);
+    r
+}
+
+/// Columns of dR/d(a, v, q, p, t), by lanes.
+fn columns_by_lanes(case: &Case, at: &[f64]) -> Vec<Vec<f64>> {
+    let mut columns = Vec::new();
+    for first in (0..at.len()).step_by(LANES) {
+        let lanes = LANES.min(at.len() - first);
+        let mut seeded: Vec<Lanes> = at.iter().map(|&x| x.into()).collect();
+        for lane in 0..lanes {
+            seeded[first + lane] = Dual::variable(at[first + lane], lane);
+        }
+        let r = residual(case, &seeded);
+        columns.extend((0..lanes).map(|lane| r.iter().map(|r| r.eps[lane]).collect::<Vec<_>>()));
+    }
+    columns
+}
+
+fn column_by_complex_step(case: &Case, at: &[f64], column: usize) -> Vec<f64> {
+    let mut stepped: Vec<Complex> = at.iter().map(|&x| x.into()).collect();
+    stepped[column].im = Complex::STEP;
+    residual(case, &stepped).iter().map(|r| r.im / Complex::STEP).collect()
+}
+
+fn column_by_differences(case: &Case, at: &[f64], column: usize) -> Vec<f64> {
+    let shifted = |h: f64| {
+        let mut at = at.to_vec();
+        at[column] += h;
+        residual(case, &at)
+    };
+    let h = 1e-5;
+    shifted(h).iter().zip(shifted(-h)).map(|(plus, minus)| (plus - minus) / (2.0 * h)).collect()
+}
+
+#[test]
+fn sizes_fit_and_sample_parameters_are_admissible() {
+    for case in cases() {
+        let parameters = case.element.parameter_list();
+        assert_eq!(parameters.len(), case.p.len(), "{}", case.name);
+        assert_eq!(case.nodes.iter().map(|node| node.dofs()).sum::<usize>(), case.element.dof_count(), "{}", case.name);
+        for (parameter, &value) in parameters.iter().zip(&case.p) {
+            assert!(parameter.admissible.contains(value), "{}: {} = {value}", case.name, parameter.name);
+            assert!(!parameter.name.is_empty() && !parameter.unit.is_empty(), "{}: {parameter:?}", case.name);
+        }
+        let distinct: std::collections::BTreeSet<_> = parameters.iter().map(|p| &p.name).collect();
+        assert_eq!(distinct.len(), parameters.len(), "{}: two parameters of one name", case.name);
+    }
+}
+
+#[test]
+fn every_parameter_is_read_unless_the_topology_ignores_it() {
+    for case in cases() {
+        let mut moves = vec![false; case.p.len()];
+        for sample in samples(&case) {
+            // exactly as many entries as the list of parameters has: reading one more would panic here
+            let columns = columns_by_lanes(&case, &inputs(&case, &sample));
+            for (moves, column) in moves.iter_mut().zip(&columns[3 * sample.q.len()..]) {
+                *moves |= largest(column) > 0.0;
+            }
+        }
+        for (parameter, moves) in case.element.parameter_list().iter().zip(moves) {
+            let ignored = case.ignored.iter().any(|start| parameter.name.starts_with(start));
+            assert_eq!(moves, !ignored, "{}: does {} enter the residual?", case.name, parameter.name);
+        }
+    }
+}
+
+#[test]
+fn lanes_equal_complex_step_and_differences_in_every_argument() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let at = inputs(&case, &sample);
+            let columns = columns_by_lanes(&case, &at);
+            let scale = columns.iter().map(|column| largest(column)).fold(0.0, f64::max);
+            for (k, column) in columns.iter().enumerate() {
+                let place = format!("{}, derivative to entry {k} of (a, v, q, p, t) at t = {}", case.name, sample.t);
+                assert_close(&place, column, &column_by_complex_step(&case, &at, k), 1e-12, scale);
+                // the limit is the error of a central difference: h^2 times a third derivative
+                assert_close(&place, column, &column_by_differences(&case, &at, k), 1e-7, scale);
+            }
+        }
+    }
+}
+
+#[test]
+fn value_is_the_same_in_every_number_type() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let at = inputs(&case, &sample);
+            let real = residual(&case, &at);
+            let complex = residual(&case, &at.iter().map(|&x| Complex::from(x)).collect::<Vec<_>>());
+            let lanes = residual(&case, &at.iter().map(|&x| Lanes::from(x)).collect::<Vec<_>>());
+            assert_close(&case.name, &real, &complex.iter().map(|r| r.re).collect::<Vec<_>>(), 1e-14, 1.0);
+            assert_close(&case.name, &real, &lanes.iter().map(|r| r.re).collect::<Vec<_>>(), 1e-14, 1.0);
+        }
+    }
+}
+
+#[test]
+fn residual_adds_to_what_is_there() {
+    for case in cases() {
+        let sample = &samples(&case)[0];
+        let once = residual(&case, &inputs(&case, sample));
+        let mut twice = vec![10.0; once.len()];
+        case.element.add_residual(sample.state(), &case.p, sample.t, &mut twice);
+        assert_close(&case.name, &twice, &once.iter().map(|r| r + 10.0).collect::<Vec<_>>(), 1e-14, 1.0);
+    }
+}
+
+#[test]
+fn residual_follows_from_its_own_energies() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let own = residual(&case, &inputs(&case, &sample));
+            let of_energies = case.element.residual_of_energies(sample.state(), &case.p, sample.t);
+            assert_close(&case.name, &own, &of_energies, 1e-12, 0.0);
+        }
+    }
+}
+
+#[test]
+fn power_of_the_residual_is_energy_rate_minus_power_of_the_forces() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let power = |force: &[f64]| -> f64 { force.iter().zip(&sample.v).map(|(f, v)| f * v).sum() };
+            let r = residual(&case, &inputs(&case, &sample));
+            let force = case.element.force(&sample.v, &sample.q, &case.p, sample.t);
+            let rate = case.element.energy_rate(sample.state(), &case.p).eps[0];
+            let scale = largest(&r).max(largest(&force));
+            assert_close(&case.name, &[power(&r)], &[rate - power(&force)], 1e-12, scale);
+        }
+    }
+}
+
+#[test]
+fn dampers_never_give_power() {
+    for case in cases().iter().filter(|case| case.name.contains("damper")) {
+        for sample in samples(case) {
+            let force = case.element.force(&sample.v, &sample.q, &case.p, sample.t);
+            let power: f64 = force.iter().zip(&sample.v).map(|(f, v)| f * v).sum();
+            assert!(power < 0.0, "{}: {power} W", case.name);
+        }
+    }
+}
+
+/// Power of an element's non-conservative forces [W]: their size, which the balance above cannot see.
+fn power(element: &impl Contract, sample: &Sample, p: &[f64]) -> f64 {
+    element.force(&sample.v, &sample.q, p, sample.t).iter().zip(&sample.v).map(|(f, v)| f * v).sum()
+}
+
+#[test]
+fn damper_between_points_takes_c_times_the_square_of_the_rate() {
+    let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
+    for [a, b] in PAIRS {
+        let p = [&[2.3], &ends[..]].concat();
+        let case = Case::new("dampers", LineDamper { a, b }, &[a, b], &p);
+        for sample in samples(&case) {
+            // positions along the motion: their rates need no formula of velocities
+            let along: Vec<_> = sample.q.iter().zip(&sample.v).map(|(&re, &rate)| Dual { re, eps: [rate] }).collect();
+            let (of_a, of_b) = along.split_at(a.dofs());
+            let ends = [&ends[..3], &ends[3..]].map(|point: &[f64]| Vec3::from_f64([point[0], point[1], point[2]]));
+            let between: Vec3<Dual<f64, 1>> = b.position(of_b, ends[1]) - a.position(of_a, ends[0]);
+            let length_rate = between.norm().eps[0];
+            let speed = Vec3(between.0.map(|x| x.eps[0])).norm();
+            let line = power(&LineDamper { a, b }, &sample, &p);
+            let vector = power(&VectorDamper { a, b }, &sample, &p);
+            assert_close("line damper", &[line], &[-2.3 * length_rate * length_rate], 1e-12, 1.0);
+            assert_close("vector damper", &[vector], &[-2.3 * speed * speed], 1e-12, 1.0);
+        }
+    }
+}
+
+#[test]
+fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular_velocity() {
+    let (direction, point) = (Vec3([0.3, -0.5, 0.7]), Vec3([0.2, 0.4, -0.1]));
+    let axis = Vec3([0.6, 0.0, 0.8]);
+    for frame in FRAMES {
+        let size = TimeFunction::Constant;
+        let body = Case::new("load", AppliedTorque { frame, size: size.clone() }, &[Body], &[0.3, -0.5, 0.7, 1.3]);
+        for Sample { mut v, mut q, t, a } in samples(&body) {
+            // a rotation of unit length that turns by 0.9 rad/s about `axis`, exactly
+            let unit = Quaternion::about(axis, t);
+            q[3..].copy_from_slice(&unit.0);
+            v[3..].copy_from_slice(&unit.rate_of_body_velocity(axis * 0.9));
+            let in_world = |vector: Vec3<f64>| if frame == LoadFrame::Body { unit.rotate(vector) } else { vector };
+            let velocity = Vec3::from_slice(&v) + (axis * 0.9).cross(unit.rotate(point));
+            let sample = Sample { a, v, q, t };
+            let force = AppliedForce { on: Body, frame, size: size.clone() };
+            let of_force = power(&force, &sample, &[0.3, -0.5, 0.7, 0.2, 0.4, -0.1, 1.3]);
+            assert_close("force", &[of_force], &[1.3 * in_world(direction).dot(velocity)], 1e-13, 1.0);
+            let of_torque = power(&AppliedTorque { frame, size: size.clone() }, &sample, &body.p);
+            assert_close("torque", &[of_torque], &[1.3 * 0.9 * in_world(direction).dot(axis)], 1e-13, 1.0);
+        }
+    }
+}
+
+#[test]
+fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
+    let [stiffness, damping, rest] = [3.1, 0.7, 0.2];
+    let [axis, reference_a, reference_b] = [[0.6, 0.0, 0.8], [0.8, 0.0, -0.6], [0.8, 0.0, -0.6]];
+    let p = [&[stiffness, damping, rest][..], &axis, &reference_a, &reference_b].concat();
+    let axis = Vec3(axis);
+    let rate = -1.7;
+    for angle in [-3.0, -1.2, 0.0, 0.4, 2.9] {
+        // both bodies tumble together, b turns on about the axis: e_b = e_a about(axis, angle)
+        let (of_a, tumbling) = (Quaternion::about(Vec3([0.0, 1.0, 0.0]), 0.8), Vec3([0.5, -1.1, 0.3]));
+        let relative = Quaternion::about(axis, angle);
+        let of_b = of_a.times(relative);
+        let rate_a = of_a.rate_of_body_velocity(tumbling);
+        let rate_b = of_b.rate_of_body_velocity(relative.rotate_back(tumbling) + axis * rate);
+        let at = [1.0, 2.0, 3.0];
+        let q = [&at[..], &of_a.0, &at, &of_b.0].concat();
+        let v = [&at[..], &rate_a, &at, &rate_b].concat();
+        let sample = Sample { a: vec![0.0; 14], v, q, t: 0.0 };
+        let [_, potential] = TorsionSpringDamper.energy(&sample.v, &sample.q, &p);
+        assert_close("energy", &[potential], &[0.5 * stiffness * (angle - rest) * (angle - rest)], 1e-13, 1.0);
+        let taken = power(&TorsionSpringDamper, &sample, &p);
+        assert_close("power", &[taken], &[-damping * rate * rate], 1e-13, 1.0);
+        let balance = TorsionSpringDamper.energy_rate(sample.state(), &p).eps[0];
+        assert_close("rate of energy", &[balance], &[stiffness * (angle - rest) * rate], 1e-13, 1.0);
+    }
+}
+
+#[test]
+fn rigid_motion_keeps_the_energies_and_carries_the_residual_along() {
+    let motion = RigidMotion { rotation: Quaternion([0.5, -0.5, 0.7, 0.1]), translation: Vec3([0.4, -1.3, 2.1]) };
+    for case in cases().iter().filter(|case| case.motion == Invariant) {
+        for sample in samples(case) {
+            let q = motion.of_coordinates(&case.nodes, &sample.q);
+            let [v, a] = [&sample.v, &sample.a].map(|rate| motion.of_rates(&case.nodes, rate));
+            let moved = Sample { a, v, q, t: sample.t };
+            let [before, after] = [&sample, &moved].map(|s| case.element.energy(&s.v, &s.q, &case.p));
+            assert_close(&case.name, &before, &after, 1e-12, 1.0);
+            let [before, after] = [&sample, &moved].map(|s| residual(case, &inputs(case, s)));
+            // rotations are orthogonal maps of the coordinates, so generalized forces turn like rates
+            assert_close(&case.name, &motion.of_rates(&case.nodes, &before), &after, 1e-12, 1.0);
+        }
+    }
+}
+
+#[test]
+fn mass_is_that_of_the_kinetic_energy_in_translation() {
+    for case in cases() {
+        let n = case.element.dof_count();
+        let q = &samples(&case)[0].q;
+        // all nodes move with (1, 2, 2) / 3 m/s and do not turn: T = m / 2
+        let mut v = vec![0.0; n];
+        let mut first = 0;
+        for node in &case.nodes {
+            v[first..first + 3].copy_from_slice(&[1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]);
+            first += node.dofs();
+        }
+        let [kinetic, _] = case.element.energy(&v, q, &case.p);
+        assert_close(&case.name, &[case.element.mass_in(&case.p)], &[2.0 * kinetic], 1e-14, 0.0);
+    }
+}
+
+#[test]
+fn functions_of_time_are_twice_differentiable_away_from_steps_and_name_their_kinks() {
+    for (name, function, p) in time_functions() {
+        let kinks = function.kinks(&p);
+        for k in 0..400 {
+            let t = -1.5 + 3.0 * f64::from(k) / 400.0 + 1e-4;
+            let [left, right] = [t - 1e-6, t + 1e-6].map(|t| {
+                function.value(Taylor::new(t, 1.0, 0.0), &p.iter().map(|&p| p.into()).collect::<Vec<Taylor<f64>>>())
+            });
+            if kinks.iter().all(|kink| (kink - t).abs() > 1e-5) {
+                assert_close(name, &[left.value, left.first], &[right.value, right.first], 1e-4, 1.0);
+                assert_close(name, &[left.second], &[right.second], 1e-3, 1.0);
+            }
+        }
+        // at a kink the value itself stays, except where the function is a step
+        let jumps = matches!(function, TimeFunction::Step { .. });
+        for kink in kinks {
+            let jump = function.value(kink + 1e-9, &p) - function.value(kink - 1e-9, &p);
+            assert_eq!(jump.abs() > 1e-6, jumps, "{name} at {kink}: {jump}");
+        }
+    }
+}
+
+#[test]
+fn table_goes_through_its_knots_and_on_with_constant_slope() {
+    let (times, values) = (vec![-0.7, -0.2, 0.1, 0.8], [0.5, -0.3, 0.9, 0.2]);
+    let table = TimeFunction::table(times.clone()).expect("increasing times");
+    for (&t, &f) in times.iter().zip(&values) {
+        assert_close("knot", &[table.value(t, &values)], &[f], 1e-14, 1.0);
+    }
+    for (end, out) in [(-0.7, -1.0), (0.8, 1.0)] {
+        let slope = |from: f64, to: f64| (table.value(to, &values) - table.value(from, &values)) / (to - from);
+        let inside = slope(end, end - 1e-6 * out);
+        assert_close(
+            "slope beyond the end",
+            &[slope(end, end + out), slope(end + out, end + 2.0 * out)],
+            &[inside; 2],
+            1e-5,
+            1.0,
+        );
+    }
+    let straight: Vec<f64> = times.iter().map(|t| 2.0 - 3.0 * t).collect();
+    assert_close("a line", &[table.value(0.33, &straight), table.value(4.0, &straight)], &[1.01, -10.0], 1e-13, 1.0);
+    assert!(TimeFunction::table(vec![0.0]).is_err() && TimeFunction::table(vec![0.0, 0.0]).is_err());
+    assert!(TimeFunction::table(vec![0.0, f64::NAN, 1.0]).is_err() && TimeFunction::table(vec![f64::NAN, 1.0]).is_err());
+    assert!(TimeFunction::table(vec![f64::NEG_INFINITY, 1.0]).is_err());
+}

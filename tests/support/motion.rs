@@ -1,0 +1,54 @@
+//! Random coordinates of nodes, and rigid motions of all nodes together.
+
+use super::Random;
+use costate::elements::Anchor;
+use costate::scalar::{Quaternion, Vec3};
+
+/// Positions in [-1, 1) and, for bodies, Euler parameters of the length that `norm` gives.
+pub fn random_coordinates(nodes: &[Anchor], random: &mut Random, norm: impl Fn(&mut Random) -> f64) -> Vec<f64> {
+    let mut q = Vec::new();
+    for node in nodes {
+        q.extend(random.vector(3));
+        if *node == Anchor::Body {
+            let e = random.vector(4);
+            let scale = norm(random) / e.iter().map(|e| e * e).sum::<f64>().sqrt();
+            q.extend(e.iter().map(|e| e * scale));
+        }
+    }
+    q
+}
+
+/// A turn about the origin, then a shift [m].
+pub struct RigidMotion {
+    /// Of any length but zero.
+    pub rotation: Quaternion<f64>,
+    pub translation: Vec3<f64>,
+}
+
+impl RigidMotion {
+    /// Coordinates of the nodes after the motion.
+    pub fn of_coordinates(&self, nodes: &[Anchor], q: &[f64]) -> Vec<f64> {
+        let mut moved = self.of_rates(nodes, q);
+        let mut first = 0;
+        for node in nodes {
+            (0..3).for_each(|i| moved[first + i] += self.translation.0[i]);
+            first += node.dofs();
+        }
+        moved
+    }
+
+    /// Velocities, accelerations or generalized forces after the motion: turned, not shifted.
+    pub fn of_rates(&self, nodes: &[Anchor], rates: &[f64]) -> Vec<f64> {
+        let norm = self.rotation.norm_squared().sqrt();
+        let turn = Quaternion(self.rotation.0.map(|e| e / norm));
+        let mut turned = Vec::new();
+        for node in nodes {
+            let rate = &rates[turned.len()..];
+            turned.extend(turn.rotate(Vec3::from_slice(rate)).0);
+            if *node == Anchor::Body {
+                turned.extend(turn.times(Quaternion::from_slice(&rate[3..])).0);
+            }
+        }
+        turned
+    }
+}
