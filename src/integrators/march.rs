@@ -135,6 +135,7 @@ pub fn march<S: RunScalar>(
         position: newton(&plain)?,
         velocity: newton(&plain)?,
         guess: Unknowns::default(),
+        increments: vec![None; method.table.stages.len()],
     };
     marcher.run(grid, plan, recorder)
 }
@@ -147,8 +148,10 @@ struct Marcher<'m, S> {
     stage: Newton<'m, S>,
     position: Newton<'m, S>,
     velocity: Newton<'m, S>,
-    /// Solution of the last stage: the first guess for the next.
+    /// Solution of the last stage.
     guess: Unknowns<S>,
+    /// How the solution changed from stage to stage in the last step: added to the last solution it is the first guess.
+    increments: Vec<Option<Unknowns<S>>>,
 }
 
 /// Solves one system from zero or from a guess and keeps what the adjoint needs.
@@ -250,6 +253,7 @@ impl<S: RunScalar> Marcher<'_, S> {
     fn set_guess(&mut self, solved: &SolveRecord<S>) {
         self.guess.x.clone_from(&solved.unknowns.x);
         self.guess.mu.clone_from(&solved.unknowns.mu);
+        self.increments.fill(None);
         self.guess.y.fill(S::zero());
         self.guess.eta.fill(S::zero());
     }
@@ -280,8 +284,14 @@ impl<S: RunScalar> Marcher<'_, S> {
                 StageRecord { solve, known: Some(place), rate: rate.to_vec() }
             } else {
                 let place = || format!("step {}, stage {} (t = {time} s)", step + 1, index + 1);
-                let guess = Some(&self.guess);
-                let solve = solve(&mut self.stage, equations, base, guess, &self.problem.p, time, &place)?;
+                let mut guess = self.guess.clone();
+                if let Some(increment) = &self.increments[index] {
+                    guess.add_scaled(increment, 1.0);
+                }
+                let solve = solve(&mut self.stage, equations, base, Some(&guess), &self.problem.p, time, &place)?;
+                let mut increment = solve.unknowns.clone();
+                increment.add_scaled(&self.guess, -1.0);
+                self.increments[index] = Some(increment);
                 self.guess.clone_from(&solve.unknowns);
                 let beta = equations.residual.beta;
                 let rate = solve.unknowns.y.iter().map(|&y| y * beta).collect();
