@@ -5,6 +5,7 @@ pub mod elements;
 pub mod functionals;
 pub mod history;
 pub mod integrators;
+pub mod io;
 pub mod linalg;
 pub mod scalar;
 pub mod scenes;

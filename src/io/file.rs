@@ -1,0 +1,172 @@
+//! Files appear under their name only when they are complete.
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A file that could not be written: which one, and why.
+#[derive(Debug)]
+pub struct IoError {
+    /// The file or folder as the caller named it.
+    pub path: PathBuf,
+    /// What went wrong, and with which values.
+    pub cause: String,
+}
+
+impl IoError {
+    pub(crate) fn new(path: &Path, cause: impl fmt::Display) -> Self {
+        Self { path: path.to_path_buf(), cause: cause.to_string() }
+    }
+}
+
+impl fmt::Display for IoError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "cannot write {}: {}", self.path.display(), self.cause)
+    }
+}
+
+impl std::error::Error for IoError {}
+
+/// Writes `contents` to `path`, creating missing folders; the file appears whole or not at all.
+///
+/// # Errors
+/// A folder that cannot be created, or a file that cannot be written or renamed.
+pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), IoError> {
+    write_with(path, |out| out.write_all(contents))
+}
+
+/// Writes `value` to `path` as indented JSON with a final newline.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), IoError> {
+    write_file(path, format!("{value:#}\n").as_bytes())
+}
+
+/// Lets `fill` stream into `path`, creating missing folders; the file appears whole or not at all.
+///
+/// # Errors
+/// As [`write_file`], and any error of `fill`.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), IoError> {
+    let aside = Aside::beside(path)?;
+    File::create(&aside.part)
+        .and_then(|file| {
+            let mut out = BufWriter::new(file);
+            fill(&mut out)?;
+            out.flush()
+        })
+        .map_err(|cause| IoError::new(path, cause))?;
+    aside.publish()
+}
+
+/// A temporary file in the folder of its target; removed unless it is published.
+pub(crate) struct Aside {
+    target: PathBuf,
+    /// Where to write; keeps the extension of the target.
+    pub(crate) part: PathBuf,
+}
+
+impl Aside {
+    pub(crate) fn beside(target: &Path) -> Result<Self, IoError> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let Some(name) = target.file_name() else {
+            return Err(IoError::new(target, "the path does not end in a file name"));
+        };
+        if target.is_dir() {
+            return Err(IoError::new(target, "a folder of this name exists"));
+        }
+        let folder = target.parent().unwrap_or(Path::new(""));
+        fs::create_dir_all(folder)
+            .map_err(|cause| IoError::new(target, format!("cannot create the folder {}: {cause}", folder.display())))?;
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let part = folder.join(format!(".part-{}-{count}-{}", std::process::id(), name.to_string_lossy()));
+        Ok(Self { target: target.to_path_buf(), part })
+    }
+
+    pub(crate) fn publish(self) -> Result<(), IoError> {
+        fs::rename(&self.part, &self.target).map_err(|cause| IoError::new(&self.target, cause))
+    }
+}
+
+impl Drop for Aside {
+    fn drop(&mut self) {
+        // after a rename there is nothing left under this name
+        let _ = fs::remove_file(&self.part);
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// An empty folder of its own for one test, removed when dropped.
+    pub(crate) struct Folder(pub(crate) PathBuf);
+
+    impl Folder {
+        pub(crate) fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("costate-io-{}-{name}", std::process::id()));
+            let _ = fs::remove_dir_all(&path);
+            fs::create_dir_all(&path).unwrap();
+            Self(path)
+        }
+
+        pub(crate) fn names(&self) -> Vec<String> {
+            let mut names: Vec<_> =
+                fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn missing_folders_are_created() {
+        let folder = Folder::new("create");
+        let path = folder.0.join("a/b/c.txt");
+        write_file(&path, b"text").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"text");
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = Folder::new("failed");
+        let path = folder.0.join("result.csv");
+        write_file(&path, b"old").unwrap();
+        let error = write_with(&path, |out| {
+            out.write_all(&[b'x'; 100_000])?;
+            Err(io::Error::other("disk full"))
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("result.csv") && error.to_string().contains("disk full"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(folder.names(), ["result.csv"]);
+    }
+
+    #[test]
+    fn an_error_names_the_path_and_the_cause() {
+        let folder = Folder::new("blocked");
+        write_file(&folder.0.join("block"), b"a file where a folder is needed").unwrap();
+        let error = write_file(&folder.0.join("block/x.txt"), b"").unwrap_err().to_string();
+        assert!(error.contains("block/x.txt") && error.contains("cannot create the folder"), "{error}");
+        let error = write_file(&folder.0, b"").unwrap_err().to_string();
+        assert!(error.contains("blocked") && error.contains("a folder of this name exists"), "{error}");
+        assert!(write_file(Path::new("/"), b"").unwrap_err().to_string().contains("file name"));
+        assert_eq!(folder.names(), ["block"]);
+    }
+
+    #[test]
+    fn json_is_read_back_as_written() {
+        let folder = Folder::new("json");
+        let value = serde_json::json!({"study": "orders", "value": 0.1, "list": [1, 2]});
+        write_json(&folder.0.join("v.json"), &value).unwrap();
+        let text = fs::read_to_string(folder.0.join("v.json")).unwrap();
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+    }
+}

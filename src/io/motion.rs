@@ -1,0 +1,496 @@
+//! A motion in one picture: earlier positions faint, the last one strong, the paths of points as thin lines.
+
+use super::axis::{Scale, drawable, round_step};
+use super::file::IoError;
+use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
+use super::plot::{LABEL_SIZE, MARK_SIZE, Plot, TITLE_SIZE, marks_width};
+use super::table::number;
+use std::path::Path;
+
+/// A line through points of a body at one time.
+#[derive(Debug, Clone, Default)]
+pub struct Polyline {
+    /// Positions x, y, z [m].
+    pub points: Vec<[f64; 3]>,
+    /// Which colour: bodies of the same role share one.
+    pub role: usize,
+}
+
+/// The system at one time.
+#[derive(Debug, Clone, Default)]
+pub struct Frame {
+    /// Time [s].
+    pub time: f64,
+    /// All lines of the system.
+    pub lines: Vec<Polyline>,
+}
+
+/// The path of a point through the whole motion.
+#[derive(Debug, Clone, Default)]
+pub struct Trail {
+    /// The name in the key; an empty name is not listed.
+    pub name: String,
+    /// Positions x, y, z [m].
+    pub points: Vec<[f64; 3]>,
+}
+
+/// From where the motion is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum View {
+    /// x to the right, y upwards.
+    #[default]
+    Xy,
+    /// x to the right, z upwards.
+    Xz,
+    /// y to the right, z upwards.
+    Yz,
+    /// From the direction (1, 1, 1), z upwards.
+    Isometric,
+}
+
+/// The picture of a motion, with the same scale in all directions.
+#[derive(Debug, Clone, Default)]
+pub struct Motion {
+    /// The line above the picture.
+    pub title: String,
+    /// The system in order of time; at most 40 frames, evenly spread over time, are drawn.
+    pub frames: Vec<Frame>,
+    /// Paths of points.
+    pub trails: Vec<Trail>,
+    /// Points fixed to the ground, x, y, z [m].
+    pub anchors: Vec<[f64; 3]>,
+    /// From where the motion is seen.
+    pub view: View,
+}
+
+impl Motion {
+    /// Writes the picture to `stem.png` (twice the size, for dense screens) and `stem.svg`, creating missing folders.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, stem: &Path) -> Result<(), IoError> {
+        self.picture().write(stem)
+    }
+
+    fn picture(&self) -> Picture {
+        match self.view {
+            View::Isometric => self.spatial(),
+            View::Xy => self.planar(["x [m]", "y [m]"]),
+            View::Xz => self.planar(["x [m]", "z [m]"]),
+            View::Yz => self.planar(["y [m]", "z [m]"]),
+        }
+    }
+
+    fn points(&self) -> impl Iterator<Item = &[f64; 3]> {
+        let frames = self.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
+        let trails = self.trails.iter().flat_map(|trail| &trail.points);
+        frames.chain(trails).chain(&self.anchors).filter(|point| shown(point))
+    }
+
+    fn planar(&self, [x_label, y_label]: [&str; 2]) -> Picture {
+        let axis = |index: usize| Scale::around(self.points().map(|&point| flat(self.view, point)[index]), false, 0.0);
+        let (mut x, mut y) = (axis(0), axis(1));
+        // a straight motion still gets some room sideways
+        let longest = (x.hi - x.lo).max(y.hi - y.lo);
+        widen(&mut x, 0.2 * longest);
+        widen(&mut y, 0.2 * longest);
+        let (width, height, metre) = fitted(x.hi - x.lo, y.hi - y.lo);
+        widen(&mut x, width / metre);
+        widen(&mut y, height / metre);
+        let step = round_step(longest, 8);
+        let most = |scale: &Scale| ((scale.hi - scale.lo) / step).ceil() as usize;
+        let (x_marks, y_marks) = (x.marks(most(&x)), y.marks(most(&y)));
+
+        let left = 46.0 + marks_width(&y_marks);
+        let top = self.head_height() + if y_marks.factor.is_empty() { 0.0 } else { 20.0 };
+        let plot = Plot { left, right: left + width, top, bottom: top + height, x, y };
+        let mut picture = Picture::new((plot.right + 30.0).ceil(), (plot.bottom + 60.0).ceil());
+        plot.draw_grid(&mut picture, &x_marks, &y_marks);
+        plot.draw_y_label(&mut picture, y_label);
+        plot.draw_x_labels(&mut picture, x_label, &x_marks);
+        self.draw_system(&mut picture, |point| {
+            let [x, y] = flat(self.view, point);
+            plot.place((x, y))
+        });
+        plot.draw_border(&mut picture);
+        self.draw_head(&mut picture, plot.left, plot.right);
+        picture
+    }
+
+    /// The three rear faces of a box around the motion carry the grid.
+    fn spatial(&self) -> Picture {
+        let mut axes = [0, 1, 2].map(|index| Scale::around(self.points().map(|point| point[index]), false, 0.06));
+        let longest = axes.iter().map(|axis| axis.hi - axis.lo).fold(0.0, f64::max);
+        axes.iter_mut().for_each(|axis| widen(axis, 0.3 * longest));
+        let [x, y, z] = &axes;
+        let seen = |point| flat(View::Isometric, point);
+        let corners: Vec<Place> = (0..8)
+            .map(|corner| [0, 1, 2].map(|index| if corner >> index & 1 == 0 { axes[index].lo } else { axes[index].hi }))
+            .map(seen)
+            .collect();
+        let ends = |index: usize| Scale::around(corners.iter().map(|corner| corner[index]), false, 0.0);
+        let (across, up) = (ends(0), ends(1));
+        let (width, height, metre) = fitted(across.hi - across.lo, up.hi - up.lo);
+        let (left, top) = (76.0, self.head_height() - 10.0);
+        let place = |point| {
+            let [u, v] = seen(point);
+            [
+                left + 0.5 * width + (u - 0.5 * (across.lo + across.hi)) * metre,
+                top + 0.5 * height - (v - 0.5 * (up.lo + up.hi)) * metre,
+            ]
+        };
+        let mut picture = Picture::new((left + width + 46.0).ceil(), (top + height + 30.0).ceil());
+
+        let step = round_step(longest, 9);
+        let marks = [0, 1, 2].map(|index| axes[index].marks(((axes[index].hi - axes[index].lo) / step).ceil() as usize));
+        for mark in &marks[0].list {
+            let at = mark.value;
+            picture.line([[at, y.hi, z.lo], [at, y.lo, z.lo], [at, y.lo, z.hi]].map(place).to_vec(), 1.0, GRID);
+        }
+        for mark in &marks[1].list {
+            let at = mark.value;
+            picture.line([[x.hi, at, z.lo], [x.lo, at, z.lo], [x.lo, at, z.hi]].map(place).to_vec(), 1.0, GRID);
+        }
+        for mark in &marks[2].list {
+            let at = mark.value;
+            picture.line([[x.hi, y.lo, at], [x.lo, y.lo, at], [x.lo, y.hi, at]].map(place).to_vec(), 1.0, GRID);
+        }
+        let mut edge = |corners: [[f64; 3]; 3], colour| picture.line(corners.map(place).to_vec(), 1.0, colour);
+        edge([[x.hi, y.lo, z.hi], [x.lo, y.lo, z.hi], [x.lo, y.hi, z.hi]], GRID);
+        edge([[x.hi, y.lo, z.lo], [x.lo, y.lo, z.lo], [x.lo, y.hi, z.lo]], FRAME);
+        edge([[x.lo, y.lo, z.lo], [x.lo, y.lo, z.hi], [x.lo, y.lo, z.hi]], FRAME);
+        edge([[x.lo, y.hi, z.lo], [x.lo, y.hi, z.hi], [x.lo, y.hi, z.hi]], GRID);
+        edge([[x.hi, y.lo, z.lo], [x.hi, y.hi, z.lo], [x.lo, y.hi, z.lo]], FRAME);
+        edge([[x.hi, y.lo, z.lo], [x.hi, y.lo, z.hi], [x.hi, y.lo, z.hi]], FRAME);
+
+        // numbers below the two near edges of the floor and to the left of the upright edge
+        let middle = |axis: &Scale| 0.5 * (axis.lo + axis.hi);
+        let mut label = |point: [f64; 3], [dx, dy]: Place, text: &str, name: bool, align| {
+            let [px, py] = place(point);
+            let (size, colour) = if name { (LABEL_SIZE, INK) } else { (MARK_SIZE, GREY_INK) };
+            picture.text([px + dx, py + dy + 0.36 * size], text, size, colour, align);
+        };
+        for (index, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let at = |value: f64| match index {
+                0 => [value, y.hi, z.lo],
+                1 => [x.hi, value, z.lo],
+                _ => [x.hi, y.lo, value],
+            };
+            let (near, far, align) = match index {
+                0 => ([7.0, 9.0], [32.0, 34.0], Align::Left),
+                1 => ([-7.0, 9.0], [-32.0, 34.0], Align::Right),
+                _ => ([-8.0, 0.0], [-20.0 - marks_width(&marks[2]), 0.0], Align::Right),
+            };
+            // the numbers at the ends would meet those of the next axis
+            let inside = |value: f64| (0.02..=0.98).contains(&axes[index].at(value));
+            for mark in marks[index].list.iter().filter(|mark| inside(mark.value)) {
+                label(at(mark.value), near, &mark.label, false, align);
+            }
+            let factor = &marks[index].factor;
+            let unit = if factor.is_empty() { format!("{name} [m]") } else { format!("{name} [m] {factor}") };
+            label(at(middle(&axes[index])), far, &unit, true, align);
+        }
+        self.draw_system(&mut picture, place);
+        self.draw_head(&mut picture, 30.0, left + width + 16.0);
+        picture
+    }
+
+    /// Frames, trails, the last frame and the anchors, in this order.
+    fn draw_system(&self, picture: &mut Picture, place: impl Fn([f64; 3]) -> Place) {
+        let drawn = spread(&self.frames);
+        let (first, last) = self.times();
+        let Some((final_frame, earlier)) = drawn.split_last() else {
+            self.draw_trails(picture, &place);
+            return self.draw_anchors(picture, &place);
+        };
+        for frame in earlier {
+            let age = if last > first { (frame.time - first) / (last - first) } else { 0.0 };
+            for line in &frame.lines {
+                for piece in pieces(&line.points, &place) {
+                    picture.line(piece, 1.7, faded(role_colour(line.role), age));
+                }
+            }
+        }
+        self.draw_trails(picture, &place);
+        self.draw_anchors(picture, &place);
+        for line in &final_frame.lines {
+            for piece in pieces(&line.points, &place) {
+                picture.line(piece, 3.4, role_colour(line.role));
+            }
+        }
+        // rings at the ends of all lines show the joints
+        for line in &final_frame.lines {
+            let ends = [line.points.first(), line.points.last()];
+            for &end in ends.into_iter().flatten().filter(|point| shown(point)) {
+                picture.disc(place(end), 4.2, role_colour(line.role));
+                picture.disc(place(end), 2.2, WHITE_PAPER);
+            }
+        }
+    }
+
+    fn draw_trails(&self, picture: &mut Picture, place: impl Fn([f64; 3]) -> Place) {
+        for (index, trail) in self.trails.iter().enumerate() {
+            for piece in pieces(&trail.points, &place) {
+                picture.line(piece, 1.2, self.trail_colour(index));
+            }
+        }
+    }
+
+    /// A triangle on hatched ground at every anchor, on the side away from the motion.
+    fn draw_anchors(&self, picture: &mut Picture, place: impl Fn([f64; 3]) -> Place) {
+        let heights = || self.points().map(|&point| place(point)[1]);
+        let mean = heights().sum::<f64>() / heights().count().max(1) as f64;
+        for &anchor in self.anchors.iter().filter(|point| shown(point)) {
+            let [x, y] = place(anchor);
+            // the motion hangs clearly below: the ground is a ceiling
+            let down = if mean > y + 25.0 { -1.0 } else { 1.0 };
+            let base = y + 15.0 * down;
+            for step in 0..5 {
+                let foot = x - 9.0 + 5.5 * f64::from(step);
+                picture.line(vec![[foot, base], [foot - 5.0 * down, base + 6.0 * down]], 1.0, GREY_INK);
+            }
+            picture.area(vec![[x, y], [x + 9.0, base], [x - 9.0, base]], [222, 226, 231]);
+            picture.line(vec![[x, y], [x + 9.0, base], [x - 9.0, base], [x, y]], 1.3, INK);
+            picture.line(vec![[x - 14.0, base], [x + 14.0, base]], 1.6, INK);
+            picture.disc([x, y], 3.4, INK);
+        }
+    }
+
+    fn named_trails(&self) -> impl Iterator<Item = (usize, &Trail)> {
+        self.trails.iter().enumerate().filter(|(_, trail)| !trail.name.is_empty())
+    }
+
+    fn head_height(&self) -> f64 {
+        if self.named_trails().next().is_some() { 66.0 } else { 46.0 }
+    }
+
+    /// Title and names of the trails at the left, the key to the times at the right.
+    fn draw_head(&self, picture: &mut Picture, left: f64, right: f64) {
+        picture.text([left, 28.0], &self.title, TITLE_SIZE, INK, Align::Left);
+        let mut x = left;
+        for (index, trail) in self.named_trails() {
+            picture.line(vec![[x, 50.0], [x + 22.0, 50.0]], 1.6, self.trail_colour(index));
+            picture.text([x + 28.0, 54.5], &trail.name, MARK_SIZE, GREY_INK, Align::Left);
+            x += 50.0 + text_width(&trail.name, MARK_SIZE);
+        }
+        if self.frames.is_empty() {
+            return;
+        }
+        let (first, last) = self.times();
+        let (from, to) = (format!("t = {} s", number(round_time(first))), format!("{} s", number(round_time(last))));
+        let end = right - text_width(&to, MARK_SIZE) - 8.0;
+        let (start, top, bottom) = (end - 130.0, 17.0, 29.0);
+        picture.text([right, 27.5], &to, MARK_SIZE, GREY_INK, Align::Right);
+        picture.text([start - 8.0, 27.5], &from, MARK_SIZE, GREY_INK, Align::Right);
+        let mut roles: Vec<_> =
+            self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role % PALETTE.len()).collect();
+        roles.sort_unstable();
+        roles.dedup();
+        let strip = (bottom - top) / roles.len().max(1) as f64;
+        for (line, &role) in roles.iter().enumerate() {
+            let y = top + strip * line as f64;
+            for step in 0..60 {
+                // each block reaches to the end, so that no paper shows between it and the next
+                let from = start + 124.0 / 60.0 * f64::from(step);
+                picture.block([from, y], [end, y + strip], faded(role_colour(role), f64::from(step) / 59.0));
+            }
+            picture.block([end - 6.0, y], [end, y + strip], role_colour(role));
+        }
+    }
+
+    fn times(&self) -> (f64, f64) {
+        let time = |frame: Option<&Frame>| frame.map_or(0.0, |frame| frame.time);
+        (time(self.frames.first()), time(self.frames.last()))
+    }
+
+    /// Trails take the colours that no role uses.
+    fn trail_colour(&self, index: usize) -> Colour {
+        let roles = self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role + 1).max().unwrap_or(0);
+        PALETTE[(roles + index) % PALETTE.len()]
+    }
+}
+
+fn shown(point: &[f64; 3]) -> bool {
+    point.iter().all(|&x| drawable(x, false))
+}
+
+/// To the right and upwards, as seen from the given side [m].
+fn flat(view: View, [x, y, z]: [f64; 3]) -> Place {
+    match view {
+        View::Xy => [x, y],
+        View::Xz => [x, z],
+        View::Yz => [y, z],
+        View::Isometric => [(y - x) / 2f64.sqrt(), (2.0 * z - x - y) / 6f64.sqrt()],
+    }
+}
+
+/// Width and height of the drawing [px] and pixels per metre for `across` by `up` metres.
+fn fitted(across: f64, up: f64) -> (f64, f64, f64) {
+    // room for line widths and the ground signs
+    const EDGE: f64 = 60.0;
+    let metre = (720.0 / across).min(520.0 / up);
+    ((across * metre + EDGE).max(460.0), (up * metre + EDGE).max(240.0), metre)
+}
+
+fn widen(scale: &mut Scale, least: f64) {
+    let missing = 0.5 * (least - (scale.hi - scale.lo)).max(0.0);
+    (scale.lo, scale.hi) = (scale.lo - missing, scale.hi + missing);
+}
+
+fn role_colour(role: usize) -> Colour {
+    PALETTE[role % PALETTE.len()]
+}
+
+/// The colour of an earlier frame: nearly white at age 0, just lighter than the last frame at age 1.
+fn faded(colour: Colour, age: f64) -> Colour {
+    let strength = 0.2 + 0.45 * age.clamp(0.0, 1.0).powf(1.3);
+    colour.map(|byte| (255.0 + (f64::from(byte) - 255.0) * strength).round() as u8)
+}
+
+/// At most 40 frames, evenly spread over time, the first and the last included.
+fn spread(frames: &[Frame]) -> Vec<&Frame> {
+    const MOST: usize = 40;
+    let (Some(first), Some(last)) = (frames.first(), frames.last()) else { return Vec::new() };
+    if frames.len() <= MOST {
+        return frames.iter().collect();
+    }
+    let wanted = |k: usize| first.time + (last.time - first.time) * k as f64 / (MOST - 1) as f64;
+    let mut chosen: Vec<usize> = (0..MOST - 1).map(|k| frames.partition_point(|frame| frame.time < wanted(k))).collect();
+    chosen.push(frames.len() - 1);
+    chosen.iter_mut().for_each(|index| *index = (*index).min(frames.len() - 1));
+    chosen.dedup();
+    chosen.into_iter().map(|index| &frames[index]).collect()
+}
+
+/// The unbroken pieces of a line; consecutive points closer than a fifth of a pixel become one.
+fn pieces(points: &[[f64; 3]], place: impl Fn([f64; 3]) -> Place) -> Vec<Vec<Place>> {
+    let thinned = |piece: &[[f64; 3]]| {
+        let mut kept: Vec<Place> = Vec::new();
+        for (index, &point) in piece.iter().enumerate() {
+            let [x, y] = place(point);
+            if index + 1 == piece.len() || kept.last().is_none_or(|last| (x - last[0]).hypot(y - last[1]) >= 0.2) {
+                kept.push([x, y]);
+            }
+        }
+        kept
+    };
+    points.split(|point| !shown(point)).filter(|piece| !piece.is_empty()).map(thinned).collect()
+}
+
+/// Three decimals are enough for a key, and hide the rounding of summed steps.
+fn round_time(time: f64) -> f64 {
+    let rounded = (time * 1e3).round() / 1e3;
+    if rounded == 0.0 || time.abs() > 1e9 { time } else { rounded }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::file::tests::Folder;
+    use super::super::picture::tests::png_size;
+    use super::*;
+
+    /// A made-up flexible double pendulum; not a solution of any equation.
+    fn pendulum(view: View) -> Motion {
+        let mut motion =
+            Motion { title: "Flexible double pendulum".into(), view, anchors: vec![[0.0; 3]], ..Motion::default() };
+        let bar = |from: [f64; 3], angle: f64, swing: f64, bend: f64| -> Vec<[f64; 3]> {
+            (0..=16)
+                .map(|k| f64::from(k) / 16.0)
+                .map(|s| {
+                    let across = bend * (std::f64::consts::PI * s).sin();
+                    let (sin, cos) = angle.sin_cos();
+                    let plane = s * sin + across * cos;
+                    let vertical = -s * cos + across * sin;
+                    match view {
+                        View::Xy => [from[0] + plane, from[1] + vertical, 0.0],
+                        _ => [from[0] + plane * swing.cos(), from[1] + plane * swing.sin(), from[2] + vertical],
+                    }
+                })
+                .collect()
+        };
+        let mut tip = Vec::new();
+        for step in 0..=300 {
+            let t = 0.005 * f64::from(step);
+            let upper = bar([0.0; 3], 1.4 * (3.0 * t).cos(), 0.9 * t, 0.05 * (17.0 * t).sin());
+            let lower =
+                bar(upper[16], 1.4 * (3.0 * t + 0.4).cos() - 0.5 * (6.5 * t).sin(), 1.6 * t, 0.09 * (13.0 * t).sin());
+            tip.push(lower[16]);
+            if step % 12 == 0 {
+                let lines = vec![Polyline { points: upper, role: 0 }, Polyline { points: lower, role: 1 }];
+                motion.frames.push(Frame { time: t, lines });
+            }
+        }
+        motion.trails.push(Trail { name: "tip".into(), points: tip });
+        motion
+    }
+
+    #[test]
+    fn a_motion_is_written_twice_with_its_labels() {
+        for (view, labels) in [
+            (View::Xy, ["x [m]", "y [m]"]),
+            (View::Xz, ["x [m]", "z [m]"]),
+            (View::Yz, ["y [m]", "z [m]"]),
+            (View::Isometric, ["x [m]", "z [m]"]),
+        ] {
+            let folder = Folder::new(&format!("motion-{view:?}"));
+            let stem = folder.0.join(format!("motion-{view:?}"));
+            pendulum(view).write(&stem).unwrap();
+            let svg = std::fs::read_to_string(folder.0.join(format!("motion-{view:?}.svg"))).unwrap();
+            for label in labels.into_iter().chain(["Flexible double pendulum", "tip", "t = 0 s", "1.5 s"]) {
+                assert!(svg.contains(label), "{view:?}: {label}");
+            }
+            let picture = pendulum(view).picture();
+            let size = png_size(&folder.0.join(format!("motion-{view:?}.png")));
+            assert_eq!(size, (2 * picture.width as u32, 2 * picture.height as u32));
+            if let Ok(kept) = std::env::var("COSTATE_PICTURES") {
+                for name in folder.names() {
+                    std::fs::copy(folder.0.join(&name), Path::new(&kept).join(&name)).unwrap();
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn all_directions_have_the_same_scale() {
+        // seen from (1, 1, 1) the unit vectors have the same length and enclose equal angles
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| flat(View::Isometric, axis));
+        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)] {
+            let expected = if a == b { 2.0 / 3.0 } else { -1.0 / 3.0 };
+            let product = axes[a][0] * axes[b][0] + axes[a][1] * axes[b][1];
+            assert!((product - expected).abs() < 1e-15, "{a} {b}: {product}");
+        }
+        // a square stays one: the trail is the only line of width 1.2
+        let points = vec![[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 3.0, 0.0]];
+        let square = Motion { trails: vec![Trail { name: String::new(), points }], ..Motion::default() };
+        let lines = square.picture().shapes.into_iter().filter_map(|shape| match shape {
+            super::super::picture::Shape::Line { points, width: 1.2, .. } => Some(points),
+            _ => None,
+        });
+        let [line] = &lines.collect::<Vec<_>>()[..] else { panic!("one trail") };
+        assert!(((line[1][0] - line[0][0]) - (line[1][1] - line[2][1])).abs() < 1e-9, "{line:?}");
+    }
+
+    #[test]
+    fn many_frames_are_spread_over_time() {
+        let frames: Vec<_> = (0..5000).map(|k| Frame { time: (f64::from(k) / 5000.0).powi(2), lines: vec![] }).collect();
+        let chosen = spread(&frames);
+        assert!(chosen.len() == 40 && chosen[0].time == 0.0 && chosen[39].time == frames[4999].time);
+        assert!(chosen.windows(2).all(|pair| (pair[1].time - pair[0].time) * 39.0 < 1.1));
+    }
+
+    #[test]
+    fn odd_motions_still_give_a_picture() {
+        let folder = Folder::new("motion-odd");
+        for view in [View::Xy, View::Isometric] {
+            let broken = Polyline { points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]], role: 99 };
+            let frame = Frame { time: 0.0, lines: vec![broken] };
+            let motion = Motion { frames: vec![frame.clone(), frame], view, ..Motion::default() };
+            motion.write(&folder.0.join("one")).unwrap();
+            Motion { view, ..Motion::default() }.write(&folder.0.join("none")).unwrap();
+            let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0 };
+            let frames = vec![Frame { time: 0.0, lines: vec![line] }];
+            Motion { frames, view, ..Motion::default() }.write(&folder.0.join("small")).unwrap();
+        }
+        assert_eq!(folder.names().len(), 6);
+    }
+}

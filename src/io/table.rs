@@ -1,0 +1,203 @@
+//! Numbers as text: CSV for programs, aligned columns for people.
+
+use super::file::{IoError, write_with};
+use std::fmt;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes a CSV file: one header line, then one line per row with 17 significant digits, so that reading gives the same bits.
+///
+/// Header names that contain a comma, a quote or a line break are quoted. Numbers read `NaN`, `inf` and `-inf` where they are.
+///
+/// # Errors
+/// A row whose length is not that of the header, and all of [`write_with`]; no file is left then.
+pub fn write_csv(path: &Path, header: &[String], rows: impl Iterator<Item = Vec<f64>>) -> Result<(), IoError> {
+    write_with(path, |out| {
+        let names: Vec<_> = header.iter().map(|name| quoted(name)).collect();
+        writeln!(out, "{}", names.join(","))?;
+        for (index, row) in rows.enumerate() {
+            if row.len() != header.len() {
+                let (found, expected) = (row.len(), header.len());
+                return Err(io::Error::other(format!("row {index} has {found} numbers, the header has {expected} names")));
+            }
+            for (column, value) in row.iter().enumerate() {
+                let comma = if column == 0 { "" } else { "," };
+                write!(out, "{comma}{value:.16e}")?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
+}
+
+/// Up to six significant digits: `0`, `12`, `0.125`, `3.14159`, `1.2e-9`, `nan`.
+pub fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return value.to_string().to_lowercase();
+    }
+    if value == 0.0 {
+        return "0".into();
+    }
+    let scientific = format!("{value:.5e}");
+    let (digits, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if (-4..6).contains(&exponent) {
+        trimmed(&format!("{value:.*}", (5 - exponent) as usize)).to_owned()
+    } else {
+        format!("{}e{exponent}", trimmed(digits))
+    }
+}
+
+fn trimmed(decimal: &str) -> &str {
+    if decimal.contains('.') { decimal.trim_end_matches('0').trim_end_matches('.') } else { decimal }
+}
+
+/// One entry of a [`Table`]: words are set flush left, numbers flush right.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Words, set flush left.
+    Text(String),
+    /// A number, printed by [`number`] and set flush right.
+    Number(f64),
+    /// Nothing.
+    Empty,
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        Self::Number(value)
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::Empty, Self::Number)
+    }
+}
+
+/// A table for the console; `println!("{table}")` prints it with aligned columns.
+#[derive(Debug, Clone, Default)]
+pub struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// An empty table with the given column names.
+    pub fn new(header: &[&str]) -> Self {
+        Self { header: header.iter().map(|&name| name.to_owned()).collect(), rows: Vec::new() }
+    }
+
+    /// Adds a row; missing cells stay empty, and cells beyond the header get a column without a name.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) -> &mut Self {
+        self.rows.push(cells.into_iter().collect());
+        self
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let columns = self.rows.iter().map(Vec::len).chain([self.header.len()]).max().unwrap_or(0);
+        let text = |row: &[Cell], column: usize| match row.get(column) {
+            Some(Cell::Text(text)) => text.clone(),
+            Some(Cell::Number(value)) => number(*value),
+            Some(Cell::Empty) | None => String::new(),
+        };
+        // a column is flush right, header included, when it holds numbers
+        let right = |column| self.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Number(_))));
+        let name = |column| self.header.get(column).cloned().unwrap_or_default();
+        let width = |column| {
+            let cells = self.rows.iter().map(|row| text(row, column).chars().count());
+            cells.chain([name(column).chars().count()]).max().unwrap_or(0)
+        };
+        let layout: Vec<_> = (0..columns).map(|column| (width(column), right(column))).collect();
+        let line = |cells: Vec<String>| {
+            let padded: Vec<_> = cells
+                .iter()
+                .zip(&layout)
+                .map(|(cell, &(width, right))| if right { format!("{cell:>width$}") } else { format!("{cell:<width$}") })
+                .collect();
+            padded.join("  ").trim_end().to_owned()
+        };
+        writeln!(f, "{}", line((0..columns).map(name).collect()))?;
+        write!(f, "{}", layout.iter().map(|&(width, _)| "-".repeat(width)).collect::<Vec<_>>().join("  "))?;
+        for row in &self.rows {
+            write!(f, "\n{}", line((0..columns).map(|column| text(row, column)).collect()))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::file::tests::Folder;
+    use super::*;
+
+    #[test]
+    fn csv_round_trips_bit_for_bit() {
+        let folder = Folder::new("csv");
+        let path = folder.0.join("deep/history.csv");
+        let values = [0.1, 1.0 / 3.0, -0.0, f64::MIN_POSITIVE / 8.0, f64::MAX, 1.0 + f64::EPSILON, f64::INFINITY, f64::NAN];
+        let rows = values.windows(2).map(<[f64]>::to_vec);
+        write_csv(&path, &["t [s]".into(), "x, \"y\"".into()], rows).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("t [s],\"x, \"\"y\"\"\""));
+        for (line, pair) in lines.zip(values.windows(2)) {
+            let read: Vec<f64> = line.split(',').map(|word| word.parse().unwrap()).collect();
+            assert!(read.iter().zip(pair).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())), "{line}");
+        }
+        assert_eq!(text.lines().count(), values.len());
+    }
+
+    #[test]
+    fn a_ragged_row_is_an_error_and_leaves_no_file() {
+        let folder = Folder::new("ragged");
+        let header = ["a".into(), "b".into()];
+        let rows = [vec![1.0, 2.0], vec![3.0]].into_iter();
+        let error = write_csv(&folder.0.join("r.csv"), &header, rows).unwrap_err().to_string();
+        assert!(error.contains("r.csv: row 1 has 1 numbers, the header has 2 names"), "{error}");
+        assert!(folder.names().is_empty());
+    }
+
+    #[test]
+    fn numbers_have_a_sensible_width() {
+        let cases = [(0.0, "0"), (12.0, "12"), (0.125, "0.125"), (std::f64::consts::PI, "3.14159"), (1.2e-9, "1.2e-9")];
+        let more = [(999_999.7, "1e6"), (123_456.4, "123456"), (0.0001, "0.0001"), (-2.5e12, "-2.5e12"), (f64::NAN, "nan")];
+        for (value, text) in cases.into_iter().chain(more) {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn columns_are_aligned() {
+        let mut table = Table::new(&["name", "value"]);
+        table
+            .row(["order".into(), 3.98.into()])
+            .row(["error, largest".into(), 1.5e-12.into()])
+            .row(["none".into(), None.into()]);
+        let expected = "\
+name              value
+--------------  -------
+order              3.98
+error, largest  1.5e-12
+none";
+        assert_eq!(table.to_string(), expected);
+    }
+}
