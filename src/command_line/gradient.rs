@@ -5,8 +5,8 @@ use super::run::report;
 use super::simulation::{Simulation, Work, functional_unit, long_number, say_work, simulate};
 use clap::Args;
 use costate::design::DesignVariable;
-use costate::integrators::Counters;
-use costate::io::{Cell, Table, number};
+use costate::integrators::{Counters, RunError};
+use costate::io::{Cell, Progress, Table, number};
 use costate::scenes::Prepared;
 use costate::sensitivity::Gradient;
 use serde_json::{Map, Value, json};
@@ -53,9 +53,9 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
         return simulation.stopped.map_or(Ok(()), Err);
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
-    let adjoint = timed(|| analysis.adjoint(x, forward))?;
+    let adjoint = timed("adjoint", || analysis.adjoint(x, forward))?;
     let check = if options.check {
-        let complex_step = timed(|| analysis.complex_step(x, forward))?;
+        let complex_step = timed("complex step", || analysis.complex_step(x, forward))?;
         Some(Check::new(&prepared, &adjoint, complex_step))
     } else {
         None
@@ -85,9 +85,12 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     }
 }
 
-fn timed<E: Into<Failure>>(differentiate: impl FnOnce() -> Result<Gradient, E>) -> Result<Timed, Failure> {
+fn timed(sweep: &str, differentiate: impl FnOnce() -> Result<Gradient, RunError>) -> Result<Timed, Failure> {
+    // the sweeps do not tell how far they are: the bar only says which one is at work
+    let progress = Progress::new(sweep, 1);
+    progress.set(0);
     let begun = Instant::now();
-    let gradient = differentiate().map_err(Into::into)?;
+    let gradient = differentiate()?;
     Ok(Timed { gradient, seconds: begun.elapsed().as_secs_f64() })
 }
 

@@ -188,9 +188,16 @@ fn charts(prepared: &Prepared, moments: &[Moment], energies: Option<&[f64]>) -> 
         let drift = curve(String::new(), &|index, _| energies[index] - start);
         charts.push(panel("change of energy [J]".into(), vec![drift]));
     }
+    // one key for all panels: a node has the same colour in each
+    for chart in charts.iter_mut().skip(1).filter(|chart| !chart.y_label.starts_with("coordinates")) {
+        chart.series.iter_mut().for_each(|series| series.name.clear());
+    }
     if let Some(first) = charts.first_mut() {
         let kind = if first.title.is_empty() { String::new() } else { format!(", {}", first.title) };
         first.title = format!("{}{kind}", prepared.scene.scene_name());
+        if let [only] = &mut first.series[..] {
+            first.title += &format!(": {}", std::mem::take(&mut only.name));
+        }
     }
     charts
 }
@@ -206,15 +213,17 @@ fn motion(prepared: &Prepared, moments: &[Moment]) -> Option<Motion> {
     if sketch.lines.is_empty() && sketch.followed.is_empty() {
         return None;
     }
-    let role = |drawn| if drawn == Drawn::Body { 0 } else { 1 };
-    let frame = |(_, moment): (usize, &Moment)| {
-        let line = |(drawn, points): &(Drawn, Vec<NodePoint>)| Polyline {
-            points: points.iter().map(|point| point.at(moment.q)).collect(),
-            role: role(*drawn),
-        };
-        // bodies over links
-        let of = |kind: Drawn| sketch.lines.iter().filter(move |line| line.0 == kind).map(line);
-        Frame { time: moment.t, lines: of(Drawn::Link).chain(of(Drawn::Body)).collect() }
+    let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
+    let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Moment| Polyline {
+        points: points.iter().map(|point| point.at(moment.q)).collect(),
+        role: usize::from(bodies && *drawn == Drawn::Link),
+    };
+    let frame = |(index, moment): (usize, &Moment)| {
+        // springs and dampers of earlier times would hide the bodies
+        let links = !bodies || index + 1 == moments.len();
+        let of = |kind: Drawn| sketch.lines.iter().filter(move |line| line.0 == kind).map(|own| line(own, moment));
+        let links = of(Drawn::Link).filter(|_| links);
+        Frame { time: moment.t, lines: links.chain(of(Drawn::Body)).collect() }
     };
     let trail = |(name, point): &(String, NodePoint)| Trail {
         name: name.clone(),

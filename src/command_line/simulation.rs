@@ -105,9 +105,16 @@ pub fn functional_unit(functional: &Functional) -> String {
     }
 }
 
-/// Fifteen digits less two: what a gradient is good for.
+/// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`.
 pub fn long_number(value: f64) -> String {
-    format!("{value:>19.12e}")
+    let text = format!("{value:.12e}");
+    match text.split_once('e') {
+        Some((digits, exponent)) => {
+            let (sign, size) = exponent.strip_prefix('-').map_or(('+', exponent), |size| ('-', size));
+            format!("{digits:>15}e{sign}{size:0>2}")
+        }
+        None => format!("{text:>19}"),
+    }
 }
 
 impl Simulation {
