@@ -25,7 +25,7 @@ pub struct GradientOptions {
 /// Largest relative difference between adjoint and complex step that passes.
 const LIMIT: f64 = 1e-10;
 /// Entries that matter less than this share of the largest one are compared relative to that share.
-const SMALL: f64 = 1e-3;
+const SMALL: f64 = 1e-2;
 
 /// A gradient and the time it took.
 struct Timed {
@@ -102,11 +102,14 @@ impl Check {
     fn new(prepared: &Prepared, adjoint: &Timed, complex_step: Timed) -> Self {
         let rows = adjoint.gradient.rows.iter().zip(&complex_step.gradient.rows);
         let differences: Vec<_> = rows.map(|(a, c)| relative_differences(&prepared.variables, &prepared.x, a, c)).collect();
-        // max() of floats would lose a NaN
-        let largest =
-            differences.iter().flatten().fold(0.0, |most: f64, &d| if d <= most || most.is_nan() { most } else { d });
+        let largest = largest_of(&differences);
         Check { complex_step, differences, largest }
     }
+}
+
+/// The largest number, or NaN if there is one: max() of floats would lose it.
+fn largest_of(differences: &[Vec<f64>]) -> f64 {
+    differences.iter().flatten().fold(0.0, |most: f64, &d| if d <= most || most.is_nan() { most } else { d })
 }
 
 /// Differences of two gradients, each relative to the entry, or to [`SMALL`] of the largest change of the functional by a
@@ -208,4 +211,32 @@ fn json_of(simulation: &Simulation, prepared: &Prepared, adjoint: &Timed, check:
         object.insert("pass".into(), json!(check.largest <= LIMIT));
     }
     object.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn variables() -> Vec<DesignVariable> {
+        let bounds = [(0.0, 10.0), (0.0, 1e6), (-1.0, 1.0)];
+        bounds.into_iter().enumerate().map(|(i, bounds)| DesignVariable::new(format!("x{i}"), 0.0, bounds, "-")).collect()
+    }
+
+    #[test]
+    fn a_wrong_or_missing_entry_is_seen_and_round_off_of_a_zero_is_not() {
+        let x = [2.0, 1e5, 0.0];
+        let right = [3.0, 4e-5, 0.0];
+        let compare = |adjoint: [f64; 3]| largest_of(&[relative_differences(&variables(), &x, &adjoint, &right)]);
+        assert_eq!(compare(right), 0.0);
+        assert!(compare([3.0, 4e-5, 1e-15]) <= LIMIT);
+        // in its unit the second entry is small, but it changes the functional as much as the first
+        assert!((compare([3.0, 4e-5 * (1.0 + 1e-6), 0.0]) - 1e-6).abs() < 1e-12);
+        assert!(compare([3.0 + 1e-8, 4e-5, 0.0]) > LIMIT);
+        assert!(compare([3.0, 4e-5, 1e-3]) > LIMIT);
+        for place in 0..3 {
+            let mut adjoint = right;
+            adjoint[place] = f64::NAN;
+            assert!(compare(adjoint).is_nan());
+        }
+    }
 }

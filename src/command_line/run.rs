@@ -1,4 +1,4 @@
-use super::console::say_json;
+use super::console::{say, say_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::simulation::{Simulation, say_work, simulate};
@@ -27,6 +27,9 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
 pub fn report(simulation: &Simulation, prepared: &costate::scenes::Prepared) {
     if simulation.stopped.is_none() {
         simulation.say_functionals(prepared);
+    } else {
+        let (done, planned) = (simulation.forward.history.steps.len(), prepared.grid.steps());
+        say(format_args!("stopped after {done} of {planned} steps: the files hold the finished ones\n"));
     }
     say_work(&[("simulation", simulation.work())]);
     simulation.say_files();

@@ -78,7 +78,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps.len() });
     }
-    Ok(Simulation { forward, seconds: elapsed, files, stopped: stopped.map(Failure::from) })
+    Ok(Simulation { forward, seconds: elapsed, files, stopped: stopped.map(|error| with_hint(error, prepared)) })
 }
 
 fn evaluated(prepared: &Prepared, history: History<f64>, counters: Counters) -> Forward {
@@ -94,6 +94,14 @@ fn not_finite(prepared: &Prepared, forward: &Forward) -> Option<RunError> {
     let (name, value) = (&prepared.functionals()[k].name, forward.values[k]);
     let hint = "a smooth maximum needs steps that resolve its peak; try a smaller step or sharpness";
     Some(RunError::Input(format!("functional \"{name}\" is {value}: {hint}")))
+}
+
+/// The failure, with the options that its advice is about.
+fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
+    let failure = Failure::from(error);
+    let steps = prepared.grid.steps();
+    let message = failure.message.replace("a smaller step", &format!("a smaller step (--steps above {steps})"));
+    Failure { message, ..failure }
 }
 
 /// Unit of a functional, with the second of an integral.
@@ -180,6 +188,7 @@ impl Simulation {
         object.insert("scene".into(), json!(prepared.scene.scene_name()));
         object.insert("method".into(), json!(prepared.method.table.name));
         object.insert("constraint_level".into(), json!(prepared.method.level.name()));
+        object.insert("planned_steps".into(), json!(prepared.grid.steps()));
         object.insert("end_s".into(), json_number(prepared.grid.times[prepared.grid.steps()]));
         object.insert("design".into(), design.collect::<Map<_, _>>().into());
         object.insert("functionals".into(), functionals.into());

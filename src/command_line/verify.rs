@@ -6,7 +6,7 @@ use crate::verification::{Figure, Report, Study, all};
 use clap::Args;
 use costate::io::{Cell, Table, number, write_file};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Options of `costate verify`.
@@ -44,11 +44,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
         let outcome = Outcome::measure(study);
         outcome.say();
         if let Some(folder) = &folder {
-            let guard = Guard::new();
-            let path = folder.join(outcome.study.name()).join("result.md");
-            write_file(&path, outcome.markdown().as_bytes())?;
-            drop(guard);
-            say(format_args!("wrote {}\n", path.display()));
+            say(format_args!("wrote {}\n", outcome.record(folder)?.display()));
         }
         outcomes.push(outcome);
     }
@@ -155,6 +151,14 @@ impl Outcome {
         text
     }
 
+    /// Writes the result into the folder of the study.
+    fn record(&self, folder: &Path) -> Result<PathBuf, Failure> {
+        let _guard = Guard::new();
+        let path = folder.join(self.study.name()).join("result.md");
+        write_file(&path, self.markdown().as_bytes())?;
+        Ok(path)
+    }
+
     fn json(&self) -> Value {
         let optional = |value: Option<f64>| value.map_or(Value::Null, json_number);
         let figure = |f: &Figure| {
@@ -204,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_not_finite_fails_and_becomes_null() {
+    fn a_number_that_is_not_finite_fails_becomes_null_and_is_recorded() {
         let outcome = Outcome::measure(Box::new(Made));
         assert!(!outcome.pass());
         let object = outcome.json();
@@ -214,7 +218,11 @@ mod tests {
         let second = json!({"name": "error", "value": null, "reference": 0.0, "tolerance": 1e-12, "pass": false});
         assert_eq!(object["figures"][1], second);
         assert_eq!(object["figures"][2]["reference"], Value::Null);
-        let text = outcome.markdown();
+        let folder = std::env::temp_dir().join(format!("costate-verify-{}", std::process::id()));
+        let path = outcome.record(&folder).unwrap();
+        assert_eq!(path, folder.join("made/result.md"));
+        let text = std::fs::read_to_string(path).unwrap();
+        std::fs::remove_dir_all(folder).unwrap();
         assert!(
             text.contains("| order | 3.98 | 4 | 0.1 | pass |\n| error | nan | 0 | 1e-12 | FAIL |\n| time | 1.5 |  |  |  |")
         );
