@@ -245,9 +245,92 @@ fn view(motion: &Motion) -> View {
     let extents = [0, 1, 2].map(|index| extent(points.iter().map(|point| point[index])));
     let largest = extents.iter().fold(0.0, |most: f64, &x| most.max(x));
     match extents.map(|extent| extent <= FLAT * largest) {
+        // a motion along one line is seen upright
+        [true, true, false] => View::Xz,
         [_, _, true] => View::Xy,
         [_, true, _] => View::Xz,
         [true, _, _] => View::Yz,
         _ => View::Isometric,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use costate::design::DesignVariable;
+    use costate::elements::{Element, Parameter, State};
+    use costate::scalar::{Scalar, Vec3};
+    use costate::scenes::{AnyScene, MechanismBuilder, Scene, Settings};
+
+    /// R = a + q: an oscillator without a place in space, and without energies.
+    struct Oscillator;
+    impl Element for Oscillator {
+        const DOFS: usize = 1;
+        const PARAMETERS: &'static [Parameter] = &[];
+        fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
+            r[0] += s.a[0] + s.q[0];
+        }
+    }
+
+    /// A free oscillator, or a ball thrown in some direction.
+    struct Thrown(Option<[f64; 3]>);
+    impl Scene for Thrown {
+        fn name(&self) -> String {
+            "thrown".into()
+        }
+        fn variables(&self) -> Vec<DesignVariable> {
+            Vec::new()
+        }
+        fn settings(&self) -> Settings {
+            Settings::new(1.0, 20)
+        }
+        fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+            let Some(velocity) = self.0 else {
+                let node = m.coordinates("free", &[S::one()], &[S::zero()]);
+                m.element("oscillator", &[node], Oscillator, &[]);
+                return Ok(());
+            };
+            let ball = m.point("ball", Vec3::zero());
+            m.point_mass("ball", ball, S::one());
+            m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
+            m.set_velocity(ball, Vec3::from_f64(velocity), Vec3::zero());
+            Ok(())
+        }
+    }
+
+    fn ran(scene: &dyn AnyScene) -> (Prepared<'_>, Forward) {
+        let prepared = Prepared::new(scene).unwrap();
+        let forward = prepared.analysis().forward(&prepared.x).unwrap();
+        (prepared, forward)
+    }
+
+    #[test]
+    fn the_view_is_along_the_direction_in_which_nothing_moves() {
+        let cases = [
+            ([1.0, 0.0, 5.0], View::Xz),
+            ([0.0, 1.0, 5.0], View::Yz),
+            ([1.0, 1.0, 5.0], View::Isometric),
+            ([0.0, 0.0, 5.0], View::Xz),
+        ];
+        for (velocity, expected) in cases {
+            let scene = Thrown(Some(velocity));
+            let (prepared, forward) = ran(&scene);
+            assert_eq!(motion(&prepared, &moments(&forward.history)).unwrap().view, expected, "{velocity:?}");
+        }
+    }
+
+    #[test]
+    fn a_scene_without_a_place_in_space_has_histories_but_no_picture_of_its_motion() {
+        let folder = std::env::temp_dir().join(format!("costate-results-{}", std::process::id()));
+        let (prepared, forward) = ran(&Thrown(None));
+        let files = write_results(&prepared, &forward, &folder, &Progress::new("writing", 3)).unwrap();
+        let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names, ["histories.csv", "histories.png", "histories.svg"]);
+        let text = std::fs::read_to_string(&files[0]).unwrap();
+        std::fs::remove_dir_all(folder).unwrap();
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("t [s],free.q0,free.dq0/dt"));
+        let last: Vec<f64> = lines.last().unwrap().split(',').map(|word| word.parse().unwrap()).collect();
+        assert!((last[1] - 1f64.cos()).abs() < 1e-5 && (last[2] + 1f64.sin()).abs() < 1e-5, "{last:?}");
     }
 }
