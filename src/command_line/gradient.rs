@@ -45,7 +45,6 @@ struct Check {
 pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     let scene = options.scene.scene()?;
     let prepared = options.scene.prepare(&*scene)?;
-    Simulation::announce(&prepared);
     let simulation = simulate(&prepared, &options.scene)?;
     if simulation.stopped.is_some() {
         report(&simulation, &prepared);

@@ -16,7 +16,6 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let options = &options.scene;
     let scene = options.scene()?;
     let prepared = options.prepare(&*scene)?;
-    Simulation::announce(&prepared);
     let simulation = simulate(&prepared, options)?;
     report(&simulation, &prepared);
     say_json(options.json, &simulation.json(&prepared).into());

@@ -53,6 +53,7 @@ impl Recorder<f64> for Watched<'_> {
 pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulation, Failure> {
     let folder = options.folder();
     check_folder(&folder)?;
+    announce(prepared);
     let guard = Guard::new();
     let progress = Progress::new("simulating", prepared.grid.steps() as u64);
     let mut watched = Watched { history: History::default(), progress, guard: &guard };
@@ -79,6 +80,20 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         stopped = Some(RunError::Interrupted { steps: forward.history.steps.len() });
     }
     Ok(Simulation { forward, seconds: elapsed, files, stopped: stopped.map(|error| with_hint(error, prepared)) })
+}
+
+/// Says what will be simulated.
+fn announce(prepared: &Prepared) {
+    let Prepared { scene, method, grid, plan, .. } = prepared;
+    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    let end = grid.times[grid.steps()];
+    let steps = count(grid.steps(), "step");
+    say(format_args!("{}, constraints at {} level, {steps} over {end} s", method.table.name, method.level.name()));
+    if !plan.dropped.is_empty() {
+        let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
+        say(format_args!("redundant and left out: {}", names.join("; ")));
+    }
+    say("");
 }
 
 fn evaluated(prepared: &Prepared, history: History<f64>, counters: Counters) -> Forward {
@@ -126,20 +141,6 @@ pub fn long_number(value: f64) -> String {
 }
 
 impl Simulation {
-    /// Says what was simulated, before it starts.
-    pub fn announce(prepared: &Prepared) {
-        let Prepared { scene, method, grid, plan, .. } = prepared;
-        say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
-        let end = grid.times[grid.steps()];
-        let steps = count(grid.steps(), "step");
-        say(format_args!("{}, constraints at {} level, {steps} over {end} s", method.table.name, method.level.name()));
-        if !plan.dropped.is_empty() {
-            let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
-            say(format_args!("redundant and left out: {}", names.join("; ")));
-        }
-        say("");
-    }
-
     /// Prints the values of the functionals.
     pub fn say_functionals(&self, prepared: &Prepared) {
         if prepared.functionals().is_empty() {
