@@ -215,6 +215,7 @@ pub fn say_work(columns: &[(&str, Work)]) {
             names.push(name);
         }
     }
+    names.sort_by_key(|name| name.ends_with("_s"));
     for name in names {
         let cell = |work: &Work| match work.iter().find(|(own, _)| *own == name) {
             Some((own, value)) if own.ends_with("_s") => seconds(value.as_f64().unwrap_or(f64::NAN)),
