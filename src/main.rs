@@ -1,6 +1,9 @@
+//! The command line of costate.
+
+mod command_line;
 #[path = "../verification/mod.rs"]
 mod verification;
 
-fn main() {
-    let _ = verification::all();
+fn main() -> std::process::ExitCode {
+    command_line::main()
 }

@@ -19,17 +19,25 @@ pub type Rev = Reverse<f64>;
 /// Marks a value without a place on the tape.
 const CONSTANT: u32 = u32::MAX;
 
-/// One recorded operation: up to two operands with the partial derivatives towards them.
+/// One recorded operation: up to two operands, and the partial derivatives towards them: real numbers for linear operations
+/// (half of all), a place in a list of scalars for the others.
 #[derive(Clone, Copy, Debug)]
-pub struct Record<S> {
+struct Record {
     operands: [u32; 2],
-    partials: [S; 2],
+    factors: [f64; 2],
+    partials: u32,
 }
 
+/// Marks a record whose partial derivatives are its factors.
+const LINEAR: u32 = u32::MAX;
+/// A variable: nothing before it.
+const VARIABLE: Record = Record { operands: [CONSTANT; 2], factors: [0.0; 2], partials: LINEAR };
+
 /// The tape of one thread for one scalar, with the workspace of its sweeps.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Records<S> {
-    list: Vec<Record<S>>,
+    list: Vec<Record>,
+    partials: Vec<[S; 2]>,
     adjoint: Vec<S>,
 }
 
@@ -42,11 +50,11 @@ pub trait Recordable: Scalar {
 macro_rules! recordable {
     ($($scalar:ty),*) => {$(
         impl Recordable for $scalar {
-            #[inline]
+            #[inline(always)]
             fn with_records<T>(f: impl FnOnce(&mut Records<Self>) -> T) -> T {
                 thread_local! {
                     static RECORDS: RefCell<Records<$scalar>> =
-                        const { RefCell::new(Records { list: Vec::new(), adjoint: Vec::new() }) };
+                        const { RefCell::new(Records { list: Vec::new(), partials: Vec::new(), adjoint: Vec::new() }) };
                 }
                 RECORDS.with_borrow_mut(f)
             }
@@ -56,24 +64,40 @@ macro_rules! recordable {
 recordable!(f64, Complex, Lanes);
 
 impl<S: Recordable> Records<S> {
-    fn push(&mut self, operands: [u32; 2], partials: [S; 2]) -> u32 {
-        let node = u32::try_from(self.list.len()).expect("fewer than 2^32 operations are recorded");
-        self.list.push(Record { operands, partials });
+    #[inline(always)]
+    fn push_linear(&mut self, operands: [u32; 2], factors: [f64; 2]) -> u32 {
+        let node = self.list.len() as u32;
+        self.list.push(Record { operands, factors, partials: LINEAR });
+        node
+    }
+
+    #[inline(always)]
+    fn push(&mut self, operands: [u32; 2], partials: &[S; 2]) -> u32 {
+        let node = self.list.len() as u32;
+        self.list.push(Record { operands, factors: [0.0; 2], partials: self.partials.len() as u32 });
+        self.partials.push(*partials);
         node
     }
 }
 
 /// Back through records that start at number `start`: `adjoint` holds one entry for each of them.
-fn sweep<S: Scalar>(records: &[Record<S>], start: usize, adjoint: &mut [S]) {
+fn sweep<S: Scalar>(records: &[Record], partials: &[[S; 2]], start: usize, adjoint: &mut [S]) {
     for (index, record) in records.iter().enumerate().rev() {
         let bar = adjoint[index];
         if bar.value() == 0.0 && bar.is_constant() {
             continue;
         }
-        for (operand, partial) in record.operands.iter().zip(record.partials) {
-            // a partial of zero ends the chain, whatever lies before it: 0 times infinity is not reached
-            if *operand != CONSTANT && !(partial.value() == 0.0 && partial.is_constant()) {
-                adjoint[*operand as usize - start] += partial * bar;
+        let places = record.operands.into_iter().enumerate().filter(|(_, operand)| *operand != CONSTANT);
+        for (side, operand) in places {
+            let target = &mut adjoint[operand as usize - start];
+            if record.partials == LINEAR {
+                *target += bar * record.factors[side];
+            } else {
+                let partial = partials[record.partials as usize][side];
+                // a partial of zero ends the chain, whatever lies before it: 0 times infinity is not reached
+                if !(partial.value() == 0.0 && partial.is_constant()) {
+                    *target += partial * bar;
+                }
             }
         }
     }
@@ -85,11 +109,13 @@ pub fn add_gradient<S: Recordable>(
     function: impl FnOnce(&[Reverse<S>]) -> Reverse<S>,
     gradient: &mut [S],
 ) {
-    let no_operands = ([CONSTANT; 2], [S::zero(); 2]);
-    let (start, variables) = S::with_records(|records| {
-        let start = records.list.len();
-        let place = |value| Reverse { value, node: records.push(no_operands.0, no_operands.1) };
-        (start, values.map(place).collect::<smallvec::SmallVec<[Reverse<S>; 64]>>())
+    let (start, first_partial, variables) = S::with_records(|records| {
+        let (start, first_partial) = (records.list.len(), records.partials.len());
+        let place = |value| {
+            records.list.push(VARIABLE);
+            Reverse { value, node: records.list.len() as u32 - 1 }
+        };
+        (start, first_partial, values.map(place).collect::<smallvec::SmallVec<[Reverse<S>; 64]>>())
     });
     let result = function(&variables);
     S::with_records(|records| {
@@ -98,18 +124,20 @@ pub fn add_gradient<S: Recordable>(
             records.adjoint.clear();
             records.adjoint.resize(list.len(), S::zero());
             records.adjoint[list.len() - 1] = S::one();
-            sweep(list, start, &mut records.adjoint);
+            sweep(list, &records.partials, start, &mut records.adjoint);
             for (target, &bar) in gradient.iter_mut().zip(&records.adjoint) {
                 *target += bar;
             }
         }
         records.list.truncate(start);
+        records.partials.truncate(first_partial);
     });
 }
 
 /// The recording of one scene function on this thread, from its variables to its results.
 pub struct Tape {
-    records: Vec<Record<f64>>,
+    records: Vec<Record>,
+    partials: Vec<[f64; 2]>,
     variables: usize,
 }
 
@@ -121,21 +149,26 @@ impl Tape {
     pub fn record<T>(values: &[f64], function: impl FnOnce(&[Rev]) -> T) -> (Tape, T) {
         f64::with_records(|records| {
             assert!(records.list.is_empty(), "a recording is already running on this thread");
-            records.list.resize(values.len(), Record { operands: [CONSTANT; 2], partials: [0.0; 2] });
+            records.list.resize(values.len(), VARIABLE);
         });
         // emptied on unwinding too, so that a caught panic leaves a usable thread
         struct Emptied;
         impl Drop for Emptied {
             fn drop(&mut self) {
-                f64::with_records(|records| records.list.clear());
+                f64::with_records(|records| {
+                    records.list.clear();
+                    records.partials.clear();
+                });
             }
         }
         let emptied = Emptied;
         let variables: Vec<Rev> = values.iter().zip(0..).map(|(&value, node)| Rev { value, node }).collect();
         let result = function(&variables);
-        let records = f64::with_records(|records| std::mem::take(&mut records.list));
+        let (records, partials) =
+            f64::with_records(|records| (std::mem::take(&mut records.list), std::mem::take(&mut records.partials)));
         drop(emptied);
-        (Tape { records, variables: values.len() }, result)
+        assert!(records.len() < CONSTANT as usize, "a scene function records fewer than 2^32 operations");
+        (Tape { records, partials, variables: values.len() }, result)
     }
 
     /// Gradient with respect to the variables of sum_i weight_i result_i, in one sweep.
@@ -146,7 +179,7 @@ impl Tape {
                 adjoint[result.node as usize] += weight;
             }
         }
-        sweep(&self.records, 0, &mut adjoint);
+        sweep(&self.records, &self.partials, 0, &mut adjoint);
         adjoint.truncate(self.variables);
         adjoint
     }
@@ -169,12 +202,34 @@ impl<S: Recordable> Reverse<S> {
         Reverse { value, node: CONSTANT }
     }
 
-    #[inline]
+    #[inline(always)]
+    fn linear(self, value: S, factor: f64) -> Self {
+        if self.node == CONSTANT {
+            return Self::constant(value);
+        }
+        let node = S::with_records(|records| records.push_linear([self.node, CONSTANT], [factor, 0.0]));
+        Reverse { value, node }
+    }
+
+    #[inline(always)]
+    fn linear_pair(self, other: Self, value: S, factors: [f64; 2]) -> Self {
+        if self.node == CONSTANT && other.node == CONSTANT {
+            return Self::constant(value);
+        }
+        if self.node == other.node {
+            // one operand: x - x does not move at all
+            return self.linear(value, factors[0] + factors[1]);
+        }
+        let node = S::with_records(|records| records.push_linear([self.node, other.node], factors));
+        Reverse { value, node }
+    }
+
+    #[inline(always)]
     fn unary(self, value: S, partial: S) -> Self {
         if self.node == CONSTANT {
             return Self::constant(value);
         }
-        let node = S::with_records(|records| records.push([self.node, CONSTANT], [partial, S::zero()]));
+        let node = S::with_records(|records| records.push([self.node, CONSTANT], &[partial, S::zero()]));
         Reverse { value, node }
     }
 
@@ -183,16 +238,15 @@ impl<S: Recordable> Reverse<S> {
         self.unary(value, first)
     }
 
-    #[inline]
+    #[inline(always)]
     fn binary(self, other: Self, value: S, partials: [S; 2]) -> Self {
         if self.node == CONSTANT && other.node == CONSTANT {
             return Self::constant(value);
         }
         if self.node == other.node {
-            // one operand: x - x does not move at all
             return self.unary(value, partials[0] + partials[1]);
         }
-        let node = S::with_records(|records| records.push([self.node, other.node], partials));
+        let node = S::with_records(|records| records.push([self.node, other.node], &partials));
         Reverse { value, node }
     }
 }
@@ -210,19 +264,19 @@ impl<S: Recordable> From<f64> for Reverse<S> {
 impl<S: Recordable> Neg for Reverse<S> {
     type Output = Self;
     fn neg(self) -> Self {
-        self.unary(-self.value, S::from(-1.0))
+        self.linear(-self.value, -1.0)
     }
 }
 impl<S: Recordable> Add for Reverse<S> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.binary(other, self.value + other.value, [S::one(), S::one()])
+        self.linear_pair(other, self.value + other.value, [1.0, 1.0])
     }
 }
 impl<S: Recordable> Sub for Reverse<S> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self.binary(other, self.value - other.value, [S::one(), S::from(-1.0)])
+        self.linear_pair(other, self.value - other.value, [1.0, -1.0])
     }
 }
 impl<S: Recordable> Mul for Reverse<S> {
@@ -255,13 +309,13 @@ impl<S: Recordable> Sub<f64> for Reverse<S> {
 impl<S: Recordable> Mul<f64> for Reverse<S> {
     type Output = Self;
     fn mul(self, other: f64) -> Self {
-        self.unary(self.value * other, S::from(other))
+        self.linear(self.value * other, other)
     }
 }
 impl<S: Recordable> Div<f64> for Reverse<S> {
     type Output = Self;
     fn div(self, other: f64) -> Self {
-        self.unary(self.value / other, S::from(1.0 / other))
+        self.linear(self.value / other, 1.0 / other)
     }
 }
 super::assign_operators!([S: Recordable] Reverse<S>);

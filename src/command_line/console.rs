@@ -1,0 +1,50 @@
+//! Words for people on stdout, one JSON object behind them, messages on stderr.
+
+use serde_json::Value;
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
+
+/// Prints a line to stdout.
+///
+/// A reader that has gone away (`costate list | head -1`) is no reason to stop; a full disk is.
+pub fn say(line: impl Display) {
+    match writeln!(io::stdout(), "{line}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(&format!("cannot write to stdout: {error}"));
+            std::process::exit(1);
+        }
+        _ => {}
+    }
+}
+
+/// Prints the message with which the program ends.
+pub fn complain(message: &str) {
+    // nobody is left to tell if stderr is gone, too
+    let _ = writeln!(io::stderr(), "error: {message}");
+}
+
+/// Prints the JSON object as the last line of stdout if it was asked for.
+pub fn say_json(wanted: bool, object: &Value) {
+    if wanted {
+        say(object);
+    }
+}
+
+/// A number, or null if it is not finite.
+pub fn json_number(value: f64) -> Value {
+    serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
+}
+
+/// Seconds as people read them.
+pub fn seconds(value: f64) -> String {
+    match value {
+        s if s < 1e-3 => format!("{:.0} us", s * 1e6),
+        s if s < 1.0 => format!("{:.3} ms", s * 1e3),
+        s => format!("{s:.3} s"),
+    }
+}
+
+/// Singular or plural, with the count.
+pub fn count(count: usize, word: &str) -> String {
+    if count == 1 { format!("1 {word}") } else { format!("{count} {word}s") }
+}

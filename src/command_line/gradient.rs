@@ -1,0 +1,247 @@
+use super::console::{json_number, say, say_json};
+use super::failure::Failure;
+use super::options::SceneOptions;
+use super::run::report;
+use super::simulation::{Simulation, Work, functional_unit, long_number, say_work, simulate};
+use clap::Args;
+use costate::design::DesignVariable;
+use costate::integrators::{Counters, RunError};
+use costate::io::{Cell, Progress, Table, number};
+use costate::scenes::Prepared;
+use costate::sensitivity::Gradient;
+use serde_json::{Map, Value, json};
+use std::time::Instant;
+
+/// Options of `costate gradient`.
+#[derive(Args)]
+pub struct GradientOptions {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Compare with complex-step runs of the whole simulation; exit code 1 if they differ
+    #[arg(long)]
+    check: bool,
+}
+
+/// Largest relative difference between adjoint and complex step that passes.
+const LIMIT: f64 = 1e-10;
+/// Entries that matter less than this share of the largest one are compared relative to that share.
+const SMALL: f64 = 1e-2;
+
+/// A gradient and the time it took.
+struct Timed {
+    gradient: Gradient,
+    seconds: f64,
+}
+
+/// The complex-step gradient and how far the adjoint is from it.
+struct Check {
+    complex_step: Timed,
+    /// Relative differences, for each functional and variable.
+    differences: Vec<Vec<f64>>,
+    largest: f64,
+}
+
+/// `costate gradient`: simulates, writes, differentiates, checks, prints.
+pub fn run(options: &GradientOptions) -> Result<(), Failure> {
+    let scene = options.scene.scene()?;
+    let prepared = options.scene.prepare(&*scene)?;
+    let simulation = simulate(&prepared, &options.scene)?;
+    if simulation.stopped.is_some() {
+        report(&simulation, &prepared);
+        say_json(options.scene.json, &simulation.json(&prepared).into());
+        return simulation.stopped.map_or(Ok(()), Err);
+    }
+    let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
+    let adjoint = timed("adjoint", || analysis.adjoint(x, forward))?;
+    let check = if options.check {
+        let complex_step = timed("complex step", || analysis.complex_step(x, forward))?;
+        Some(Check::new(&prepared, &adjoint, complex_step))
+    } else {
+        None
+    };
+
+    simulation.say_functionals(&prepared);
+    for row in 0..prepared.functionals().len() {
+        say_gradient(&prepared, row, &adjoint, check.as_ref());
+    }
+    say_work(&work(&simulation, &adjoint, check.as_ref()));
+    let ratio = adjoint.seconds / simulation.seconds;
+    say(format_args!("adjoint time / forward time: {}", number(ratio)));
+    if let Some(check) = &check {
+        let (verdict, largest) = (if check.pass() { "pass" } else { "FAIL" }, check.largest);
+        say(format_args!("largest relative difference to complex step: {} (limit {LIMIT:e}): {verdict}", brief(largest)));
+    }
+    say("");
+    simulation.say_files();
+    say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref()));
+    match check {
+        Some(check) if !check.pass() => Err(Failure::run(format!(
+            "the adjoint gradient differs from complex step by {}, more than {LIMIT:e}",
+            brief(check.largest)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+fn timed(sweep: &str, differentiate: impl FnOnce() -> Result<Gradient, RunError>) -> Result<Timed, Failure> {
+    // the sweeps do not tell how far they are: the bar only says which one is at work
+    let progress = Progress::new(sweep, 1);
+    progress.set(0);
+    let begun = Instant::now();
+    let gradient = differentiate()?;
+    Ok(Timed { gradient, seconds: begun.elapsed().as_secs_f64() })
+}
+
+fn brief(difference: f64) -> String {
+    if difference == 0.0 { "0".into() } else { format!("{difference:.1e}") }
+}
+
+impl Check {
+    fn new(prepared: &Prepared, adjoint: &Timed, complex_step: Timed) -> Self {
+        let rows = adjoint.gradient.rows.iter().zip(&complex_step.gradient.rows);
+        let differences: Vec<_> = rows.map(|(a, c)| relative_differences(&prepared.variables, &prepared.x, a, c)).collect();
+        let largest = largest_of(&differences);
+        Check { complex_step, differences, largest }
+    }
+}
+
+impl Check {
+    /// A NaN does not pass.
+    fn pass(&self) -> bool {
+        self.largest <= LIMIT
+    }
+}
+
+/// The largest number, or NaN if there is one: max() of floats would lose it.
+fn largest_of(differences: &[Vec<f64>]) -> f64 {
+    differences.iter().flatten().fold(0.0, |most: f64, &d| if d <= most || most.is_nan() { most } else { d })
+}
+
+/// Differences of two gradients, each relative to the entry, or to [`SMALL`] of the largest change of the functional by a
+/// relative change of any variable: an entry that is zero but for round-off has no relative error of its own.
+fn relative_differences(variables: &[DesignVariable], x: &[f64], adjoint: &[f64], complex_step: &[f64]) -> Vec<f64> {
+    let size = |i: usize| {
+        let range = variables[i].upper - variables[i].lower;
+        match x[i].abs() {
+            0.0 if range.is_finite() && range > 0.0 => range,
+            0.0 => 1.0,
+            size => size,
+        }
+    };
+    let largest = complex_step.iter().enumerate().fold(0.0, |most: f64, (i, g)| most.max((g * size(i)).abs()));
+    let difference = |(i, (a, c)): (usize, (&f64, &f64))| {
+        let apart = (a - c).abs();
+        if apart == 0.0 { 0.0 } else { apart / c.abs().max(SMALL * largest / size(i)) }
+    };
+    adjoint.iter().zip(complex_step).enumerate().map(difference).collect()
+}
+
+fn say_gradient(prepared: &Prepared, row: usize, adjoint: &Timed, check: Option<&Check>) {
+    let functional = &prepared.functionals()[row];
+    let mut table = match check {
+        Some(_) => Table::new(&["variable", "value", "unit", "adjoint", "complex step", "difference"]),
+        None => Table::new(&["variable", "value", "unit", "adjoint"]),
+    };
+    for (i, (variable, &x)) in prepared.variables.iter().zip(&prepared.x).enumerate() {
+        let mut cells: Vec<Cell> = vec![variable.name.as_str().into(), x.into(), variable.unit.into()];
+        cells.push(long_number(adjoint.gradient.rows[row][i]).into());
+        if let Some(check) = check {
+            cells.push(long_number(check.complex_step.gradient.rows[row][i]).into());
+            cells.push(brief(check.differences[row][i]).into());
+        }
+        table.row(cells);
+    }
+    say(format_args!("gradient of {} [{} / unit of the variable]\n{table}\n", functional.name, functional_unit(functional)));
+}
+
+fn work(simulation: &Simulation, adjoint: &Timed, check: Option<&Check>) -> Vec<(&'static str, Work)> {
+    let mut columns = vec![("simulation", simulation.work()), ("adjoint", adjoint_work(adjoint))];
+    if let Some(Check { complex_step, .. }) = check {
+        columns.push(("complex step", complex_step_work(complex_step)));
+    }
+    columns
+}
+
+fn complex_step_work(complex_step: &Timed) -> Work {
+    let Counters { systems, iterations, residuals, factorizations, solves, .. } = complex_step.gradient.counters;
+    vec![
+        ("systems", json!(systems)),
+        ("newton_iterations", json!(iterations)),
+        ("factorizations", json!(factorizations)),
+        ("solves", json!(solves)),
+        ("residual_evaluations", json!(residuals)),
+        ("time_s", json_number(complex_step.seconds)),
+    ]
+}
+
+fn adjoint_work(adjoint: &Timed) -> Work {
+    let Counters { systems, factorizations, solves, products, .. } = adjoint.gradient.counters;
+    vec![
+        ("systems", json!(systems)),
+        ("factorizations", json!(factorizations)),
+        ("solves", json!(solves)),
+        ("element_products", json!(products)),
+        ("time_s", json_number(adjoint.seconds)),
+    ]
+}
+
+fn insert_work(object: &mut Map<String, Value>, sweep: &str, work: Work) {
+    for (name, value) in work {
+        let name = if name == "time_s" { format!("{sweep}_s") } else { format!("{sweep}_{name}") };
+        object.insert(name, value);
+    }
+}
+
+fn json_of(simulation: &Simulation, prepared: &Prepared, adjoint: &Timed, check: Option<&Check>) -> Value {
+    let mut object = simulation.json(prepared);
+    let named = |row: &[f64]| -> Value {
+        let pairs = prepared.variables.iter().zip(row);
+        pairs.map(|(variable, &value)| (variable.name.clone(), json_number(value))).collect::<Map<_, _>>().into()
+    };
+    if let Some(Value::Array(functionals)) = object.get_mut("functionals") {
+        for (row, functional) in functionals.iter_mut().enumerate() {
+            functional["gradient"] = named(&adjoint.gradient.rows[row]);
+            if let Some(check) = check {
+                functional["complex_step"] = named(&check.complex_step.gradient.rows[row]);
+                functional["relative_difference"] = named(&check.differences[row]);
+            }
+        }
+    }
+    insert_work(&mut object, "adjoint", adjoint_work(adjoint));
+    object.insert("adjoint_per_forward".into(), json_number(adjoint.seconds / simulation.seconds));
+    if let Some(check) = check {
+        insert_work(&mut object, "complex_step", complex_step_work(&check.complex_step));
+        object.insert("largest_relative_difference".into(), json_number(check.largest));
+        object.insert("limit".into(), json_number(LIMIT));
+        object.insert("pass".into(), json!(check.pass()));
+    }
+    object.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn variables() -> Vec<DesignVariable> {
+        let bounds = [(0.0, 10.0), (0.0, 1e6), (-1.0, 1.0)];
+        bounds.into_iter().enumerate().map(|(i, bounds)| DesignVariable::new(format!("x{i}"), 0.0, bounds, "-")).collect()
+    }
+
+    #[test]
+    fn a_wrong_or_missing_entry_is_seen_and_round_off_of_a_zero_is_not() {
+        let x = [2.0, 1e5, 0.0];
+        let right = [3.0, 4e-5, 0.0];
+        let compare = |adjoint: [f64; 3]| largest_of(&[relative_differences(&variables(), &x, &adjoint, &right)]);
+        assert_eq!(compare(right), 0.0);
+        assert!(compare([3.0, 4e-5, 1e-15]) <= LIMIT);
+        // in its unit the second entry is small, but it changes the functional as much as the first
+        assert!((compare([3.0, 4e-5 * (1.0 + 1e-6), 0.0]) - 1e-6).abs() < 1e-12);
+        assert!(compare([3.0 + 1e-8, 4e-5, 0.0]) > LIMIT);
+        assert!(compare([3.0, 4e-5, 1e-3]) > LIMIT);
+        for place in 0..3 {
+            let mut adjoint = right;
+            adjoint[place] = f64::NAN;
+            assert!(compare(adjoint).is_nan());
+        }
+    }
+}

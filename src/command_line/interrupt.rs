@@ -1,0 +1,44 @@
+//! Ctrl-C: at once when there is nothing to lose, after the step in hand when there is.
+
+use super::failure::{Failure, INTERRUPTED};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+const LEAVE_AT_ONCE: u8 = 0;
+const FINISH_FIRST: u8 = 1;
+const REQUESTED: u8 = 2;
+
+static STATE: AtomicU8 = AtomicU8::new(LEAVE_AT_ONCE);
+
+/// Listens for Ctrl-C.
+pub fn install() -> Result<(), Failure> {
+    ctrlc::set_handler(|| {
+        let first = STATE.compare_exchange(FINISH_FIRST, REQUESTED, Ordering::SeqCst, Ordering::SeqCst).is_ok();
+        if !first {
+            super::console::complain("interrupted");
+            std::process::exit(INTERRUPTED.into());
+        }
+    })
+    .map_err(|error| Failure::run(format!("cannot listen for Ctrl-C: {error}")))
+}
+
+/// While it lives, a first Ctrl-C only asks to stop; a second one leaves at once.
+pub struct Guard(());
+
+impl Guard {
+    /// Starts to guard.
+    pub fn new() -> Self {
+        STATE.store(FINISH_FIRST, Ordering::SeqCst);
+        Guard(())
+    }
+
+    /// True after Ctrl-C.
+    pub fn requested(&self) -> bool {
+        STATE.load(Ordering::Relaxed) == REQUESTED
+    }
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        STATE.store(LEAVE_AT_ONCE, Ordering::SeqCst);
+    }
+}

@@ -1,0 +1,156 @@
+use super::failure::Failure;
+use super::names::unknown;
+use clap::Args;
+use costate::design::{DesignVariable, check_design};
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, table_by_name, tables};
+use costate::scenes::{AnyScene, Prepared, built_in};
+use std::path::PathBuf;
+
+/// Most steps of a run: every step is kept in memory.
+const MOST_STEPS: usize = 10_000_000;
+
+/// What is simulated, and how.
+#[derive(Args, Debug)]
+pub struct SceneOptions {
+    /// Name of a scene (see `costate list`)
+    scene: String,
+    /// Folder for the results [default: out/SCENE]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// End of the motion [s] [default: the scene's]
+    #[arg(long, value_name = "T", value_parser = positive_seconds, allow_negative_numbers = true)]
+    end: Option<f64>,
+    /// Number of steps [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = step_count, allow_negative_numbers = true)]
+    steps: Option<usize>,
+    /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3
+    #[arg(long, value_name = "TABLE", default_value = DEFAULT_TABLE)]
+    method: String,
+    /// Time derivative on which constraints are kept: position, velocity, acceleration
+    #[arg(long, value_name = "LEVEL", default_value = ConstraintLevel::default().name())]
+    constraint_level: String,
+    /// Change a design variable; may be given once for each
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Project an inconsistent start onto the constraints instead of refusing it
+    #[arg(long)]
+    project_start: bool,
+    /// Print one JSON object with all figures on the last line of stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn positive_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("it must be a number of seconds above 0".into()),
+    }
+}
+
+fn step_count(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(steps) if (1..=MOST_STEPS).contains(&steps) => Ok(steps),
+        _ => Err(format!("it must be a whole number from 1 to {MOST_STEPS}")),
+    }
+}
+
+/// The scene with a given name.
+fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
+    let known: Vec<String> = built_in::all().iter().map(|scene| scene.scene_name()).collect();
+    built_in::all()
+        .into_iter()
+        .find(|scene| scene.scene_name() == name)
+        .ok_or_else(|| Failure::input(unknown("scene", name, &known)))
+}
+
+/// The initial design with the changes of `--set`.
+fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
+    let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
+    let mut seen: Vec<&str> = Vec::new();
+    for change in changes {
+        let Some((name, value)) = change.split_once('=') else {
+            return Err(Failure::input(format!(
+                "--set \"{change}\": it must read NAME=VALUE, as in --set {}",
+                example(variables)
+            )));
+        };
+        let (name, value) = (name.trim(), value.trim());
+        let known: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
+        let Some(index) = variables.iter().position(|variable| variable.name == name) else {
+            return Err(Failure::input(format!("--set {change}: {}", unknown("design variable", name, &known))));
+        };
+        if seen.contains(&name) {
+            return Err(Failure::input(format!("--set {change}: \"{name}\" was already set; give it once")));
+        }
+        seen.push(name);
+        let DesignVariable { lower, upper, unit, .. } = &variables[index];
+        x[index] = value.parse().map_err(|_| {
+            Failure::input(format!(
+                "--set {change}: \"{value}\" is not a number; it must lie between {lower} and {upper} {unit}"
+            ))
+        })?;
+        check_design(&variables[index..=index], &x[index..=index])
+            .map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
+    }
+    Ok(x)
+}
+
+fn example(variables: &[DesignVariable]) -> String {
+    variables.first().map_or_else(|| "length=2".into(), |variable| format!("{}={}", variable.name, variable.initial))
+}
+
+impl SceneOptions {
+    /// The scene.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn scene(&self) -> Result<Box<dyn AnyScene>, Failure> {
+        find_scene(&self.scene)
+    }
+
+    /// The scene at the chosen design with the chosen method and steps.
+    ///
+    /// # Errors
+    /// The option, its value and what is allowed; or why the scene cannot start.
+    pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
+        let table = table_by_name(&self.method).ok_or_else(|| {
+            let known: Vec<String> = tables().iter().map(|table| table.name.to_string()).collect();
+            Failure::input(unknown("--method", &self.method, &known))
+        })?;
+        let level = ConstraintLevel::by_name(&self.constraint_level).ok_or_else(|| {
+            let known = ConstraintLevel::ALL.map(|level| level.name().to_string());
+            Failure::input(unknown("--constraint-level", &self.constraint_level, &known))
+        })?;
+        let mut settings = scene.default_settings();
+        settings.end = self.end.unwrap_or(settings.end);
+        settings.steps = self.steps.unwrap_or(settings.steps);
+        settings.policy.project_start |= self.project_start;
+        let x = changed_design(&scene.design_variables(), &self.set)?;
+        let prepared = Prepared::with(scene, &x, Method::new(table, level), settings);
+        prepared.map_err(|error| {
+            let failure = Failure::from(error);
+            Failure { message: format!("scene \"{}\": {}", self.scene, failure.message), ..failure }
+        })
+    }
+
+    /// The folder for the results.
+    pub fn folder(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&self.scene))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_help_names_every_integrator_and_level() {
+        let mut command = super::super::Costate::command();
+        let run = command.find_subcommand_mut("run").unwrap();
+        let help = run.render_long_help().to_string();
+        let levels = ConstraintLevel::ALL.map(|level| level.name()).join(", ");
+        let methods = tables().iter().map(|table| table.name).collect::<Vec<_>>().join(", ");
+        assert!(help.contains(&levels) && help.contains(&methods), "{help}");
+    }
+}

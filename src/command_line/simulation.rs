@@ -1,0 +1,234 @@
+use super::console::{count, json_number, say, seconds};
+use super::failure::Failure;
+use super::interrupt::Guard;
+use super::options::SceneOptions;
+use super::results::{check_folder, write_results};
+use costate::functionals::{Functional, Over};
+use costate::history::History;
+use costate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord, march};
+use costate::io::{Cell, Progress, Table};
+use costate::scenes::Prepared;
+use costate::sensitivity::Forward;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Names and numbers of what something cost; the names are those of the JSON object.
+pub type Work = Vec<(&'static str, Value)>;
+
+/// A simulated scene with its files written.
+pub struct Simulation {
+    /// States and functionals, of the finished steps only if the run stopped early.
+    pub forward: Forward,
+    /// Wall time of the simulation with its functionals [s].
+    pub seconds: f64,
+    /// Files written.
+    pub files: Vec<PathBuf>,
+    /// Why the run stopped before its end.
+    pub stopped: Option<Failure>,
+}
+
+/// Keeps the history, moves the progress bar, and stops at Ctrl-C.
+struct Watched<'g> {
+    history: History<f64>,
+    progress: Progress,
+    guard: &'g Guard,
+}
+
+impl Recorder<f64> for Watched<'_> {
+    fn start(&mut self, start: StartRecord<f64>) {
+        self.history.start(start);
+    }
+    fn step(&mut self, step: StepRecord<f64>) -> bool {
+        self.history.step(step);
+        self.progress.set(self.history.steps.len() as u64);
+        !self.guard.requested()
+    }
+}
+
+/// Simulates a prepared scene and writes its files.
+///
+/// # Errors
+/// A folder or file that cannot be written. A run that stops early is no error here: its finished steps are written first.
+pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulation, Failure> {
+    let folder = options.folder();
+    check_folder(&folder)?;
+    announce(prepared);
+    let guard = Guard::new();
+    let progress = Progress::new("simulating", prepared.grid.steps() as u64);
+    let mut watched = Watched { history: History::default(), progress, guard: &guard };
+    let begun = Instant::now();
+    let run = march(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut watched);
+    let Watched { history, progress, .. } = watched;
+    progress.finish();
+    let (counters, mut stopped) = match run {
+        Ok(run) => (run.counters, None),
+        Err(error) => (Counters::default(), Some(error)),
+    };
+    let forward = evaluated(prepared, history, counters);
+    let elapsed = begun.elapsed().as_secs_f64();
+    if stopped.is_none() {
+        stopped = not_finite(prepared, &forward);
+    }
+    let files = if forward.history.steps.is_empty() {
+        Vec::new()
+    } else {
+        let progress = Progress::new("writing", 3);
+        write_results(prepared, &forward, &folder, &progress)?
+    };
+    if guard.requested() && stopped.is_none() {
+        stopped = Some(RunError::Interrupted { steps: forward.history.steps.len() });
+    }
+    Ok(Simulation { forward, seconds: elapsed, files, stopped: stopped.map(|error| with_hint(error, prepared)) })
+}
+
+/// Says what will be simulated.
+fn announce(prepared: &Prepared) {
+    let Prepared { scene, method, grid, plan, .. } = prepared;
+    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    let end = grid.times[grid.steps()];
+    let steps = count(grid.steps(), "step");
+    say(format_args!("{}, constraints at {} level, {steps} over {end} s", method.table.name, method.level.name()));
+    if !plan.dropped.is_empty() {
+        let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
+        say(format_args!("redundant and left out: {}", names.join("; ")));
+    }
+    say("");
+}
+
+fn evaluated(prepared: &Prepared, history: History<f64>, counters: Counters) -> Forward {
+    let (model, table, functionals) = (prepared.model(), &prepared.method.table, prepared.functionals());
+    let numbers = prepared.mechanism.numbers.clone();
+    let offsets: Vec<_> = functionals.iter().map(|f| f.offset(model, table, &history, &numbers.p)).collect();
+    let values = functionals.iter().zip(&offsets).map(|(f, &c)| f.value(model, table, &history, &numbers.p, c)).collect();
+    Forward { numbers, history, values, offsets, counters }
+}
+
+fn not_finite(prepared: &Prepared, forward: &Forward) -> Option<RunError> {
+    let k = forward.values.iter().position(|value| !value.is_finite())?;
+    let (name, value) = (&prepared.functionals()[k].name, forward.values[k]);
+    let hint = "a smooth maximum needs steps that resolve its peak; try a smaller step or sharpness";
+    Some(RunError::Input(format!("functional \"{name}\" is {value}: {hint}")))
+}
+
+/// The failure, with the options that its advice is about.
+fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
+    let failure = Failure::from(error);
+    let steps = prepared.grid.steps();
+    let message = failure.message.replace("a smaller step", &format!("a smaller step (--steps above {steps})"));
+    Failure { message, ..failure }
+}
+
+/// Unit of a functional, with the second of an integral.
+pub fn functional_unit(functional: &Functional) -> String {
+    match (functional.over, functional.unit) {
+        (Over::Integral, "-") => "s".into(),
+        (Over::Integral, unit) => format!("{unit} s"),
+        (_, unit) => unit.into(),
+    }
+}
+
+/// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`.
+pub fn long_number(value: f64) -> String {
+    let text = format!("{value:.12e}");
+    match text.split_once('e') {
+        Some((digits, exponent)) => {
+            let (sign, size) = exponent.strip_prefix('-').map_or(('+', exponent), |size| ('-', size));
+            format!("{digits:>15}e{sign}{size:0>2}")
+        }
+        None => format!("{text:>19}"),
+    }
+}
+
+impl Simulation {
+    /// Prints the values of the functionals.
+    pub fn say_functionals(&self, prepared: &Prepared) {
+        if prepared.functionals().is_empty() {
+            return say("the scene has no functional\n");
+        }
+        let mut table = Table::new(&["functional", "value", "unit"]);
+        for (functional, &value) in prepared.functionals().iter().zip(&self.forward.values) {
+            table.row([functional.name.as_str().into(), long_number(value).into(), functional_unit(functional).into()]);
+        }
+        say(format_args!("{table}\n"));
+    }
+
+    /// What the simulation cost.
+    pub fn work(&self) -> Work {
+        let Counters { systems, iterations, residuals, factorizations, solves, .. } = self.forward.counters;
+        let mut work = vec![("steps", json!(self.forward.history.steps.len()))];
+        // a run that stopped early does not tell
+        if systems > 0 {
+            work.extend([
+                ("systems", json!(systems)),
+                ("newton_iterations", json!(iterations)),
+                ("factorizations", json!(factorizations)),
+                ("solves", json!(solves)),
+                ("residual_evaluations", json!(residuals)),
+            ]);
+        }
+        work.push(("time_s", json_number(self.seconds)));
+        work
+    }
+
+    /// Prints the files.
+    pub fn say_files(&self) {
+        for file in &self.files {
+            say(format_args!("wrote {}", file.display()));
+        }
+    }
+
+    /// The parts of the JSON object that every simulation has.
+    pub fn json(&self, prepared: &Prepared) -> Map<String, Value> {
+        let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
+        let functionals = prepared.functionals().iter().zip(&self.forward.values);
+        let functionals: Vec<Value> = functionals
+            .map(|(f, &value)| json!({"name": f.name, "value": json_number(value), "unit": functional_unit(f)}))
+            .collect();
+        let mut object = Map::new();
+        object.insert("scene".into(), json!(prepared.scene.scene_name()));
+        object.insert("method".into(), json!(prepared.method.table.name));
+        object.insert("constraint_level".into(), json!(prepared.method.level.name()));
+        object.insert("planned_steps".into(), json!(prepared.grid.steps()));
+        object.insert("end_s".into(), json_number(prepared.grid.times[prepared.grid.steps()]));
+        object.insert("design".into(), design.collect::<Map<_, _>>().into());
+        object.insert("functionals".into(), functionals.into());
+        for (name, value) in self.work() {
+            object.insert(if name == "time_s" { "forward_s".into() } else { name.into() }, value);
+        }
+        object.insert("files".into(), self.files.iter().map(|file| json!(file.display().to_string())).collect());
+        if let Some(failure) = &self.stopped {
+            object.insert("error".into(), json!(failure.message));
+        }
+        object
+    }
+}
+
+/// Prints work as a table of two columns: `newton_iterations` as "Newton iterations".
+pub fn say_work(columns: &[(&str, Work)]) {
+    let mut header = vec![""];
+    header.extend(columns.iter().map(|(name, _)| *name));
+    let mut table = Table::new(&header);
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in columns.iter().flat_map(|(_, work)| work) {
+        if !names.contains(name) {
+            names.push(name);
+        }
+    }
+    names.sort_by_key(|name| name.ends_with("_s"));
+    for name in names {
+        let cell = |work: &Work| match work.iter().find(|(own, _)| *own == name) {
+            Some((own, value)) if own.ends_with("_s") => seconds(value.as_f64().unwrap_or(f64::NAN)),
+            Some((_, value)) => value.to_string(),
+            None => "-".into(),
+        };
+        let cells: Vec<String> = columns.iter().map(|(_, work)| cell(work)).collect();
+        let words = match name {
+            "time_s" => "time".into(),
+            "newton_iterations" => "Newton iterations".into(),
+            name => name.replace('_', " "),
+        };
+        table.row([Cell::from(words)].into_iter().chain(cells.into_iter().map(|cell| Cell::Text(format!("{cell:>12}")))));
+    }
+    say(format_args!("{table}\n"));
+}

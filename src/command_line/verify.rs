@@ -1,0 +1,231 @@
+use super::console::{count, json_number, say, say_json, seconds};
+use super::failure::Failure;
+use super::interrupt::Guard;
+use super::names::unknown;
+use crate::verification::{Figure, Report, Study, all};
+use clap::Args;
+use costate::io::{Cell, Table, number, write_file};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Options of `costate verify`.
+#[derive(Args)]
+pub struct VerifyOptions {
+    /// Name of a study, or "all"; without it the studies are listed
+    name: Option<String>,
+    /// Write the result to verification/NAME/result.md of the source tree
+    #[arg(long, requires = "name")]
+    record: bool,
+    /// Print one JSON object with all figures on the last line of stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// A study that was carried out, or why it could not be.
+struct Outcome {
+    study: Box<dyn Study>,
+    report: Report,
+    error: Option<String>,
+    seconds: f64,
+}
+
+/// `costate verify`: lists the studies, or measures one or all.
+pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
+    let Some(name) = &options.name else { return list(options.json) };
+    let known: Vec<String> = all().iter().map(|study| study.name().to_string()).collect();
+    let studies: Vec<_> = all().into_iter().filter(|study| name == "all" || study.name() == name).collect();
+    if studies.is_empty() {
+        return Err(Failure::input(unknown("study", name, &known)));
+    }
+    let folder = if options.record { Some(source_folder()?) } else { None };
+    let mut outcomes = Vec::new();
+    for study in studies {
+        let outcome = Outcome::measure(study);
+        outcome.say();
+        if let Some(folder) = &folder {
+            say(format_args!("wrote {}\n", outcome.record(folder)?.display()));
+        }
+        outcomes.push(outcome);
+    }
+    let failed: Vec<&str> = outcomes.iter().filter(|outcome| !outcome.pass()).map(|outcome| outcome.study.name()).collect();
+    let objects: Vec<Value> = outcomes.iter().map(Outcome::json).collect();
+    match (&objects[..], name.as_str()) {
+        ([only], name) if name != "all" => say_json(options.json, only),
+        _ => say_json(options.json, &json!({"pass": failed.is_empty(), "studies": objects})),
+    }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::run(format!("out of tolerance or not carried out: {}", failed.join(", "))))
+}
+
+fn list(json: bool) -> Result<(), Failure> {
+    let mut table = Table::new(&["study", "what it shows"]);
+    let mut studies: Vec<Value> = Vec::new();
+    for study in all() {
+        table.row([study.name().into(), study.summary().into()]);
+        studies.push(json!({"study": study.name(), "summary": study.summary()}));
+    }
+    if studies.is_empty() {
+        say("there is no study yet");
+    } else {
+        say(format_args!("{table}\n\nmeasure one with: costate verify STUDY, or all with: costate verify all"));
+    }
+    say_json(json, &json!({ "studies": studies }));
+    Ok(())
+}
+
+/// The folder `verification` here or in the nearest folder above.
+fn source_folder() -> Result<PathBuf, Failure> {
+    let here = std::env::current_dir().map_err(|error| Failure::input(format!("--record: no current folder: {error}")))?;
+    let found = here.ancestors().map(|folder| folder.join("verification")).find(|folder| folder.is_dir());
+    found.ok_or_else(|| {
+        let here = here.display();
+        Failure::input(format!("--record writes to verification/NAME of the source tree, but {here} is not inside one"))
+    })
+}
+
+impl Outcome {
+    fn measure(study: Box<dyn Study>) -> Self {
+        say(format_args!("{}: {}", study.name(), study.summary()));
+        let mut report = Report::default();
+        let begun = Instant::now();
+        let error = study.run(&mut report).err();
+        Outcome { study, report, error, seconds: begun.elapsed().as_secs_f64() }
+    }
+
+    fn pass(&self) -> bool {
+        self.error.is_none() && self.report.pass()
+    }
+
+    fn verdict(&self) -> String {
+        let failed = self.report.figures.iter().filter(|figure| !figure.pass).count();
+        let judged = self.report.figures.iter().filter(|figure| figure.tolerance.is_some()).count();
+        match &self.error {
+            Some(error) => format!("FAIL: {error}"),
+            None if judged == 0 => "FAIL: no figure has a tolerance".into(),
+            None if failed > 0 => format!("FAIL: {failed} of {} out of tolerance", count(judged, "figure")),
+            None => format!("pass: {} within tolerance", count(judged, "figure")),
+        }
+    }
+
+    fn say(&self) {
+        say(format_args!("\n{}\n", self.with_verdicts()));
+        for note in &self.report.notes {
+            say(note);
+        }
+        say(format_args!("{}: {} ({})\n", self.study.name(), self.verdict(), seconds(self.seconds)));
+    }
+
+    fn with_verdicts(&self) -> Table {
+        let mut table = Table::new(&["figure", "computed", "reference", "tolerance", "verdict"]);
+        for figure in &self.report.figures {
+            let Figure { name, value, reference, tolerance, .. } = figure;
+            let verdict = Cell::from(verdict(figure));
+            table.row([name.as_str().into(), (*value).into(), (*reference).into(), (*tolerance).into(), verdict]);
+        }
+        table
+    }
+
+    fn markdown(&self) -> String {
+        let mut text = format!("# {}\n\n{}\n\n", self.study.name(), self.study.summary());
+        text += "| figure | computed | reference | tolerance | verdict |\n|---|---:|---:|---:|---|\n";
+        for figure in &self.report.figures {
+            let optional = |value: Option<f64>| value.map_or_else(String::new, number);
+            let (computed, reference, tolerance) =
+                (number(figure.value), optional(figure.reference), optional(figure.tolerance));
+            let name = figure.name.replace('|', "\\|");
+            text += &format!("| {name} | {computed} | {reference} | {tolerance} | {} |\n", verdict(figure));
+        }
+        text += "\n";
+        for note in &self.report.notes {
+            text += &format!("{note}\n\n");
+        }
+        text += &format!(
+            "{} ({})\n\nWritten by `costate verify {} --record`.\n",
+            self.verdict(),
+            seconds(self.seconds),
+            self.study.name()
+        );
+        text
+    }
+
+    /// Writes the result into the folder of the study.
+    fn record(&self, folder: &Path) -> Result<PathBuf, Failure> {
+        let _guard = Guard::new();
+        let path = folder.join(self.study.name()).join("result.md");
+        write_file(&path, self.markdown().as_bytes())?;
+        Ok(path)
+    }
+
+    fn json(&self) -> Value {
+        let optional = |value: Option<f64>| value.map_or(Value::Null, json_number);
+        let figure = |f: &Figure| {
+            json!({"name": f.name, "value": json_number(f.value), "reference": optional(f.reference),
+                "tolerance": optional(f.tolerance), "pass": f.pass})
+        };
+        let figures: Vec<Value> = self.report.figures.iter().map(figure).collect();
+        let mut object = json!({"study": self.study.name(), "pass": self.pass(), "seconds": json_number(self.seconds),
+            "figures": figures});
+        if !self.report.notes.is_empty() {
+            object["notes"] = json!(self.report.notes);
+        }
+        if let Some(error) = &self.error {
+            object["error"] = json!(error);
+        }
+        object
+    }
+}
+
+fn verdict(figure: &Figure) -> &'static str {
+    match figure {
+        Figure { pass: false, .. } => "FAIL",
+        Figure { tolerance: None, .. } => "",
+        _ => "pass",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Made;
+    impl Study for Made {
+        fn name(&self) -> &'static str {
+            "made"
+        }
+        fn summary(&self) -> &'static str {
+            "made up"
+        }
+        fn run(&self, report: &mut Report) -> Result<(), String> {
+            report.compare("order", 3.98, 4.0, 0.1);
+            report.at_most("error", f64::NAN, 1e-12);
+            report.inform("time", 1.5);
+            report.note("a remark");
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_fails_becomes_null_and_is_recorded() {
+        let outcome = Outcome::measure(Box::new(Made));
+        assert!(!outcome.pass());
+        let object = outcome.json();
+        assert_eq!(object["pass"], false);
+        let first = json!({"name": "order", "value": 3.98, "reference": 4.0, "tolerance": 0.1, "pass": true});
+        assert_eq!(object["figures"][0], first);
+        let second = json!({"name": "error", "value": null, "reference": 0.0, "tolerance": 1e-12, "pass": false});
+        assert_eq!(object["figures"][1], second);
+        assert_eq!(object["figures"][2]["reference"], Value::Null);
+        let folder = std::env::temp_dir().join(format!("costate-verify-{}", std::process::id()));
+        let path = outcome.record(&folder).unwrap();
+        assert_eq!(path, folder.join("made/result.md"));
+        let text = std::fs::read_to_string(path).unwrap();
+        std::fs::remove_dir_all(folder).unwrap();
+        assert!(
+            text.contains("| order | 3.98 | 4 | 0.1 | pass |\n| error | nan | 0 | 1e-12 | FAIL |\n| time | 1.5 |  |  |  |")
+        );
+        assert!(text.contains("a remark\n\nFAIL: 1 of 2 figures out of tolerance"), "{text}");
+    }
+}

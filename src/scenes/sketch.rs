@@ -1,0 +1,178 @@
+use super::builder::MechanismBuilder;
+use crate::assembly::{NodeId, NodeKind};
+use crate::elements::Parameter;
+use crate::functionals::Measured;
+use crate::scalar::{Quaternion, Vec3};
+use std::ops::Range;
+
+/// A point that moves with a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodePoint {
+    dofs: Range<usize>,
+    body: bool,
+    fixed: bool,
+    /// In the frame of the body [m]; zero for a point node.
+    local: [f64; 3],
+}
+
+impl NodePoint {
+    /// Its place in the world [m] at coordinates `q` of the whole mechanism.
+    pub fn at(&self, q: &[f64]) -> [f64; 3] {
+        let own = &q[self.dofs.clone()];
+        let origin = Vec3::from_slice(own);
+        let place = if self.body { origin + Quaternion::from_slice(&own[3..]).rotate(Vec3(self.local)) } else { origin };
+        place.0
+    }
+}
+
+/// What a line of a picture stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// A line that the scene drew with a body or the ground.
+    Body,
+    /// A part between two points: spring, damper, link.
+    Link,
+}
+
+/// Lines, fixed points and points to follow of a mechanism: enough for a picture at any coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sketch {
+    /// Lines and what they stand for.
+    pub lines: Vec<(Drawn, Vec<NodePoint>)>,
+    /// Points that hold the mechanism to the ground [m].
+    pub anchors: Vec<[f64; 3]>,
+    /// Points whose path is of interest, with their names.
+    pub followed: Vec<(String, NodePoint)>,
+}
+
+impl MechanismBuilder<f64> {
+    /// The mechanism as lines: its drawings, a line for every part between two points that lie apart at the start, anchors where
+    /// joints and links meet the ground, and the points of functionals and point nodes to follow.
+    pub fn sketch(&self) -> Sketch {
+        let mut sketch = Sketch::default();
+        for drawing in &self.drawings {
+            let points: Vec<_> = drawing.points.iter().filter_map(|&point| self.node_point(drawing.node, point)).collect();
+            match &points[..] {
+                [only] if only.fixed => sketch.add_anchor(only.at(&self.numbers.q)),
+                [_, _, ..] => sketch.lines.push((Drawn::Body, points)),
+                _ => {}
+            }
+        }
+        let elements = self.model.elements.iter().map(|e| (&e.nodes, e.parameters.clone(), e.physics.parameter_list()));
+        let joints = self.model.constraints.iter().map(|c| (&c.nodes, c.parameters.clone(), c.physics.parameter_list()));
+        for (nodes, places, parameters) in elements.chain(joints) {
+            let &[a, b] = &nodes[..] else { continue };
+            let end = |node, name| self.node_point(node, self.named_vector(&parameters, places.clone(), name)?);
+            if let (Some(from), Some(to)) = (end(a, "point a"), end(b, "point b")) {
+                sketch.add_link(from, to, &self.numbers.q);
+            }
+        }
+        for functional in &self.functionals {
+            if let Measured::Local { nodes, parameters, quantity, .. } = &functional.measured
+                && let (&[node], list) = (&nodes[..], quantity.parameter_list())
+                && let Some(local) = self.named_vector(&list, parameters.clone(), "point")
+                && let Some(point) = self.node_point(node, local)
+            {
+                let name = if point.body { format!("point of {}", functional.name) } else { self.node_name(&point) };
+                sketch.follow(name, point);
+            }
+        }
+        for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Point) {
+            let point = NodePoint { dofs: node.dofs.clone(), body: false, fixed: node.fixed, local: [0.0; 3] };
+            sketch.follow(node.name.clone(), point);
+        }
+        if sketch.followed.is_empty() {
+            for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Body) {
+                let point = NodePoint { dofs: node.dofs.clone(), body: true, fixed: node.fixed, local: [0.0; 3] };
+                sketch.follow(node.name.clone(), point);
+            }
+        }
+        sketch
+    }
+
+    fn node_name(&self, point: &NodePoint) -> String {
+        self.model.nodes.iter().find(|node| node.dofs == point.dofs).map_or_else(String::new, |node| node.name.clone())
+    }
+
+    /// `None` for a node without a place in space.
+    fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
+        let node = &self.model.nodes[node.0];
+        let (dofs, fixed) = (node.dofs.clone(), node.fixed);
+        match node.kind {
+            NodeKind::Body => Some(NodePoint { dofs, body: true, fixed, local }),
+            NodeKind::Point => Some(NodePoint { dofs, body: false, fixed, local: [0.0; 3] }),
+            NodeKind::Coordinates(_) => None,
+        }
+    }
+
+    /// The three parameters `name x`, `name y`, `name z`.
+    fn named_vector(&self, parameters: &[Parameter], places: Range<usize>, name: &str) -> Option<[f64; 3]> {
+        let first = parameters.iter().position(|parameter| parameter.name == format!("{name} x"))?;
+        let values = self.numbers.p[places].get(first..first + 3)?;
+        Some([values[0], values[1], values[2]])
+    }
+}
+
+impl Sketch {
+    fn add_anchor(&mut self, place: [f64; 3]) {
+        if !self.anchors.contains(&place) {
+            self.anchors.push(place);
+        }
+    }
+
+    fn add_link(&mut self, from: NodePoint, to: NodePoint, q: &[f64]) {
+        for end in [&from, &to].into_iter().filter(|end| end.fixed) {
+            self.add_anchor(end.at(q));
+        }
+        let (a, b) = (from.at(q), to.at(q));
+        let apart = a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-9 * a.abs().max(b.abs()).max(1e-3));
+        let line = (Drawn::Link, vec![from, to]);
+        // a spring and a damper side by side are one line
+        if apart && !self.lines.contains(&line) {
+            self.lines.push(line);
+        }
+    }
+
+    fn follow(&mut self, name: String, point: NodePoint) {
+        if !point.fixed && !self.followed.iter().any(|(_, known)| *known == point) {
+            self.followed.push((name, point));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::AnyScene;
+    use crate::scenes::built_in::{FiveBar, Pendulum};
+
+    fn mechanism(scene: &dyn AnyScene) -> MechanismBuilder<f64> {
+        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        scene.build_real(&x).unwrap()
+    }
+
+    #[test]
+    fn the_five_bar_is_four_bars_and_two_springs_between_two_anchors() {
+        let five_bar = mechanism(&FiveBar);
+        let sketch = five_bar.sketch();
+        let count = |kind| sketch.lines.iter().filter(|line| line.0 == kind).count();
+        assert_eq!([count(Drawn::Body), count(Drawn::Link)], [4, 2]);
+        assert_eq!(sketch.anchors, [[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+        let [(name, point)] = &sketch.followed[..] else { panic!("{:?}", sketch.followed) };
+        assert_eq!(name, "point of psi");
+        let tip = point.at(&five_bar.numbers.q);
+        assert!(tip.iter().zip([0.0, 2.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-15), "{tip:?}");
+    }
+
+    #[test]
+    fn the_pendulum_is_a_rod_from_an_anchor_to_the_bob() {
+        let pendulum = mechanism(&Pendulum);
+        let sketch = pendulum.sketch();
+        assert_eq!((sketch.lines.len(), sketch.anchors.len()), (1, 1));
+        assert_eq!(sketch.followed.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["bob"]);
+        let mut q = pendulum.numbers.q.clone();
+        let bob = q.len() - 3;
+        q[bob..].copy_from_slice(&[0.0, -1.0, 0.0]);
+        assert_eq!(sketch.lines[0].1[1].at(&q), [0.0, -1.0, 0.0]);
+    }
+}

@@ -1,0 +1,261 @@
+//! The program as its users meet it: exit codes, messages, files, JSON.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// An empty folder of its own for one test, removed when dropped; the program runs inside it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("costate-command-line-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_costate"));
+        command.args(arguments).current_dir(&self.0);
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    fn files(&self, inside: &str) -> Vec<String> {
+        names(&self.0.join(inside))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn json(output: &Output) -> Value {
+    let text = text(&output.stdout);
+    let objects = text.lines().filter(|line| line.starts_with('{')).count();
+    assert_eq!(objects, 1, "{text}");
+    serde_json::from_str(text.lines().last().unwrap()).unwrap()
+}
+
+/// Numbers of a CSV file, row by row, behind its header.
+fn csv(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().split(',').map(String::from).collect();
+    (header, lines.map(|line| line.split(',').map(|word| word.parse().unwrap()).collect()).collect())
+}
+
+const RESULTS: [&str; 5] = ["histories.csv", "histories.png", "histories.svg", "motion.png", "motion.svg"];
+
+#[test]
+fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
+    let folder = Folder::new("input");
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["run", "five-bra"], &["scene \"five-bra\"", "did you mean \"five-bar\"?", "pendulum"]),
+        (&["gradient", "crane"], &["scene \"crane\"", "pendulum", "five-bar"]),
+        (&["verify", "no-such-study"], &["study \"no-such-study\" is not known"]),
+        (&["run", "pendulum", "--stpes", "3"], &["--stpes", "--steps"]),
+        (&["run", "pendulum", "--steps", "0"], &["--steps", "'0'", "whole number from 1 to"]),
+        (&["run", "pendulum", "--steps", "-5"], &["--steps", "'-5'", "whole number from 1 to"]),
+        (&["run", "pendulum", "--end", "-1"], &["--end", "'-1'", "above 0"]),
+        (&["run", "pendulum", "--end", "inf"], &["--end", "'inf'", "above 0"]),
+        (&["run", "pendulum", "--method", "esdrik3"], &["--method \"esdrik3\"", "\"esdirk3\"?", "midpoint"]),
+        (&["run", "pendulum", "--constraint-level", "index3"], &["--constraint-level \"index3\"", "velocity"]),
+        (&["run", "pendulum", "--set", "lenght=2"], &["--set lenght=2", "\"length\"?", "mass, length, gravity"]),
+        (&["run", "pendulum", "--set", "length"], &["--set \"length\"", "NAME=VALUE"]),
+        (&["run", "pendulum", "--set", "length=long"], &["\"long\" is not a number", "between 0.1 and 10 m"]),
+        (&["run", "pendulum", "--set", "length=11"], &["length=11", "between 0.1 and 10 m"]),
+        (&["run", "pendulum", "--set", "length=nan"], &["length=nan", "between 0.1 and 10 m"]),
+        (&["run", "pendulum", "--set", "mass=1", "--set", "mass=2"], &["mass=2", "already set"]),
+        (&["verify", "--record"], &["--record", "<NAME>"]),
+        (&["run"], &["<SCENE>"]),
+    ];
+    for (arguments, expected) in cases {
+        let output = folder.run(arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert_eq!(message.matches("error:").count(), 1, "{arguments:?}: {message}");
+        for part in *expected {
+            assert!(message.contains(part), "{arguments:?}: {part} is not in {message}");
+        }
+        assert_eq!(text(&output.stdout), "", "{arguments:?}");
+    }
+    assert!(folder.files("").is_empty(), "bad input left {:?}", folder.files(""));
+}
+
+#[test]
+fn a_run_writes_its_files_and_the_json_repeats_the_table() {
+    let folder = Folder::new("run");
+    let output = folder.run(&["run", "pendulum", "--end", "0.5", "--steps", "20", "--set", "length=2", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stderr), "", "a pipe gets no progress bar");
+    assert!(!text(&output.stdout).contains(['\r', '\u{1b}']));
+    assert_eq!(folder.files("out/pendulum"), RESULTS);
+
+    let (header, rows) = csv(&folder.0.join("out/pendulum/histories.csv"));
+    let expected = ["t [s]", "bob.x [m]", "bob.y [m]", "bob.z [m]", "bob.dx/dt [m/s]", "bob.dy/dt [m/s]", "bob.dz/dt [m/s]"];
+    assert_eq!(header, [&expected[..], &["energy [J]", "rod.mu1"]].concat());
+    assert_eq!(rows.len(), 21);
+    assert_eq!([rows[0][0], rows[20][0]], [0.0, 0.5]);
+    // tension of a rod released from rest: m (g sin + v^2 / l) with v^2 = 2 g l sin; mu pulls at the bob
+    let last = &rows[20];
+    let tension = 3.0 * 9.81 * (-last[2] / 2.0);
+    assert!((last[8] - tension).abs() < 1e-4 * tension, "{} {tension}", last[8]);
+    let drift = rows.iter().map(|row| (row[7] - rows[0][7]).abs()).fold(0.0, f64::max);
+    assert!(drift < 1e-4 * 9.81, "energy drifts by {drift} J");
+
+    let object = json(&output);
+    assert_eq!([&object["scene"], &object["method"]], ["pendulum", "esdirk3"]);
+    assert_eq!(object["design"]["length"], 2.0);
+    assert_eq!(object["files"].as_array().unwrap().len(), RESULTS.len());
+    let table = text(&output.stdout);
+    for functional in object["functionals"].as_array().unwrap() {
+        let name = functional["name"].as_str().unwrap();
+        let line = table.lines().find(|line| line.starts_with(name)).unwrap();
+        let shown: f64 = line[name.len()..].split_whitespace().next().unwrap().parse().unwrap();
+        let value = functional["value"].as_f64().unwrap();
+        assert!((shown - value).abs() <= 1e-12 * value.abs(), "{line}: {value}");
+    }
+    let x = object["functionals"][1]["value"].as_f64().unwrap();
+    assert!((x - last[1]).abs() < 1e-14, "{x} {}", last[1]);
+    for (words, name) in [
+        ("steps", "steps"),
+        ("systems", "systems"),
+        ("Newton iterations", "newton_iterations"),
+        ("factorizations", "factorizations"),
+        ("solves", "solves"),
+        ("residual evaluations", "residual_evaluations"),
+    ] {
+        let line = table.lines().find(|line| line.starts_with(words)).unwrap();
+        let shown: u64 = line[words.len()..].trim().parse().unwrap();
+        assert_eq!(object[name], shown);
+    }
+}
+
+#[test]
+fn a_checked_gradient_shows_adjoint_and_complex_step_side_by_side() {
+    let folder = Folder::new("gradient");
+    let arguments = ["gradient", "five-bar", "--end", "0.3", "--steps", "15", "--check", "--json", "--out", "here/there"];
+    let output = folder.run(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(folder.files("here/there"), RESULTS);
+    let object = json(&output);
+    assert_eq!(object["pass"], true);
+    assert!(object["largest_relative_difference"].as_f64().unwrap() <= 1e-10);
+    let psi = &object["functionals"][0];
+    assert_eq!(psi["name"], "psi");
+    let table = text(&output.stdout);
+    for (variable, gradient) in psi["gradient"].as_object().unwrap() {
+        let line = table.lines().find(|line| line.starts_with(&format!("{variable} "))).unwrap();
+        let shown: Vec<f64> =
+            line.split_whitespace().filter(|word| word.contains("e")).map(|word| word.parse().unwrap()).collect();
+        let (adjoint, complex_step) = (gradient.as_f64().unwrap(), psi["complex_step"][variable].as_f64().unwrap());
+        assert!(adjoint != 0.0 && (adjoint - complex_step).abs() <= 1e-9 * adjoint.abs(), "{line}");
+        assert!((shown[0] - adjoint).abs() <= 1e-12 * adjoint.abs(), "{line}");
+        assert!((shown[1] - complex_step).abs() <= 1e-12 * complex_step.abs(), "{line}");
+    }
+    for name in ["forward_s", "adjoint_s", "complex_step_s", "adjoint_per_forward"] {
+        assert!(object[name].as_f64().unwrap() > 0.0, "{name}");
+    }
+    for name in ["newton_iterations", "factorizations", "solves", "adjoint_factorizations", "adjoint_solves"] {
+        assert!(object[name].as_u64().unwrap() > 0, "{name}");
+    }
+    assert!(object["adjoint_element_products"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_run_that_fails_keeps_its_finished_steps() {
+    let folder = Folder::new("failed");
+    // steps of half a second: the mechanism is thrown too far for Newton's method
+    let output = folder.run(&["run", "five-bar", "--steps", "10", "--json"]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("step ") && message.contains("try a smaller step"), "{message}");
+    assert!(message.contains("--steps above 10"), "{message}");
+    let steps = json(&output)["steps"].as_u64().unwrap();
+    assert!(text(&output.stdout).contains(&format!("stopped after {steps} of 10 steps")));
+    assert_eq!(json(&output)["error"].as_str().unwrap(), message.trim_start_matches("error: ").trim_end());
+    if steps > 0 {
+        assert_eq!(csv(&folder.0.join("out/five-bar/histories.csv")).1.len() as u64, steps + 1);
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_to_is_refused_before_the_run() {
+    let folder = Folder::new("blocked");
+    fs::write(folder.0.join("block"), "a file where a folder is needed").unwrap();
+    for arguments in [&["run", "pendulum", "--out", "block"], &["gradient", "pendulum", "--out", "block/inside"]] {
+        let output = folder.run(arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(&format!("--out {}", arguments[3])) && message.contains("folder"), "{message}");
+        assert_eq!(text(&output.stdout), "", "the run had started");
+    }
+    assert_eq!(folder.files(""), ["block"]);
+    assert_eq!(fs::read_to_string(folder.0.join("block")).unwrap(), "a file where a folder is needed");
+}
+
+#[test]
+fn the_lists_have_every_scene_and_study() {
+    let folder = Folder::new("lists");
+    let scenes = json(&folder.run(&["list", "--json"]));
+    let names: Vec<&str> = scenes["scenes"].as_array().unwrap().iter().map(|s| s["scene"].as_str().unwrap()).collect();
+    assert!(names.contains(&"pendulum") && names.contains(&"five-bar"), "{names:?}");
+    let output = folder.run(&["verify", "--json"]);
+    let table = text(&output.stdout);
+    for study in json(&output)["studies"].as_array().unwrap() {
+        assert!(table.contains(study["summary"].as_str().unwrap()));
+    }
+}
+
+#[test]
+fn output_that_nobody_reads_is_no_error() {
+    let folder = Folder::new("pipe");
+    let mut child = folder.command(&["list"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(text(&output.stderr), "");
+    assert_eq!(output.status.code(), Some(0));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_the_finished_steps() {
+    let folder = Folder::new("interrupt");
+    let arguments = ["run", "five-bar", "--steps", "1000000"];
+    let child = folder.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let begun = Instant::now();
+    // the folder appears just before the first step
+    while !folder.0.join("out/five-bar").is_dir() {
+        assert!(begun.elapsed() < Duration::from_secs(20), "the run does not start");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    let (_, rows) = csv(&folder.0.join("out/five-bar/histories.csv"));
+    assert!(rows.len() > 1 && rows.len() < 1_000_001, "{} rows", rows.len());
+    assert!(message.contains(&format!("interrupted after {} finished steps", rows.len() - 1)), "{message}");
+    assert_eq!(folder.files("out/five-bar"), RESULTS);
+}
