@@ -109,13 +109,15 @@ pub fn add_gradient<S: Recordable>(
     function: impl FnOnce(&[Reverse<S>]) -> Reverse<S>,
     gradient: &mut [S],
 ) {
-    let (start, first_partial, variables) = S::with_records(|records| {
+    // filled in place: moving a long array costs as much as recording
+    let mut variables = smallvec::SmallVec::<[Reverse<S>; 32]>::new();
+    let (start, first_partial) = S::with_records(|records| {
         let (start, first_partial) = (records.list.len(), records.partials.len());
-        let place = |value| {
+        for value in values {
+            variables.push(Reverse { value, node: records.list.len() as u32 });
             records.list.push(VARIABLE);
-            Reverse { value, node: records.list.len() as u32 - 1 }
-        };
-        (start, first_partial, values.map(place).collect::<smallvec::SmallVec<[Reverse<S>; 64]>>())
+        }
+        (start, first_partial)
     });
     let result = function(&variables);
     S::with_records(|records| {

@@ -1,6 +1,6 @@
-use super::{POINTS, gap};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use super::POINTS;
+use crate::elements::{Constraint, Parameter};
+use crate::scalar::{Quaternion, Scalar, Vec3, combine_columns};
 
 /// A hinge between two bodies: points held together [m] and the axis of b at right angles to two vectors of a [-].
 ///
@@ -20,10 +20,15 @@ impl Constraint for RevoluteJoint {
         POINTS.iter().cloned().chain(vectors.map(|name| Parameter::new(name, "-"))).collect()
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-        let axis = eb.rotate(Vec3::from_slice(&p[12..]));
-        g[..3].copy_from_slice(&gap([Anchor::Body; 2], q, p).0);
-        g[3] = ea.rotate(Vec3::from_slice(&p[6..])).dot(axis);
-        g[4] = ea.rotate(Vec3::from_slice(&p[9..])).dot(axis);
+        let (a, b) = q.split_at(7);
+        // three vectors of a and two of b are rotated: the matrices are formed once
+        let (ra, rb) = (Quaternion::from_slice(&a[3..]).columns(), Quaternion::from_slice(&b[3..]).columns());
+        let vector = |i: usize| Vec3::from_slice(&p[i..]);
+        let axis = combine_columns(&rb, vector(12));
+        let point_a = Vec3::from_slice(a) + combine_columns(&ra, vector(0));
+        let point_b = Vec3::from_slice(b) + combine_columns(&rb, vector(3));
+        g[..3].copy_from_slice(&(point_b - point_a).0);
+        g[3] = combine_columns(&ra, vector(6)).dot(axis);
+        g[4] = combine_columns(&ra, vector(9)).dot(axis);
     }
 }
