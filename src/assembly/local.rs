@@ -144,6 +144,20 @@ pub(super) fn restore<S: RunScalar>(
                 residual.extend(g.iter().map(|&g| select(equations.level, g).1 * scales[1]));
             }
             let size = residual.iter().map(|&r| magnitude(r)).fold(0.0, f64::max);
+            // nothing is gained below the round-off of the equation's own terms (derivative parts have their own size)
+            let term = |(q, (v, a)): (&S, (&S, &S))| {
+                let (q, v, a) = (q.value().abs(), v.value().abs(), a.value().abs());
+                match equations.level {
+                    Level::Position => q * q,
+                    Level::Velocity => q * v,
+                    Level::Acceleration => q * a + v * v,
+                    Level::Stabilized => 0.0,
+                }
+            };
+            let terms: f64 = q.iter().zip(v.iter().zip(&a)).map(term).sum();
+            if S::PARTS == 0 && size <= f64::EPSILON * terms * scales[0].abs() {
+                break;
+            }
             // below a quarter of the last one: still converging; otherwise round-off is reached
             if size == 0.0 || size >= 0.25 * previous {
                 break;

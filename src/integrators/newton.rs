@@ -46,7 +46,7 @@ const MOST_ITERATIONS: usize = 25;
 /// Relative correction at which the unknowns are as good as round-off allows.
 const ROUND_OFF: f64 = 1e-14;
 /// Corrections that shrink less than this ask for a fresh factorization.
-const SLOW: f64 = 0.2;
+const SLOW: f64 = 0.1;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
 /// Share of the largest force below which a stalled residual counts as round-off.
