@@ -1,0 +1,214 @@
+//! A user's mistake gets an answer: what is wrong, where, how much, and what to do.
+
+use costate::prelude::*;
+
+/// A body on a joint, with room for one mistake.
+#[derive(Clone, Copy)]
+enum Mistake {
+    NegativeMass,
+    NonUnitQuaternion,
+    LengtheningRates,
+    UnconnectedBody,
+    GapInJoint,
+    WrongVelocity,
+    RedundantJoint,
+    NanParameter,
+    NoInertia,
+    WrongParameterCount,
+    EnergyWithoutEnergies,
+    TopologyFromDesign,
+}
+struct Mistaken(Option<Mistake>);
+
+/// States a residual and no energies.
+struct Drag;
+impl Element for Drag {
+    const DOFS: usize = 7;
+    fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
+        r[0] += s.v[0];
+    }
+}
+
+impl Scene for Mistaken {
+    fn name(&self) -> String {
+        "mistaken".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("length", 1.0, (0.5, 2.0), "m")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 50)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        use Mistake::*;
+        let ground = m.ground();
+        let axis = Vec3::from_f64([1.0, 0.0, 0.0]);
+        let mut turn = Quaternion::identity();
+        if let Some(NonUnitQuaternion) = self.0 {
+            turn.0[0] = S::from(1.1);
+        }
+        let rod = m.body("rod", axis * (x[0] * 0.5), turn);
+        let mass = match self.0 {
+            Some(NegativeMass) => -2.0,
+            Some(NanParameter) => f64::NAN,
+            _ => 2.0,
+        };
+        let tensor = [0.01, 0.2, 0.2, 0.0, 0.0, 0.0].map(S::from);
+        m.rigid_body("rod", rod, S::from(mass), Vec3::zero(), tensor);
+        let hinge = Vec3::from_f64([0.0, 1.0, 0.0]);
+        let pivot = if let Some(GapInJoint) = self.0 { 0.01 } else { 0.0 };
+        m.revolute("hinge", [ground, rod], Vec3::zero(), hinge);
+        m.numbers.p[m.model.constraints[0].parameters.start] = S::from(pivot);
+        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
+        m.position_functional("tip", Over::Terminal, rod, axis * x[0], Vec3::from_f64([0.0, 0.0, 1.0]));
+        match self.0 {
+            Some(LengtheningRates) => {
+                let first = m.model.nodes[1].dofs.start;
+                m.numbers.v[first + 3] = S::from(0.25);
+            }
+            Some(UnconnectedBody) => {
+                m.body("forgotten", Vec3::zero(), Quaternion::identity());
+            }
+            Some(WrongVelocity) => m.set_velocity(rod, axis, Vec3::zero()),
+            Some(RedundantJoint) => {
+                m.revolute("second hinge", [ground, rod], hinge, hinge);
+            }
+            Some(NoInertia) => {
+                let point = m.point("tip", axis * x[0]);
+                let ends = [axis * x[0], Vec3::from_f64([2.0, 0.0, 0.5])];
+                m.line_spring("string", [point, ground], ends, S::from(10.0), S::from(0.1));
+            }
+            Some(WrongParameterCount) => {
+                m.element("drag", &[rod], Drag, &[S::one()]);
+            }
+            Some(EnergyWithoutEnergies) => {
+                m.element("drag", &[rod], Drag, &[]);
+                m.energy_functional("energy", Over::Terminal);
+            }
+            Some(TopologyFromDesign) if !x[0].is_constant() => {
+                m.line_damper("appears", [ground, rod], [hinge, axis * x[0]], S::one());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn refused(mistake: Mistake) -> String {
+    match Prepared::new(&Mistaken(Some(mistake))) {
+        Err(error) => error.to_string(),
+        Ok(_) => panic!("the mistake went unnoticed"),
+    }
+}
+
+fn assert_says(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "\"{part}\" is missing in: {message}");
+    }
+}
+
+#[test]
+fn without_a_mistake_the_scene_runs() {
+    let scene = Prepared::new(&Mistaken(None)).expect("no mistake");
+    let forward = scene.analysis().forward(&scene.x).expect("no mistake");
+    assert!(forward.values[0].abs() <= 1.0, "the tip stays within the rod's length");
+}
+
+#[test]
+fn a_negative_mass_is_named_with_its_value_and_range() {
+    assert_says(&refused(Mistake::NegativeMass), &["\"rod\"", "mass is -2 kg", "greater than 0"]);
+}
+
+#[test]
+fn nan_in_a_parameter_stops_at_the_door() {
+    assert_says(&refused(Mistake::NanParameter), &["\"rod\"", "mass is NaN kg", "greater than 0"]);
+}
+
+#[test]
+fn a_quaternion_that_is_not_of_unit_length_is_shown() {
+    assert_says(&refused(Mistake::NonUnitQuaternion), &["\"rod\"", "1.1", "not 1", "normalize"]);
+}
+
+#[test]
+fn rates_that_lengthen_a_quaternion_are_shown() {
+    assert_says(&refused(Mistake::LengtheningRates), &["\"rod\"", "2.500e-1", "angular velocity"]);
+}
+
+#[test]
+fn an_unconnected_body_is_named() {
+    assert_says(&refused(Mistake::UnconnectedBody), &["\"forgotten\"", "not connected", "inertia"]);
+}
+
+#[test]
+fn a_start_off_its_joints_is_refused_with_the_numbers() {
+    assert_says(&refused(Mistake::GapInJoint), &["\"hinge\", constraint 1", "g = -1.0", "e-2", "projected"]);
+}
+
+#[test]
+fn velocities_against_the_joints_are_refused_with_the_numbers() {
+    assert_says(&refused(Mistake::WrongVelocity), &["\"hinge\", constraint 1", "dg/dt = 1.0", "projected"]);
+}
+
+#[test]
+fn a_start_off_its_joints_can_be_projected() {
+    for mistake in [Mistake::GapInJoint, Mistake::WrongVelocity, Mistake::NonUnitQuaternion, Mistake::LengtheningRates] {
+        let scene = Mistaken(Some(mistake));
+        let settings = scene.settings().projecting_start();
+        let prepared = Prepared::with(&scene, &[1.0], Prepared::default_method(), settings).expect("can be projected");
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&[1.0]).expect("runs after projection");
+        let gradient = analysis.adjoint(&[1.0], &forward).expect("has a gradient");
+        let check = analysis.complex_step(&[1.0], &forward).expect("has a gradient");
+        assert!(largest_difference(&check.rows[0], &gradient.rows[0]) < 1e-12);
+    }
+}
+
+#[test]
+fn redundant_constraints_are_named_with_the_subset_that_remains() {
+    let message = refused(Mistake::RedundantJoint);
+    assert_says(&message, &["5 of 10 equations", "\"second hinge\", constraint", "independent subset is", "\"hinge\", constraint 1"]);
+}
+
+#[test]
+fn a_point_without_inertia_is_named() {
+    assert_says(&refused(Mistake::NoInertia), &["\"tip\"", "inertia", "mass"]);
+}
+
+#[test]
+fn a_wrong_number_of_parameters_shows_both_numbers() {
+    assert_says(&refused(Mistake::WrongParameterCount), &["\"drag\"", "0 parameters", "1 values"]);
+}
+
+#[test]
+fn an_energy_functional_refuses_elements_without_energies() {
+    assert_says(&refused(Mistake::EnergyWithoutEnergies), &["energy", "\"drag\""]);
+}
+
+#[test]
+fn topology_that_depends_on_the_design_is_refused() {
+    let scene = Mistaken(Some(Mistake::TopologyFromDesign));
+    let prepared = Prepared::new(&scene).expect("real numbers see no change");
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).expect("runs");
+    let error = analysis.adjoint(&prepared.x, &forward).expect_err("the recorded scene has one more element").to_string();
+    assert_says(&error, &["\"mistaken\"", "topology changes"]);
+}
+
+#[test]
+fn a_design_out_of_bounds_is_refused_with_the_bounds() {
+    let scene = Mistaken(None);
+    let message = match Prepared::with(&scene, &[3.0], Prepared::default_method(), scene.settings()) {
+        Err(error) => error.to_string(),
+        Ok(_) => panic!("out of bounds went unnoticed"),
+    };
+    assert_says(&message, &["\"length\"", "3 m", "between 0.5 and 2 m"]);
+}
+
+#[test]
+fn a_step_that_is_too_large_says_where_newton_stopped() {
+    let scene = Mistaken(None);
+    let settings = Settings::new(40.0, 4);
+    let prepared = Prepared::with(&scene, &[1.0], Prepared::default_method(), settings).expect("the start is sound");
+    let message = prepared.analysis().forward(&[1.0]).expect_err("10 s per step").to_string();
+    assert_says(&message, &["step 1", "t = ", "Newton", "largest row", "smaller step"]);
+}
