@@ -207,9 +207,9 @@ fn free_body(report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// Order 4, h = 0.2 ms.
+/// Order 4, h = 0.5 ms.
 fn heavy_top(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(&HeavyTop, "sdirk4", 5.0, 25_000)?;
+    let prepared = prepare(&HeavyTop, "sdirk4", 5.0, 10_000)?;
     let top = place(&prepared, "top")?;
     let [q, _] = end_state(&prepared)?;
     let axis = Quaternion::from_slice(&q[top + 3..]).rotate(Vec3([0.0, 0.0, 1.0])).0;

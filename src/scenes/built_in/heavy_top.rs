@@ -6,7 +6,7 @@ use crate::scenes::{MechanismBuilder, Scene, Settings};
 /// A symmetric top whose tip stands on a spherical joint, released tilted with nothing but its own spin.
 ///
 /// Lateral inertia is given about the mass centre; about the pivot it is I1 = I + m l^2, here 0.75 + 1 * 0.5^2 = 1, and
-/// m g l = 1. The body frame sits at the tip, its z axis along the top.
+/// m g l = 1. The body frame sits at the mass centre, its z axis along the top.
 pub struct HeavyTop;
 
 impl Scene for HeavyTop {
@@ -37,18 +37,18 @@ impl Scene for HeavyTop {
         let ground = m.ground();
         let (sine, cosine) = tilt.sin_cos();
         let axis = Vec3([sine, S::zero(), cosine]);
-        let top = m.body("top", Vec3::zero(), Quaternion::about(Vec3::from_f64([0.0, 1.0, 0.0]), *tilt));
+        let centre = axis * *distance;
+        let top = m.body("top", centre, Quaternion::about(Vec3::from_f64([0.0, 1.0, 0.0]), *tilt));
         m.set_velocity(top, Vec3::zero(), axis * *spin);
-        let centre = Vec3([S::zero(), S::zero(), *distance]);
         let inertia = [*lateral, *lateral, *axial, S::zero(), S::zero(), S::zero()];
-        m.rigid_body("top", top, *mass, centre, inertia);
+        m.rigid_body("top", top, *mass, Vec3::zero(), inertia);
         m.gravity(Vec3([S::zero(), S::zero(), -*gravity]));
         let tip = m.spherical("tip", [ground, top], Vec3::zero());
-        m.draw(top, &[Vec3::zero(), axis * (*distance * 2.0)]);
+        m.draw(top, &[Vec3::zero(), centre * S::from(2.0)]);
 
         let [x, z] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::from_f64);
-        m.position_functional("height of the mass centre, integral", Over::Integral, top, axis * *distance, z);
-        m.position_functional("x of the mass centre at the end", Over::Terminal, top, axis * *distance, x);
+        m.position_functional("height of the mass centre, integral", Over::Integral, top, centre, z);
+        m.position_functional("x of the mass centre at the end", Over::Terminal, top, centre, x);
         m.reaction_functional("vertical force of the tip, integral", Over::Integral, tip, &[0.0, 0.0, 1.0].map(S::from));
         Ok(())
     }
