@@ -1,6 +1,8 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
 mod figure;
+#[path = "rigid-benchmarks/study.rs"]
+mod rigid_benchmarks;
 
 pub use figure::{Figure, Report};
 
@@ -19,5 +21,5 @@ pub trait Study {
 
 /// All studies. A new one is a folder with `study.rs` and a line here.
 pub fn all() -> Vec<Box<dyn Study>> {
-    vec![]
+    vec![Box::new(rigid_benchmarks::RigidBenchmarks)]
 }

@@ -49,6 +49,8 @@ const ROUND_OFF: f64 = 1e-14;
 const SLOW: f64 = 0.1;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
+/// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
+const NEARLY: f64 = 1e-13;
 /// Share of the largest force below which a stalled residual counts as round-off.
 const FORCE_FLOOR: f64 = 1e-10;
 
@@ -178,11 +180,22 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             let rate = step / previous;
             // the first correction says nothing about the next one
             let expected = if rate > 0.0 && rate < STALLED { step * rate / (1.0 - rate) } else { step };
-            if step == 0.0 || expected <= ROUND_OFF * scale || step <= 2.0 * self.floor {
+            // a projection is as good as its correction of the state is small against the state
+            let moved = projected_size(equations, base).map(|(unit, size)| unit * step / size);
+            let settled = match moved {
+                // the first correction says nothing about the next one
+                Some(moved) => moved * if rate > 0.0 { rate.min(1.0) } else { 1.0 } <= 0.25 * f64::EPSILON,
+                None => expected <= ROUND_OFF * scale || step <= 2.0 * self.floor,
+            };
+            if step == 0.0 || settled {
                 return Ok(());
             }
-            if rate >= STALLED {
-                if self.at_round_off(equations, step, scale) {
+            if rate >= STALLED && previous.is_finite() {
+                // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
+                if moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON) {
+                    return Ok(());
+                }
+                if fresh && self.at_round_off(equations, step, scale) {
                     self.floor = step;
                     return Ok(());
                 }
@@ -337,6 +350,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             row,
             residual,
         }
+    }
+}
+
+/// For a projection: the factor from its unknowns to the projected state, and the size of that state.
+fn projected_size<S: RunScalar>(equations: &Equations, base: &VectorsAvq<S>) -> Option<(f64, f64)> {
+    let largest = |values: &[S]| values.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
+    match equations.level {
+        Level::Position if equations.metric => Some((equations.constraint.alpha, largest(&base.q))),
+        Level::Velocity if equations.metric => Some((equations.constraint.beta, largest(&base.v))),
+        _ => None,
     }
 }
 

@@ -4,6 +4,7 @@ mod builder;
 mod prepared;
 mod scene;
 mod sketch;
+mod violation;
 
 pub mod built_in;
 
@@ -11,3 +12,4 @@ pub use builder::{Drawing, MechanismBuilder};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};
+pub use violation::Violation;

@@ -1,14 +1,39 @@
 //! The scenes of the command line. A new one is a file here and a line in [`all`].
 
+mod car_axis;
+mod chain;
+mod double_pendulum;
 mod five_bar;
+mod free_body;
+mod heavy_top;
 mod pendulum;
+mod slider_crank;
+mod two_four_bar;
 
+pub use car_axis::CarAxis;
+pub use chain::{Chain, ChainVariables};
+pub use double_pendulum::DoublePendulum;
 pub use five_bar::FiveBar;
+pub use free_body::FreeBody;
+pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
+pub use slider_crank::SliderCrank;
+pub use two_four_bar::TwoFourBar;
 
 use super::AnyScene;
 
 /// All built-in scenes.
 pub fn all() -> Vec<Box<dyn AnyScene>> {
-    vec![Box::new(Pendulum), Box::new(FiveBar)]
+    vec![
+        Box::new(Pendulum),
+        Box::new(DoublePendulum),
+        Box::new(FreeBody),
+        Box::new(HeavyTop),
+        Box::new(FiveBar),
+        Box::new(SliderCrank),
+        Box::new(CarAxis),
+        Box::new(TwoFourBar),
+        Box::new(Chain::common()),
+        Box::new(Chain::separate()),
+    ]
 }
