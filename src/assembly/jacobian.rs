@@ -1,8 +1,8 @@
-use super::numbering::{Contributor, NOWHERE, System};
+use super::numbering::{Contributor, Local, NOWHERE, System};
 use super::residual::{LocalVec, gather, select, write_level};
 use super::{Equations, Level, NodeId, Residual, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
-use crate::scalar::{LANES, Lanes, Taylor};
+use crate::scalar::{Direction, LANES, Lanes, Taylor};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
@@ -285,7 +285,7 @@ fn add_reduced_rows(
     system: &System,
     bases: &[Bases],
     nodes: &[NodeId],
-    rows: &[Lanes],
+    rows: &[Direction],
     second: bool,
     lanes: usize,
     first_column: usize,
@@ -303,12 +303,12 @@ fn add_reduced_rows(
             let target = first_row + row + if second { half } else { 0 };
             let mut sum = [0.0; LANES];
             if left.is_empty() {
-                sum = rows[first_dof + row].eps;
+                sum = rows[first_dof + row];
             } else {
                 for (i, value) in rows[first_dof..first_dof + dofs].iter().enumerate() {
                     let weight = left[i * half + row];
                     if weight != 0.0 {
-                        for (sum, e) in sum.iter_mut().zip(value.eps) {
+                        for (sum, e) in sum.iter_mut().zip(value) {
                             *sum += weight * e;
                         }
                     }
@@ -381,7 +381,8 @@ fn element_block(
         let lanes = seeded.seed(&columns, first, equations.residual, true);
         rows.fill(Lanes::default());
         Lanes::element(&*element.physics).add_residual(seeded.state(), &p, Lanes::from(t), &mut rows);
-        add_reduced_rows(system, bases, &element.nodes, &rows, false, lanes, first, size, block);
+        let directions: LocalVec<Direction> = rows.iter().map(|row| row.eps).collect();
+        add_reduced_rows(system, bases, &element.nodes, &directions, false, lanes, first, size, block);
         seeded.seed(&columns, first, equations.residual, false);
     }
 }
@@ -404,30 +405,16 @@ fn constraint_block(
     let size = columns.len() + if stabilized { 2 * count } else { count };
     block.fill(0.0);
     let mut seeded = Seeded::new(system, &joint.nodes, at);
-    let p = lanes_of(&p[joint.parameters.clone()]);
-    let t = Lanes::from(t);
-    let physics = Lanes::constraint(joint.physics);
-    let mu = lanes_of(&mu[joint.equations.clone()]);
-    let eta: LocalVec<Lanes> = if stabilized {
-        eta[joint.equations.clone()].iter().map(|&e| Lanes::constant(-e)).collect()
-    } else {
-        LocalVec::new()
-    };
-    let scales = equations.row_scales();
     let dofs = seeded.q.len();
-    let mut rows: LocalVec<Lanes> = SmallVec::from_elem(Lanes::default(), dofs);
+    let lanes_p = lanes_of(&p[joint.parameters.clone()]);
+    let physics = Lanes::constraint(joint.physics);
+    let scales = equations.row_scales();
     let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), count);
+    let mut directions: SmallVec<[Direction; 32]> = SmallVec::new();
     for first in (0..columns.len()).step_by(LANES) {
         let lanes = seeded.seed(&columns, first, equations.constraint, true);
-        rows.fill(Lanes::default());
-        physics.add_reaction(&seeded.q, &mu, &p, t, &mut rows);
-        add_reduced_rows(system, bases, &joint.nodes, &rows, false, lanes, first, size, block);
-        if stabilized {
-            rows.fill(Lanes::default());
-            physics.add_reaction(&seeded.q, &eta, &p, t, &mut rows);
-            add_reduced_rows(system, bases, &joint.nodes, &rows, true, lanes, first, size, block);
-        }
-        write_level(physics, equations.level, seeded.state(), &p, t, &mut g);
+        directions.extend(seeded.q.iter().map(|q| q.eps));
+        write_level(physics, equations.level, seeded.state(), &lanes_p, Lanes::from(t), &mut g);
         for (row, g) in g.iter().enumerate() {
             let (value, second) = select(equations.level, *g);
             for lane in 0..lanes {
@@ -439,26 +426,30 @@ fn constraint_block(
         }
         seeded.seed(&columns, first, equations.constraint, false);
     }
-    // columns of the multipliers: N_L^T A^T, A from lanes along the coordinates, laid out as rows of A^T
-    let mut transposed: Vec<Lanes> = vec![Lanes::default(); dofs];
-    let mut values: SmallVec<[Lanes; 6]> = SmallVec::from_elem(Lanes::default(), count);
-    for first in (0..dofs).step_by(LANES) {
-        let width = LANES.min(dofs - first);
-        for lane in 0..width {
-            seeded.q[first + lane].eps[lane] = 1.0;
+    // rows F: curvature of mu . g along the columns, and A^T towards mu; rows Y: the same of -eta . g
+    let q = gather(system.model, &joint.nodes, &at.q);
+    let point = (&q[..], &p[joint.parameters.clone()], t);
+    let mut gradients: SmallVec<[f64; 96]> = SmallVec::from_elem(0.0, count * dofs);
+    let mut products: SmallVec<[Direction; 32]> = SmallVec::from_elem([0.0; LANES], directions.len());
+    let mut transposed: LocalVec<Direction> = SmallVec::from_elem([0.0; LANES], dofs);
+    for (second, multipliers, sign) in [(false, mu, 1.0), (true, eta, -1.0)].into_iter().take(1 + usize::from(stabilized)) {
+        let multipliers: SmallVec<[f64; 6]> = multipliers[joint.equations.clone()].iter().map(|m| sign * m).collect();
+        joint.physics.linearize_reaction(point, &multipliers, &directions, &mut gradients, &mut products);
+        for (group, rows) in products.chunks_exact(dofs).enumerate() {
+            let first = group * LANES;
+            let lanes = LANES.min(columns.len() - first);
+            add_reduced_rows(system, bases, &joint.nodes, rows, second, lanes, first, size, block);
         }
-        physics.value(&seeded.q, &p, t, &mut values);
-        for lane in 0..width {
-            for (equation, value) in values.iter().enumerate() {
-                transposed[first + lane].eps[equation] = value.eps[lane];
+        let place = columns.len() + if second { count } else { 0 };
+        for first in (0..count).step_by(LANES) {
+            let width = LANES.min(count - first);
+            for (dof, row) in transposed.iter_mut().enumerate() {
+                for lane in 0..width {
+                    row[lane] = sign * gradients[(first + lane) * dofs + dof];
+                }
             }
-            seeded.q[first + lane].eps[lane] = 0.0;
+            add_reduced_rows(system, bases, &joint.nodes, &transposed, second, width, place + first, size, block);
         }
-    }
-    add_reduced_rows(system, bases, &joint.nodes, &transposed, false, count, columns.len(), size, block);
-    if stabilized {
-        transposed.iter_mut().for_each(|row| *row = -*row);
-        add_reduced_rows(system, bases, &joint.nodes, &transposed, true, count, columns.len() + count, size, block);
     }
 }
 
@@ -480,27 +471,30 @@ fn node_block(
     block.fill(0.0);
     let local = system.nodes[node].local.map(|index| &system.locals[index]);
     let mut seeded = Seeded::new(system, &nodes, at);
-    let dofs = seeded.q.len();
-    let mut rows: LocalVec<Lanes> = SmallVec::from_elem(Lanes::default(), dofs);
+    let q = gather(system.model, &nodes, &at.q);
+    let dofs = q.len();
+    let mut rows: LocalVec<Direction> = SmallVec::from_elem([0.0; LANES], dofs);
+    let curvature = |local: &Local, multipliers: &[f64], sign: f64, directions: &[Direction], rows: &mut [Direction]| {
+        let multipliers: SmallVec<[f64; 6]> = multipliers[local.equations.clone()].iter().map(|m| sign * m).collect();
+        let mut gradients: SmallVec<[f64; 96]> = SmallVec::from_elem(0.0, multipliers.len() * dofs);
+        local.physics.linearize_reaction((&q, &[], t), &multipliers, directions, &mut gradients, rows);
+    };
     for first in (0..size).step_by(LANES) {
         let lanes = seeded.seed(&columns, first, equations.constraint, true);
+        let directions: LocalVec<Direction> = seeded.q.iter().map(|q| q.eps).collect();
         if let Some(local) = local {
-            rows.fill(Lanes::default());
-            let mu = lanes_of(&unknowns.local_mu[local.equations.clone()]);
-            Lanes::constraint(&*local.physics).add_reaction(&seeded.q, &mu, &[], Lanes::from(t), &mut rows);
+            curvature(local, &unknowns.local_mu, 1.0, &directions, &mut rows);
             add_reduced_rows(system, bases, &nodes, &rows, false, lanes, first, size, block);
         }
         if equations.level == Level::Stabilized {
-            rows.fill(Lanes::default());
+            rows.fill([0.0; LANES]);
+            if let Some(local) = local {
+                curvature(local, &unknowns.local_eta, -1.0, &directions, &mut rows);
+            }
             for (lane, column) in columns[first..first + lanes].iter().enumerate() {
                 for &(dof, _, y) in column {
-                    rows[dof].eps[lane] += y;
+                    rows[dof][lane] += y;
                 }
-            }
-            if let Some(local) = local {
-                let eta: LocalVec<Lanes> =
-                    unknowns.local_eta[local.equations.clone()].iter().map(|&e| Lanes::constant(-e)).collect();
-                Lanes::constraint(&*local.physics).add_reaction(&seeded.q, &eta, &[], Lanes::from(t), &mut rows);
             }
             add_reduced_rows(system, bases, &nodes, &rows, true, lanes, first, size, block);
         }

@@ -1,5 +1,7 @@
 use super::{Constraint, Element, Parameter, State};
-use crate::scalar::{Complex, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient};
+use crate::scalar::{
+    Complex, Curved, Direction, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
+};
 use smallvec::SmallVec;
 
 /// A scalar in which whole simulations run: the closed list over which elements and constraints are compiled.
@@ -141,6 +143,15 @@ pub trait AnyConstraint:
     fn equation_count(&self) -> usize;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
+    /// Writes A (equations by coordinates) and, for groups of eight directions of q, the derivative of A^T mu along them.
+    fn linearize_reaction(
+        &self,
+        at: (&[f64], &[f64], f64),
+        mu: &[f64],
+        directions: &[Direction],
+        gradients: &mut [f64],
+        products: &mut [Direction],
+    );
     /// Times at which the prescribed motion is not smooth.
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
 }
@@ -179,6 +190,18 @@ impl<C: Constraint> AnyConstraint for C {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
+    }
+    fn linearize_reaction(
+        &self,
+        (q, p, t): (&[f64], &[f64], f64),
+        mu: &[f64],
+        directions: &[Direction],
+        gradients: &mut [f64],
+        products: &mut [Direction],
+    ) {
+        let p: SmallVec<[Curved; 16]> = p.iter().map(|&p| Curved::from(p)).collect();
+        let function = |q: &[Curved], g: &mut [Curved]| self.g(q, &p, Curved::from(t), g);
+        curvature(q, function, mu, directions, gradients, products);
     }
     fn kink_times(&self, p: &[f64]) -> Vec<f64> {
         self.kinks(p)

@@ -10,12 +10,14 @@
 //! | [`Taylor<S>`](Taylor) | value, first and second derivative in one direction | time derivatives of constraints |
 //! | [`Reverse<S>`](Reverse) | value and a place on a tape | reactions A^T mu, adjoint products, the chain to design variables |
 //!
-//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex` and eight dual lanes ([`Rev`] is the first). Branches look at [`Scalar::value`] only, so every type takes the
+//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex` and eight dual lanes ([`Rev`] is the first). A sixth, [`Curved`], is a tape with
+//! second derivatives for the Jacobian of reactions. Branches look at [`Scalar::value`] only, so every type takes the
 //! same path through a formula. The types are our own because two needs exclude the usual crates: a constraint's second
 //! time derivative inside a complex-step run is a `Taylor<Complex>`, and functions whose derivative is infinite
 //! at the point of evaluation (`sqrt` at 0) must not turn a vanishing perturbation into NaN.
 
 mod complex;
+mod curved;
 mod dual;
 pub(crate) mod jet;
 mod real;
@@ -25,6 +27,7 @@ mod taylor;
 mod vector;
 
 pub use complex::Complex;
+pub use curved::{Curved, Direction, curvature};
 pub use dual::Dual;
 pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient};
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed};
