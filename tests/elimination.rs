@@ -67,7 +67,9 @@ fn reduced_and_unreduced_systems_agree_forward_and_transposed() {
                 results.push((last, forward.values, gradient.rows));
             }
             let [(a, values_a, rows_a), (b, values_b, rows_b)] = &results[..] else { unreachable!() };
-            for (reduced, full) in [(&a.q, &b.q), (&a.v, &b.v), (values_a, values_b)].into_iter().chain(rows_a.iter().zip(rows_b)) {
+            for (reduced, full) in
+                [(&a.q, &b.q), (&a.v, &b.v), (values_a, values_b)].into_iter().chain(rows_a.iter().zip(rows_b))
+            {
                 let difference = largest_difference(full, reduced);
                 assert!(difference < 1e-12, "{place}: {difference:e}\n{full:?}\n{reduced:?}");
             }

@@ -3,7 +3,17 @@
 use std::path::Path;
 
 const ORDER: [&str; 11] = [
-    "scalar", "design", "elements", "assembly", "linalg", "integrators", "history", "functionals", "sensitivity", "scenes", "io",
+    "scalar",
+    "design",
+    "elements",
+    "assembly",
+    "linalg",
+    "integrators",
+    "history",
+    "functionals",
+    "sensitivity",
+    "scenes",
+    "io",
 ];
 
 fn check(folder: &Path, place: usize, violations: &mut Vec<String>, files: &mut usize) {
@@ -39,7 +49,9 @@ fn folders_use_only_folders_before_them() {
 #[test]
 fn every_folder_is_on_the_list() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    for entry in std::fs::read_dir(source).expect("src").map(|entry| entry.expect("readable").path()).filter(|path| path.is_dir()) {
+    for entry in
+        std::fs::read_dir(source).expect("src").map(|entry| entry.expect("readable").path()).filter(|path| path.is_dir())
+    {
         let name = entry.file_name().and_then(|name| name.to_str()).unwrap_or_default().to_string();
         // the command line belongs to the program, not to the library
         assert!(ORDER.contains(&name.as_str()) || name == "command_line", "src/{name} has no place in the way of the data");

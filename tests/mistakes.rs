@@ -166,7 +166,10 @@ fn a_start_off_its_joints_can_be_projected() {
 #[test]
 fn redundant_constraints_are_named_with_the_subset_that_remains() {
     let message = refused(Mistake::RedundantJoint);
-    assert_says(&message, &["5 of 10 equations", "\"second hinge\", constraint", "independent subset is", "\"hinge\", constraint 1"]);
+    assert_says(
+        &message,
+        &["5 of 10 equations", "\"second hinge\", constraint", "independent subset is", "\"hinge\", constraint 1"],
+    );
 }
 
 #[test]

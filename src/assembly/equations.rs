@@ -154,12 +154,9 @@ pub struct Unknowns<S> {
 impl<S: Scalar> Unknowns<S> {
     /// self += factor other.
     pub fn add_scaled(&mut self, other: &Self, factor: f64) {
-        for (own, other) in [
-            (&mut self.x, &other.x),
-            (&mut self.y, &other.y),
-            (&mut self.mu, &other.mu),
-            (&mut self.eta, &other.eta),
-        ] {
+        for (own, other) in
+            [(&mut self.x, &other.x), (&mut self.y, &other.y), (&mut self.mu, &other.mu), (&mut self.eta, &other.eta)]
+        {
             own.iter_mut().zip(other).for_each(|(own, &other)| *own += other * factor);
         }
     }

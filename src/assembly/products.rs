@@ -2,7 +2,7 @@ use super::numbering::System;
 use super::residual::{LocalVec, gather, scatter_add, select};
 use super::{Equations, Level, NodeId, Unknowns, VectorsAvq};
 use crate::elements::{AnyConstraint, ConstraintIn, ElementIn, State};
-use crate::scalar::{Rev, Taylor, add_gradient};
+use crate::scalar::{Dual, Rev, Taylor, add_gradient};
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -180,6 +180,7 @@ impl System<'_> {
         let (lambda_f, lambda_y): (LocalVec<f64>, LocalVec<f64>) = (direction(&adjoints.f), direction(&adjoints.y));
         let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| gather(self.model, nodes, x));
         let scales = equations.row_scales();
+        let reaction = physics;
         let physics: &dyn ConstraintIn<Rev> = physics;
         let (count, dofs) = (weights.g.len(), q.len());
         let zeros: LocalVec<Rev> = SmallVec::from_elem(Rev::default(), dofs);
@@ -194,9 +195,9 @@ impl System<'_> {
             // lambda . A^T mu is the derivative of mu . g along lambda
             for (lambda, multipliers, sign) in [(&lambda_f, &weights.mu, 1.0), (&lambda_y, &weights.eta, -1.0)] {
                 if lambda.iter().any(|&l| l != 0.0) && multipliers.iter().any(|&m| m != 0.0) {
-                    let along: LocalVec<Rev> = lambda.iter().map(|&l| Rev::from(l)).collect();
-                    physics.derivatives(State { a: &zeros, v: &along, q: s.q }, p, time, 0.0, &mut g);
-                    total += g.iter().zip(multipliers).map(|(g, &m)| g.first * (m * sign)).sum::<Rev>();
+                    let mut along: SmallVec<[Dual<Rev, 1>; 6]> = SmallVec::from_elem(Dual::default(), count);
+                    reaction.along(s.q, lambda, p, t, &mut along);
+                    total += along.iter().zip(multipliers).map(|(g, &m)| g.eps[0] * (m * sign)).sum::<Rev>();
                 }
             }
             if weights.g.iter().chain(&weights.g_second).all(|&weight| weight == 0.0) {

@@ -1,6 +1,6 @@
 use super::{Constraint, Element, Parameter, State};
 use crate::scalar::{
-    Complex, Curved, Direction, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
+    Complex, Curved, Direction, Dual, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
 };
 use smallvec::SmallVec;
 
@@ -143,6 +143,8 @@ pub trait AnyConstraint:
     fn equation_count(&self) -> usize;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
+    /// Writes g with its derivative along q(s) = q + s direction, recorded.
+    fn along(&self, q: &[Rev], direction: &[f64], p: &[Rev], t: f64, g: &mut [Dual<Rev, 1>]);
     /// Writes A (equations by coordinates) and, for groups of eight directions of q, the derivative of A^T mu along them.
     fn linearize_reaction(
         &self,
@@ -190,6 +192,12 @@ impl<C: Constraint> AnyConstraint for C {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
+    }
+    fn along(&self, q: &[Rev], direction: &[f64], p: &[Rev], t: f64, g: &mut [Dual<Rev, 1>]) {
+        let q: SmallVec<[Dual<Rev, 1>; 16]> =
+            q.iter().zip(direction).map(|(&re, &rate)| Dual { re, eps: [Rev::from(rate)] }).collect();
+        let p: SmallVec<[Dual<Rev, 1>; 16]> = p.iter().map(|&p| Dual::constant(p)).collect();
+        self.g(&q, &p, Dual::from(t), g);
     }
     fn linearize_reaction(
         &self,

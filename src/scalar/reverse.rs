@@ -204,6 +204,12 @@ impl<S: Recordable> Reverse<S> {
         Reverse { value, node: CONSTANT }
     }
 
+    /// Zero for every value of the variables: sums and products with it are not recorded (Taylor numbers are full of them).
+    #[inline(always)]
+    fn is_constant_zero(self) -> bool {
+        self.node == CONSTANT && self.value.value() == 0.0 && self.value.is_constant()
+    }
+
     #[inline(always)]
     fn linear(self, value: S, factor: f64) -> Self {
         if self.node == CONSTANT {
@@ -272,18 +278,30 @@ impl<S: Recordable> Neg for Reverse<S> {
 impl<S: Recordable> Add for Reverse<S> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
+        if other.is_constant_zero() {
+            return self;
+        }
+        if self.is_constant_zero() {
+            return other;
+        }
         self.linear_pair(other, self.value + other.value, [1.0, 1.0])
     }
 }
 impl<S: Recordable> Sub for Reverse<S> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
+        if other.is_constant_zero() {
+            return self;
+        }
         self.linear_pair(other, self.value - other.value, [1.0, -1.0])
     }
 }
 impl<S: Recordable> Mul for Reverse<S> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
+        if self.is_constant_zero() || other.is_constant_zero() {
+            return Self::constant(self.value * other.value);
+        }
         self.binary(other, self.value * other.value, [other.value, self.value])
     }
 }
