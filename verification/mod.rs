@@ -1,6 +1,8 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
 mod figure;
+#[path = "gradient-cost/study.rs"]
+mod gradient_cost;
 #[path = "rigid-benchmarks/study.rs"]
 mod rigid_benchmarks;
 
@@ -12,7 +14,7 @@ pub trait Study {
     fn name(&self) -> &'static str;
     /// One sentence: what it shows.
     fn summary(&self) -> &'static str;
-    /// Measures; `say` prints a line of progress for people.
+    /// Measures, and writes every figure to the report.
     ///
     /// # Errors
     /// In words, if the study could not be carried out; a figure out of tolerance is no error but a failed figure.
@@ -21,5 +23,5 @@ pub trait Study {
 
 /// All studies. A new one is a folder with `study.rs` and a line here.
 pub fn all() -> Vec<Box<dyn Study>> {
-    vec![Box::new(rigid_benchmarks::RigidBenchmarks)]
+    vec![Box::new(rigid_benchmarks::RigidBenchmarks), Box::new(gradient_cost::GradientCost)]
 }
