@@ -1,6 +1,10 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
+#[path = "complex-step/study.rs"]
+mod complex_step;
 mod figure;
+#[path = "orders/study.rs"]
+mod orders;
 
 pub use figure::{Figure, Report};
 
@@ -19,5 +23,5 @@ pub trait Study {
 
 /// All studies. A new one is a folder with `study.rs` and a line here.
 pub fn all() -> Vec<Box<dyn Study>> {
-    vec![]
+    vec![Box::new(complex_step::ComplexStep), Box::new(orders::Orders)]
 }
