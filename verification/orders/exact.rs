@@ -47,6 +47,16 @@ pub fn pendulum(t: f64) -> Exact {
     Exact { q: vec![-sine, -cosine, 0.0], v: vec![-cosine * rate, sine * rate, 0.0], mu: vec![mu], integral }
 }
 
+/// Time after its release at which the moving pendulum is taken over [s].
+pub const TAKEN_OVER: f64 = 0.3;
+
+/// The same pendulum, its time counted from a moment at which it moves.
+pub fn moving_pendulum(t: f64) -> Exact {
+    let before = pendulum(TAKEN_OVER).integral;
+    let later = pendulum(TAKEN_OVER + t);
+    Exact { integral: later.integral - before, ..later }
+}
+
 /// Angle of the same pendulum in closed form: sin(theta/2) = k cd(sqrt(g) t, k), k = sin(pi/4).
 ///
 /// Source: Abramowitz & Stegun, 16.4 (arithmetic-geometric mean).
