@@ -23,22 +23,17 @@ const NORMALIZED: Over = Over::SmoothMaximum { sharpness: 3.0, normalized: true 
 const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
 
 /// Every quantity and every use of one over time; a new one is a line here.
-pub const LIST: [(Measure, Over); 20] = [
+pub const LIST: [(Measure, Over); 15] = [
     (Measure::Position, Over::Initial),
     (Measure::Position, Over::Terminal),
     (Measure::Position, Over::Integral),
-    (Measure::Position, NORMALIZED),
     (Measure::Velocity, Over::Initial),
-    (Measure::Velocity, Over::Terminal),
     (Measure::Velocity, PLAIN),
-    (Measure::TargetDistance, Over::Initial),
     (Measure::TargetDistance, Over::Integral),
     (Measure::TargetDistance, NORMALIZED),
-    (Measure::Coordinate, Over::Initial),
     (Measure::Coordinate, Over::Terminal),
     (Measure::Energy, Over::Initial),
     (Measure::Energy, Over::Terminal),
-    (Measure::Energy, Over::Integral),
     (Measure::Reaction, Over::Initial),
     (Measure::Reaction, Over::Terminal),
     (Measure::Reaction, Over::Integral),

@@ -108,13 +108,12 @@ impl Study for Orders {
         "observed orders of every integrator at every constraint level, on a pendulum and a heavy top"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let angle = exact::pendulum(1.0).q[0].atan2(exact::pendulum(1.0).q[1]);
-        let closed = exact::pendulum_angle(1.0);
-        report.at_most(
-            "reference/pendulum-angle-against-elliptic-function",
-            (-closed.sin()).atan2(-closed.cos()) - angle,
-            1e-13,
-        );
+        let miss = |t: f64| {
+            let (closed, q) = (exact::pendulum_angle(t), exact::pendulum(t).q);
+            (-closed.sin() - q[0]).abs().max((-closed.cos() - q[1]).abs())
+        };
+        let worst = [0.2, 0.5, 0.8, 1.0].into_iter().map(miss).fold(0.0, f64::max);
+        report.at_most("reference/pendulum-against-elliptic-function", worst, 1e-14);
         for table in tables() {
             for level in ConstraintLevel::ALL {
                 for problem in &PROBLEMS {
