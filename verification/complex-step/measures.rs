@@ -20,6 +20,8 @@ pub enum Measure {
 }
 
 const NORMALIZED: Over = Over::SmoothMaximum { sharpness: 3.0, normalized: true };
+/// Forces reach tens of newtons: a sharper maximum would see one stage, or the negative weight of another.
+const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true };
 const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
 
 /// Every quantity and every use of one over time; a new one is a line here.
@@ -37,7 +39,7 @@ pub const LIST: [(Measure, Over); 15] = [
     (Measure::Reaction, Over::Initial),
     (Measure::Reaction, Over::Terminal),
     (Measure::Reaction, Over::Integral),
-    (Measure::Reaction, NORMALIZED),
+    (Measure::Reaction, OF_FORCE),
     (Measure::Mass, Over::Integral),
 ];
 

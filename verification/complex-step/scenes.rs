@@ -84,7 +84,7 @@ pub fn list() -> Vec<Case> {
         constraint("distance", Distance, &[]),
         constraint("prescribed-rotation-rate", Rotation(ConstantRate), &[0.05, 2.0]),
         constraint("prescribed-rotation-sine", Rotation(Sine), &[0.02, 0.4, 5.0, 0.2]),
-        constraint("prescribed-rotation-ramp", Rotation(SmoothRamp), &[-0.1, 1.2, -0.2, 0.9]),
+        constraint("prescribed-rotation-ramp", Rotation(SmoothRamp), &[-0.1, 1.2, -0.2, 1.4]),
         constraint("prescribed-translation-sine", Translation(Sine), &[0.02, 0.1, 5.0, 0.2]),
         // its second derivative has corners at both ends: a start or duration moves them off the steps' ends
         Case { one_sided: &["start", "duration"], ..inside },
@@ -161,7 +161,10 @@ impl Case {
         let place = |x: [f64; 3]| shoulder + whole.rotate(at(x));
         let elbow = place([0.6, 0.3, -0.5]);
         let omega = at([1.1, -0.7, 0.9]) * *spin;
-        let second_omega = at([-0.8, 0.6, 1.3]) * *spin;
+        let axis = whole.rotate(at([0.3, 1.0, 0.4])).normalized();
+        // an angle about an axis needs a hinge that keeps it: a free link would pass poses without an angle
+        let hinged = matches!(self.subject, TorsionSpringDamper);
+        let second_omega = if hinged { omega + axis * (*spin * 1.5) } else { at([-0.8, 0.6, 1.3]) * *spin };
         let elbow_velocity = omega.cross(elbow - shoulder);
 
         let ground = m.ground();
@@ -199,7 +202,6 @@ impl Case {
 
         let both = [arm, second];
         let ends = [place([0.2, 0.4, 0.1]), place([0.9, -0.5, -0.6])];
-        let axis = whole.rotate(at([0.3, 1.0, 0.4]));
         let f: Vec<S> = self.function.iter().map(|&f| S::from(f)).collect();
         let name = "subject";
         let mut joint = None;
@@ -229,7 +231,9 @@ impl Case {
             Translation(path) => joint = Some(m.prescribed_translation(name, both, [elbow; 2], axis, path.clone(), &f)),
         }
         if joint.is_none() && !alone {
-            if light {
+            if hinged {
+                m.revolute("elbow", both, elbow, axis);
+            } else if light {
                 m.distance("elbow", both, [elbow, position]);
             } else {
                 m.spherical("elbow", both, elbow);
@@ -254,7 +258,7 @@ impl Case {
 }
 
 /// Variables of every scene behind the parameters of its subject, with their values.
-const START: [(&str, f64); 2] = [("turn of the start", 0.2), ("spin of the start", 1.0)];
+const START: [(&str, f64); 2] = [("turn of the start", 0.2), ("spin of the start", 0.6)];
 
 impl Scene for Case {
     fn name(&self) -> String {
