@@ -1,8 +1,12 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
+#[path = "complex-step/study.rs"]
+mod complex_step;
 mod figure;
 #[path = "gradient-cost/study.rs"]
 mod gradient_cost;
+#[path = "orders/study.rs"]
+mod orders;
 #[path = "rigid-benchmarks/study.rs"]
 mod rigid_benchmarks;
 
@@ -23,5 +27,10 @@ pub trait Study {
 
 /// All studies. A new one is a folder with `study.rs` and a line here.
 pub fn all() -> Vec<Box<dyn Study>> {
-    vec![Box::new(rigid_benchmarks::RigidBenchmarks), Box::new(gradient_cost::GradientCost)]
+    vec![
+        Box::new(complex_step::ComplexStep),
+        Box::new(orders::Orders),
+        Box::new(rigid_benchmarks::RigidBenchmarks),
+        Box::new(gradient_cost::GradientCost),
+    ]
 }

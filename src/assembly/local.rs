@@ -155,8 +155,13 @@ pub(super) fn restore<S: RunScalar>(
                 }
             };
             let terms: f64 = q.iter().zip(v.iter().zip(&a)).map(term).sum();
-            if S::PARTS == 0 && size <= f64::EPSILON * terms * scales[0].abs() {
+            let value_settled = residual.iter().all(|r| r.value().abs() <= f64::EPSILON * terms * scales[0].abs());
+            if value_settled && S::PARTS == 0 {
                 break;
+            }
+            if value_settled {
+                // only derivative parts are corrected: a value at round-off stays what it is
+                residual.iter_mut().for_each(|r| *r -= S::from(r.value()));
             }
             // below a quarter of the last one: still converging; otherwise round-off is reached
             if size == 0.0 || size >= 0.25 * previous {

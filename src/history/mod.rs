@@ -1,6 +1,6 @@
 //! States kept for the way back and for output.
 
-use crate::integrators::{Recorder, StartRecord, StepRecord};
+use crate::integrators::{Guide, Recorder, StartRecord, StepRecord};
 use crate::scalar::Scalar;
 
 /// A run in memory: everything for a gradient.
@@ -15,6 +15,13 @@ pub struct History<S> {
 impl<S> Default for History<S> {
     fn default() -> Self {
         History { start: None, steps: Vec::new() }
+    }
+}
+
+impl History<f64> {
+    /// The run as a guide for runs with derivative parts; `None` if it has no start.
+    pub fn guide(&self) -> Option<Guide<'_>> {
+        self.start.as_ref().map(|start| Guide { start, steps: &self.steps })
     }
 }
 

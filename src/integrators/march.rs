@@ -1,5 +1,5 @@
 use super::newton::{Counters, Newton, NewtonTolerance};
-use super::record::{Recorder, SolveRecord, StageRecord, StartRecord, StepRecord};
+use super::record::{Guide, Recorder, SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::{Combination, ConstraintLevel, InitialState, RunError, StartPlan, Table, TimeGrid};
 use crate::assembly::{Equations, Level, Model, Residual, Shift, System, SystemOptions, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
@@ -115,6 +115,22 @@ pub fn march<S: RunScalar>(
     plan: &StartPlan,
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
+    march_along(problem, method, grid, plan, None, recorder)
+}
+
+/// As [`march`], with the values of a finished real run of the same problem where a guide is given: only derivative parts are
+/// solved for, so that they belong to exactly the states of that run.
+///
+/// # Errors
+/// As for [`march`]; also a guide that does not solve the problem.
+pub fn march_along<S: RunScalar>(
+    problem: &Problem<S>,
+    method: &Method,
+    grid: &TimeGrid,
+    plan: &StartPlan,
+    guide: Option<Guide>,
+    recorder: &mut dyn Recorder<S>,
+) -> Result<Run<S>, RunError> {
     let plain = System::new(problem.model, method.system_options(&plan.dropped, false));
     let constrained = plain.is_constrained();
     let stabilized = method.level == ConstraintLevel::Velocity && constrained;
@@ -137,7 +153,7 @@ pub fn march<S: RunScalar>(
         guess: Unknowns::default(),
         increments: vec![None; method.table.stages.len()],
     };
-    marcher.run(grid, plan, recorder)
+    marcher.run(grid, plan, guide, recorder)
 }
 
 struct Marcher<'m, S> {
@@ -154,23 +170,69 @@ struct Marcher<'m, S> {
     increments: Vec<Option<Unknowns<S>>>,
 }
 
-/// Solves one system from zero or from a guess and keeps what the adjoint needs.
+/// Where the search for a solution starts.
+enum First<'g, S> {
+    /// From zero.
+    Zero,
+    /// From a guess.
+    Guess(&'g Unknowns<S>),
+    /// At the solution of a real run.
+    Solved(&'g Unknowns<f64>),
+}
+
+impl<'g, S> First<'g, S> {
+    fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
+        record.map_or(First::Zero, |record| First::Solved(&record.unknowns))
+    }
+}
+
+/// Solves one system and keeps what the adjoint needs.
 fn solve<S: RunScalar>(
     newton: &mut Newton<S>,
     equations: Equations,
     base: VectorsAvq<S>,
-    guess: Option<&Unknowns<S>>,
+    first: First<S>,
     p: &[S],
     t: f64,
     place: &dyn Fn() -> String,
 ) -> Result<SolveRecord<S>, RunError> {
-    let mut unknowns = guess.cloned().unwrap_or_else(|| Residual::unknowns(newton.system));
-    newton.solve(&equations, &base, &mut unknowns, p, t).map_err(|failure| newton.describe(&failure, &place()))?;
+    let mut unknowns = match &first {
+        First::Zero => Residual::unknowns(newton.system),
+        First::Guess(guess) => (*guess).clone(),
+        First::Solved(real) => lifted(real),
+    };
+    let solved = match first {
+        First::Solved(_) => newton.solve_guided(&equations, &base, &mut unknowns, p, t),
+        _ => newton.solve(&equations, &base, &mut unknowns, p, t),
+    };
+    solved.map_err(|failure| newton.describe(&failure, &place()))?;
     Ok(SolveRecord { t, equations, base, unknowns })
 }
 
+/// Real unknowns without derivative parts.
+fn lifted<S: RunScalar>(real: &Unknowns<f64>) -> Unknowns<S> {
+    let lift = |values: &[f64]| values.iter().map(|&value| S::from(value)).collect();
+    Unknowns {
+        x: lift(&real.x),
+        y: lift(&real.y),
+        mu: lift(&real.mu),
+        eta: lift(&real.eta),
+        local_mu: lift(&real.local_mu),
+        local_eta: lift(&real.local_eta),
+    }
+}
+
 impl<S: RunScalar> Marcher<'_, S> {
-    fn run(&mut self, grid: &TimeGrid, plan: &StartPlan, recorder: &mut dyn Recorder<S>) -> Result<Run<S>, RunError> {
+    fn run(
+        &mut self,
+        grid: &TimeGrid,
+        plan: &StartPlan,
+        guide: Option<Guide>,
+        recorder: &mut dyn Recorder<S>,
+    ) -> Result<Run<S>, RunError> {
+        let start_of = |pick: fn(&StartRecord<f64>) -> Option<&SolveRecord<f64>>| {
+            First::guided(guide.and_then(|guide| pick(guide.start)))
+        };
         let model = self.problem.model;
         let table = &self.method.table;
         let InitialState { mut q, mut v } = self.problem.start.clone();
@@ -180,15 +242,20 @@ impl<S: RunScalar> Marcher<'_, S> {
             let zeros = || vec![S::zero(); model.dofs];
             let p = &self.problem.p;
             let base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-            let solved = solve(&mut self.position, Equations::initial_position_projection(), base, None, p, 0.0, &place)?;
+            let first = start_of(|start| start.position_projection.as_ref());
+            let equations = Equations::initial_position_projection();
+            let solved = solve(&mut self.position, equations, base, first, p, 0.0, &place)?;
             add_scaled(&mut q, &solved.unknowns.x, 1.0);
             let base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
-            let second = solve(&mut self.velocity, Equations::initial_velocity_projection(), base, None, p, 0.0, &place)?;
+            let first = start_of(|start| start.velocity_projection.as_ref());
+            let equations = Equations::initial_velocity_projection();
+            let second = solve(&mut self.velocity, equations, base, first, p, 0.0, &place)?;
             add_scaled(&mut v, &second.unknowns.x, 1.0);
             start_projections = [Some(solved), Some(second)];
         }
         let t0 = grid.times[0];
-        let first = self.solve_acceleration(&q, &v, t0, 0)?;
+        let guided = start_of(|start| Some(&start.acceleration));
+        let first = self.solve_acceleration(&q, &v, t0, 0, guided)?;
         let mut a = first.unknowns.x.clone();
         self.guess = Residual::unknowns(self.stage.system);
         self.set_guess(&first);
@@ -198,9 +265,11 @@ impl<S: RunScalar> Marcher<'_, S> {
         let mut rate = vec![S::zero(); if self.stage.system.options.stabilized { model.dofs } else { 0 }];
         for index in 0..grid.steps() {
             let (t, end) = grid.span(index);
+            let guided = guide.and_then(|guide| guide.steps.get(index));
             let h = end - t;
             let restart = if grid.kinks.contains(&index) {
-                let solved = self.solve_acceleration(&q, &v, t, index)?;
+                let first = First::guided(guided.and_then(|step| step.restart.as_ref()));
+                let solved = self.solve_acceleration(&q, &v, t, index, first)?;
                 a.clone_from(&solved.unknowns.x);
                 self.set_guess(&solved);
                 Some(solved)
@@ -211,7 +280,7 @@ impl<S: RunScalar> Marcher<'_, S> {
             if table.carried.len() > 2 {
                 carried.push(a);
             }
-            let stages = self.solve_stages(&carried, &rate, (t, end), index)?;
+            let stages = self.solve_stages(&carried, &rate, (t, end), index, guided)?;
             let accelerations: Vec<&[S]> = stages.iter().map(|stage| stage.solve.unknowns.x.as_slice()).collect();
             let updated: Vec<Vec<S>> = table
                 .update
@@ -229,7 +298,7 @@ impl<S: RunScalar> Marcher<'_, S> {
             if let Some(last) = stages.last().filter(|stage| !stage.rate.is_empty()) {
                 rate.clone_from(&last.rate);
             }
-            let (position_projection, velocity_projection) = self.project(&mut q, &mut v, &a, end, h, index)?;
+            let (position_projection, velocity_projection) = self.project(&mut q, &mut v, &a, (end, h), index, guided)?;
             let (q_end, v_end) = (q.clone(), v.clone());
             let step = StepRecord { t, h, restart, stages, position_projection, velocity_projection, q: q_end, v: v_end };
             if !recorder.step(step) {
@@ -244,10 +313,17 @@ impl<S: RunScalar> Marcher<'_, S> {
     }
 
     /// The acceleration for given (q, v), at acceleration level whatever the level of the run.
-    fn solve_acceleration(&mut self, q: &[S], v: &[S], t: f64, step: usize) -> Result<SolveRecord<S>, RunError> {
+    fn solve_acceleration(
+        &mut self,
+        q: &[S],
+        v: &[S],
+        t: f64,
+        step: usize,
+        first: First<S>,
+    ) -> Result<SolveRecord<S>, RunError> {
         let base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
         let place = || format!("acceleration before step {} (t = {t} s)", step + 1);
-        solve(&mut self.acceleration, Equations::acceleration(), base, None, &self.problem.p, t, &place)
+        solve(&mut self.acceleration, Equations::acceleration(), base, first, &self.problem.p, t, &place)
     }
 
     fn set_guess(&mut self, solved: &SolveRecord<S>) {
@@ -264,6 +340,7 @@ impl<S: RunScalar> Marcher<'_, S> {
         rate: &[S],
         (t, end): (f64, f64),
         step: usize,
+        guided: Option<&StepRecord<f64>>,
     ) -> Result<Vec<StageRecord<S>>, RunError> {
         let h = end - t;
         let table = &self.method.table;
@@ -288,7 +365,11 @@ impl<S: RunScalar> Marcher<'_, S> {
                 if let Some(increment) = &self.increments[index] {
                     guess.add_scaled(increment, 1.0);
                 }
-                let solve = solve(&mut self.stage, equations, base, Some(&guess), &self.problem.p, time, &place)?;
+                let first = match guided {
+                    Some(step) => First::Solved(&step.stages[index].solve.unknowns),
+                    None => First::Guess(&guess),
+                };
+                let solve = solve(&mut self.stage, equations, base, first, &self.problem.p, time, &place)?;
                 let mut increment = solve.unknowns.clone();
                 increment.add_scaled(&self.guess, -1.0);
                 self.increments[index] = Some(increment);
@@ -309,9 +390,9 @@ impl<S: RunScalar> Marcher<'_, S> {
         q: &mut [S],
         v: &mut [S],
         a: &[S],
-        t: f64,
-        h: f64,
+        (t, h): (f64, f64),
         step: usize,
+        guided: Option<&StepRecord<f64>>,
     ) -> Result<(Option<SolveRecord<S>>, Option<SolveRecord<S>>), RunError> {
         if !self.constrained || self.method.level != ConstraintLevel::Acceleration {
             return Ok((None, None));
@@ -320,10 +401,12 @@ impl<S: RunScalar> Marcher<'_, S> {
         let p = &self.problem.p;
         let place = || format!("step {}, projection (t = {t} s)", step + 1);
         let base = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
-        let position = solve(&mut self.position, Equations::position_projection(scale), base, None, p, t, &place)?;
+        let first = First::guided(guided.and_then(|step| step.position_projection.as_ref()));
+        let position = solve(&mut self.position, Equations::position_projection(scale), base, first, p, t, &place)?;
         add_scaled(q, &position.unknowns.x, scale * scale);
         let base = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
-        let velocity = solve(&mut self.velocity, Equations::velocity_projection(scale), base, None, p, t, &place)?;
+        let first = First::guided(guided.and_then(|step| step.velocity_projection.as_ref()));
+        let velocity = solve(&mut self.velocity, Equations::velocity_projection(scale), base, first, p, t, &place)?;
         add_scaled(v, &velocity.unknowns.x, scale);
         Ok((Some(position), Some(velocity)))
     }

@@ -14,9 +14,9 @@ mod tables;
 
 pub use error::RunError;
 pub use grid::TimeGrid;
-pub use march::{Method, Problem, Run, march};
+pub use march::{Method, Problem, Run, march, march_along};
 pub use newton::{Counters, Newton, NewtonTolerance};
-pub use record::{Recorder, SolveRecord, StageRecord, StartRecord, StepRecord};
+pub use record::{Guide, Recorder, SolveRecord, StageRecord, StartRecord, StepRecord};
 pub use start::{ConstraintPolicy, InitialState, StartPlan};
 pub use table::{Butcher, Carried, Combination, Stage, Table};
 pub use tables::{DEFAULT_TABLE, table_by_name, tables};

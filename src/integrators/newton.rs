@@ -51,6 +51,8 @@ const SLOW: f64 = 0.1;
 const STALLED: f64 = 0.3;
 /// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
 const NEARLY: f64 = 1e-13;
+/// Relative correction up to which a guide counts as the solution of the same problem.
+const GUIDED: f64 = 1e-6;
 /// Share of the largest force below which a stalled residual counts as round-off.
 const FORCE_FLOOR: f64 = 1e-10;
 
@@ -131,6 +133,30 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
         }
         Ok(())
+    }
+
+    /// Solves for the derivative parts alone, the values being a solution already (that of a real run).
+    ///
+    /// # Errors
+    /// [`Failure`] if the values are far from a solution: the guide belongs to another problem.
+    pub fn solve_guided(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Failure> {
+        self.counters.systems += 1;
+        self.residual.start(self.system, equations, base, p, t);
+        let p_real: Vec<f64> = p.iter().map(|p| p.value()).collect();
+        self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
+        let scale = unknowns.x.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
+        let correction = self.step(None, &mut unknowns.clone());
+        if correction <= GUIDED * scale || self.at_round_off(equations, correction, scale) {
+            return Ok(());
+        }
+        Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })
     }
 
     fn solve_value(

@@ -70,3 +70,12 @@ pub trait Recorder<S> {
     /// A finished step; `false` stops the run.
     fn step(&mut self, step: StepRecord<S>) -> bool;
 }
+
+/// A finished real run that runs with derivative parts follow: their values are its values, number by number.
+#[derive(Clone, Copy, Debug)]
+pub struct Guide<'r> {
+    /// Its start.
+    pub start: &'r StartRecord<f64>,
+    /// Its steps.
+    pub steps: &'r [StepRecord<f64>],
+}

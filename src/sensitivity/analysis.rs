@@ -3,7 +3,7 @@ use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::functionals::{Functional, FunctionalScalar};
 use crate::history::History;
-use crate::integrators::{Counters, InitialState, Method, Problem, RunError, StartPlan, TimeGrid, march};
+use crate::integrators::{Counters, InitialState, Method, Problem, RunError, StartPlan, TimeGrid, march, march_along};
 use crate::scalar::{Complex, LANES, Lanes};
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
@@ -171,10 +171,13 @@ impl<'m> Analysis<'m> {
         Gradient { rows: vec![Vec::new(); self.functionals.len()], counters: Counters::default() }
     }
 
+    /// A run with derivative parts along the states of the real run: round-off of a second solution would be magnified into
+    /// derivatives at position level, and nothing converged is solved for again.
     fn perturbed_run<S: Perturbed>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
         let mut history = History::default();
-        let run = march(&self.problem(&numbers), self.method, self.grid, self.plan, &mut history)?;
+        let guide = forward.history.guide();
+        let run = march_along(&self.problem(&numbers), self.method, self.grid, self.plan, guide, &mut history)?;
         let value = |(f, &offset): (&Functional, &Option<f64>)| {
             f.value(self.model, &self.method.table, &history, &numbers.p, offset)
         };

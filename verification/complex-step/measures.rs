@@ -1,0 +1,134 @@
+//! The list of functionals, and which design variables they cannot depend on.
+
+use costate::assembly::{ConstraintId, NodeId};
+use costate::elements::Anchor;
+use costate::functionals::Over;
+use costate::functionals::quantities::{Coordinate, Position, TargetDistance, Velocity};
+use costate::scalar::Scalar;
+use costate::scenes::MechanismBuilder;
+
+/// A quantity of the library.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    Position,
+    Velocity,
+    TargetDistance,
+    Coordinate,
+    Reaction,
+    Energy,
+    Mass,
+}
+
+const NORMALIZED: Over = Over::SmoothMaximum { sharpness: 3.0, normalized: true };
+/// Forces reach tens of newtons: a sharper maximum would see one stage, or the negative weight of another.
+const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true };
+const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
+
+/// Every quantity and every use of one over time; a new one is a line here.
+pub const LIST: [(Measure, Over); 15] = [
+    (Measure::Position, Over::Initial),
+    (Measure::Position, Over::Terminal),
+    (Measure::Position, Over::Integral),
+    (Measure::Velocity, Over::Initial),
+    (Measure::Velocity, PLAIN),
+    (Measure::TargetDistance, Over::Integral),
+    (Measure::TargetDistance, NORMALIZED),
+    (Measure::Coordinate, Over::Terminal),
+    (Measure::Energy, Over::Initial),
+    (Measure::Energy, Over::Terminal),
+    (Measure::Reaction, Over::Initial),
+    (Measure::Reaction, Over::Terminal),
+    (Measure::Reaction, Over::Integral),
+    (Measure::Reaction, OF_FORCE),
+    (Measure::Mass, Over::Integral),
+];
+
+/// How far a design variable reaches: what does not lie on its way is zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reach {
+    /// The formula does not use it: the point of a point node.
+    Nothing,
+    /// Mass, inertia: kinetic energy and accelerations.
+    Mass,
+    Inertia,
+    /// The same where the start is projected in the mass metric.
+    ProjectedMass,
+    ProjectedInertia,
+    /// Potential energy and accelerations.
+    Stored,
+    /// Accelerations.
+    Force,
+    /// Nothing before some time after the start.
+    Later,
+    /// A constraint's number: it moves a projected start.
+    Geometry,
+    /// A driver's number that moves only the velocities of a projected start.
+    Rate,
+    /// The start itself.
+    StartPosition,
+    StartVelocity,
+    /// Parameters of the functionals.
+    Sensor,
+}
+
+/// True if the functional cannot depend on the variable.
+pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
+    use Measure::*;
+    use Reach::*;
+    match (measure, reach) {
+        (_, Nothing) => true,
+        (_, Sensor) => matches!(measure, Coordinate | Energy | Measure::Mass),
+        (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),
+        _ if over != Over::Initial => false,
+        (Reaction, _) => reach == Later,
+        (Energy, _) => matches!(reach, Force | Later),
+        (Velocity, _) => {
+            !matches!(reach, ProjectedMass | ProjectedInertia | Geometry | Rate | StartPosition | StartVelocity)
+        }
+        _ => !matches!(reach, ProjectedMass | ProjectedInertia | Geometry | StartPosition),
+    }
+}
+
+/// Name of a functional of the list.
+pub fn name((measure, over): (Measure, Over)) -> String {
+    format!("{measure:?} {over:?}")
+}
+
+/// What the functionals of a scene look at.
+pub struct Seen {
+    /// A body.
+    pub arm: NodeId,
+    /// A body or a point.
+    pub second: NodeId,
+    /// Which of the two.
+    pub second_is: Anchor,
+    /// The joint whose reaction is measured.
+    pub joint: ConstraintId,
+    /// Its number of equations.
+    pub equations: usize,
+}
+
+/// Adds the list to a scene; `sensor` scales all numbers of the functionals, which are parameters like any other.
+pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
+    let numbers = |values: &[f64]| -> Vec<S> { values.iter().map(|&value| sensor * value).collect() };
+    let point_and_direction = numbers(&[0.3, 0.1, -0.2, 0.5, -0.6, 0.4]);
+    let point_and_target = numbers(&[0.1, 0.2, 0.1, 0.4, 0.9, -0.3]);
+    let weights = numbers(&[0.7, -0.5, 0.6, 0.9, -0.8, 0.4][..seen.equations]);
+    let (arm, second) = (&[seen.arm][..], &[seen.second][..]);
+    for entry in LIST {
+        let (name, over) = (name(entry), entry.1);
+        let of = Anchor::Body;
+        match entry.0 {
+            Measure::Position => m.functional(&name, "m", over, (arm, &[]), Position { of }, &point_and_direction),
+            Measure::Velocity => m.functional(&name, "m/s", over, (arm, &[]), Velocity { of }, &point_and_direction),
+            Measure::TargetDistance => {
+                let quantity = TargetDistance { of: seen.second_is };
+                m.functional(&name, "m2", over, (second, &[]), quantity, &point_and_target);
+            }
+            Measure::Coordinate => m.functional(&name, "-", over, (arm, &[]), Coordinate { of: 7, index: 4 }, &[]),
+            Measure::Reaction => m.reaction_functional(&name, over, seen.joint, &weights),
+            Measure::Energy => m.energy_functional(&name, over),
+            Measure::Mass => m.mass_functional(&name, over),
+        }
+    }
+}
