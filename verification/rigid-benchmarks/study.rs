@@ -16,7 +16,7 @@ impl Study for RigidBenchmarks {
         "rigid mechanisms against closed forms, published values and gradients; constraints over 100,000 steps"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let parts: [(&str, fn(&mut Report) -> Result<(), String>); 7] = [
+        let parts: [(&str, Part); 7] = [
             ("pendulum, IFToMM A01", pendulum),
             ("two four-bar linkages, IFToMM A02", two_four_bar),
             ("car axis", car_axis),
@@ -32,6 +32,9 @@ impl Study for RigidBenchmarks {
         Ok(())
     }
 }
+
+/// Measures one problem.
+type Part = fn(&mut Report) -> Result<(), String>;
 
 /// A scene at its initial design with a table at acceleration level.
 fn prepare<'s>(scene: &'s dyn AnyScene, table: &str, end: f64, steps: usize) -> Result<Prepared<'s>, String> {
