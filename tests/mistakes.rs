@@ -17,6 +17,7 @@ enum Mistake {
     WrongParameterCount,
     EnergyWithoutEnergies,
     TopologyFromDesign,
+    JumpingDriver,
 }
 struct Mistaken(Option<Mistake>);
 
@@ -84,6 +85,10 @@ impl Scene for Mistaken {
             Some(EnergyWithoutEnergies) => {
                 m.element("drag", &[rod], Drag, &[]);
                 m.energy_functional("energy", Over::Terminal);
+            }
+            Some(JumpingDriver) => {
+                let jump = TimeFunction::Step { switch: 0.5 };
+                m.prescribed_rotation("motor", [ground, rod], hinge, jump, &[S::zero(), S::one()]);
             }
             Some(TopologyFromDesign) if !x[0].is_constant() => {
                 m.line_damper("appears", [ground, rod], [hinge, axis * x[0]], S::one());
@@ -180,6 +185,11 @@ fn a_point_without_inertia_is_named() {
 #[test]
 fn a_wrong_number_of_parameters_shows_both_numbers() {
     assert_says(&refused(Mistake::WrongParameterCount), &["\"drag\"", "0 parameters", "1 values"]);
+}
+
+#[test]
+fn a_driver_that_jumps_is_refused() {
+    assert_says(&refused(Mistake::JumpingDriver), &["\"motor\"", "jump at t = 0.5 s", "smooth ramp"]);
 }
 
 #[test]

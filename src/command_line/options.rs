@@ -2,7 +2,7 @@ use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design};
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, table_by_name, tables};
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, table_by_name, tables};
 use costate::scenes::{AnyScene, Prepared, built_in};
 use std::path::PathBuf;
 
@@ -29,6 +29,9 @@ pub struct SceneOptions {
     /// Time derivative on which constraints are kept: position, velocity, acceleration
     #[arg(long, value_name = "LEVEL", default_value = ConstraintLevel::default().name())]
     constraint_level: String,
+    /// When Newton's method stops: at round-off, or by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy
+    #[arg(long, value_name = "RULE", default_value = NewtonTolerance::default().name())]
+    newton: String,
     /// Change a design variable; may be given once for each
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -121,12 +124,17 @@ impl SceneOptions {
             let known = ConstraintLevel::ALL.map(|level| level.name().to_string());
             Failure::input(unknown("--constraint-level", &self.constraint_level, &known))
         })?;
+        let mut method = Method::new(table, level);
+        method.tolerance = NewtonTolerance::ALL.into_iter().find(|rule| rule.name() == self.newton).ok_or_else(|| {
+            let known = NewtonTolerance::ALL.map(|rule| rule.name().to_string());
+            Failure::input(unknown("--newton", &self.newton, &known))
+        })?;
         let mut settings = scene.default_settings();
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;
         let x = changed_design(&scene.design_variables(), &self.set)?;
-        let prepared = Prepared::with(scene, &x, Method::new(table, level), settings);
+        let prepared = Prepared::with(scene, &x, method, settings);
         prepared.map_err(|error| {
             let failure = Failure::from(error);
             Failure { message: format!("scene \"{}\": {}", self.scene, failure.message), ..failure }

@@ -13,6 +13,19 @@ pub enum NewtonTolerance {
     Residual,
 }
 
+impl NewtonTolerance {
+    /// Both rules.
+    pub const ALL: [NewtonTolerance; 2] = [NewtonTolerance::RoundOff, NewtonTolerance::Residual];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            NewtonTolerance::RoundOff => "round-off",
+            NewtonTolerance::Residual => "residual",
+        }
+    }
+}
+
 /// Work done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {

@@ -280,6 +280,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.constraint(name, &nodes, FixedJoint, &p)
     }
 
+    /// A motion driver needs a function with two derivatives.
+    fn check_driver(&mut self, name: &str, function: &TimeFunction) {
+        if let TimeFunction::Step { switch } = function {
+            self.mistakes.push(format!("driver \"{name}\" would jump at t = {switch} s; give it a smooth ramp or a table"));
+        }
+    }
+
     /// Drives the angle of b against a about a world axis [rad]; the angle is zero at the start of the geometry.
     pub fn prescribed_rotation(
         &mut self,
@@ -289,6 +296,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         angle: TimeFunction,
         function_parameters: &[S],
     ) -> ConstraintId {
+        self.check_driver(name, &angle);
         let p = [self.angle_frame(nodes, axis), function_parameters.to_vec()].concat();
         self.constraint(name, &nodes, PrescribedRotation { angle }, &p)
     }
@@ -303,6 +311,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         displacement: TimeFunction,
         function_parameters: &[S],
     ) -> ConstraintId {
+        self.check_driver(name, &displacement);
         let b = self.anchor(name, nodes[1]);
         let axis = self.local_direction(nodes[0], axis.normalized());
         let p = [self.points_between(nodes, [origin, point]), axis.0.to_vec(), function_parameters.to_vec()].concat();

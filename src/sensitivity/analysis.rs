@@ -95,7 +95,7 @@ impl<'m> Analysis<'m> {
     fn check_values(&self, forward: &Forward) -> Result<(), RunError> {
         match forward.values.iter().position(|value| !value.is_finite()) {
             Some(k) => Err(RunError::Input(format!(
-                "functional \"{}\" is {}: a smooth maximum needs steps that resolve its peak; try a smaller step or sharpness",
+                "functional \"{}\" is {}: a smooth maximum needs steps that resolve its peak, all the more where a method has negative weights; try a smaller step or sharpness",
                 self.functionals[k].name, forward.values[k]
             ))),
             None => Ok(()),

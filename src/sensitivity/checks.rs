@@ -4,8 +4,9 @@ use crate::integrators::RunError;
 /// Largest difference of two rows, relative to the largest entry of the first.
 pub fn largest_difference(reference: &[f64], other: &[f64]) -> f64 {
     let scale = reference.iter().fold(0.0, |s: f64, x| s.max(x.abs()));
-    let difference =
-        reference.iter().zip(other).fold(0.0, |d: f64, (a, b)| if (a - b).abs() <= d { d } else { (a - b).abs() });
+    // a NaN stays: no later entry may hide it
+    let worse = |d: f64, (a, b): (&f64, &f64)| if d.is_nan() || (a - b).abs() <= d { d } else { (a - b).abs() };
+    let difference = reference.iter().zip(other).fold(0.0, worse);
     if difference == 0.0 { 0.0 } else { difference / scale }
 }
 
@@ -51,5 +52,17 @@ impl TaylorTest {
     /// Observed order of the second remainder between successive steps; 2 for a right gradient.
     pub fn orders(&self) -> Vec<f64> {
         self.second.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest_difference;
+
+    #[test]
+    fn a_nan_is_never_hidden_by_a_later_entry() {
+        assert!(largest_difference(&[1.0, 2.0, 3.0], &[1.0, f64::NAN, 3.5]).is_nan());
+        assert_eq!(largest_difference(&[1.0, -4.0], &[1.0, -3.0]), 0.25);
+        assert_eq!(largest_difference(&[0.0], &[0.0]), 0.0);
     }
 }
