@@ -17,7 +17,16 @@ impl Scalar for f64 {
     forward!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
     #[inline]
     fn powi(self, exponent: i32) -> Self {
-        f64::powi(self, exponent)
+        // by squaring: the rounding of f64::powi depends on what the compiler knows of the exponent
+        let (mut power, mut square, mut rest) = (1.0, self, exponent.unsigned_abs());
+        while rest > 0 {
+            if rest % 2 == 1 {
+                power *= square;
+            }
+            square *= square;
+            rest /= 2;
+        }
+        if exponent < 0 { 1.0 / power } else { power }
     }
     #[inline]
     fn powf(self, exponent: f64) -> Self {

@@ -90,11 +90,13 @@ fn sweep<S: Scalar>(records: &[Record], partials: &[[S; 2]], start: usize, adjoi
         let places = record.operands.into_iter().enumerate().filter(|(_, operand)| *operand != CONSTANT);
         for (side, operand) in places {
             let target = &mut adjoint[operand as usize - start];
+            // a partial of zero ends the chain, whatever lies before it: 0 times infinity is not reached
             if record.partials == LINEAR {
-                *target += bar * record.factors[side];
+                if record.factors[side] != 0.0 {
+                    *target += bar * record.factors[side];
+                }
             } else {
                 let partial = partials[record.partials as usize][side];
-                // a partial of zero ends the chain, whatever lies before it: 0 times infinity is not reached
                 if !(partial.value() == 0.0 && partial.is_constant()) {
                     *target += partial * bar;
                 }
