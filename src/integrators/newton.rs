@@ -166,7 +166,11 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
         let scale = unknowns.x.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
         let correction = self.step(None, &mut unknowns.clone());
-        if correction <= GUIDED * scale || self.at_round_off(equations, correction, scale) {
+        let near = match projected_size(equations, base) {
+            Some((unit, size)) => unit * correction <= GUIDED * size,
+            None => correction <= GUIDED * scale || self.at_round_off(equations, correction, scale),
+        };
+        if near {
             return Ok(());
         }
         Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })
