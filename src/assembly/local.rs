@@ -110,12 +110,14 @@ pub(super) fn equation_rows(local: &Local, equations: &Equations, node: State<f6
 /// Most corrections of a node's own equations; each gains many digits.
 const RESTORATIONS: usize = 8;
 
-/// Moves x (and y) of each node along C^T until the node's own equations hold to round-off, in every derivative part.
+/// Moves x (and y) of each node along C^T until the node's own equations hold to round-off, in every derivative part; with
+/// `keep_values` in the derivative parts only.
 pub(super) fn restore<S: RunScalar>(
     system: &System,
     equations: &Equations,
     base: &VectorsAvq<S>,
     unknowns: &mut Unknowns<S>,
+    keep_values: bool,
 ) {
     // Euler parameters do not depend on time: the equations of nodes are taken at t = 0
     let t = 0.0;
@@ -155,7 +157,8 @@ pub(super) fn restore<S: RunScalar>(
                 }
             };
             let terms: f64 = q.iter().zip(v.iter().zip(&a)).map(term).sum();
-            let value_settled = residual.iter().all(|r| r.value().abs() <= f64::EPSILON * terms * scales[0].abs());
+            let value_settled =
+                keep_values || residual.iter().all(|r| r.value().abs() <= f64::EPSILON * terms * scales[0].abs());
             if value_settled && S::PARTS == 0 {
                 break;
             }

@@ -46,6 +46,8 @@ pub struct Residual<S> {
     pub g: Vec<S>,
     /// Second set of G, scaled; empty unless stabilized.
     pub g_second: Vec<S>,
+    /// Leave the values of unknowns as they are given: they are a solution already, and only derivative parts are solved for.
+    pub keep_values: bool,
     /// Largest contribution of one part to F: what round-off of F is measured against.
     pub force_scale: f64,
     /// R at the base point, for a metric.
@@ -66,6 +68,7 @@ impl<S: RunScalar> Residual<S> {
             y: second(dofs),
             g: vec![S::zero(); system.multipliers()],
             g_second: second(system.multipliers()),
+            keep_values: false,
             force_scale: 0.0,
             base: vec![S::zero(); dofs],
             parts: vec![S::zero(); system.model.elements.iter().map(|e| e.physics.dof_count()).sum()],
@@ -103,7 +106,7 @@ impl<S: RunScalar> Residual<S> {
         p: &[S],
         t: f64,
     ) {
-        super::local::restore(system, equations, base, unknowns);
+        self.restore(system, equations, base, unknowns);
         self.at.set_shifted(base, equations.residual, unknowns);
         self.constraint_at.set_shifted(base, equations.constraint, unknowns);
         let at = std::mem::take(&mut self.at);
@@ -124,6 +127,11 @@ impl<S: RunScalar> Residual<S> {
                 self.f[node.dofs.clone()].fill(S::zero());
             }
         }
+    }
+
+    /// Brings unknowns back onto the equations inside nodes, from which a step along an older basis leads away a little.
+    pub fn restore(&self, system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
+        super::local::restore(system, equations, base, unknowns, self.keep_values);
     }
 
     /// F = sum of the elements' residuals at `at`.

@@ -142,6 +142,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
         let p_real: Vec<f64> = p.iter().map(|p| p.value()).collect();
         self.solve_value(equations, base, unknowns, p, &p_real, t)?;
+        self.residual.restore(self.system, equations, base, unknowns);
         if S::PARTS > 0 {
             self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
         }
@@ -163,6 +164,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.systems += 1;
         self.residual.start(self.system, equations, base, p, t);
         let p_real: Vec<f64> = p.iter().map(|p| p.value()).collect();
+        self.residual.keep_values = true;
         self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
         let scale = unknowns.x.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
         let correction = self.step(None, &mut unknowns.clone());
