@@ -140,11 +140,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         if self.factored.is_none_or(|old| !resembles(&old, equations)) {
             self.factored = None;
         }
-        let p_real: Vec<f64> = p.iter().map(|p| p.value()).collect();
-        self.solve_value(equations, base, unknowns, p, &p_real, t)?;
+        self.solve_value(equations, base, unknowns, p, t)?;
         self.residual.restore(self.system, equations, base, unknowns);
         if S::PARTS > 0 {
-            self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
+            self.solve_parts(equations, base, unknowns, p, t)?;
         }
         Ok(())
     }
@@ -163,9 +162,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(self.system, equations, base, p, t);
-        let p_real: Vec<f64> = p.iter().map(|p| p.value()).collect();
         self.residual.keep_values = true;
-        self.solve_parts(equations, base, unknowns, p, &p_real, t)?;
+        self.solve_parts(equations, base, unknowns, p, t)?;
         let scale = unknowns.x.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
         let correction = self.step(None, &mut unknowns.clone());
         let near = match projected_size(equations, base) {
@@ -184,7 +182,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         base: &VectorsAvq<S>,
         unknowns: &mut Unknowns<S>,
         p: &[S],
-        p_real: &[f64],
         t: f64,
     ) -> Result<(), Failure> {
         let fail = |how, iterations, correction| Err(Failure { how, iterations, correction });
@@ -205,7 +202,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 }
             }
             if self.factored.is_none() {
-                self.factorize(equations, unknowns, p_real, t).map_err(|singular| Failure {
+                self.factorize(equations, unknowns, p, t).map_err(|singular| Failure {
                     how: FailureKind::Singular(singular.unknown),
                     iterations: iteration,
                     correction: f64::NAN,
@@ -281,11 +278,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         base: &VectorsAvq<S>,
         unknowns: &mut Unknowns<S>,
         p: &[S],
-        p_real: &[f64],
         t: f64,
     ) -> Result<(), Failure> {
         self.evaluate(equations, base, unknowns, p, t);
-        self.factorize(equations, unknowns, p_real, t).map_err(|s| Failure {
+        self.factorize(equations, unknowns, p, t).map_err(|s| Failure {
             how: FailureKind::Singular(s.unknown),
             iterations: 0,
             correction: f64::NAN,
@@ -314,9 +310,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.residual.evaluate(self.system, equations, base, unknowns, p, t);
     }
 
-    fn factorize(&mut self, equations: &Equations, unknowns: &Unknowns<S>, p: &[f64], t: f64) -> Result<(), Singular> {
+    fn factorize(&mut self, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) -> Result<(), Singular> {
         self.counters.factorizations += 1;
-        self.jacobian.assemble(self.system, equations, &self.residual, unknowns, p, t);
+        let p: Vec<f64> = p.iter().map(|p| p.value()).collect();
+        self.jacobian.assemble(self.system, equations, &self.residual, unknowns, &p, t);
         self.factorization.factor(&self.jacobian.values)?;
         self.factored = Some(*equations);
         Ok(())

@@ -163,9 +163,4 @@ impl Table {
         let last = self.stages.len() - 1;
         h * self.stages[last].v.stages[last]
     }
-
-    /// Number of stages that are solved for.
-    pub fn implicit_stages(&self) -> usize {
-        self.stages.iter().filter(|stage| stage.known.is_none()).count()
-    }
 }

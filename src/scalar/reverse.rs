@@ -190,16 +190,6 @@ impl Tape {
 }
 
 impl<S: Recordable> Reverse<S> {
-    /// True if the value depends on a recorded variable.
-    pub fn depends_on_variables(self) -> bool {
-        self.node != CONSTANT
-    }
-
-    /// The value, with the derivatives of its own scalar.
-    pub fn inner(self) -> S {
-        self.value
-    }
-
     /// A value that no recorded variable touches.
     #[inline]
     pub fn constant(value: S) -> Self {
