@@ -1,5 +1,6 @@
 //! The command line of costate.
 
+mod allocations;
 mod command_line;
 #[path = "../verification/mod.rs"]
 mod verification;

@@ -79,6 +79,16 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--end", "-1"], &["--end", "'-1'", "above 0"]),
         (&["run", "pendulum", "--end", "inf"], &["--end", "'inf'", "above 0"]),
         (&["run", "pendulum", "--method", "esdrik3"], &["--method \"esdrik3\"", "\"esdirk3\"?", "midpoint"]),
+        (&["run", "pendulum", "--method", "generalized-alpha:2"], &["--method", "generalized-alpha:2", "from 0 to 1"]),
+        (
+            &["run", "pendulum", "--method", "bdf2", "--tolerance", "1e-6"],
+            &["\"bdf2\"", "sdirk4, esdirk3, esdirk4, esdirk5"],
+        ),
+        (&["run", "pendulum", "--tolerance", "0"], &["--tolerance", "'0'", "above 0"]),
+        (&["run", "pendulum", "--tolerance", "1e-6", "--steps", "5"], &["--tolerance", "--steps"]),
+        (&["run", "pendulum", "--longest-step", "0.1"], &["--tolerance"]),
+        (&["run", "pendulum", "--output-step", "-1"], &["--output-step", "'-1'", "above 0"]),
+        (&["run", "pendulum", "--output-step", "1e-9"], &["--output-step", "10000000"]),
         (&["run", "pendulum", "--constraint-level", "index3"], &["--constraint-level \"index3\"", "velocity"]),
         (&["run", "pendulum", "--set", "lenght=2"], &["--set lenght=2", "\"length\"?", "mass, length, gravity"]),
         (&["run", "pendulum", "--set", "length"], &["--set \"length\"", "NAME=VALUE"]),
@@ -86,6 +96,8 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--set", "length=11"], &["length=11", "between 0.1 and 10 m"]),
         (&["run", "pendulum", "--set", "length=nan"], &["length=nan", "between 0.1 and 10 m"]),
         (&["run", "pendulum", "--set", "mass=1", "--set", "mass=2"], &["mass=2", "already set"]),
+        (&["gradient", "pendulum", "--history", "disk"], &["--history", "'disk'", "file:PATH", "checkpoints:MEGABYTES"]),
+        (&["gradient", "pendulum", "--history", "checkpoints:-1"], &["--history", "'checkpoints:-1'", "above 0"]),
         (&["verify", "--record"], &["--record", "<NAME>"]),
         (&["run"], &["<SCENE>"]),
     ];
@@ -180,6 +192,58 @@ fn a_checked_gradient_shows_adjoint_and_complex_step_side_by_side() {
         assert!(object[name].as_u64().unwrap() > 0, "{name}");
     }
     assert!(object["adjoint_element_products"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_gradient_is_the_same_wherever_its_steps_are_kept() {
+    let folder = Folder::new("histories");
+    let gradient = |history: &str| {
+        let arguments = ["gradient", "pendulum", "--end", "0.5", "--steps", "60", "--history", history, "--json"];
+        let output = folder.run(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{history}: {}", text(&output.stderr));
+        json(&output)
+    };
+    let (memory, file, checkpoints) = (gradient("memory"), gradient("file:kept/run.bin"), gradient("checkpoints:0.03"));
+    for other in [&file, &checkpoints] {
+        assert_eq!(memory["functionals"], other["functionals"]);
+    }
+    assert_eq!([&memory["steps_in_memory"], &memory["adjoint_recomputed_steps"]], [60, 0]);
+    assert_eq!(file["steps_in_memory"], 0);
+    let written = fs::metadata(folder.0.join("kept/run.bin")).unwrap().len();
+    assert_eq!(file["history_bytes_written"], written);
+    assert_eq!(checkpoints["steps_in_memory"], 1);
+    assert!(checkpoints["adjoint_recomputed_steps"].as_u64().unwrap() >= 59);
+    assert!(checkpoints["checkpoints"].as_u64().unwrap() > 1);
+
+    let run = folder.run(&["run", "pendulum", "--end", "0.5", "--steps", "60", "--json"]);
+    assert_eq!(json(&run)["steps_in_memory"], 0, "a run without a gradient keeps no steps");
+
+    let output = folder.run(&["gradient", "pendulum", "--history", "file:kept"]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("history file kept cannot be created") && message.contains("not of a folder"), "{message}");
+}
+
+#[test]
+fn chosen_steps_are_counted_and_histories_written_at_the_times_asked_for() {
+    let folder = Folder::new("chosen");
+    let arguments = ["--method", "esdirk4", "--tolerance", "1e-6", "--velocity-tolerance", "1e-5", "--longest-step", "0.3"];
+    let output =
+        folder.run(&[&["gradient", "five-bar", "--check", "--output-step", "0.4", "--json"], &arguments[..]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let (object, table) = (json(&output), text(&output.stdout));
+    assert_eq!(object["tolerance"]["coordinates"], 1e-6);
+    assert_eq!(object["tolerance"]["velocities"], 1e-5);
+    assert_eq!(object["pass"], true);
+    for (words, name) in [("steps", "steps"), ("rejected steps", "rejected_steps")] {
+        let line = table.lines().find(|line| line.starts_with(&format!("{words} "))).unwrap();
+        let shown: u64 = line[words.len()..].split_whitespace().next().unwrap().parse().unwrap();
+        assert!(object[name] == shown && shown > 0, "{line}");
+    }
+    let (_, rows) = csv(&folder.0.join("out/five-bar/histories.csv"));
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    let expected: Vec<f64> = (0..=12).map(|i| f64::from(i) * 0.4).chain([5.0]).collect();
+    assert_eq!(times, expected);
 }
 
 #[test]

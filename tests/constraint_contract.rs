@@ -479,3 +479,45 @@ fn prescribed_motion_names_the_kinks_of_its_function() {
         assert_eq!(translation.kink_times(&p), function.kinks(&own));
     }
 }
+
+#[test]
+fn rows_are_the_gradients_of_all_levels() {
+    for case in cases() {
+        for sample in samples(&case) {
+            let (n, count) = (sample.q.len(), case.constraint.equation_count());
+            let mut rows = vec![Taylor::default(); n * count];
+            case.constraint.rows(sample.state(), &case.p, sample.t, &mut rows);
+            for column in 0..n {
+                let mut q = complex(&sample.q);
+                q[column].im = Complex::STEP;
+                let (a, v) = (complex(&sample.a), complex(&sample.v));
+                let state = State { a: &a, v: &v, q: &q };
+                let g = derivatives(&case, state, &complex(&case.p), sample.t.into(), 1.0);
+                for (row, g) in g.iter().enumerate() {
+                    let own = rows[row * n + column];
+                    let expected = [g.value.im, g.first.im, g.second.im].map(|im| im / Complex::STEP);
+                    assert_close(&case.name, &[own.value, own.first, own.second], &expected, 1e-12);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn separable_constraints_couple_no_two_nodes() {
+    let mut separable = 0;
+    for case in cases().iter().filter(|case| case.constraint.is_separable()) {
+        separable += 1;
+        for sample in samples(case) {
+            let first = case.nodes[0].dofs();
+            for column in 0..sample.q.len() {
+                let mut q = complex(&sample.q);
+                q[column].im = Complex::STEP;
+                let r = reaction(case, &q, &complex(&sample.mu), &complex(&case.p), sample.t.into());
+                let other = if column < first { &r[first..] } else { &r[..first] };
+                assert!(other.iter().all(|r| r.im == 0.0), "{}: coordinate {column} moves {other:?}", case.name);
+            }
+        }
+    }
+    assert!(separable > 0);
+}

@@ -1,3 +1,5 @@
+use costate::io::Chart;
+
 /// One measured number with what it is compared to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -14,12 +16,14 @@ pub struct Figure {
 }
 
 /// The figures of a study, in the order in which they were measured.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Report {
     /// All of them.
     pub figures: Vec<Figure>,
     /// Lines for people: explanations that belong to the result.
     pub notes: Vec<String>,
+    /// Stacked charts with the name of their file; drawn where the result is recorded.
+    pub pictures: Vec<(String, Vec<Chart>)>,
 }
 
 impl Report {
@@ -44,6 +48,11 @@ impl Report {
     /// A line of explanation.
     pub fn note(&mut self, line: impl Into<String>) {
         self.notes.push(line.into());
+    }
+
+    /// Charts above each other.
+    pub fn picture(&mut self, name: impl Into<String>, charts: Vec<Chart>) {
+        self.pictures.push((name.into(), charts));
     }
 
     /// True if every figure is within its tolerance and there is at least one that could fail.

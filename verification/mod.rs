@@ -1,5 +1,7 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
+#[path = "chain/study.rs"]
+mod chain;
 #[path = "complex-step/study.rs"]
 mod complex_step;
 mod figure;
@@ -9,6 +11,10 @@ mod gradient_cost;
 mod orders;
 #[path = "rigid-benchmarks/study.rs"]
 mod rigid_benchmarks;
+#[path = "stability/study.rs"]
+mod stability;
+#[path = "work-precision/study.rs"]
+mod work_precision;
 
 pub use figure::{Figure, Report};
 
@@ -32,5 +38,8 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(orders::Orders),
         Box::new(rigid_benchmarks::RigidBenchmarks),
         Box::new(gradient_cost::GradientCost),
+        Box::new(chain::ChainCost),
+        Box::new(stability::Stability),
+        Box::new(work_precision::WorkPrecision),
     ]
 }

@@ -1,4 +1,4 @@
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Taylor};
 
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +82,18 @@ impl Equations {
     pub fn initial_velocity_projection() -> Self {
         let constraint = Shift::new(0.0, 1.0, 0.0);
         Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Velocity, metric: true }
+    }
+
+    /// Scaled rows of the one or two sets of constraints towards an unknown x that moves one coordinate, and towards y, from the
+    /// entry of A and its derivatives along the motion.
+    pub(crate) fn row_entries(&self, a: Taylor<f64>) -> [[f64; 2]; 2] {
+        let Shift { gamma, beta, alpha } = self.constraint;
+        match self.level {
+            Level::Position => [[a.value, 0.0], [0.0; 2]],
+            Level::Velocity => [[a.value + alpha / beta * a.first, 0.0], [0.0; 2]],
+            Level::Acceleration => [[a.value + (2.0 * beta * a.first + alpha * a.second) / gamma, 0.0], [0.0; 2]],
+            Level::Stabilized => [[a.value, a.value + alpha / beta * a.first], [a.value, alpha / beta * a.first]],
+        }
     }
 
     /// Factors that give the constraint rows (first set, second set) the scale of A x.

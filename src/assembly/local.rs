@@ -5,23 +5,16 @@
 //! N_R to C, both orthonormal. Unknowns move along N_R and are then brought back onto the node's equations.
 
 use super::numbering::{Local, System};
-use super::residual::{LocalVec, select, write_level};
-use super::{Equations, Level, Unknowns, VectorsAvq};
+use super::residual::{LocalVec, select};
+use super::{Equations, Level, Shift, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
-use crate::scalar::{LANES, Lanes, Scalar, Taylor};
+use crate::scalar::{Scalar, Taylor};
 use smallvec::SmallVec;
 
 /// Rows A (equations by coordinates, row-major) of a node's own constraint.
-pub(super) fn reaction_rows<S: RunScalar>(local: &Local, q: &[S], t: f64) -> LocalVec<S> {
-    let count = local.equations.len();
-    let mut rows: LocalVec<S> = SmallVec::from_elem(S::zero(), count * q.len());
-    let mut unit: LocalVec<S> = SmallVec::from_elem(S::zero(), count);
-    for row in 0..count {
-        unit[row] = S::one();
-        let own = &mut rows[row * q.len()..(row + 1) * q.len()];
-        S::constraint(&*local.physics).add_reaction(q, &unit, &[], S::from(t), own);
-        unit[row] = S::zero();
-    }
+pub(super) fn reaction_rows<S: RunScalar>(local: &Local, q: &[S]) -> LocalVec<S> {
+    let mut rows: LocalVec<S> = SmallVec::from_elem(S::zero(), local.equations.len() * q.len());
+    local.form.rows(q, &mut rows);
     rows
 }
 
@@ -30,6 +23,9 @@ pub(super) fn least_squares<S: Scalar>(rows: &[S], count: usize, f: &[S]) -> Loc
     let n = f.len();
     let row = |i: usize| &rows[i * n..(i + 1) * n];
     let dot = |a: &[S], b: &[S]| a.iter().zip(b).map(|(&a, &b)| a * b).sum::<S>();
+    if count == 1 {
+        return SmallVec::from_elem(-(dot(rows, f) / dot(rows, rows)), 1);
+    }
     let mut rhs: LocalVec<S> = (0..count).map(|i| -dot(row(i), f)).collect();
     let mut normal: LocalVec<S> = (0..count * count).map(|ij| dot(row(ij / count), row(ij % count))).collect();
     solve_positive(&mut normal, &mut rhs);
@@ -70,57 +66,41 @@ pub(super) fn add_combination<S: Scalar>(rows: &[S], multipliers: &[S], f: &mut 
 }
 
 /// C: derivative of the node's scaled equations with respect to its unknowns (x, or x then y), row-major, at a real point.
-pub(super) fn equation_rows(local: &Local, equations: &Equations, node: State<f64>, t: f64) -> LocalVec<f64> {
+pub(super) fn equation_rows(local: &Local, equations: &Equations, node: State<f64>) -> LocalVec<f64> {
     let n = node.q.len();
     let stabilized = equations.level == Level::Stabilized;
     let columns = if stabilized { 2 * n } else { n };
     let count = local.equations.len();
+    let mut gradients: SmallVec<[Taylor<f64>; 16]> = SmallVec::from_elem(Taylor::default(), count * n);
+    local.form.moving_rows(node, &mut gradients);
     let mut rows: LocalVec<f64> = SmallVec::from_elem(0.0, columns * if stabilized { 2 * count } else { count });
-    let lanes = |x: &[f64]| -> LocalVec<Lanes> { x.iter().map(|&x| Lanes::constant(x)).collect() };
-    let (mut a, mut v, mut q) = (lanes(node.a), lanes(node.v), lanes(node.q));
-    let (shift, scales) = (equations.constraint, equations.row_scales());
-    let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), count);
-    for first in (0..columns).step_by(LANES) {
-        let width = LANES.min(columns - first);
-        for lane in 0..width {
-            let (dof, rate) = ((first + lane) % n, first + lane >= n);
-            a[dof].eps[lane] = if rate { 0.0 } else { shift.gamma };
-            v[dof].eps[lane] = if rate { 0.0 } else { shift.beta };
-            q[dof].eps[lane] = shift.alpha;
-        }
-        let state = State { a: &a, v: &v, q: &q };
-        write_level(Lanes::constraint(&*local.physics), equations.level, state, &[], Lanes::from(t), &mut g);
-        for (row, g) in g.iter().enumerate() {
-            let (value, second) = select(equations.level, *g);
-            for lane in 0..width {
-                rows[row * columns + first + lane] = value.eps[lane] * scales[0];
-                if stabilized {
-                    rows[(count + row) * columns + first + lane] = second.eps[lane] * scales[1];
-                }
-            }
-        }
-        for lane in 0..width {
-            let dof = (first + lane) % n;
-            (a[dof].eps[lane], v[dof].eps[lane], q[dof].eps[lane]) = (0.0, 0.0, 0.0);
+    for (place, &gradient) in gradients.iter().enumerate() {
+        let (row, dof) = (place / n, place % n);
+        let [x, y] = equations.row_entries(gradient);
+        rows[row * columns + dof] = x[0];
+        if stabilized {
+            rows[row * columns + n + dof] = y[0];
+            rows[(count + row) * columns + dof] = x[1];
+            rows[(count + row) * columns + n + dof] = y[1];
         }
     }
     rows
 }
 
-/// Most corrections of a node's own equations; each gains many digits.
-const RESTORATIONS: usize = 8;
-
 /// Moves x (and y) of each node along C^T until the node's own equations hold to round-off, in every derivative part; with
-/// `keep_values` in the derivative parts only.
+/// `keep_values` in the derivative parts only; at most `corrections` times.
 pub(super) fn restore<S: RunScalar>(
     system: &System,
     equations: &Equations,
     base: &VectorsAvq<S>,
     unknowns: &mut Unknowns<S>,
     keep_values: bool,
+    corrections: usize,
+    work: &mut VectorsAvq<S>,
 ) {
-    // Euler parameters do not depend on time: the equations of nodes are taken at t = 0
-    let t = 0.0;
+    if S::PARTS == 0 && corrections == 1 && equations.level != Level::Stabilized {
+        return correct_once(system, equations, base, unknowns);
+    }
     for local in system.eliminated() {
         let dofs = system.model.nodes[local.node].dofs.clone();
         let n = dofs.len();
@@ -129,34 +109,30 @@ pub(super) fn restore<S: RunScalar>(
         let stabilized = equations.level == Level::Stabilized;
         let mut rows: Option<LocalVec<f64>> = None;
         let mut previous = f64::INFINITY;
-        for _ in 0..RESTORATIONS {
-            let (mut a, mut v, mut q) = (LocalVec::new(), LocalVec::new(), LocalVec::new());
-            for i in dofs.clone() {
-                let x = unknowns.x[i];
-                let y = unknowns.y.get(i).copied().unwrap_or_default();
-                a.push(base.a[i] + x * equations.constraint.gamma);
-                v.push(base.v[i] + x * equations.constraint.beta);
-                q.push(base.q[i] + (x + y) * equations.constraint.alpha);
+        for _ in 0..corrections {
+            let VectorsAvq { a, v, q } = &mut *work;
+            let x = &unknowns.x[dofs.clone()];
+            for (own, base, factor) in [
+                (&mut *a, &base.a, equations.constraint.gamma),
+                (&mut *v, &base.v, equations.constraint.beta),
+                (&mut *q, &base.q, equations.constraint.alpha),
+            ] {
+                own.clear();
+                own.extend(base[dofs.clone()].iter().zip(x).map(|(&base, &x)| base + x * factor));
+            }
+            for (q, &y) in q.iter_mut().zip(unknowns.y.get(dofs.clone()).unwrap_or_default()) {
+                *q += y * equations.constraint.alpha;
             }
             let mut g: SmallVec<[Taylor<S>; 6]> = SmallVec::from_elem(Taylor::default(), count);
-            let state = State { a: &a, v: &v, q: &q };
-            write_level(S::constraint(&*local.physics), equations.level, state, &[], S::from(t), &mut g);
+            let state = State { a, v, q };
+            local.form.derivatives(state, &mut g);
             let mut residual: LocalVec<S> = g.iter().map(|&g| select(equations.level, g).0 * scales[0]).collect();
             if stabilized {
                 residual.extend(g.iter().map(|&g| select(equations.level, g).1 * scales[1]));
             }
             let size = residual.iter().map(|&r| magnitude(r)).fold(0.0, f64::max);
             // nothing is gained below the round-off of the equation's own terms (derivative parts have their own size)
-            let term = |(q, (v, a)): (&S, (&S, &S))| {
-                let (q, v, a) = (q.value().abs(), v.value().abs(), a.value().abs());
-                match equations.level {
-                    Level::Position => q * q,
-                    Level::Velocity => q * v,
-                    Level::Acceleration => q * a + v * v,
-                    Level::Stabilized => 0.0,
-                }
-            };
-            let terms: f64 = q.iter().zip(v.iter().zip(&a)).map(term).sum();
+            let terms = size_of_terms(equations.level, a, v, q);
             let value_settled =
                 keep_values || residual.iter().all(|r| r.value().abs() <= f64::EPSILON * terms * scales[0].abs());
             if value_settled && S::PARTS == 0 {
@@ -173,24 +149,81 @@ pub(super) fn restore<S: RunScalar>(
             previous = size;
             let rows = rows.get_or_insert_with(|| {
                 let real = |x: &[S]| x.iter().map(|x| x.value()).collect::<LocalVec<_>>();
-                let (a, v, q) = (real(&a), real(&v), real(&q));
-                equation_rows(local, equations, State { a: &a, v: &v, q: &q }, t)
+                let (a, v, q) = (real(a), real(v), real(q));
+                equation_rows(local, equations, State { a: &a, v: &v, q: &q })
             });
             let total = residual.len();
             let columns = rows.len() / total;
-            let rows: LocalVec<S> = rows.iter().map(|&r| S::from(r)).collect();
             let row = |i: usize| &rows[i * columns..(i + 1) * columns];
-            let dot = |i: usize, j: usize| row(i).iter().zip(row(j)).map(|(&a, &b)| a * b).sum::<S>();
-            let mut normal: LocalVec<S> = (0..total * total).map(|ij| dot(ij / total, ij % total)).collect();
-            solve_positive(&mut normal, &mut residual);
+            let dot = |i: usize, j: usize| row(i).iter().zip(row(j)).fold(0.0, |sum, (a, b)| sum + a * b);
+            if total == 1 {
+                residual[0] = residual[0] / dot(0, 0);
+            } else {
+                let mut normal: LocalVec<S> = (0..total * total).map(|ij| S::from(dot(ij / total, ij % total))).collect();
+                solve_positive(&mut normal, &mut residual);
+            }
             for (i, &multiplier) in residual.iter().enumerate() {
-                for (column, &c) in row(i).iter().enumerate() {
-                    let target = if column < n { &mut unknowns.x } else { &mut unknowns.y };
-                    target[dofs.start + column % n] -= c * multiplier;
+                let (towards_x, towards_y) = row(i).split_at(n);
+                for (target, rows) in [(&mut unknowns.x, towards_x), (&mut unknowns.y, towards_y)] {
+                    if !rows.is_empty() {
+                        target[dofs.clone()].iter_mut().zip(rows).for_each(|(x, &c)| *x -= multiplier * c);
+                    }
                 }
             }
         }
     }
+}
+
+/// One correction of every node that is off by more than round-off; the next evaluation follows anyway.
+fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
+    let Shift { gamma, beta, alpha } = equations.constraint;
+    let scale = equations.row_scales()[0];
+    // the row is linear in A and its derivatives
+    let weight = |a: Taylor<f64>| equations.row_entries(a)[0][0];
+    let [by_value, by_rate, by_second] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+        .map(|(value, first, second)| weight(Taylor::new(value, first, second)));
+    let mut rows = LocalVec::<S>::new();
+    let (mut a, mut v, mut q) = (LocalVec::<S>::new(), LocalVec::<S>::new(), LocalVec::<S>::new());
+    for local in system.eliminated() {
+        let dofs = system.model.nodes[local.node].dofs.clone();
+        let x = &mut unknowns.x[dofs.clone()];
+        for (own, base, factor) in [(&mut a, &base.a, gamma), (&mut v, &base.v, beta), (&mut q, &base.q, alpha)] {
+            own.resize(x.len(), S::zero());
+            for (own, (&base, &x)) in own.iter_mut().zip(base[dofs.clone()].iter().zip(&*x)) {
+                *own = base + x * factor;
+            }
+        }
+        let mut g: SmallVec<[Taylor<S>; 6]> = SmallVec::from_elem(Taylor::default(), local.equations.len());
+        local.form.derivatives(State { a: &a, v: &v, q: &q }, &mut g);
+        let terms = size_of_terms(equations.level, &a, &v, &q);
+        for (equation, &g) in g.iter().enumerate() {
+            let gap = select(equations.level, g).0;
+            if gap.value().abs() <= f64::EPSILON * terms {
+                continue;
+            }
+            rows.clear();
+            rows.resize(x.len(), S::zero());
+            local.form.add_row(equation, [(by_value, &q), (by_rate, &v), (by_second, &a)], &mut rows);
+            let norm = rows.iter().fold(S::zero(), |sum, &c| sum + c * c);
+            let multiplier = gap * scale / norm;
+            x.iter_mut().zip(&rows).for_each(|(x, &c)| *x -= multiplier * c);
+        }
+    }
+}
+
+/// Sum of the terms of a quadratic equation, without their signs: its round-off is a share of it.
+fn size_of_terms<S: Scalar>(level: Level, a: &[S], v: &[S], q: &[S]) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..q.len() {
+        let (q, v, a) = (q[i].value().abs(), v[i].value().abs(), a[i].value().abs());
+        sum += match level {
+            Level::Position => q * q,
+            Level::Velocity => q * v,
+            Level::Acceleration => q * a + v * v,
+            Level::Stabilized => 0.0,
+        };
+    }
+    sum
 }
 
 /// Size of a number with its derivative parts.
@@ -201,6 +234,9 @@ fn magnitude<S: RunScalar>(s: S) -> f64 {
 /// Orthonormal basis (n by n - rows, row-major) of the vectors at right angles to the given rows, by Householder reflections
 /// with the largest entry as pivot, so that unit vectors of untouched coordinates stay unit vectors.
 pub(super) fn complement(rows: &[f64], count: usize, n: usize, basis: &mut Vec<f64>) {
+    if count == 1 {
+        return complement_of_one(rows, basis);
+    }
     let mut work: LocalVec<f64> = rows.into();
     let mut reflectors: SmallVec<[LocalVec<f64>; 6]> = SmallVec::new();
     let mut pivots: SmallVec<[usize; 6]> = SmallVec::new();
@@ -229,6 +265,23 @@ pub(super) fn complement(rows: &[f64], count: usize, n: usize, basis: &mut Vec<f
         }
         for i in 0..n {
             basis[i * kept.len() + j] = column[i];
+        }
+    }
+}
+
+/// The same for one row: I - 2 v v^T / (v . v) without the column of the pivot.
+fn complement_of_one(row: &[f64], basis: &mut Vec<f64>) {
+    let pivot = (0..row.len()).max_by(|&i, &j| row[i].abs().total_cmp(&row[j].abs())).unwrap_or(0);
+    let norm = row.iter().fold(0.0, |sum, v| sum + v * v).sqrt();
+    let mut reflector: LocalVec<f64> = row.into();
+    reflector[pivot] += norm.copysign(reflector[pivot]);
+    let square = reflector.iter().fold(0.0, |sum, v| sum + v * v);
+    let factor = if square > 0.0 { 2.0 / square } else { 0.0 };
+    basis.clear();
+    for (i, &v) in reflector.iter().enumerate() {
+        let scaled = factor * v;
+        for (j, w) in reflector.iter().enumerate().filter(|(j, _)| *j != pivot) {
+            basis.push(f64::from(u8::from(i == j)) - scaled * w);
         }
     }
 }

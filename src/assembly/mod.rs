@@ -11,12 +11,14 @@
 //! which is a Runge-Kutta stage, an initial acceleration or a projection, depending on the shifts (see
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
+mod blocks;
 mod equations;
 mod jacobian;
 mod local;
 mod model;
 mod numbering;
 mod products;
+mod quadratic;
 mod residual;
 mod sparse_pattern;
 
@@ -24,6 +26,6 @@ pub use equations::{Equations, Level, Shift, Unknowns, VectorsAvq};
 pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 pub use numbering::{System, SystemOptions};
-pub use products::Adjoints;
+pub use products::{Adjoints, ProductBars, ProductPoint};
 pub use residual::Residual;
 pub use sparse_pattern::SparsePattern;

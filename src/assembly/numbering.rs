@@ -1,6 +1,8 @@
 use super::model::{Model, NodeId};
+use super::quadratic::Quadratic;
 use super::{Jacobian, SparsePattern};
 use crate::elements::AnyConstraint;
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// Choices that fix the unknowns of a [`System`].
@@ -19,30 +21,14 @@ pub(super) struct Local {
     pub node: usize,
     pub equations: Range<usize>,
     pub physics: Box<dyn AnyConstraint>,
+    /// Its closed form.
+    pub form: Quadratic,
 }
 
 /// A constraint whose multipliers are unknowns of the matrix.
 pub(super) struct GlobalConstraint<'s> {
     pub physics: &'s dyn AnyConstraint,
-    pub nodes: Nodes<'s>,
-    pub parameters: Range<usize>,
     pub equations: Range<usize>,
-}
-
-/// Nodes of a global constraint.
-pub(super) enum Nodes<'s> {
-    Listed(&'s [NodeId]),
-    Single([NodeId; 1]),
-}
-
-impl std::ops::Deref for Nodes<'_> {
-    type Target = [NodeId];
-    fn deref(&self) -> &[NodeId] {
-        match self {
-            Nodes::Listed(nodes) => nodes,
-            Nodes::Single(node) => node,
-        }
-    }
 }
 
 /// Unknowns of one node that reach the matrix.
@@ -52,6 +38,35 @@ pub(super) struct NodeUnknowns {
     pub columns: Range<usize>,
     /// Index into the list of node-local constraints, if one is eliminated here.
     pub local: Option<usize>,
+}
+
+/// Where the numbers of one element or constraint stand in the vectors of the model.
+pub(super) struct Part {
+    /// Coordinates, one range for each node.
+    pub segments: SmallVec<[Range<usize>; 3]>,
+    /// Number of coordinates.
+    pub dofs: usize,
+    /// Reduced columns: node (in the order of `segments`) and its column, one after the other.
+    pub columns: SmallVec<[(usize, usize); 18]>,
+    /// Nodes of the model.
+    pub nodes: SmallVec<[usize; 3]>,
+    /// Parameters.
+    pub parameters: Range<usize>,
+}
+
+impl Part {
+    fn new(model: &Model, unknowns: &[NodeUnknowns], ids: &[NodeId], parameters: Range<usize>) -> Self {
+        let segments: SmallVec<[Range<usize>; 3]> = ids.iter().map(|id| model.nodes[id.0].dofs.clone()).collect();
+        let columns_of =
+            |(place, id): (usize, &NodeId)| (0..unknowns[id.0].columns.len()).map(move |column| (place, column));
+        Part {
+            dofs: segments.iter().map(ExactSizeIterator::len).sum(),
+            columns: ids.iter().enumerate().flat_map(columns_of).collect(),
+            nodes: ids.iter().map(|id| id.0).collect(),
+            segments,
+            parameters,
+        }
+    }
 }
 
 /// A part that adds a dense block to the matrix.
@@ -75,6 +90,11 @@ pub struct System<'m> {
     /// Column of each multiplier; `None` where dropped.
     pub(super) multiplier_columns: Vec<Option<usize>>,
     pub(super) stabilizer_columns: Vec<Option<usize>>,
+    pub(super) element_parts: Vec<Part>,
+    /// Joints and drivers, then the constraints inside nodes where these are not eliminated.
+    pub(super) constraint_parts: Vec<Part>,
+    /// Nodes one by one.
+    pub(super) node_parts: Vec<Part>,
     pub(super) element_blocks: Vec<Contributor>,
     pub(super) constraint_blocks: Vec<Contributor>,
     /// Nodes with an eliminated constraint, or all of them at the stabilized level.
@@ -99,7 +119,7 @@ impl<'m> System<'m> {
                         free -= equations.len();
                         unknowns.local = Some(locals.len());
                     }
-                    locals.push(Local { node: index, equations, physics });
+                    locals.push(Local { node: index, equations, form: Quadratic::of(&*physics), physics });
                 }
                 columns += copies * free;
                 unknowns.columns.end = columns;
@@ -131,34 +151,39 @@ impl<'m> System<'m> {
             }
             unknowns
         };
-        // (unknowns, number of those that belong to nodes)
-        let elements: Vec<_> = model.elements.iter().map(|e| (node_columns(&e.nodes), usize::MAX)).collect();
+        let elements: Vec<_> =
+            model.elements.iter().map(|e| Coupled { unknowns: node_columns(&e.nodes), nodes: Vec::new() }).collect();
         let mut constraints = Vec::new();
         for constraint in &model.constraints {
             let own = node_columns(&constraint.nodes);
-            let count = own.len();
-            constraints.push((with_multipliers(own, constraint.equations.clone()), count));
+            let nodes = if constraint.physics.is_separable() {
+                constraint.nodes.iter().flat_map(|id| nodes[id.0].columns.clone().map(|_| Some(id.0))).collect()
+            } else {
+                vec![None; own.len()]
+            };
+            constraints.push(Coupled { unknowns: with_multipliers(own, constraint.equations.clone()), nodes });
         }
         for local in locals.iter().filter(|_| options.unreduced) {
             let own = node_columns(&[NodeId(local.node)]);
-            let count = own.len();
+            let nodes = vec![None; own.len()];
             let equations = local.equations.start + model.equations..local.equations.end + model.equations;
-            constraints.push((with_multipliers(own, equations), count));
+            constraints.push(Coupled { unknowns: with_multipliers(own, equations), nodes });
         }
         let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || options.stabilized);
         let block_nodes: Vec<usize> = (0..nodes.len()).filter(|&node| with_block(&nodes[node])).collect();
-        let node_blocks: Vec<_> = block_nodes.iter().map(|&node| (node_columns(&[NodeId(node)]), usize::MAX)).collect();
+        let node_block = |&node: &usize| Coupled { unknowns: node_columns(&[NodeId(node)]), nodes: Vec::new() };
+        let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
 
         let mut entries = Vec::new();
-        for (unknowns, own) in elements.iter().chain(&constraints).chain(&node_blocks) {
-            for_each_entry(unknowns, *own, |_, row, column| entries.push((column, row)));
+        for coupled in elements.iter().chain(&constraints).chain(&node_blocks) {
+            coupled.for_each_entry(|_, row, column| entries.push((column, row)));
         }
         let pattern = SparsePattern::from_entries(columns, entries);
-        let place = |list: Vec<(Vec<Option<usize>>, usize)>| -> Vec<Contributor> {
+        let place = |list: Vec<Coupled>| -> Vec<Contributor> {
             list.into_iter()
-                .map(|(unknowns, own)| {
-                    let mut positions = vec![NOWHERE; unknowns.len() * unknowns.len()];
-                    for_each_entry(&unknowns, own, |local, row, column| {
+                .map(|coupled| {
+                    let mut positions = vec![NOWHERE; coupled.unknowns.len() * coupled.unknowns.len()];
+                    coupled.for_each_entry(|local, row, column| {
                         positions[local] = pattern.position(row, column).unwrap_or(NOWHERE);
                     });
                     Contributor { positions }
@@ -167,8 +192,16 @@ impl<'m> System<'m> {
         };
         let (element_blocks, constraint_blocks) = (place(elements), place(constraints));
         let node_blocks = block_nodes.into_iter().zip(place(node_blocks)).collect();
+        let part = |ids: &[NodeId], parameters: &Range<usize>| Part::new(model, &nodes, ids, parameters.clone());
+        let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
+        let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[NodeId(local.node)], &(0..0)));
+        let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
+        let node_parts = (0..nodes.len()).map(|node| part(&[NodeId(node)], &(0..0))).collect();
         System {
             model,
+            element_parts,
+            constraint_parts,
+            node_parts,
             nodes,
             locals,
             local_equations,
@@ -184,20 +217,20 @@ impl<'m> System<'m> {
 
     /// Joints and drivers, followed by the node-local constraints where these are not eliminated.
     pub(super) fn global_constraints(&self) -> impl Iterator<Item = GlobalConstraint<'_>> {
-        let joints = self.model.constraints.iter().map(|joint| GlobalConstraint {
-            physics: &*joint.physics,
-            nodes: Nodes::Listed(&joint.nodes),
-            parameters: joint.parameters.clone(),
-            equations: joint.equations.clone(),
-        });
+        (0..self.constraint_parts.len()).filter_map(|index| self.global_constraint(index))
+    }
+
+    /// One of the global constraints.
+    pub(super) fn global_constraint(&self, index: usize) -> Option<GlobalConstraint<'_>> {
+        if let Some(joint) = self.model.constraints.get(index) {
+            return Some(GlobalConstraint { physics: &*joint.physics, equations: joint.equations.clone() });
+        }
+        let local = self.locals.get(index - self.model.constraints.len())?;
         let shift = self.model.equations;
-        let inside = self.locals.iter().filter(|_| self.options.unreduced).map(move |local| GlobalConstraint {
+        Some(GlobalConstraint {
             physics: &*local.physics,
-            nodes: Nodes::Single([NodeId(local.node)]),
-            parameters: 0..0,
             equations: local.equations.start + shift..local.equations.end + shift,
-        });
-        joints.chain(inside)
+        })
     }
 
     /// Node-local constraints that are eliminated.
@@ -245,14 +278,30 @@ impl<'m> System<'m> {
     }
 }
 
-/// Calls `f(local index, row, column)` for each entry of a contributor; multipliers do not meet multipliers.
-fn for_each_entry(unknowns: &[Option<usize>], own: usize, mut f: impl FnMut(usize, usize, usize)) {
-    for (j, column) in unknowns.iter().enumerate() {
-        for (i, row) in unknowns.iter().enumerate() {
-            if let (Some(row), Some(column)) = (row, column)
-                && (i < own || j < own)
-            {
-                f(i + j * unknowns.len(), *row, *column);
+/// The unknowns of one part, and which of them meet in the matrix.
+struct Coupled {
+    unknowns: Vec<Option<usize>>,
+    /// For a constraint: one entry for each unknown of its nodes, naming the node where it is coupled with no other; multipliers
+    /// follow. Empty for a part whose unknowns all meet.
+    nodes: Vec<Option<usize>>,
+}
+
+impl Coupled {
+    /// Calls `f(local index, row, column)` for each entry; multipliers do not meet multipliers.
+    fn for_each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
+        let all = self.nodes.is_empty();
+        let meet = |i: usize, j: usize| match (self.nodes.get(i), self.nodes.get(j)) {
+            (Some(a), Some(b)) => a == b,
+            (None, None) => all,
+            _ => true,
+        };
+        for (j, column) in self.unknowns.iter().enumerate() {
+            for (i, row) in self.unknowns.iter().enumerate() {
+                if let (Some(row), Some(column)) = (row, column)
+                    && meet(i, j)
+                {
+                    f(i + j * self.unknowns.len(), *row, *column);
+                }
             }
         }
     }

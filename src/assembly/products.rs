@@ -1,8 +1,9 @@
-use super::numbering::System;
-use super::residual::{LocalVec, gather, scatter_add, select};
-use super::{Equations, Level, NodeId, Unknowns, VectorsAvq};
-use crate::elements::{AnyConstraint, ConstraintIn, ElementIn, State};
-use crate::scalar::{Dual, Rev, Taylor, add_gradient};
+use super::blocks::load;
+use super::numbering::{GlobalConstraint, Part, System};
+use super::residual::{Local3, LocalVec, select, write_level};
+use super::{Equations, Level, Unknowns, VectorsAvq};
+use crate::elements::{ElementIn, RunScalar, State};
+use crate::scalar::{Direction, LANES, Lanes, Rev, Taylor, add_gradients};
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -35,205 +36,345 @@ impl Adjoints {
     }
 }
 
-/// Gradient of a scalar function of (a, v, q, p) of one part, one after the other.
-fn gradient(local: [&[f64]; 4], function: impl FnOnce(State<Rev>, &[Rev]) -> Rev) -> LocalVec<f64> {
-    let [a, v, q, p] = local.map(<[f64]>::len);
-    let mut gradient = SmallVec::from_elem(0.0, a + v + q + p);
-    let values = local.into_iter().flatten().copied();
-    let work = |x: &[Rev]| {
-        let (a, rest) = x.split_at(a);
-        let (v, rest) = rest.split_at(v);
-        let (q, p) = rest.split_at(q);
-        function(State { a, v, q }, p)
-    };
-    add_gradient(values, work, &mut gradient);
-    gradient
+/// Where products are taken: point, parameters, time, and which parameters' derivatives are asked for.
+#[derive(Clone, Copy)]
+pub struct ProductPoint<'p> {
+    /// (a, v, q).
+    pub at: &'p VectorsAvq<f64>,
+    /// Parameters.
+    pub p: &'p [f64],
+    /// Parameters that depend on a design variable; the others get no derivative.
+    pub active: &'p [bool],
+    /// Time [s].
+    pub t: f64,
+}
+
+/// Where products go, for one functional.
+pub struct ProductBars<'b> {
+    /// Adjoint of (a, v, q).
+    pub at: &'b mut VectorsAvq<f64>,
+    /// Adjoint of the parameters.
+    pub p: &'b mut [f64],
+}
+
+/// Numbers of one part, reused from part to part.
+#[derive(Default)]
+struct Work {
+    state: Local3<f64>,
+    /// One row for each functional.
+    weights: Vec<f64>,
+    gradients: Vec<f64>,
+    results: Vec<Rev>,
+    rows: Vec<Taylor<f64>>,
+    reaction_rows: Vec<f64>,
+    directions: Vec<Direction>,
+    curvature: Vec<Direction>,
+    multipliers: Vec<f64>,
+    /// (a, v, q), parameters, reaction, multipliers.
+    lanes: [Vec<Lanes>; 6],
+}
+
+/// Copies the numbers of a part's coordinates.
+fn pick(part: &Part, values: &[f64], target: &mut Vec<f64>) {
+    for segment in &part.segments {
+        target.extend_from_slice(&values[segment.clone()]);
+    }
+}
+
+fn add_to(part: &Part, local: &[f64], values: &mut [f64]) {
+    let mut first = 0;
+    for segment in &part.segments {
+        for (value, l) in values[segment.clone()].iter_mut().zip(&local[first..]) {
+            *value += l;
+        }
+        first += segment.len();
+    }
+}
+
+/// Arguments of R up to which it is differentiated in lanes instead of recorded.
+const FEW: usize = 5 * LANES;
+
+fn add_gradient_rows(part: &Part, gradients: &[f64], variables: usize, bars: &mut [ProductBars]) {
+    let n = part.dofs;
+    for (bar, gradient) in bars.iter_mut().zip(gradients.chunks_exact(variables)) {
+        add_to(part, gradient, &mut bar.at.a);
+        add_to(part, &gradient[n..], &mut bar.at.v);
+        add_to(part, &gradient[2 * n..], &mut bar.at.q);
+        bar.p[part.parameters.clone()].iter_mut().zip(&gradient[3 * n..]).for_each(|(bar, g)| *bar += g);
+    }
 }
 
 impl System<'_> {
-    /// Adds the gradient of lambda . R(a, v, q, p, t) to `at_bar` and `p_bar`.
-    pub fn add_element_products(
-        &self,
-        lambda: &[f64],
-        at: &VectorsAvq<f64>,
-        p: &[f64],
-        t: f64,
-        at_bar: &mut VectorsAvq<f64>,
-        p_bar: &mut [f64],
-    ) {
-        for element in &self.model.elements {
-            let weights = gather(self.model, &element.nodes, lambda);
-            if weights.iter().all(|&w| w == 0.0) {
+    /// Adds `sign` times the gradient of lambda . R(a, v, q, p, t) for every functional: R is recorded once for all of them.
+    pub fn add_element_products(&self, adjoints: &[Adjoints], sign: f64, point: ProductPoint, bars: &mut [ProductBars]) {
+        let mut work = Work::default();
+        let ProductPoint { at, p, active, t } = point;
+        for (index, (element, part)) in self.model.elements.iter().zip(&self.element_parts).enumerate() {
+            let n = part.dofs;
+            work.weights.clear();
+            for adjoint in adjoints {
+                pick(part, &adjoint.f, &mut work.weights);
+            }
+            if work.weights.iter().all(|&w| w == 0.0) {
                 continue;
             }
-            let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| gather(self.model, &element.nodes, x));
-            let own = element.parameters.clone();
+            work.weights.iter_mut().for_each(|weight| *weight *= sign);
+            let own = part.parameters.clone();
+            let with_parameters = active[own.clone()].contains(&true);
+            let variables = 3 * n + if with_parameters { own.len() } else { 0 };
+            work.gradients.clear();
+            work.gradients.resize(variables * adjoints.len(), 0.0);
+            if variables <= FEW {
+                self.add_element_lanes(index, part, with_parameters, variables, point, &mut work);
+                add_gradient_rows(part, &work.gradients, variables, bars);
+                continue;
+            }
+            work.results.clear();
+            work.results.resize(n, Rev::default());
+            let State { a, v, q } = work.state.state(part, at);
+            let numbers = &p[own.clone()];
+            let varied = if with_parameters { numbers } else { &[] };
             let physics: &dyn ElementIn<Rev> = &*element.physics;
-            let gradient = gradient([&a, &v, &q, &p[own.clone()]], |s, p| {
-                let mut r: LocalVec<Rev> = SmallVec::from_elem(Rev::default(), s.q.len());
-                physics.add_residual(s, p, Rev::from(t), &mut r);
-                r.iter().zip(&weights).map(|(&r, &w)| r * w).sum()
-            });
-            self.scatter_gradient(&element.nodes, own, &gradient, at_bar, p_bar);
+            let record = |x: &[Rev], r: &mut [Rev]| {
+                let (a, rest) = x.split_at(n);
+                let (v, rest) = rest.split_at(n);
+                let (q, p) = rest.split_at(n);
+                let state = State { a, v, q };
+                if with_parameters {
+                    physics.add_residual(state, p, Rev::from(t), r);
+                } else {
+                    physics.add_residual(state, &constants(numbers), Rev::from(t), r);
+                }
+            };
+            let rows = work.weights.chunks_exact(n).zip(work.gradients.chunks_exact_mut(variables));
+            let values = [a, v, q, varied].into_iter().flatten().copied();
+            add_gradients(values, record, &mut work.results, rows);
+            add_gradient_rows(part, &work.gradients, variables, bars);
         }
     }
 
-    /// Adds the gradient of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G for all joints.
-    #[allow(clippy::too_many_arguments)]
+    /// Gradients of weights . R by differentiating R along eight of its arguments at a time: shared by all functionals, and for few
+    /// arguments faster than a recording.
+    fn add_element_lanes(
+        &self,
+        index: usize,
+        part: &Part,
+        with_parameters: bool,
+        variables: usize,
+        point: ProductPoint,
+        work: &mut Work,
+    ) {
+        let n = part.dofs;
+        let Work { state, lanes: [a, v, q, p, r, _], weights, gradients, .. } = work;
+        let own = state.state(part, point.at);
+        load(a, own.a);
+        load(v, own.v);
+        load(q, own.q);
+        load(p, &point.p[part.parameters.clone()]);
+        let count = if with_parameters { p.len() } else { 0 };
+        let physics = Lanes::element(&*self.model.elements[index].physics);
+        for first in (0..variables).step_by(LANES) {
+            let width = LANES.min(variables - first);
+            let arguments = a.iter_mut().chain(&mut *v).chain(&mut *q).chain(p.iter_mut().take(count));
+            for (argument, lane) in arguments.skip(first).zip(0..width) {
+                argument.eps[lane] = 1.0;
+            }
+            r.clear();
+            r.resize(n, Lanes::default());
+            physics.add_residual(State { a, v, q }, p, Lanes::from(point.t), r);
+            for (weights, gradient) in weights.chunks_exact(n).zip(gradients.chunks_exact_mut(variables)) {
+                for (r, weight) in r.iter().zip(weights) {
+                    gradient[first..first + width].iter_mut().zip(r.eps).for_each(|(target, r)| *target += weight * r);
+                }
+            }
+            let arguments = a.iter_mut().chain(&mut *v).chain(&mut *q).chain(p.iter_mut().take(count));
+            arguments.skip(first).take(width).for_each(|argument| argument.eps = [0.0; LANES]);
+        }
+    }
+
+    /// Adds the gradient of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G of all joints, for every functional.
     pub fn add_constraint_products(
         &self,
         equations: &Equations,
-        adjoints: &Adjoints,
+        adjoints: &[Adjoints],
         unknowns: &Unknowns<f64>,
-        at: &VectorsAvq<f64>,
-        p: &[f64],
-        t: f64,
-        at_bar: &mut VectorsAvq<f64>,
-        p_bar: &mut [f64],
+        point: ProductPoint,
+        bars: &mut [ProductBars],
     ) {
-        for joint in self.global_constraints() {
-            let rows = joint.equations.clone();
-            let second = |x: &[f64]| x.get(rows.clone()).map(<[f64]>::to_vec).unwrap_or_default();
-            let weights = JointWeights {
-                mu: unknowns.mu[rows.clone()].to_vec(),
-                eta: second(&unknowns.eta),
-                g: adjoints.g[rows.clone()].to_vec(),
-                g_second: second(&adjoints.g_second),
-            };
-            self.add_joint_products(
-                joint.physics,
-                &joint.nodes,
-                joint.parameters,
-                &weights,
-                equations,
-                adjoints,
-                at,
-                p,
-                t,
-                at_bar,
-                p_bar,
-            );
+        let mut work = Work::default();
+        for (joint, part) in self.global_constraints().zip(&self.constraint_parts) {
+            self.add_row_products(&joint, part, equations, adjoints, point, bars, &mut work);
+            let sets = [(&unknowns.mu, false), (&unknowns.eta, true)];
+            let stabilized = equations.level == Level::Stabilized;
+            for (multipliers, second) in sets.into_iter().take(1 + usize::from(stabilized)) {
+                let multipliers = &multipliers[joint.equations.clone()];
+                self.add_curvature_products(&joint, part, multipliers, second, adjoints, point, bars, &mut work);
+            }
+            if point.active[part.parameters.clone()].contains(&true) {
+                self.add_parameter_products(&joint, part, equations, adjoints, unknowns, point, bars, &mut work);
+            }
         }
     }
 
-    /// The same for constraints inside nodes: reactions always, their equations' adjoints only if `with_equations`.
+    /// The part lambda_G . G towards (a, v, q), from the rows along the motion.
     #[allow(clippy::too_many_arguments)]
+    fn add_row_products(
+        &self,
+        joint: &GlobalConstraint,
+        part: &Part,
+        equations: &Equations,
+        adjoints: &[Adjoints],
+        point: ProductPoint,
+        bars: &mut [ProductBars],
+        work: &mut Work,
+    ) {
+        let Work { state, rows, .. } = work;
+        rows.clear();
+        rows.resize(joint.equations.len() * part.dofs, Taylor::default());
+        let own = state.state(part, point.at);
+        joint.physics.rows(own, &point.p[part.parameters.clone()], point.t, rows);
+        for (adjoint, bar) in adjoints.iter().zip(bars) {
+            for (row, equation) in rows.chunks_exact(part.dofs).zip(joint.equations.clone()) {
+                let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
+                add_row(equations, row, [adjoint.g[equation], second], &part.segments, bar.at);
+            }
+        }
+    }
+
+    /// The part lambda . A^T mu towards q: the curvature of mu . g along the lambdas of up to eight functionals at once.
+    #[allow(clippy::too_many_arguments)]
+    fn add_curvature_products(
+        &self,
+        joint: &GlobalConstraint,
+        part: &Part,
+        multipliers: &[f64],
+        second: bool,
+        adjoints: &[Adjoints],
+        point: ProductPoint,
+        bars: &mut [ProductBars],
+        work: &mut Work,
+    ) {
+        if multipliers.iter().all(|&mu| mu == 0.0) {
+            return;
+        }
+        let Work { state, reaction_rows, directions, curvature, weights, multipliers: signed, .. } = work;
+        let n = part.dofs;
+        let groups = adjoints.len().div_ceil(LANES);
+        directions.clear();
+        directions.resize(groups * n, [0.0; LANES]);
+        curvature.clear();
+        curvature.resize(groups * n, [0.0; LANES]);
+        for (k, adjoint) in adjoints.iter().enumerate() {
+            weights.clear();
+            pick(part, if second { &adjoint.y } else { &adjoint.f }, weights);
+            for (direction, weight) in directions[k / LANES * n..].iter_mut().zip(&*weights) {
+                direction[k % LANES] = *weight;
+            }
+        }
+        signed.clear();
+        signed.extend(multipliers.iter().map(|&m| if second { -m } else { m }));
+        reaction_rows.clear();
+        reaction_rows.resize(multipliers.len() * n, 0.0);
+        let q = state.state(part, point.at).q;
+        let at = (q, &point.p[part.parameters.clone()], point.t);
+        joint.physics.linearize_reaction(at, signed, directions, reaction_rows, curvature);
+        for (k, bar) in bars.iter_mut().enumerate() {
+            weights.clear();
+            weights.extend(curvature[k / LANES * n..].iter().take(n).map(|product| product[k % LANES]));
+            add_to(part, weights, &mut bar.at.q);
+        }
+    }
+
+    /// Everything towards the joint's own parameters, eight at a time and for all functionals together.
+    #[allow(clippy::too_many_arguments)]
+    fn add_parameter_products(
+        &self,
+        joint: &GlobalConstraint,
+        part: &Part,
+        equations: &Equations,
+        adjoints: &[Adjoints],
+        unknowns: &Unknowns<f64>,
+        point: ProductPoint,
+        bars: &mut [ProductBars],
+        work: &mut Work,
+    ) {
+        let Work { state, lanes, .. } = work;
+        let own = state.state(part, point.at);
+        let [a, v, q, p, r, multipliers] = lanes;
+        load(a, own.a);
+        load(v, own.v);
+        load(q, own.q);
+        load(p, &point.p[part.parameters.clone()]);
+        let physics = Lanes::constraint(joint.physics);
+        let (scales, time) = (equations.row_scales(), Lanes::from(point.t));
+        let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), joint.equations.len());
+        let stabilized = equations.level == Level::Stabilized;
+        for first in (0..p.len()).step_by(LANES) {
+            let width = LANES.min(p.len() - first);
+            for lane in 0..width {
+                p[first + lane].eps[lane] = 1.0;
+            }
+            write_level(physics, equations.level, State { a, v, q }, p, time, &mut g);
+            for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+                let target = &mut bar.p[part.parameters.clone()][first..first + width];
+                for (equation, g) in joint.equations.clone().zip(&g) {
+                    let (value, rate) = select(equations.level, *g);
+                    let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
+                    let weights = [adjoint.g[equation] * scales[0], second * scales[1]];
+                    for (target, (value, rate)) in target.iter_mut().zip(value.eps.iter().zip(rate.eps)) {
+                        *target += weights[0] * value + weights[1] * rate;
+                    }
+                }
+            }
+            let sets = [(&unknowns.mu, false, 1.0), (&unknowns.eta, true, -1.0)];
+            for (all, second, sign) in sets.into_iter().take(1 + usize::from(stabilized)) {
+                load(multipliers, &all[joint.equations.clone()]);
+                r.clear();
+                r.resize(part.dofs, Lanes::default());
+                physics.add_reaction(q, multipliers, p, time, r);
+                for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+                    let lambda = if second { &adjoint.y } else { &adjoint.f };
+                    let target = &mut bar.p[part.parameters.clone()][first..first + width];
+                    for (dof, r) in part.segments.iter().cloned().flatten().zip(&*r) {
+                        target.iter_mut().zip(r.eps).for_each(|(target, r)| *target += sign * lambda[dof] * r);
+                    }
+                }
+            }
+            for lane in 0..width {
+                p[first + lane].eps[lane] = 0.0;
+            }
+        }
+    }
+
+    /// The same for constraints inside nodes, in closed form: reactions, or with `with_equations` their equations' adjoints.
     pub fn add_local_products(
         &self,
         with_equations: bool,
         equations: &Equations,
-        adjoints: &Adjoints,
+        adjoint: &Adjoints,
         unknowns: &Unknowns<f64>,
         at: &VectorsAvq<f64>,
-        t: f64,
-        at_bar: &mut VectorsAvq<f64>,
+        bar: &mut VectorsAvq<f64>,
     ) {
+        let mut rows = Vec::new();
         for local in self.eliminated() {
-            let rows = local.equations.clone();
-            let count = rows.len();
-            let shifted = rows.start + self.local_equations..rows.end + self.local_equations;
-            let second = |x: &[f64], rows: Range<usize>| x.get(rows).map_or_else(|| vec![0.0; 0], <[f64]>::to_vec);
-            let weights = if with_equations {
-                let none = vec![0.0; if unknowns.local_eta.is_empty() { 0 } else { count }];
-                let (g, g_second) = (adjoints.local[rows.clone()].to_vec(), second(&adjoints.local, shifted));
-                JointWeights { mu: vec![0.0; count], eta: none, g, g_second }
-            } else {
-                let (mu, eta) = (unknowns.local_mu[rows.clone()].to_vec(), second(&unknowns.local_eta, rows));
-                let none = vec![0.0; eta.len()];
-                JointWeights { mu, eta, g: vec![0.0; count], g_second: none }
-            };
-            let silent = Adjoints { f: vec![0.0; 0], ..Adjoints::default() };
-            let adjoints = if with_equations { &silent } else { adjoints };
-            let nodes = [NodeId(local.node)];
-            self.add_joint_products(
-                &*local.physics,
-                &nodes,
-                0..0,
-                &weights,
-                equations,
-                adjoints,
-                at,
-                &[],
-                t,
-                at_bar,
-                &mut [],
-            );
-        }
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn add_joint_products(
-        &self,
-        physics: &dyn AnyConstraint,
-        nodes: &[NodeId],
-        parameters: Range<usize>,
-        weights: &JointWeights,
-        equations: &Equations,
-        adjoints: &Adjoints,
-        at: &VectorsAvq<f64>,
-        p: &[f64],
-        t: f64,
-        at_bar: &mut VectorsAvq<f64>,
-        p_bar: &mut [f64],
-    ) {
-        let direction = |x: &[f64]| if x.is_empty() { LocalVec::new() } else { gather(self.model, nodes, x) };
-        let (lambda_f, lambda_y): (LocalVec<f64>, LocalVec<f64>) = (direction(&adjoints.f), direction(&adjoints.y));
-        let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| gather(self.model, nodes, x));
-        let scales = equations.row_scales();
-        let reaction = physics;
-        let physics: &dyn ConstraintIn<Rev> = physics;
-        let (count, dofs) = (weights.g.len(), q.len());
-        let zeros: LocalVec<Rev> = SmallVec::from_elem(Rev::default(), dofs);
-        let time = Rev::from(t);
-        // without rates in the level's equations, a and v have no derivative
-        let rates = equations.level != Level::Position;
-        let none: &[f64] = &[];
-        let (a, v) = if rates { (&a[..], &v[..]) } else { (none, none) };
-        let gradient = gradient([a, v, &q, &p[parameters.clone()]], |s, p| {
-            let mut g: SmallVec<[Taylor<Rev>; 6]> = SmallVec::from_elem(Taylor::default(), count);
-            let mut total = Rev::default();
-            // lambda . A^T mu is the derivative of mu . g along lambda
-            for (lambda, multipliers, sign) in [(&lambda_f, &weights.mu, 1.0), (&lambda_y, &weights.eta, -1.0)] {
-                if lambda.iter().any(|&l| l != 0.0) && multipliers.iter().any(|&m| m != 0.0) {
-                    let mut along: SmallVec<[Dual<Rev, 1>; 6]> = SmallVec::from_elem(Dual::default(), count);
-                    reaction.along(s.q, lambda, p, t, &mut along);
-                    total += along.iter().zip(multipliers).map(|(g, &m)| g.eps[0] * (m * sign)).sum::<Rev>();
+            let dofs = self.model.nodes[local.node].dofs.clone();
+            let own = local.equations.clone();
+            if !with_equations {
+                let target = &mut bar.q[dofs.clone()];
+                local.form.add_curvature(&unknowns.local_mu[own.clone()], &adjoint.f[dofs.clone()], 1.0, target);
+                if let (Some(eta), Some(lambda)) = (unknowns.local_eta.get(own), adjoint.y.get(dofs)) {
+                    local.form.add_curvature(eta, lambda, -1.0, target);
                 }
+                continue;
             }
-            if weights.g.iter().chain(&weights.g_second).all(|&weight| weight == 0.0) {
-                return total;
-            }
-            let state = State { a: if rates { s.a } else { &zeros }, v: if rates { s.v } else { &zeros }, q: s.q };
-            physics.derivatives(state, p, time, 1.0, &mut g);
-            for (row, g) in g.iter().enumerate() {
-                let (first, second) = select(equations.level, *g);
-                total += first * (weights.g[row] * scales[0]);
-                if let Some(&weight) = weights.g_second.get(row) {
-                    total += second * (weight * scales[1]);
-                }
-            }
-            total
-        });
-        let padded: LocalVec<f64> =
-            if rates { gradient } else { std::iter::repeat_n(0.0, 2 * dofs).chain(gradient).collect() };
-        self.scatter_gradient(nodes, parameters, &padded, at_bar, p_bar);
-    }
-
-    fn scatter_gradient(
-        &self,
-        nodes: &[NodeId],
-        parameters: Range<usize>,
-        gradient: &[f64],
-        at_bar: &mut VectorsAvq<f64>,
-        p_bar: &mut [f64],
-    ) {
-        let dofs = (gradient.len() - parameters.len()) / 3;
-        scatter_add(self.model, nodes, &gradient[..dofs], &mut at_bar.a);
-        scatter_add(self.model, nodes, &gradient[dofs..2 * dofs], &mut at_bar.v);
-        scatter_add(self.model, nodes, &gradient[2 * dofs..3 * dofs], &mut at_bar.q);
-        if !parameters.is_empty() {
-            for (bar, &g) in p_bar[parameters].iter_mut().zip(&gradient[3 * dofs..]) {
-                *bar += g;
+            rows.clear();
+            rows.resize(own.len() * dofs.len(), Taylor::default());
+            let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
+            local.form.moving_rows(state, &mut rows);
+            for (row, equation) in rows.chunks_exact(dofs.len()).zip(own) {
+                let second = adjoint.local.get(equation + self.local_equations).copied().unwrap_or(0.0);
+                add_row(equations, row, [adjoint.local[equation], second], std::slice::from_ref(&dofs), bar);
             }
         }
     }
@@ -244,7 +385,6 @@ impl System<'_> {
         &self,
         equations: &Equations,
         at: &VectorsAvq<f64>,
-        t: f64,
         unbalanced_x: &[f64],
         unbalanced_y: &[f64],
         adjoints: &mut Adjoints,
@@ -252,7 +392,7 @@ impl System<'_> {
         for local in self.eliminated() {
             let dofs = self.model.nodes[local.node].dofs.clone();
             let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
-            let rows = super::local::equation_rows(local, equations, state, t);
+            let rows = super::local::equation_rows(local, equations, state);
             let mut unbalanced: LocalVec<f64> = unbalanced_x[dofs.clone()].into();
             if let Some(y) = unbalanced_y.get(dofs) {
                 unbalanced.extend_from_slice(y);
@@ -269,10 +409,39 @@ impl System<'_> {
     }
 }
 
-/// Multipliers and adjoints of one joint.
-struct JointWeights {
-    mu: Vec<f64>,
-    eta: Vec<f64>,
-    g: Vec<f64>,
-    g_second: Vec<f64>,
+/// Adds the weights of the one or two equations of a level times their gradients, given the row A along the motion.
+fn add_row(
+    equations: &Equations,
+    row: &[Taylor<f64>],
+    weights: [f64; 2],
+    segments: &[Range<usize>],
+    bar: &mut VectorsAvq<f64>,
+) {
+    if weights == [0.0; 2] {
+        return;
+    }
+    let scales = equations.row_scales();
+    let [first, second] = [weights[0] * scales[0], weights[1] * scales[1]];
+    for (dof, a) in segments.iter().cloned().flatten().zip(row) {
+        match equations.level {
+            Level::Position => bar.q[dof] += first * a.value,
+            Level::Velocity => {
+                bar.v[dof] += first * a.value;
+                bar.q[dof] += first * a.first;
+            }
+            Level::Acceleration => {
+                bar.a[dof] += first * a.value;
+                bar.v[dof] += 2.0 * first * a.first;
+                bar.q[dof] += first * a.second;
+            }
+            Level::Stabilized => {
+                bar.v[dof] += second * a.value;
+                bar.q[dof] += first * a.value + second * a.first;
+            }
+        }
+    }
+}
+
+fn constants(values: &[f64]) -> LocalVec<Rev> {
+    values.iter().map(|&value| Rev::from(value)).collect()
 }

@@ -1,35 +1,68 @@
-use super::numbering::{Local, System};
-use super::{Equations, Level, Model, NodeId, Unknowns, VectorsAvq};
+use super::numbering::{Local, Part, System};
+use super::{Equations, Level, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::scalar::{Scalar, Taylor};
 use rayon::prelude::*;
 use smallvec::SmallVec;
+use std::ops::Range;
 
 /// Values of one element or constraint: on the stack for up to two bodies.
 pub(super) type LocalVec<S> = SmallVec<[S; 16]>;
 
+/// Share of the largest force below which a stalled residual counts as round-off.
+const FORCE_FLOOR: f64 = 1e-10;
+/// How many times the effect of one rounding of the coordinates counts as round-off.
+const ROUNDINGS: f64 = 8.0;
+
+/// Most corrections of a node's own equations; each gains many digits.
+const RESTORATIONS: usize = 8;
+
 /// Fewer parts than this are evaluated on one thread: waking others costs more.
 const PARALLEL_RESIDUALS: usize = 512;
 
-/// Values of the coordinates of some nodes, one after the other.
-pub(super) fn gather<S: Copy>(model: &Model, nodes: &[NodeId], values: &[S]) -> LocalVec<S> {
-    let mut local = LocalVec::new();
-    for node in nodes {
-        local.extend_from_slice(&values[model.nodes[node.0].dofs.clone()]);
-    }
-    local
-}
-
 /// Adds local values to the places of some nodes' coordinates.
-pub(super) fn scatter_add<S: Scalar>(model: &Model, nodes: &[NodeId], local: &[S], values: &mut [S]) {
+fn add_segments<'s, S: Scalar>(segments: impl IntoIterator<Item = &'s Range<usize>>, local: &[S], values: &mut [S]) {
     let mut first = 0;
-    for node in nodes {
-        let dofs = model.nodes[node.0].dofs.clone();
+    for dofs in segments {
         for (value, &l) in values[dofs.clone()].iter_mut().zip(&local[first..]) {
             *value += l;
         }
         first += dofs.len();
     }
+}
+
+/// Numbers of one part, where they don't stand next to each other in the model's vectors.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Local3<S> {
+    a: Vec<S>,
+    v: Vec<S>,
+    q: Vec<S>,
+}
+
+impl<S: Copy> Local3<S> {
+    /// (a, v, q) of a part: the model's own numbers for one node, copies for several.
+    #[inline]
+    pub fn state<'s>(&'s mut self, part: &Part, at: &'s VectorsAvq<S>) -> State<'s, S> {
+        if let [only] = part.segments.as_slice() {
+            return State { a: &at.a[only.clone()], v: &at.v[only.clone()], q: &at.q[only.clone()] };
+        }
+        for (own, all) in [(&mut self.a, &at.a), (&mut self.v, &at.v), (&mut self.q, &at.q)] {
+            own.clear();
+            for segment in &part.segments {
+                own.extend_from_slice(&all[segment.clone()]);
+            }
+        }
+        State { a: &self.a, v: &self.v, q: &self.q }
+    }
+}
+
+/// What the evaluation of one part writes to.
+#[derive(Clone, Debug, Default)]
+struct Workspace<S> {
+    state: Local3<S>,
+    force: Vec<S>,
+    eta: Vec<S>,
+    g: Vec<Taylor<S>>,
 }
 
 /// Residuals of one system at one point, with the workspace to evaluate them.
@@ -48,12 +81,12 @@ pub struct Residual<S> {
     pub g_second: Vec<S>,
     /// Leave the values of unknowns as they are given: they are a solution already, and only derivative parts are solved for.
     pub keep_values: bool,
-    /// Largest contribution of one part to F: what round-off of F is measured against.
-    pub force_scale: f64,
     /// R at the base point, for a metric.
     base: Vec<S>,
     /// One place for each element's own residual, so that any number of threads adds in the same order.
     parts: Vec<S>,
+    work: Workspace<S>,
+    restored: VectorsAvq<S>,
 }
 
 impl<S: RunScalar> Residual<S> {
@@ -61,6 +94,7 @@ impl<S: RunScalar> Residual<S> {
     pub fn new(system: &System) -> Self {
         let dofs = system.model.dofs;
         let second = |n: usize| vec![S::zero(); if system.options.stabilized { n } else { 0 }];
+        let parallel = system.model.elements.len() >= PARALLEL_RESIDUALS;
         Residual {
             at: VectorsAvq::zeros(dofs),
             constraint_at: VectorsAvq::zeros(dofs),
@@ -69,9 +103,10 @@ impl<S: RunScalar> Residual<S> {
             g: vec![S::zero(); system.multipliers()],
             g_second: second(system.multipliers()),
             keep_values: false,
-            force_scale: 0.0,
             base: vec![S::zero(); dofs],
-            parts: vec![S::zero(); system.model.elements.iter().map(|e| e.physics.dof_count()).sum()],
+            parts: vec![S::zero(); if parallel { system.element_parts.iter().map(|part| part.dofs).sum() } else { 0 }],
+            work: Workspace::default(),
+            restored: VectorsAvq::default(),
         }
     }
 
@@ -106,7 +141,9 @@ impl<S: RunScalar> Residual<S> {
         p: &[S],
         t: f64,
     ) {
-        self.restore(system, equations, base, unknowns);
+        // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
+        let corrections = if S::PARTS == 0 { 1 } else { RESTORATIONS };
+        super::local::restore(system, equations, base, unknowns, self.keep_values, corrections, &mut self.restored);
         self.at.set_shifted(base, equations.residual, unknowns);
         self.constraint_at.set_shifted(base, equations.constraint, unknowns);
         let at = std::mem::take(&mut self.at);
@@ -120,7 +157,7 @@ impl<S: RunScalar> Residual<S> {
         self.y.copy_from_slice(&unknowns.y);
         self.add_constraints(system, equations, unknowns, p, t);
         for local in system.eliminated() {
-            self.eliminate(system, local, unknowns, t);
+            self.eliminate(system, local, unknowns);
         }
         for (node, unknowns) in system.model.nodes.iter().zip(&system.nodes) {
             if unknowns.columns.is_empty() {
@@ -130,68 +167,107 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Brings unknowns back onto the equations inside nodes, from which a step along an older basis leads away a little.
-    pub fn restore(&self, system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
-        super::local::restore(system, equations, base, unknowns, self.keep_values);
+    pub fn restore(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
+        super::local::restore(system, equations, base, unknowns, self.keep_values, RESTORATIONS, &mut self.restored);
+    }
+
+    /// Force below which F is round-off at the point evaluated last: a share of the largest contribution of one element or joint,
+    /// or what the last bit of the coordinates does to a stiff element.
+    pub fn force_floor(&mut self, system: &System, unknowns: &Unknowns<S>, p: &[S], t: f64) -> f64 {
+        let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
+        let Workspace { state, force, .. } = &mut self.work;
+        let largest = |force: &[S]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.value().abs()));
+        let mut moved: Vec<S> = Vec::new();
+        for (element, part) in system.model.elements.iter().zip(&system.element_parts) {
+            force.clear();
+            force.resize(part.dofs, S::zero());
+            let own = state.state(part, &self.at);
+            let (physics, p) = (S::element(&*element.physics), &p[part.parameters.clone()]);
+            physics.add_residual(own, p, S::from(t), force);
+            scale = scale.max(largest(force));
+            // neighbours of the coordinates, up and down in turn: the difference is the residual's own round-off
+            moved.clear();
+            let signs = [1.0, -1.0, 1.0].into_iter().cycle();
+            moved.extend(own.q.iter().zip(signs).map(|(&q, sign)| q * (1.0 + sign * f64::EPSILON)));
+            force.iter_mut().for_each(|r| *r = -*r);
+            physics.add_residual(State { q: &moved, ..own }, p, S::from(t), force);
+            noise = noise.max(largest(force));
+        }
+        for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
+            force.clear();
+            force.resize(part.dofs, S::zero());
+            let own = state.state(part, &self.constraint_at);
+            let mu = &unknowns.mu[joint.equations.clone()];
+            S::constraint(joint.physics).add_reaction(own.q, mu, &p[part.parameters.clone()], S::from(t), force);
+            scale = scale.max(largest(force));
+        }
+        (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
 
     /// F = sum of the elements' residuals at `at`.
     fn add_elements(&mut self, system: &System, at: &VectorsAvq<S>, p: &[S], t: f64) {
-        let model = system.model;
-        let evaluate = |element: &super::Attached<dyn crate::elements::AnyElement>, r: &mut [S]| {
-            let [a, v, q] = [&at.a, &at.v, &at.q].map(|x| gather(model, &element.nodes, x));
-            r.fill(S::zero());
-            let state = State { a: &a, v: &v, q: &q };
-            S::element(&*element.physics).add_residual(state, &p[element.parameters.clone()], S::from(t), r);
+        let evaluate = |index: usize, state: State<S>, r: &mut [S]| {
+            let parameters = &p[system.element_parts[index].parameters.clone()];
+            S::element(&*system.model.elements[index].physics).add_residual(state, parameters, S::from(t), r);
         };
-        let mut rest = self.parts.as_mut_slice();
-        if model.elements.len() < PARALLEL_RESIDUALS {
-            for element in &model.elements {
-                let (own, others) = rest.split_at_mut(element.physics.dof_count());
-                evaluate(element, own);
-                rest = others;
-            }
-        } else {
-            let mut jobs = Vec::with_capacity(model.elements.len());
-            for element in &model.elements {
-                let (own, others) = rest.split_at_mut(element.physics.dof_count());
-                jobs.push((element, own));
-                rest = others;
-            }
-            jobs.into_par_iter().with_min_len(64).for_each(|(element, own)| evaluate(element, own));
-        }
         self.f.fill(S::zero());
-        self.force_scale = 0.0;
+        let Workspace { state, force, .. } = &mut self.work;
+        if self.parts.is_empty() {
+            for (index, part) in system.element_parts.iter().enumerate() {
+                let own = state.state(part, at);
+                if let [only] = part.segments.as_slice() {
+                    evaluate(index, own, &mut self.f[only.clone()]);
+                } else {
+                    force.clear();
+                    force.resize(part.dofs, S::zero());
+                    evaluate(index, own, force);
+                    add_segments(&part.segments, force, &mut self.f);
+                }
+            }
+            return;
+        }
+        let mut rest = self.parts.as_mut_slice();
+        let mut jobs = Vec::with_capacity(system.element_parts.len());
+        for (index, part) in system.element_parts.iter().enumerate() {
+            let (own, others) = rest.split_at_mut(part.dofs);
+            jobs.push((index, part, own));
+            rest = others;
+        }
+        jobs.into_par_iter().with_min_len(64).for_each_init(Local3::default, |state, (index, part, own)| {
+            own.fill(S::zero());
+            evaluate(index, state.state(part, at), own);
+        });
         let mut first = 0;
-        for element in &model.elements {
-            let own = &self.parts[first..first + element.physics.dof_count()];
-            scatter_add(model, &element.nodes, own, &mut self.f);
-            self.force_scale = own.iter().fold(self.force_scale, |scale, r| scale.max(r.value().abs()));
-            first += own.len();
+        for part in &system.element_parts {
+            add_segments(&part.segments, &self.parts[first..first + part.dofs], &mut self.f);
+            first += part.dofs;
         }
     }
 
     /// Adds the reactions of joints to F (and Y), and writes their scaled equations to G.
     fn add_constraints(&mut self, system: &System, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) {
-        let model = system.model;
         let scales = equations.row_scales();
-        for joint in system.global_constraints() {
+        let time = S::from(t);
+        let Workspace { state, force, eta, g } = &mut self.work;
+        for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
             let physics = S::constraint(joint.physics);
-            let point = &self.constraint_at;
-            let [a, v, q] = [&point.a, &point.v, &point.q].map(|x| gather(model, &joint.nodes, x));
-            let p = &p[joint.parameters.clone()];
-            let mut reaction: LocalVec<S> = SmallVec::from_elem(S::zero(), q.len());
-            physics.add_reaction(&q, &unknowns.mu[joint.equations.clone()], p, S::from(t), &mut reaction);
-            scatter_add(model, &joint.nodes, &reaction, &mut self.f);
-            self.force_scale = reaction.iter().fold(self.force_scale, |scale, r| scale.max(r.value().abs()));
+            let own = state.state(part, &self.constraint_at);
+            let p = &p[part.parameters.clone()];
+            force.clear();
+            force.resize(part.dofs, S::zero());
+            physics.add_reaction(own.q, &unknowns.mu[joint.equations.clone()], p, time, force);
+            add_segments(&part.segments, force, &mut self.f);
             if equations.level == Level::Stabilized {
-                let eta: LocalVec<S> = unknowns.eta[joint.equations.clone()].iter().map(|&eta| -eta).collect();
-                reaction.fill(S::zero());
-                physics.add_reaction(&q, &eta, p, S::from(t), &mut reaction);
-                scatter_add(model, &joint.nodes, &reaction, &mut self.y);
+                eta.clear();
+                eta.extend(unknowns.eta[joint.equations.clone()].iter().map(|&eta| -eta));
+                force.fill(S::zero());
+                physics.add_reaction(own.q, eta, p, time, force);
+                add_segments(&part.segments, force, &mut self.y);
             }
-            let mut g: SmallVec<[Taylor<S>; 6]> = SmallVec::from_elem(Taylor::default(), joint.equations.len());
-            write_level(physics, equations.level, State { a: &a, v: &v, q: &q }, p, S::from(t), &mut g);
-            for (row, g) in joint.equations.clone().zip(&g) {
+            g.clear();
+            g.resize(joint.equations.len(), Taylor::default());
+            write_level(physics, equations.level, own, p, time, g);
+            for (row, g) in joint.equations.clone().zip(&*g) {
                 if system.multiplier_columns[row].is_some() {
                     let (first, second) = select(equations.level, *g);
                     self.g[row] = first * scales[0];
@@ -204,9 +280,9 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Sets the multipliers inside a node so that F (and Y) have no part along its reaction, and adds that reaction.
-    fn eliminate(&mut self, system: &System, local: &Local, unknowns: &mut Unknowns<S>, t: f64) {
+    fn eliminate(&mut self, system: &System, local: &Local, unknowns: &mut Unknowns<S>) {
         let dofs = system.model.nodes[local.node].dofs.clone();
-        let rows = super::local::reaction_rows(local, &self.constraint_at.q[dofs.clone()], t);
+        let rows = super::local::reaction_rows(local, &self.constraint_at.q[dofs.clone()]);
         let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);
         super::local::add_combination(&rows, &mu, &mut self.f[dofs.clone()]);
         unknowns.local_mu[local.equations.clone()].copy_from_slice(&mu);

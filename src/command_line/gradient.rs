@@ -5,10 +5,11 @@ use super::run::report;
 use super::simulation::{Simulation, Work, functional_unit, long_number, say_work, simulate};
 use clap::Args;
 use costate::design::DesignVariable;
+use costate::history::Keep;
 use costate::integrators::{Counters, RunError};
 use costate::io::{Cell, Progress, Table, number};
 use costate::scenes::Prepared;
-use costate::sensitivity::Gradient;
+use costate::sensitivity::{Forward, Gradient};
 use serde_json::{Map, Value, json};
 use std::time::Instant;
 
@@ -20,6 +21,25 @@ pub struct GradientOptions {
     /// Compare with complex-step runs of the whole simulation; exit code 1 if they differ
     #[arg(long)]
     check: bool,
+    /// Where steps are kept for the way back: memory, file:PATH, or checkpoints:MEGABYTES with the steps between computed again
+    #[arg(long, value_name = "WHERE", default_value = "memory", value_parser = keep)]
+    history: Keep,
+}
+
+fn keep(text: &str) -> Result<Keep, String> {
+    let megabytes = |text: &str| text.parse::<f64>().ok().filter(|size| *size > 0.0 && size.is_finite());
+    match text.split_once(':') {
+        None if text == "memory" => return Ok(Keep::Memory),
+        Some(("file", path)) if !path.is_empty() => return Ok(Keep::File(path.into())),
+        Some(("checkpoints", size)) => {
+            // a float to an integer saturates
+            if let Some(size) = megabytes(size) {
+                return Ok(Keep::Checkpoints((size * 1e6) as usize));
+            }
+        }
+        _ => {}
+    }
+    Err("it must be memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
 }
 
 /// Largest relative difference between adjoint and complex step that passes.
@@ -30,6 +50,8 @@ const SMALL: f64 = 1e-2;
 /// A gradient and the time it took.
 struct Timed {
     gradient: Gradient,
+    /// Steps computed again between checkpoints.
+    recomputed: usize,
     seconds: f64,
 }
 
@@ -44,7 +66,8 @@ struct Check {
 /// `costate gradient`: simulates, writes, differentiates, checks, prints.
 pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     let scene = options.scene.scene()?;
-    let prepared = options.scene.prepare(&*scene)?;
+    let mut prepared = options.scene.prepare(&*scene)?;
+    prepared.keep = options.history.clone();
     let simulation = simulate(&prepared, &options.scene)?;
     if simulation.stopped.is_some() {
         report(&simulation, &prepared);
@@ -52,9 +75,9 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
         return simulation.stopped.map_or(Ok(()), Err);
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
-    let adjoint = timed("adjoint", || analysis.adjoint(x, forward))?;
+    let adjoint = timed("adjoint", forward, || analysis.adjoint(x, forward))?;
     let check = if options.check {
-        let complex_step = timed("complex step", || analysis.complex_step(x, forward))?;
+        let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward))?;
         Some(Check::new(&prepared, &adjoint, complex_step))
     } else {
         None
@@ -83,13 +106,19 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     }
 }
 
-fn timed(sweep: &str, differentiate: impl FnOnce() -> Result<Gradient, RunError>) -> Result<Timed, Failure> {
+fn timed(
+    sweep: &str,
+    forward: &Forward,
+    differentiate: impl FnOnce() -> Result<Gradient, RunError>,
+) -> Result<Timed, Failure> {
     // the sweeps do not tell how far they are: the bar only says which one is at work
     let progress = Progress::new(sweep, 1);
     progress.set(0);
     let begun = Instant::now();
+    let before = forward.history.usage().recomputed;
     let gradient = differentiate()?;
-    Ok(Timed { gradient, seconds: begun.elapsed().as_secs_f64() })
+    let recomputed = forward.history.usage().recomputed - before;
+    Ok(Timed { gradient, recomputed, seconds: begun.elapsed().as_secs_f64() })
 }
 
 fn brief(difference: f64) -> String {
@@ -170,6 +199,7 @@ fn complex_step_work(complex_step: &Timed) -> Work {
         ("factorizations", json!(factorizations)),
         ("solves", json!(solves)),
         ("residual_evaluations", json!(residuals)),
+        ("recomputed_steps", json!(complex_step.recomputed)),
         ("time_s", json_number(complex_step.seconds)),
     ]
 }
@@ -181,6 +211,7 @@ fn adjoint_work(adjoint: &Timed) -> Work {
         ("factorizations", json!(factorizations)),
         ("solves", json!(solves)),
         ("element_products", json!(products)),
+        ("recomputed_steps", json!(adjoint.recomputed)),
         ("time_s", json_number(adjoint.seconds)),
     ]
 }

@@ -2,11 +2,11 @@ use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design};
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, table_by_name, tables};
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, StepControl, table_named, tables};
 use costate::scenes::{AnyScene, Prepared, built_in};
 use std::path::PathBuf;
 
-/// Most steps of a run: every step is kept in memory.
+/// Most steps of a run.
 const MOST_STEPS: usize = 10_000_000;
 
 /// What is simulated, and how.
@@ -23,7 +23,21 @@ pub struct SceneOptions {
     /// Number of steps [default: the scene's]
     #[arg(long, value_name = "N", value_parser = step_count, allow_negative_numbers = true)]
     steps: Option<usize>,
-    /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3
+    /// Choose steps by their error: tolerance of coordinates and velocities, relative and absolute (methods with an error
+    /// estimate)
+    #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, conflicts_with = "steps")]
+    tolerance: Option<f64>,
+    /// The same for velocities alone [default: that of --tolerance]
+    #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, requires = "tolerance")]
+    velocity_tolerance: Option<f64>,
+    /// Longest step that --tolerance may choose [s]
+    #[arg(long, value_name = "H", value_parser = positive_seconds, allow_negative_numbers = true, requires = "tolerance")]
+    longest_step: Option<f64>,
+    /// Write histories at multiples of this time instead of at the steps [s]
+    #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
+    output_step: Option<f64>,
+    /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
+    /// bdf2, bdf3; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8
     #[arg(long, value_name = "TABLE", default_value = DEFAULT_TABLE)]
     method: String,
     /// Time derivative on which constraints are kept: position, velocity, acceleration
@@ -41,6 +55,13 @@ pub struct SceneOptions {
     /// Print one JSON object with all figures on the last line of stdout
     #[arg(long)]
     pub json: bool,
+}
+
+fn positive_number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("it must be a number above 0, as in 1e-6".into()),
+    }
 }
 
 fn positive_seconds(text: &str) -> Result<f64, String> {
@@ -116,8 +137,9 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed; or why the scene cannot start.
     pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
-        let table = table_by_name(&self.method).ok_or_else(|| {
-            let known: Vec<String> = tables().iter().map(|table| table.name.to_string()).collect();
+        let table = table_named(&self.method).map_err(|message| Failure::input(format!("--method: {message}")))?;
+        let table = table.ok_or_else(|| {
+            let known: Vec<String> = tables().iter().map(|table| table.name.clone()).collect();
             Failure::input(unknown("--method", &self.method, &known))
         })?;
         let level = ConstraintLevel::by_name(&self.constraint_level).ok_or_else(|| {
@@ -133,12 +155,29 @@ impl SceneOptions {
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;
+        settings.control = self.tolerance.map(|tolerance| {
+            let mut control = StepControl::new(tolerance);
+            control.velocities = StepControl::new(self.velocity_tolerance.unwrap_or(tolerance)).velocities;
+            control.longest = self.longest_step.unwrap_or(f64::INFINITY);
+            control
+        });
+        if let Some(dt) = self.output_step.filter(|dt| settings.end / dt > MOST_STEPS as f64) {
+            return Err(Failure::input(format!(
+                "--output-step {dt}: at most {MOST_STEPS} times fit into {} s",
+                settings.end
+            )));
+        }
         let x = changed_design(&scene.design_variables(), &self.set)?;
         let prepared = Prepared::with(scene, &x, method, settings);
         prepared.map_err(|error| {
             let failure = Failure::from(error);
             Failure { message: format!("scene \"{}\": {}", self.scene, failure.message), ..failure }
         })
+    }
+
+    /// Time between the rows of the histories [s], if it is not that of the steps.
+    pub fn output_step(&self) -> Option<f64> {
+        self.output_step
     }
 
     /// The folder for the results.
@@ -158,7 +197,8 @@ mod tests {
         let run = command.find_subcommand_mut("run").unwrap();
         let help = run.render_long_help().to_string();
         let levels = ConstraintLevel::ALL.map(|level| level.name()).join(", ");
-        let methods = tables().iter().map(|table| table.name).collect::<Vec<_>>().join(", ");
+        let methods = tables().into_iter().map(|table| table.name).collect::<Vec<_>>().join(", ");
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(help.contains(&levels) && help.contains(&methods), "{help}");
     }
 }

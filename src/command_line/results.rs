@@ -3,14 +3,14 @@
 use super::failure::Failure;
 use costate::assembly::{Model, Node, NodeKind, VectorsAvq};
 use costate::functionals::{Measured, Sample};
-use costate::history::History;
-use costate::io::{
-    Chart, Frame, Motion, Polyline, Progress, Series, Style, Trail, View, write_csv, write_file, write_panels,
-};
+use costate::history::{Dense, Observer};
+use costate::integrators::{RunError, StartRecord, StepRecord};
+use costate::io::{Chart, CsvFile, Frame, Motion, Polyline, Progress, Series, Style, Trail, View, write_file, write_panels};
 use costate::scenes::{Drawn, NodePoint, Prepared};
-use costate::sensitivity::Forward;
 use std::path::{Path, PathBuf};
 
+/// Name of the table of states.
+const HISTORIES: &str = "histories.csv";
 /// Most points of a curve in a picture.
 const MOST_POINTS: usize = 4000;
 /// Most curves of one chart.
@@ -20,25 +20,13 @@ const MOST_TRAILS: usize = 6;
 /// An extent below this share of the largest is flat.
 const FLAT: f64 = 1e-3;
 
-/// The state at the start or at the end of a step.
-struct Moment<'h> {
+/// The state at one time, as pictures show it.
+#[derive(Clone, Debug, PartialEq)]
+struct Moment {
     t: f64,
-    q: &'h [f64],
-    v: &'h [f64],
-    /// Of the first acceleration, or of the last stage.
-    mu: &'h [f64],
-}
-
-fn moments(history: &History<f64>) -> Vec<Moment<'_>> {
-    let start = history.start.iter().map(|start| {
-        let record = &start.acceleration;
-        Moment { t: record.t, q: &record.base.q, v: &record.base.v, mu: &record.unknowns.mu }
-    });
-    let steps = history.steps.iter().map(|step| {
-        let mu = step.stages.last().map_or(&[][..], |stage| &stage.solve.unknowns.mu);
-        Moment { t: step.t + step.h, q: &step.q, v: &step.v, mu }
-    });
-    start.chain(steps).collect()
+    q: Vec<f64>,
+    /// `None` if an element does not state its energy [J].
+    energy: Option<f64>,
 }
 
 /// Makes sure that the folder can take files, before anything is computed.
@@ -54,34 +42,172 @@ pub fn check_folder(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-/// Writes all files of a run and returns their names.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_results(
-    prepared: &Prepared,
-    forward: &Forward,
-    folder: &Path,
-    progress: &Progress,
-) -> Result<Vec<PathBuf>, Failure> {
-    let moments = moments(&forward.history);
-    let energies = energies(prepared.model(), &forward.numbers.p, &moments);
-    let csv = folder.join("histories.csv");
-    write_csv(&csv, &header(prepared, energies.is_some()), rows(prepared, &moments, energies.as_deref()))?;
-    progress.set(1);
-    let mut files = vec![csv];
-    let mut add_picture = |name: &str| files.extend([".png", ".svg"].map(|end| folder.join(format!("{name}{end}"))));
-    let charts = charts(prepared, &moments, energies.as_deref());
-    if !charts.is_empty() {
-        write_panels(&charts, &folder.join("histories"))?;
-        add_picture("histories");
+/// The files of a run while it goes on: rows go to histories.csv, and of the motion so many moments are kept as a picture can show.
+pub struct Results<'p> {
+    prepared: &'p Prepared<'p>,
+    folder: PathBuf,
+    csv: CsvFile,
+    /// Coordinates and equations that have a column.
+    dofs: Vec<usize>,
+    equations: Vec<usize>,
+    energies: bool,
+    output: Output,
+    row: Vec<f64>,
+    /// Every so many-th moment.
+    moments: Vec<Moment>,
+    stride: usize,
+    last: Option<Moment>,
+    count: usize,
+    /// Finished steps.
+    steps: usize,
+}
+
+/// At which times there are rows.
+enum Output {
+    /// The start and the ends of steps.
+    Steps,
+    /// Multiples of `dt` and the end.
+    Multiples { dt: f64, next: u32, dense: Option<Box<Dense>> },
+}
+
+impl<'p> Results<'p> {
+    /// Begins the files in a folder; rows are those of steps, or at multiples of `output_step` [s].
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn begin(prepared: &'p Prepared<'p>, output_step: Option<f64>, folder: &Path) -> Result<Self, Failure> {
+        let model = prepared.model();
+        let energies = model.elements.iter().all(|element| element.physics.has_energies());
+        let csv = CsvFile::create(&folder.join(HISTORIES), &header(prepared, energies))?;
+        let dofs = moving(model).flat_map(|node| node.dofs.clone()).collect();
+        let equations = (0..model.equations).filter(|row| !prepared.plan.dropped.contains(row)).collect();
+        Ok(Results {
+            prepared,
+            folder: folder.to_path_buf(),
+            csv,
+            dofs,
+            equations,
+            energies,
+            output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
+            row: Vec::new(),
+            moments: Vec::new(),
+            stride: 1,
+            last: None,
+            count: 0,
+            steps: 0,
+        })
     }
-    progress.set(2);
-    if let Some(motion) = motion(prepared, &moments) {
-        motion.write(&folder.join("motion"))?;
-        add_picture("motion");
+
+    fn add(&mut self, t: f64, q: &[f64], v: &[f64], mu: &[f64]) -> Result<(), RunError> {
+        let energy = self.energies.then(|| {
+            let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
+            let sample = Sample { t, weight: 0.0, at, mu: Vec::new() };
+            Measured::Energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
+        });
+        self.row.clear();
+        self.row.push(t);
+        self.row.extend(self.dofs.iter().map(|&dof| q[dof]));
+        self.row.extend(self.dofs.iter().map(|&dof| v[dof]));
+        self.row.extend(energy);
+        self.row.extend(self.equations.iter().map(|&equation| mu[equation]));
+        self.csv.row(&self.row).map_err(|error| RunError::History {
+            place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
+            cause: error.to_string(),
+            hint: "choose a folder on a disk with room (--out)".into(),
+        })?;
+        let moment = Moment { t, q: q.to_vec(), energy };
+        if self.count.is_multiple_of(self.stride) {
+            self.moments.push(moment.clone());
+            if self.moments.len() > 2 * MOST_POINTS {
+                let mut index = 0;
+                self.moments.retain(|_| {
+                    index += 1;
+                    index % 2 == 1
+                });
+                self.stride *= 2;
+            }
+        }
+        self.last = Some(moment);
+        self.count += 1;
+        Ok(())
     }
-    Ok(files)
+
+    /// Rows at the multiples within the latest step; those at its end belong to the next one.
+    fn add_multiples(&mut self) -> Result<(), RunError> {
+        while let Output::Multiples { dt, next, dense: Some(dense) } = &mut self.output {
+            let ((start, end), t) = (dense.span(), f64::from(*next) * *dt);
+            // a multiple within round-off of the end is the end
+            if t >= end - 1e-9 * dt.min(end - start) {
+                break;
+            }
+            *next += 1;
+            let moment = dense.at(t);
+            self.add(t, &moment.q, &moment.v, &moment.mu)?;
+        }
+        Ok(())
+    }
+
+    /// The row at the end of a run, where rows are not those of steps.
+    fn add_end(&mut self) -> Result<(), RunError> {
+        if let Output::Multiples { dense: Some(dense), .. } = &self.output
+            && self.steps > 0
+        {
+            let end = dense.span().1;
+            let moment = dense.at(end);
+            self.add(end, &moment.q, &moment.v, &moment.mu)?;
+        }
+        Ok(())
+    }
+
+    /// Finishes all files and returns their names; none if there is no finished step.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(mut self, progress: &Progress) -> Result<Vec<PathBuf>, Failure> {
+        if self.steps == 0 {
+            return Ok(Vec::new());
+        }
+        self.add_end()?;
+        let folder = self.folder;
+        self.csv.finish()?;
+        progress.set(1);
+        let mut files = vec![folder.join(HISTORIES)];
+        self.moments.extend(self.last.filter(|last| self.moments.last() != Some(last)));
+        let mut add_picture = |name: &str| files.extend([".png", ".svg"].map(|end| folder.join(format!("{name}{end}"))));
+        let charts = charts(self.prepared, &self.moments);
+        if !charts.is_empty() {
+            write_panels(&charts, &folder.join("histories"))?;
+            add_picture("histories");
+        }
+        progress.set(2);
+        if let Some(motion) = motion(self.prepared, &self.moments) {
+            motion.write(&folder.join("motion"))?;
+            add_picture("motion");
+        }
+        Ok(files)
+    }
+}
+
+impl Observer for Results<'_> {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        if let Output::Multiples { dense, .. } = &mut self.output {
+            *dense = Some(Box::new(Dense::new(start)));
+            return Ok(());
+        }
+        let record = &start.acceleration;
+        self.add(record.t, &record.base.q, &record.base.v, &record.unknowns.mu)
+    }
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.steps += 1;
+        if let Output::Multiples { dense: Some(dense), .. } = &mut self.output {
+            dense.step(step);
+            self.add_multiples()?;
+            return Ok(true);
+        }
+        let mu = step.stages.last().map_or(&[][..], |stage| &stage.solve.unknowns.mu);
+        self.add(step.t + step.h, &step.q, &step.v, mu)?;
+        Ok(true)
+    }
 }
 
 fn moving(model: &Model) -> impl Iterator<Item = &Node> {
@@ -114,48 +240,17 @@ fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
     names
 }
 
-fn rows<'m>(
-    prepared: &'m Prepared,
-    moments: &'m [Moment<'m>],
-    energies: Option<&'m [f64]>,
-) -> impl Iterator<Item = Vec<f64>> + 'm {
-    let dofs: Vec<usize> = moving(prepared.model()).flat_map(|node| node.dofs.clone()).collect();
-    let equations: Vec<usize> = (0..prepared.model().equations).filter(|row| !prepared.plan.dropped.contains(row)).collect();
-    moments.iter().enumerate().map(move |(index, moment)| {
-        let mut row = vec![moment.t];
-        row.extend(dofs.iter().map(|&dof| moment.q[dof]));
-        row.extend(dofs.iter().map(|&dof| moment.v[dof]));
-        if let Some(energies) = energies {
-            row.push(energies[index]);
-        }
-        row.extend(equations.iter().map(|&equation| moment.mu[equation]));
-        row
-    })
-}
-
-/// Energy at each moment [J]; `None` if an element does not state its own.
-fn energies(model: &Model, p: &[f64], moments: &[Moment]) -> Option<Vec<f64>> {
-    if model.elements.iter().any(|element| !element.physics.has_energies()) {
-        return None;
-    }
-    let at = |moment: &Moment| {
-        let at = VectorsAvq { a: Vec::new(), v: moment.v.to_vec(), q: moment.q.to_vec() };
-        Measured::Energy.value(model, &Sample { t: moment.t, weight: 0.0, at, mu: Vec::new() }, p)
-    };
-    Some(moments.iter().map(at).collect())
-}
-
 /// Every so many moments that a curve has no more points than a picture can show; the last one included.
-fn thinned<'m>(moments: &'m [Moment<'m>]) -> impl Iterator<Item = (usize, &'m Moment<'m>)> {
+fn thinned(moments: &[Moment]) -> impl Iterator<Item = (usize, &Moment)> {
     let stride = moments.len().div_ceil(MOST_POINTS).max(1);
     moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())
 }
 
 /// One panel for each direction in which something moves, one for free coordinates, one for the energy.
-fn charts(prepared: &Prepared, moments: &[Moment], energies: Option<&[f64]>) -> Vec<Chart> {
+fn charts(prepared: &Prepared, moments: &[Moment]) -> Vec<Chart> {
     let model = prepared.model();
-    let curve = |name: String, value: &dyn Fn(usize, &Moment) -> f64| {
-        let points = thinned(moments).map(|(index, moment)| (moment.t, value(index, moment))).collect();
+    let curve = |name: String, value: &dyn Fn(&Moment) -> f64| {
+        let points = thinned(moments).map(|(_, moment)| (moment.t, value(moment))).collect();
         Series { name, points, style: Style::Line }
     };
     let panel = |y_label: String, mut series: Vec<Series>| {
@@ -169,7 +264,7 @@ fn charts(prepared: &Prepared, moments: &[Moment], energies: Option<&[f64]>) -> 
     let places: Vec<&Node> = moving(model).filter(|node| !matches!(node.kind, NodeKind::Coordinates(_))).collect();
     for (index, direction) in ["x", "y", "z"].into_iter().enumerate() {
         let series: Vec<Series> =
-            places.iter().map(|node| curve(node.name.clone(), &|_, m| m.q[node.dofs.start + index])).collect();
+            places.iter().map(|node| curve(node.name.clone(), &|m| m.q[node.dofs.start + index])).collect();
         if series.iter().any(|series| extent(series.points.iter().map(|point| point.1)) > 1e-9) {
             charts.push(panel(format!("{direction} [m]"), series));
         }
@@ -177,15 +272,13 @@ fn charts(prepared: &Prepared, moments: &[Moment], energies: Option<&[f64]>) -> 
     let free = moving(model).filter(|node| matches!(node.kind, NodeKind::Coordinates(_)));
     let series: Vec<Series> = free
         .flat_map(|node| node.dofs.clone().map(move |dof| (format!("{} q{}", node.name, dof - node.dofs.start), dof)))
-        .map(|(name, dof)| curve(name, &|_, moment| moment.q[dof]))
+        .map(|(name, dof)| curve(name, &|moment| moment.q[dof]))
         .collect();
     if !series.is_empty() {
         charts.push(panel("coordinates".into(), series));
     }
-    if let Some(energies) = energies
-        && let Some(start) = energies.first()
-    {
-        let drift = curve(String::new(), &|index, _| energies[index] - start);
+    if let Some(start) = moments.first().and_then(|moment| moment.energy) {
+        let drift = curve(String::new(), &|moment| moment.energy.unwrap_or(f64::NAN) - start);
         charts.push(panel("change of energy [J]".into(), vec![drift]));
     }
     // one key for all panels: a node has the same colour in each
@@ -215,7 +308,7 @@ fn motion(prepared: &Prepared, moments: &[Moment]) -> Option<Motion> {
     }
     let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Moment| Polyline {
-        points: points.iter().map(|point| point.at(moment.q)).collect(),
+        points: points.iter().map(|point| point.at(&moment.q)).collect(),
         role: usize::from(bodies && *drawn == Drawn::Link),
     };
     let frame = |(index, moment): (usize, &Moment)| {
@@ -227,7 +320,7 @@ fn motion(prepared: &Prepared, moments: &[Moment]) -> Option<Motion> {
     };
     let trail = |(name, point): &(String, NodePoint)| Trail {
         name: name.clone(),
-        points: thinned(moments).map(|(_, moment)| point.at(moment.q)).collect(),
+        points: thinned(moments).map(|(_, moment)| point.at(&moment.q)).collect(),
     };
     let frames: Vec<Frame> = thinned(moments).map(frame).collect();
     let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
@@ -260,7 +353,7 @@ mod tests {
     use costate::design::DesignVariable;
     use costate::elements::{Element, Parameter, State};
     use costate::scalar::{Scalar, Vec3};
-    use costate::scenes::{AnyScene, MechanismBuilder, Scene, Settings};
+    use costate::scenes::{MechanismBuilder, Scene, Settings};
 
     /// R = a + q: an oscillator without a place in space, and without energies.
     struct Oscillator;
@@ -298,10 +391,24 @@ mod tests {
         }
     }
 
-    fn ran(scene: &dyn AnyScene) -> (Prepared<'_>, Forward) {
-        let prepared = Prepared::new(scene).unwrap();
-        let forward = prepared.analysis().forward(&prepared.x).unwrap();
-        (prepared, forward)
+    fn ran<'p>(prepared: &'p Prepared, folder: &Folder) -> Results<'p> {
+        let mut results = Results::begin(prepared, None, &folder.0).unwrap();
+        let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut results).unwrap();
+        assert_eq!(stopped, None);
+        results
+    }
+
+    /// A folder of its own for one test, removed when dropped.
+    struct Folder(PathBuf);
+    impl Folder {
+        fn new(name: &str) -> Self {
+            Folder(std::env::temp_dir().join(format!("costate-results-{}-{name}", std::process::id())))
+        }
+    }
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
     }
 
     #[test]
@@ -313,24 +420,36 @@ mod tests {
             ([0.0, 0.0, 5.0], View::Xz),
         ];
         for (velocity, expected) in cases {
-            let scene = Thrown(Some(velocity));
-            let (prepared, forward) = ran(&scene);
-            assert_eq!(motion(&prepared, &moments(&forward.history)).unwrap().view, expected, "{velocity:?}");
+            let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
+            let prepared = Prepared::new(&scene).unwrap();
+            let results = ran(&prepared, &folder);
+            assert_eq!(motion(&prepared, &results.moments).unwrap().view, expected, "{velocity:?}");
         }
     }
 
     #[test]
     fn a_scene_without_a_place_in_space_has_histories_but_no_picture_of_its_motion() {
-        let folder = std::env::temp_dir().join(format!("costate-results-{}", std::process::id()));
-        let (prepared, forward) = ran(&Thrown(None));
-        let files = write_results(&prepared, &forward, &folder, &Progress::new("writing", 3)).unwrap();
+        let (scene, folder) = (Thrown(None), Folder::new("free"));
+        let prepared = Prepared::new(&scene).unwrap();
+        let files = ran(&prepared, &folder).finish(&Progress::new("writing", 3)).unwrap();
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["histories.csv", "histories.png", "histories.svg"]);
         let text = std::fs::read_to_string(&files[0]).unwrap();
-        std::fs::remove_dir_all(folder).unwrap();
         let mut lines = text.lines();
         assert_eq!(lines.next(), Some("t [s],free.q0,free.dq0/dt"));
         let last: Vec<f64> = lines.last().unwrap().split(',').map(|word| word.parse().unwrap()).collect();
         assert!((last[1] - 1f64.cos()).abs() < 1e-5 && (last[2] + 1f64.sin()).abs() < 1e-5, "{last:?}");
+    }
+    #[test]
+    fn a_long_run_keeps_no_more_moments_than_pictures_show() {
+        let (scene, folder) = (Thrown(None), Folder::new("long"));
+        let (steps, method) = (5 * MOST_POINTS + 7, Prepared::default_method());
+        let prepared = Prepared::with(&scene, &[], method, Settings::new(1.0, steps)).unwrap();
+        let results = ran(&prepared, &folder);
+        assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&results.moments.len()), "{} moments", results.moments.len());
+        assert_eq!(results.moments[1].t, prepared.grid.times[results.stride]);
+        results.finish(&Progress::new("writing", 3)).unwrap();
+        let text = std::fs::read_to_string(folder.0.join(HISTORIES)).unwrap();
+        assert_eq!(text.lines().count(), steps + 2);
     }
 }

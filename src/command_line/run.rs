@@ -3,6 +3,7 @@ use super::failure::Failure;
 use super::options::SceneOptions;
 use super::simulation::{Simulation, say_work, simulate};
 use clap::Args;
+use costate::history::Keep;
 
 /// Options of `costate run`.
 #[derive(Args)]
@@ -15,7 +16,9 @@ pub struct RunOptions {
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let options = &options.scene;
     let scene = options.scene()?;
-    let prepared = options.prepare(&*scene)?;
+    let mut prepared = options.prepare(&*scene)?;
+    // no gradient is asked for
+    prepared.keep = Keep::Nothing;
     let simulation = simulate(&prepared, options)?;
     report(&simulation, &prepared);
     say_json(options.json, &simulation.json(&prepared).into());
@@ -27,8 +30,9 @@ pub fn report(simulation: &Simulation, prepared: &costate::scenes::Prepared) {
     if simulation.stopped.is_none() {
         simulation.say_functionals(prepared);
     } else {
-        let (done, planned) = (simulation.forward.history.steps.len(), prepared.grid.steps());
-        say(format_args!("stopped after {done} of {planned} steps: the files hold the finished ones\n"));
+        let done = simulation.forward.history.steps();
+        let planned = if prepared.control.is_some() { String::new() } else { format!(" of {}", prepared.grid.steps()) };
+        say(format_args!("stopped after {done}{planned} steps: the files hold the finished ones\n"));
     }
     say_work(&[("simulation", simulation.work())]);
     simulation.say_files();

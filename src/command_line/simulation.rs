@@ -2,10 +2,10 @@ use super::console::{count, json_number, say, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::options::SceneOptions;
-use super::results::{check_folder, write_results};
+use super::results::{Results, check_folder};
 use costate::functionals::{Functional, Over};
-use costate::history::History;
-use costate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord, march};
+use costate::history::{Observer, Usage};
+use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepRecord};
 use costate::io::{Cell, Progress, Table};
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
@@ -20,6 +20,8 @@ pub type Work = Vec<(&'static str, Value)>;
 pub struct Simulation {
     /// States and functionals, of the finished steps only if the run stopped early.
     pub forward: Forward,
+    /// Steps were chosen by their error.
+    pub chosen_steps: bool,
     /// Wall time of the simulation with its functionals [s].
     pub seconds: f64,
     /// Files written.
@@ -28,21 +30,25 @@ pub struct Simulation {
     pub stopped: Option<Failure>,
 }
 
-/// Keeps the history, moves the progress bar, and stops at Ctrl-C.
-struct Watched<'g> {
-    history: History<f64>,
+/// Writes results, moves the progress bar, and stops at Ctrl-C.
+struct Watched<'p, 'g> {
+    results: Results<'p>,
     progress: Progress,
+    /// Marks of the progress bar per second.
+    pace: f64,
     guard: &'g Guard,
 }
 
-impl Recorder<f64> for Watched<'_> {
-    fn start(&mut self, start: StartRecord<f64>) {
-        self.history.start(start);
+/// Marks of the progress bar: steps that choose their size do not tell how many there will be.
+const MARKS: f64 = 1000.0;
+
+impl Observer for Watched<'_, '_> {
+    fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.results.start(start)
     }
-    fn step(&mut self, step: StepRecord<f64>) -> bool {
-        self.history.step(step);
-        self.progress.set(self.history.steps.len() as u64);
-        !self.guard.requested()
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.progress.set((self.pace * (step.t + step.h)) as u64);
+        Ok(self.results.step(step)? && !self.guard.requested())
     }
 }
 
@@ -55,31 +61,25 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     check_folder(&folder)?;
     announce(prepared);
     let guard = Guard::new();
-    let progress = Progress::new("simulating", prepared.grid.steps() as u64);
-    let mut watched = Watched { history: History::default(), progress, guard: &guard };
+    let marks = if prepared.control.is_some() { MARKS } else { prepared.grid.steps() as f64 };
+    let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];
+    let progress = Progress::new("simulating", marks as u64);
+    let results = Results::begin(prepared, options.output_step(), &folder)?;
+    let mut watched = Watched { results, progress, pace, guard: &guard };
     let begun = Instant::now();
-    let run = march(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut watched);
-    let Watched { history, progress, .. } = watched;
-    progress.finish();
-    let (counters, mut stopped) = match run {
-        Ok(run) => (run.counters, None),
-        Err(error) => (Counters::default(), Some(error)),
-    };
-    let forward = evaluated(prepared, history, counters);
+    let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
     let elapsed = begun.elapsed().as_secs_f64();
+    let Watched { results, progress, .. } = watched;
+    progress.finish();
     if stopped.is_none() {
         stopped = not_finite(prepared, &forward);
     }
-    let files = if forward.history.steps.is_empty() {
-        Vec::new()
-    } else {
-        let progress = Progress::new("writing", 3);
-        write_results(prepared, &forward, &folder, &progress)?
-    };
+    let files = results.finish(&Progress::new("writing", 3))?;
     if guard.requested() && stopped.is_none() {
-        stopped = Some(RunError::Interrupted { steps: forward.history.steps.len() });
+        stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
-    Ok(Simulation { forward, seconds: elapsed, files, stopped: stopped.map(|error| with_hint(error, prepared)) })
+    let (chosen_steps, stopped) = (prepared.control.is_some(), stopped.map(|error| with_hint(error, prepared)));
+    Ok(Simulation { forward, chosen_steps, seconds: elapsed, files, stopped })
 }
 
 /// Says what will be simulated.
@@ -87,21 +87,19 @@ fn announce(prepared: &Prepared) {
     let Prepared { scene, method, grid, plan, .. } = prepared;
     say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
     let end = grid.times[grid.steps()];
-    let steps = count(grid.steps(), "step");
+    let steps = match prepared.control {
+        Some(StepControl { coordinates, velocities, .. }) => {
+            let (q, v) = (coordinates.relative, velocities.relative);
+            format!("steps to a tolerance of {q:e} (coordinates) and {v:e} (velocities)")
+        }
+        None => count(grid.steps(), "step"),
+    };
     say(format_args!("{}, constraints at {} level, {steps} over {end} s", method.table.name, method.level.name()));
     if !plan.dropped.is_empty() {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
         say(format_args!("redundant and left out: {}", names.join("; ")));
     }
     say("");
-}
-
-fn evaluated(prepared: &Prepared, history: History<f64>, counters: Counters) -> Forward {
-    let (model, table, functionals) = (prepared.model(), &prepared.method.table, prepared.functionals());
-    let numbers = prepared.mechanism.numbers.clone();
-    let offsets: Vec<_> = functionals.iter().map(|f| f.offset(model, table, &history, &numbers.p)).collect();
-    let values = functionals.iter().zip(&offsets).map(|(f, &c)| f.value(model, table, &history, &numbers.p, c)).collect();
-    Forward { numbers, history, values, offsets, counters }
 }
 
 fn not_finite(prepared: &Prepared, forward: &Forward) -> Option<RunError> {
@@ -114,8 +112,11 @@ fn not_finite(prepared: &Prepared, forward: &Forward) -> Option<RunError> {
 /// The failure, with the options that its advice is about.
 fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
     let failure = Failure::from(error);
-    let steps = prepared.grid.steps();
-    let message = failure.message.replace("a smaller step", &format!("a smaller step (--steps above {steps})"));
+    let option = match prepared.control {
+        Some(_) => "--longest-step".into(),
+        None => format!("--steps above {}", prepared.grid.steps()),
+    };
+    let message = failure.message.replace("a smaller step", &format!("a smaller step ({option})"));
     Failure { message, ..failure }
 }
 
@@ -156,9 +157,12 @@ impl Simulation {
     /// What the simulation cost.
     pub fn work(&self) -> Work {
         let Counters { systems, iterations, residuals, factorizations, solves, .. } = self.forward.counters;
-        let mut work = vec![("steps", json!(self.forward.history.steps.len()))];
+        let mut work = vec![("steps", json!(self.forward.history.steps()))];
         // a run that stopped early does not tell
         if systems > 0 {
+            if self.chosen_steps {
+                work.push(("rejected_steps", json!(self.forward.rejected)));
+            }
             work.extend([
                 ("systems", json!(systems)),
                 ("newton_iterations", json!(iterations)),
@@ -166,6 +170,11 @@ impl Simulation {
                 ("solves", json!(solves)),
                 ("residual_evaluations", json!(residuals)),
             ]);
+        }
+        let Usage { steps, checkpoints, written, .. } = self.forward.history.usage();
+        work.push(("steps_in_memory", json!(steps)));
+        for (name, count) in [("checkpoints", checkpoints as u64), ("history_bytes_written", written)] {
+            work.extend((count > 0).then(|| (name, json!(count))));
         }
         work.push(("time_s", json_number(self.seconds)));
         work
@@ -189,7 +198,13 @@ impl Simulation {
         object.insert("scene".into(), json!(prepared.scene.scene_name()));
         object.insert("method".into(), json!(prepared.method.table.name));
         object.insert("constraint_level".into(), json!(prepared.method.level.name()));
-        object.insert("planned_steps".into(), json!(prepared.grid.steps()));
+        match prepared.control {
+            Some(control) => {
+                let (q, v) = (control.coordinates.relative, control.velocities.relative);
+                object.insert("tolerance".into(), json!({"coordinates": json_number(q), "velocities": json_number(v)}));
+            }
+            None => drop(object.insert("planned_steps".into(), json!(prepared.grid.steps()))),
+        }
         object.insert("end_s".into(), json_number(prepared.grid.times[prepared.grid.steps()]));
         object.insert("design".into(), design.collect::<Map<_, _>>().into());
         object.insert("functionals".into(), functionals.into());

@@ -4,7 +4,7 @@ use super::interrupt::Guard;
 use super::names::unknown;
 use crate::verification::{Figure, Report, Study, all};
 use clap::Args;
-use costate::io::{Cell, Table, number, write_file};
+use costate::io::{Cell, Table, number, write_file, write_panels};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -14,7 +14,7 @@ use std::time::Instant;
 pub struct VerifyOptions {
     /// Name of a study, or "all"; without it the studies are listed
     name: Option<String>,
-    /// Write the result to verification/NAME/result.md of the source tree
+    /// Write the result to verification/NAME/result.md of the source tree, with its pictures
     #[arg(long, requires = "name")]
     record: bool,
     /// Print one JSON object with all figures on the last line of stdout
@@ -142,6 +142,9 @@ impl Outcome {
         for note in &self.report.notes {
             text += &format!("{note}\n\n");
         }
+        for (name, _) in &self.report.pictures {
+            text += &format!("![{name}]({name}.png)\n\n");
+        }
         text += &format!(
             "{} ({})\n\nWritten by `costate verify {} --record`.\n",
             self.verdict(),
@@ -156,6 +159,9 @@ impl Outcome {
         let _guard = Guard::new();
         let path = folder.join(self.study.name()).join("result.md");
         write_file(&path, self.markdown().as_bytes())?;
+        for (name, charts) in &self.report.pictures {
+            write_panels(charts, &path.with_file_name(name))?;
+        }
         Ok(path)
     }
 

@@ -3,7 +3,7 @@
 //! The chain (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar is one reverse sweep over the recorded map, whatever the
 //! number of variables.
 
-use crate::scalar::{Complex, Lanes, Rev, Tape};
+use crate::scalar::{Complex, Lanes, Rev, Scalar, Tape};
 
 /// A named number that may be changed by design.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,6 +85,11 @@ impl DesignChain {
     pub fn record(map: &dyn DesignMap, x: &[f64]) -> Result<Self, String> {
         let (tape, numbers) = Tape::record(x, |x| map.recorded(x));
         Ok(DesignChain { tape, numbers: numbers? })
+    }
+
+    /// Which parameters depend on any variable: the adjoint sweep leaves the others alone.
+    pub fn active_parameters(&self) -> Vec<bool> {
+        self.numbers.p.iter().map(|p| !p.is_constant()).collect()
     }
 
     /// (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar.

@@ -12,6 +12,11 @@ pub trait Constraint: Send + Sync + 'static {
     const EQUATIONS: usize;
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
+    /// True if g is a sum of functions of one node each (and p, t): then the reaction on one node does not depend on the others,
+    /// and the matrix has no entries between them. The contract tests hold it against g.
+    const SEPARABLE: bool = false;
+    /// True if [`reaction`](Constraint::reaction) is written out as well.
+    const REACTION: bool = false;
 
     /// Number of coordinates of this instance.
     fn dofs(&self) -> usize {
@@ -23,6 +28,11 @@ pub trait Constraint: Send + Sync + 'static {
     }
     /// Writes g(q, p, t) to `g`; scale the rows so that they are lengths or angles.
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
+    /// Adds A^T mu to `r`: the forces with which the constraint acts on its nodes.
+    ///
+    /// Not needed: it follows from g. A constraint of which scenes have hundreds may write it out, some ten times faster than by
+    /// differentiation, and set [`REACTION`](Constraint::REACTION); the contract tests then hold the two together.
+    fn reaction<S: Scalar>(&self, _q: &[S], _mu: &[S], _p: &[S], _t: S, _r: &mut [S]) {}
     /// Times at which the motion it prescribes is not smooth: steps end there.
     fn kinks(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()

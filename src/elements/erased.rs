@@ -1,6 +1,6 @@
 use super::{Constraint, Element, Parameter, State};
 use crate::scalar::{
-    Complex, Curved, Direction, Dual, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
+    Complex, Curved, Direction, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
 };
 use smallvec::SmallVec;
 
@@ -135,16 +135,20 @@ pub trait ReactingConstraintIn<S>: ConstraintIn<S> {
 
 /// A constraint with its type erased; every [`Constraint`] is one.
 pub trait AnyConstraint:
-    ReactingConstraintIn<f64> + ReactingConstraintIn<Complex> + ReactingConstraintIn<Lanes> + ConstraintIn<Rev> + Send + Sync
+    ReactingConstraintIn<f64> + ReactingConstraintIn<Complex> + ReactingConstraintIn<Lanes> + Send + Sync
 {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Number of equations.
     fn equation_count(&self) -> usize;
+    /// Whether the reaction on one node depends on no other.
+    fn is_separable(&self) -> bool;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Writes g with its derivative along q(s) = q + s direction, recorded.
-    fn along(&self, q: &[Rev], direction: &[f64], p: &[Rev], t: f64, g: &mut [Dual<Rev, 1>]);
+    /// Writes A (equations by coordinates) with its first and second derivative along q(s) = (q, v, a), t(s) = (t, 1, 0).
+    ///
+    /// These are all rows that any constraint level needs: d(dg/dt)/dq = dA/dt, d(d2g/dt2)/dv = 2 dA/dt, d(d2g/dt2)/dq = d2A/dt2.
+    fn rows(&self, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]);
     /// Writes A (equations by coordinates) and, for groups of eight directions of q, the derivative of A^T mu along them.
     fn linearize_reaction(
         &self,
@@ -164,15 +168,16 @@ impl<C: Constraint, S: Scalar> ConstraintIn<S> for C {
     }
 
     fn derivatives(&self, s: State<S>, p: &[S], t: S, t_rate: f64, g: &mut [Taylor<S>]) {
-        let q: SmallVec<[Taylor<S>; 16]> =
-            s.q.iter().zip(s.v.iter().zip(s.a)).map(|(&q, (&v, &a))| Taylor::new(q, v, a)).collect();
-        let p: SmallVec<[Taylor<S>; 16]> = p.iter().map(|&p| Taylor::new(p, S::zero(), S::zero())).collect();
+        let (q, p) = (motion(s), along_motion(p));
         self.g(&q, &p, Taylor::new(t, S::from(t_rate), S::zero()), g);
     }
 }
 
 impl<C: Constraint, S: Recordable> ReactingConstraintIn<S> for C {
     fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]) {
+        if C::REACTION {
+            return self.reaction(q, mu, p, t, r);
+        }
         let p: SmallVec<[Reverse<S>; 16]> = p.iter().map(|&p| Reverse::constant(p)).collect();
         let work = |q: &[Reverse<S>]| {
             let mut g: SmallVec<[Reverse<S>; 6]> = SmallVec::from_elem(Reverse::default(), C::EQUATIONS);
@@ -190,14 +195,25 @@ impl<C: Constraint> AnyConstraint for C {
     fn equation_count(&self) -> usize {
         C::EQUATIONS
     }
+    fn is_separable(&self) -> bool {
+        C::SEPARABLE
+    }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn along(&self, q: &[Rev], direction: &[f64], p: &[Rev], t: f64, g: &mut [Dual<Rev, 1>]) {
-        let q: SmallVec<[Dual<Rev, 1>; 16]> =
-            q.iter().zip(direction).map(|(&re, &rate)| Dual { re, eps: [Rev::from(rate)] }).collect();
-        let p: SmallVec<[Dual<Rev, 1>; 16]> = p.iter().map(|&p| Dual::constant(p)).collect();
-        self.g(&q, &p, Dual::from(t), g);
+    fn rows(&self, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]) {
+        let n = s.q.len();
+        if !C::REACTION {
+            return rows_of_lanes(self, s, p, t, rows);
+        }
+        let (q, constants) = (motion(s), along_motion(p));
+        let mut unit: SmallVec<[Taylor<f64>; 6]> = SmallVec::from_elem(Taylor::default(), C::EQUATIONS);
+        rows.fill(Taylor::default());
+        for (equation, row) in rows.chunks_exact_mut(n).enumerate() {
+            unit[equation] = Taylor::from(1.0);
+            self.reaction(&q, &unit, &constants, Taylor::new(t, 1.0, 0.0), row);
+            unit[equation] = Taylor::default();
+        }
     }
     fn linearize_reaction(
         &self,
@@ -207,6 +223,9 @@ impl<C: Constraint> AnyConstraint for C {
         gradients: &mut [f64],
         products: &mut [Direction],
     ) {
+        if C::REACTION {
+            return linearize_written_reaction(self, (q, p, t), mu, directions, gradients, products);
+        }
         let p: SmallVec<[Curved; 16]> = p.iter().map(|&p| Curved::from(p)).collect();
         let function = |q: &[Curved], g: &mut [Curved]| self.g(q, &p, Curved::from(t), g);
         curvature(q, function, mu, directions, gradients, products);
@@ -214,4 +233,85 @@ impl<C: Constraint> AnyConstraint for C {
     fn kink_times(&self, p: &[f64]) -> Vec<f64> {
         self.kinks(p)
     }
+}
+
+/// Rows A from unit multipliers, and the derivative of A^T mu along directions from eight dual lanes at a time.
+fn linearize_written_reaction<C: Constraint>(
+    constraint: &C,
+    (q, p, t): (&[f64], &[f64], f64),
+    mu: &[f64],
+    directions: &[Direction],
+    gradients: &mut [f64],
+    products: &mut [Direction],
+) {
+    let n = q.len();
+    gradients.fill(0.0);
+    let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, mu.len());
+    for (row, gradient) in gradients.chunks_exact_mut(n).enumerate() {
+        unit[row] = 1.0;
+        constraint.reaction(q, &unit, p, t, gradient);
+        unit[row] = 0.0;
+    }
+    if mu.iter().all(|&mu| mu == 0.0) {
+        return products.fill([0.0; LANES]);
+    }
+    let (mut lanes_p, mut lanes_mu) = (SmallVec::<[Lanes; 16]>::new(), SmallVec::<[Lanes; 6]>::new());
+    lanes_p.extend(p.iter().map(|&p| Lanes::constant(p)));
+    lanes_mu.extend(mu.iter().map(|&mu| Lanes::constant(mu)));
+    let (mut lanes_q, mut r) = (SmallVec::<[Lanes; 16]>::new(), SmallVec::<[Lanes; 16]>::new());
+    for (directions, products) in directions.chunks_exact(n).zip(products.chunks_exact_mut(n)) {
+        lanes_q.clear();
+        lanes_q.extend(q.iter().zip(directions).map(|(&re, &eps)| Lanes { re, eps }));
+        r.clear();
+        r.resize(n, Lanes::default());
+        constraint.reaction(&lanes_q, &lanes_mu, &lanes_p, Lanes::from(t), &mut r);
+        products.iter_mut().zip(&r).for_each(|(product, r)| *product = r.eps);
+    }
+}
+
+/// Rows A along the motion, eight coordinates at a time.
+fn rows_of_lanes<C: Constraint>(constraint: &C, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]) {
+    let n = s.q.len();
+    let (mut q, mut constants) = (SmallVec::<[Taylor<Lanes>; 16]>::new(), SmallVec::<[Taylor<Lanes>; 16]>::new());
+    let [value, rate, second] = [s.q, s.v, s.a].map(|x| x.iter().map(|&x| Lanes::constant(x)));
+    q.extend(value.zip(rate.zip(second)).map(|(q, (v, a))| Taylor::new(q, v, a)));
+    constants.extend(p.iter().map(|&p| Taylor::from(p)));
+    let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), C::EQUATIONS);
+    let time = Taylor::new(Lanes::from(t), Lanes::one(), Lanes::zero());
+    for first in (0..n).step_by(LANES) {
+        let lanes = first..n.min(first + LANES);
+        for dof in lanes.clone() {
+            q[dof].value.eps[dof - first] = 1.0;
+        }
+        constraint.g(&q, &constants, time, &mut g);
+        for (row, g) in rows.chunks_exact_mut(n).zip(&g) {
+            for dof in lanes.clone() {
+                let lane = dof - first;
+                row[dof] = Taylor::new(g.value.eps[lane], g.first.eps[lane], g.second.eps[lane]);
+            }
+        }
+        for dof in lanes {
+            q[dof].value.eps[dof - first] = 0.0;
+        }
+    }
+}
+
+/// q(s) = q + v s + a s^2 / 2, filled in place: moving or pushing costs as much as the evaluation.
+#[inline(always)]
+fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 16]> {
+    let mut q: SmallVec<[Taylor<S>; 16]> = SmallVec::from_elem(Taylor::default(), s.q.len());
+    for (i, q) in q.iter_mut().enumerate() {
+        *q = Taylor::new(s.q[i], s.v[i], s.a[i]);
+    }
+    q
+}
+
+/// Numbers that don't move.
+#[inline(always)]
+fn along_motion<S: Scalar>(p: &[S]) -> SmallVec<[Taylor<S>; 16]> {
+    let mut constants: SmallVec<[Taylor<S>; 16]> = SmallVec::from_elem(Taylor::default(), p.len());
+    for (constant, &p) in constants.iter_mut().zip(p) {
+        constant.value = p;
+    }
+    constants
 }

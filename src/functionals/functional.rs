@@ -1,8 +1,7 @@
 use super::{AnyQuantity, FunctionalScalar};
 use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::{RunScalar as _, State};
-use crate::history::History;
-use crate::integrators::Table;
+use crate::integrators::{StartRecord, StepRecord};
 use crate::scalar::{LANES, Lanes};
 use std::ops::Range;
 
@@ -63,7 +62,7 @@ pub struct Functional {
 pub struct Sample<S> {
     /// Time [s].
     pub t: f64,
-    /// Quadrature weight h b_i [s].
+    /// Weight in an integral [s]; h b_i for a one-step table.
     pub weight: f64,
     /// Accelerations, velocities, coordinates.
     pub at: VectorsAvq<S>,
@@ -71,72 +70,28 @@ pub struct Sample<S> {
     pub mu: Vec<S>,
 }
 
-impl<S: FunctionalScalar> History<S> {
-    /// The sample at the start: projected state, first acceleration.
-    pub fn initial_sample(&self) -> Option<Sample<S>> {
-        let start = &self.start.as_ref()?.acceleration;
-        Some(Sample { t: start.t, weight: 0.0, at: start.point(), mu: start.unknowns.mu.clone() })
+impl<S: FunctionalScalar> Sample<S> {
+    /// At the start: projected state, first acceleration.
+    pub fn initial(start: &StartRecord<S>) -> Self {
+        let start = &start.acceleration;
+        Sample { t: start.t, weight: 0.0, at: start.point(), mu: start.unknowns.mu.clone() }
     }
 
-    /// The sample at the end: last state, with acceleration and multipliers of the last stage.
-    pub fn terminal_sample(&self) -> Option<Sample<S>> {
-        let step = self.steps.last()?;
+    /// At the end of a step: its state, with acceleration and multipliers of the last stage. `None` without stages.
+    pub fn terminal(step: &StepRecord<S>) -> Option<Self> {
         let last = &step.stages.last()?.solve;
         let at = VectorsAvq { a: last.unknowns.x.clone(), v: step.v.clone(), q: step.q.clone() };
         Some(Sample { t: step.t + step.h, weight: 0.0, at, mu: last.unknowns.mu.clone() })
     }
 
-    /// The sample at a stage.
-    pub fn stage_sample(&self, table: &Table, step: usize, stage: usize) -> Sample<S> {
-        let solve = &self.steps[step].stages[stage].solve;
-        let weight = self.steps[step].h * table.weights[stage];
+    /// At a stage, with its weight in an integral.
+    pub fn stage(step: &StepRecord<S>, stage: usize, weight: f64) -> Self {
+        let solve = &step.stages[stage].solve;
         Sample { t: solve.t, weight, at: solve.point(), mu: solve.unknowns.mu.clone() }
-    }
-
-    fn stage_samples<'h>(&'h self, table: &'h Table) -> impl Iterator<Item = Sample<S>> + 'h {
-        let stages = table.stages.len();
-        (0..self.steps.len()).flat_map(move |step| (0..stages).map(move |stage| self.stage_sample(table, step, stage)))
-    }
-
-    /// Length of the run [s].
-    pub fn duration(&self) -> f64 {
-        self.steps.iter().map(|step| step.h).sum()
     }
 }
 
 impl Functional {
-    /// Largest measured value over the stages: the offset c of a smooth maximum. `None` for other functionals.
-    pub fn offset(&self, model: &Model, table: &Table, history: &History<f64>, p: &[f64]) -> Option<f64> {
-        let Over::SmoothMaximum { .. } = self.over else { return None };
-        let values = history.stage_samples(table).map(|sample| self.measured.value(model, &sample, p));
-        Some(values.fold(f64::NEG_INFINITY, f64::max))
-    }
-
-    /// The value of a run; `offset` as given by [`Functional::offset`] for the real run.
-    pub fn value<S: FunctionalScalar>(
-        &self,
-        model: &Model,
-        table: &Table,
-        history: &History<S>,
-        p: &[S],
-        offset: Option<f64>,
-    ) -> S {
-        let measure =
-            |sample: Option<Sample<S>>| sample.map_or(S::from(f64::NAN), |sample| self.measured.value(model, &sample, p));
-        match self.over {
-            Over::Initial => measure(history.initial_sample()),
-            Over::Terminal => measure(history.terminal_sample()),
-            Over::Integral => history.stage_samples(table).map(|s| self.measured.value(model, &s, p) * s.weight).sum(),
-            Over::SmoothMaximum { sharpness, normalized } => {
-                let c = offset.unwrap_or(0.0);
-                let weighted = |s: Sample<S>| ((self.measured.value(model, &s, p) - c) * sharpness).exp() * s.weight;
-                let integral: S = history.stage_samples(table).map(weighted).sum();
-                let measure = if normalized { history.duration() } else { 1.0 };
-                (integral / measure).ln() / sharpness + c
-            }
-        }
-    }
-
     /// Factor with which the gradient of the measured quantity at a stage enters df.
     pub fn stage_factor(&self, model: &Model, sample: &Sample<f64>, p: &[f64], value: f64, duration: f64) -> f64 {
         match self.over {

@@ -2,8 +2,12 @@
 
 mod functional;
 mod quantity;
+mod values;
+mod weights;
 
 pub mod quantities;
 
 pub use functional::{Functional, Measured, Over, Sample};
 pub use quantity::{AnyQuantity, FunctionalScalar, Quantity, QuantityIn};
+pub use values::Values;
+pub use weights::QuadratureWeights;

@@ -1,46 +1,132 @@
-//! States kept for the way back and for output.
+//! Steps of a run kept for the way back: not at all, in memory, in a file, or as checkpoints from which they are computed again.
+//!
+//! A [`History`] records a real run and hands its steps out again, first to last ([`History::forward`]: guides of runs with
+//! derivative parts) or last to first ([`History::backward`]: the adjoint). The steps are the same bit by bit, wherever they
+//! were kept.
 
-use crate::integrators::{Guide, Recorder, StartRecord, StepRecord};
+mod checkpoints;
+mod dense;
+mod file;
+mod flat;
+mod memory;
+mod nothing;
+mod rerun;
+mod schedule;
+
+pub use checkpoints::Checkpoints;
+pub use dense::{Dense, Moment, moments};
+pub use file::FileHistory;
+pub use memory::Memory;
+pub use nothing::Nothing;
+pub use rerun::Rerun;
+pub use schedule::{recomputed_steps, split};
+
+use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
+use std::fmt;
+use std::path::PathBuf;
 
-/// A run in memory: everything for a gradient.
-#[derive(Clone, Debug)]
-pub struct History<S> {
-    /// What happened before the first step.
-    pub start: Option<StartRecord<S>>,
-    /// All steps.
-    pub steps: Vec<StepRecord<S>>,
+/// How a run keeps its steps.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// Not at all: values of functionals, no gradients.
+    Nothing,
+    /// In memory.
+    #[default]
+    Memory,
+    /// In a file, which stays.
+    File(PathBuf),
+    /// As checkpoints in this many bytes; what lies between them is computed again.
+    Checkpoints(usize),
 }
 
-impl<S> Default for History<S> {
-    fn default() -> Self {
-        History { start: None, steps: Vec::new() }
+impl Keep {
+    /// An empty history for a run of `steps` steps, if their number is known.
+    ///
+    /// # Errors
+    /// A file that cannot be created.
+    pub fn history(&self, steps: Option<usize>) -> Result<Box<dyn History>, RunError> {
+        Ok(match self {
+            Keep::Nothing => Box::new(Nothing::default()),
+            Keep::Memory => Box::new(Memory::default()),
+            Keep::File(path) => Box::new(FileHistory::create(path)?),
+            Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
+        })
     }
 }
 
-impl History<f64> {
-    /// The run as a guide for runs with derivative parts; `None` if it has no start.
-    pub fn guide(&self) -> Option<Guide<'_>> {
-        self.start.as_ref().map(|start| Guide { start, steps: &self.steps })
-    }
+/// What a history took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Most steps kept in memory at once.
+    pub steps: usize,
+    /// Most checkpoints kept at once.
+    pub checkpoints: usize,
+    /// Most bytes of steps and checkpoints at once, where a memory was given.
+    pub bytes: usize,
+    /// Bytes written to a file.
+    pub written: u64,
+    /// Steps computed again so far.
+    pub recomputed: usize,
 }
 
-impl<S: Scalar> Recorder<S> for History<S> {
-    fn start(&mut self, start: StartRecord<S>) {
-        self.start = Some(start);
+/// A kept run: records steps, and hands them out again.
+pub trait History: Recorder<f64> + fmt::Debug + Send + Sync {
+    /// What happened before the first step; `None` before a run.
+    fn start_record(&self) -> Option<&StartRecord<f64>>;
+    /// Number of finished steps.
+    fn steps(&self) -> usize;
+    /// Called when the last step is recorded.
+    ///
+    /// # Errors
+    /// What could not be kept.
+    fn finish(&mut self) -> Result<(), RunError> {
+        Ok(())
     }
-    fn step(&mut self, step: StepRecord<S>) -> bool {
-        self.steps.push(step);
-        true
+    /// The steps from the first to the last.
+    ///
+    /// # Errors
+    /// Steps that were not kept, or cannot be found again.
+    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError>;
+    /// The steps from the last to the first.
+    ///
+    /// # Errors
+    /// As for [`History::forward`].
+    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError>;
+    /// What it took so far.
+    fn usage(&self) -> Usage;
+}
+
+/// Sees a real run while it goes on.
+pub trait Observer {
+    /// The start, after projections.
+    ///
+    /// # Errors
+    /// What the observer could not do.
+    fn start(&mut self, _start: &StartRecord<f64>) -> Result<(), RunError> {
+        Ok(())
     }
+    /// A finished step; `false` stops the run.
+    ///
+    /// # Errors
+    /// What the observer could not do.
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError>;
 }
 
 /// Hands every finished step to a function and keeps nothing; the function returns `false` to stop.
 pub struct Watch<F>(pub F);
 
 impl<S: Scalar, F: FnMut(&StepRecord<S>) -> bool> Recorder<S> for Watch<F> {
-    fn start(&mut self, _start: StartRecord<S>) {}
-    fn step(&mut self, step: StepRecord<S>) -> bool {
-        self.0(&step)
+    fn start(&mut self, _start: StartRecord<S>) -> Result<(), RunError> {
+        Ok(())
+    }
+    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError> {
+        Ok(self.0(&step))
+    }
+}
+
+impl<F: FnMut(&StepRecord<f64>) -> bool> Observer for Watch<F> {
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        Ok(self.0(step))
     }
 }

@@ -31,6 +31,24 @@ pub enum RunError {
         /// Its residual.
         residual: f64,
     },
+    /// A chosen step became too small to advance.
+    StepSize {
+        /// Number of the step.
+        step: usize,
+        /// Its start [s].
+        t: f64,
+        /// Its size [s].
+        h: f64,
+    },
+    /// A step that could not be kept for the way back, or not be found again.
+    History {
+        /// Where in the run, and where it was to be kept.
+        place: String,
+        /// What happened.
+        cause: String,
+        /// What is left and what to try.
+        hint: String,
+    },
     /// The caller asked to stop.
     Interrupted {
         /// Steps finished before.
@@ -50,6 +68,12 @@ impl fmt::Display for RunError {
                 "{place}: Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
                  largest row: {row} ({residual:.1e}); try a smaller step"
             ),
+            RunError::StepSize { step, t, h } => write!(
+                f,
+                "step {step} (t = {t} s): the error asks for a step of {h:.1e} s, which no longer advances; \
+                 the motion is not smooth there, or the tolerance is below round-off: try a larger tolerance"
+            ),
+            RunError::History { place, cause, hint } => write!(f, "{place}: {cause}; {hint}"),
             RunError::Interrupted { steps } => write!(f, "interrupted after {steps} finished steps"),
         }
     }

@@ -45,6 +45,17 @@ impl TimeGrid {
         self.times.len() - 1
     }
 
+    /// "step 412 (t = 1.03 s)" for the step of index 411.
+    pub fn place(&self, index: usize) -> String {
+        let t = self.times.get(index).copied().unwrap_or(f64::NAN);
+        format!("step {} (t = {t} s)", index + 1)
+    }
+
+    /// Sum of the first `steps` step sizes [s].
+    pub fn duration(&self, steps: usize) -> f64 {
+        (0..steps).map(|index| self.span(index)).map(|(t, end)| end - t).sum()
+    }
+
     /// Start and end of step `index` as elements see them: before a kink the end is the last number below it.
     pub fn span(&self, index: usize) -> (f64, f64) {
         let end = self.times[index + 1];

@@ -3,23 +3,36 @@
 //! An integrator is a [`Table`]: which stages it has and how they and the carried vectors combine. Forward, tangent,
 //! complex-step and adjoint runs are written once, for all tables and all constraint levels.
 
+mod adaptive;
+mod butcher;
+mod checkpoint;
 mod error;
+mod failure;
 mod grid;
 mod march;
 mod newton;
 mod record;
+mod round_off;
 mod start;
+mod step;
+mod systems;
 mod table;
 mod tables;
 
+pub use adaptive::{StepControl, Tolerance, march_adaptive};
+pub use butcher::Butcher;
+pub use checkpoint::{Between, Checkpoint};
 pub use error::RunError;
 pub use grid::TimeGrid;
 pub use march::{Method, Problem, Run, march, march_along};
-pub use newton::{Counters, Newton, NewtonTolerance};
-pub use record::{Guide, Recorder, SolveRecord, StageRecord, StartRecord, StepRecord};
+pub use newton::{Counters, FactoredAt, KeptFactorization, Newton, NewtonTolerance};
+pub use record::{Guide, Recorder, SolveRecord, StageRecord, StartRecord, StepRecord, Steps};
+pub use round_off::RoundOff;
 pub use start::{ConstraintPolicy, InitialState, StartPlan};
-pub use table::{Butcher, Carried, Combination, Stage, Table};
-pub use tables::{DEFAULT_TABLE, table_by_name, tables};
+pub use step::Marcher;
+pub use systems::Systems;
+pub use table::{Carried, Combination, Embedded, Scheme, Stage, Starter, Table};
+pub use tables::{DEFAULT_TABLE, table_by_name, table_named, tables};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

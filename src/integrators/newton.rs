@@ -1,5 +1,5 @@
-use super::RunError;
-use crate::assembly::{Equations, Jacobian, Level, Residual, System, Unknowns, VectorsAvq};
+use super::failure::{Failure, FailureKind};
+use crate::assembly::{Equations, Jacobian, Level, NodeKind, Residual, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::linalg::{Backend, Factorization, Singular};
 
@@ -9,7 +9,7 @@ pub enum NewtonTolerance {
     /// Until the estimated correction is below 1e-14 of the unknowns or corrections no longer shrink: exact gradients.
     #[default]
     RoundOff,
-    /// Until the residual is below 1e-9 of the first one or below 1e-12, as in Boopathy & Kennedy.
+    /// Until the residual is below 1e-9 of the first one or below 1e-12, as in Boopathy & Kennedy, or corrections are at round-off.
     Residual,
 }
 
@@ -57,17 +57,18 @@ impl std::ops::AddAssign for Counters {
 /// Most iterations for one system.
 const MOST_ITERATIONS: usize = 25;
 /// Relative correction at which the unknowns are as good as round-off allows.
-const ROUND_OFF: f64 = 1e-14;
+pub(super) const ROUND_OFF: f64 = 1e-14;
 /// Corrections that shrink less than this ask for a fresh factorization.
 const SLOW: f64 = 0.1;
+/// A system whose corrections shrank less than this leaves no factorization for the next one: a new one costs as much as five to
+/// ten corrections, and serves all systems that follow.
+const AGED: f64 = 0.05;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
 /// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
 const NEARLY: f64 = 1e-13;
 /// Relative correction up to which a guide counts as the solution of the same problem.
 const GUIDED: f64 = 1e-6;
-/// Share of the largest force below which a stalled residual counts as round-off.
-const FORCE_FLOOR: f64 = 1e-10;
 
 /// Newton's method for the systems of one run, keeping its factorization while it converges fast.
 pub struct Newton<'m, S> {
@@ -84,22 +85,34 @@ pub struct Newton<'m, S> {
     rhs: Vec<f64>,
     /// Equations for which the matrix was factored last.
     factored: Option<Equations>,
+    /// Where it was.
+    factored_at: FactoredAt<S>,
     /// Size of corrections at which the last stalled system ended.
     floor: f64,
+    /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
+    levers: Vec<f64>,
 }
 
-/// Why one system was not solved; the caller knows where in the run it was.
-pub struct Failure {
-    how: FailureKind,
-    iterations: usize,
-    correction: f64,
+/// Where a matrix was assembled: the factorization is made again from it, bit by bit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FactoredAt<S> {
+    /// Time [s].
+    pub t: f64,
+    /// Point from which the unknowns move.
+    pub base: VectorsAvq<S>,
+    /// Unknowns, before they are brought onto the equations inside nodes.
+    pub unknowns: Unknowns<S>,
 }
 
-enum FailureKind {
-    Singular(usize),
-    Diverged,
-    Stagnated,
-    NotFinite,
+/// What a Newton's method keeps from one system to the next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KeptFactorization<S> {
+    /// The equations that were factored and the place, if the factorization is still in use.
+    pub factored: Option<(Equations, FactoredAt<S>)>,
+    /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
+    pub pivots: Vec<usize>,
+    /// Size of corrections at which the last stalled system ended.
+    pub floor: f64,
 }
 
 impl<'m, S: RunScalar> Newton<'m, S> {
@@ -115,6 +128,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             rhs: vec![0.0; system.size()],
             counters: Counters::default(),
             factored: None,
+            levers: vec![1.0; system.model.dofs],
+            factored_at: FactoredAt::default(),
             floor: 0.0,
             system,
             factorization,
@@ -136,6 +151,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(self.system, equations, base, p, t);
+        self.set_levers(base);
         // a matrix for other coefficients converges slowly or not at all
         if self.factored.is_none_or(|old| !resembles(&old, equations)) {
             self.factored = None;
@@ -162,18 +178,37 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(self.system, equations, base, p, t);
+        self.set_levers(base);
         self.residual.keep_values = true;
         self.solve_parts(equations, base, unknowns, p, t)?;
-        let scale = unknowns.x.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
+        let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
         let correction = self.step(None, &mut unknowns.clone());
-        let near = match projected_size(equations, base) {
+        let near = match self.projected_size(equations, base) {
             Some((unit, size)) => unit * correction <= GUIDED * size,
-            None => correction <= GUIDED * scale || self.at_round_off(equations, correction, scale),
+            None => correction <= GUIDED * scale || self.at_round_off(equations, unknowns, p, t, correction, scale),
         };
         if near {
             return Ok(());
         }
         Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })
+    }
+
+    /// Sets the levers from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
+    fn set_levers(&mut self, base: &VectorsAvq<S>) {
+        let nodes = &self.system.model.nodes;
+        let lengths = nodes.iter().filter(|node| node.kind != NodeKind::Coordinates(node.dofs.len()));
+        let largest = lengths
+            .flat_map(|node| &base.q[node.dofs.start..node.dofs.start + 3])
+            .fold(0.0, |largest: f64, q| largest.max(q.value().abs()));
+        let lever = if largest > 0.0 { largest } else { 1.0 };
+        for node in nodes.iter().filter(|node| node.kind == NodeKind::Body) {
+            self.levers[node.dofs.start + 3..node.dofs.end].fill(lever);
+        }
+    }
+
+    /// Largest number of a list of all coordinates, times its lever.
+    fn size(&self, values: &[S]) -> f64 {
+        values.iter().zip(&self.levers).fold(0.0, |s: f64, (x, lever)| s.max(x.value().abs() * lever))
     }
 
     fn solve_value(
@@ -189,6 +224,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let mut fresh = false;
         let mut first_residual = None;
         let mut growth = 0;
+        let mut worst_rate: f64 = 0.0;
         for iteration in 1..=MOST_ITERATIONS {
             self.evaluate(equations, base, unknowns, p, t);
             let size = self.residual_size();
@@ -211,33 +247,35 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             }
             self.counters.iterations += 1;
             let step = self.step(None, unknowns);
-            let scale = unknowns.x.iter().chain(&unknowns.y).fold(0.0, |s: f64, x| s.max(x.value().abs()));
+            let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
             if !step.is_finite() {
                 return fail(FailureKind::NotFinite, iteration, step);
-            }
-            if self.tolerance == NewtonTolerance::Residual {
-                previous = step;
-                continue;
             }
             let rate = step / previous;
             // the first correction says nothing about the next one
             let expected = if rate > 0.0 && rate < STALLED { step * rate / (1.0 - rate) } else { step };
             // a projection is as good as its correction of the state is small against the state
-            let moved = projected_size(equations, base).map(|(unit, size)| unit * step / size);
+            let moved = self.projected_size(equations, base).map(|(unit, size)| unit * step / size);
             let settled = match moved {
                 // the first correction says nothing about the next one
                 Some(moved) => moved * if rate > 0.0 { rate.min(1.0) } else { 1.0 } <= 0.25 * f64::EPSILON,
                 None => expected <= ROUND_OFF * scale || step <= 2.0 * self.floor,
             };
             if step == 0.0 || settled {
+                if !fresh && worst_rate > AGED {
+                    self.factored = None;
+                }
                 return Ok(());
+            }
+            if rate < STALLED {
+                worst_rate = worst_rate.max(rate);
             }
             if rate >= STALLED && previous.is_finite() {
                 // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
                 if moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON) {
                     return Ok(());
                 }
-                if fresh && self.at_round_off(equations, step, scale) {
+                if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {
                     self.floor = step;
                     return Ok(());
                 }
@@ -253,12 +291,23 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             }
             previous = step;
         }
-        let scale = unknowns.x.iter().fold(f64::MIN_POSITIVE, |s, x| s.max(x.value().abs()));
+        let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
         fail(FailureKind::Stagnated, MOST_ITERATIONS, previous / scale)
     }
 
     /// Corrections no longer shrink: is that round-off, or a system that does not converge?
-    fn at_round_off(&self, equations: &Equations, step: f64, scale: f64) -> bool {
+    fn at_round_off(
+        &mut self,
+        equations: &Equations,
+        unknowns: &Unknowns<S>,
+        p: &[S],
+        t: f64,
+        step: f64,
+        scale: f64,
+    ) -> bool {
+        if step <= 1e-10 * scale {
+            return true;
+        }
         let force = self.residual.f.iter().fold(0.0, |s: f64, f| s.max(f.value().abs()));
         let length = self.residual.constraint_at.q.iter().fold(0.0, |s: f64, q| s.max(q.value().abs()));
         let gap = match equations.level {
@@ -266,9 +315,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             Level::Velocity | Level::Acceleration => 0.0,
         };
         let largest_gap = self.residual.g.iter().fold(0.0, |s: f64, g| s.max(g.value().abs())) * gap;
-        let small_force = force <= FORCE_FLOOR * self.residual.force_scale;
+        let small_force = force <= self.residual.force_floor(self.system, unknowns, p, t);
         let small_gap = largest_gap <= 1e-12 * length.max(f64::MIN_POSITIVE);
-        (small_force && small_gap) || step <= 1e-10 * scale
+        small_force && small_gap
     }
 
     /// With the value converged, the derivative parts solve one linear system each: factored there, they are exact.
@@ -293,7 +342,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             let mut largest: f64 = 0.0;
             for part in 0..S::PARTS {
                 let step = self.step(Some(part), unknowns);
-                let scale = unknowns.x.iter().chain(&unknowns.y).fold(0.0, |s: f64, x| s.max(x.part(part).abs()));
+                let levers = self.levers.iter().chain(&self.levers);
+                let parts = unknowns.x.iter().chain(&unknowns.y).zip(levers);
+                let scale = parts.fold(0.0, |s: f64, (x, lever)| s.max(x.part(part).abs() * lever));
                 if scale > 0.0 {
                     largest = largest.max(step / scale);
                 }
@@ -305,9 +356,49 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Ok(())
     }
 
+    /// For a projection: the factor from its unknowns to the projected state, and the size of that state.
+    fn projected_size(&self, equations: &Equations, base: &VectorsAvq<S>) -> Option<(f64, f64)> {
+        let largest = |values: &[S]| self.size(values).max(f64::MIN_POSITIVE);
+        match equations.level {
+            Level::Position if equations.metric => Some((equations.constraint.alpha, largest(&base.q))),
+            Level::Velocity if equations.metric => Some((equations.constraint.beta, largest(&base.v))),
+            _ => None,
+        }
+    }
+
     fn evaluate(&mut self, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>, p: &[S], t: f64) {
         self.counters.residuals += 1;
+        // a factorization follows
+        if self.factored.is_none() && S::PARTS == 0 {
+            self.factored_at.t = t;
+            self.factored_at.base.clone_from(base);
+            self.factored_at.unknowns.clone_from(unknowns);
+        }
         self.residual.evaluate(self.system, equations, base, unknowns, p, t);
+    }
+
+    /// What later systems depend on beside their own numbers.
+    pub(super) fn kept(&self) -> KeptFactorization<S> {
+        KeptFactorization {
+            factored: self.factored.map(|equations| (equations, self.factored_at.clone())),
+            pivots: self.factorization.kept_pivots().unwrap_or_default(),
+            floor: self.floor,
+        }
+    }
+
+    /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
+    pub(super) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
+        self.floor = kept.floor;
+        self.factored = None;
+        // none: pivots that were chosen since are forgotten
+        self.factorization.keep_pivots(&kept.pivots);
+        if let Some((equations, FactoredAt { t, base, unknowns })) = &kept.factored {
+            self.residual.start(self.system, equations, base, p, *t);
+            let mut unknowns = unknowns.clone();
+            self.evaluate(equations, base, &mut unknowns, p, *t);
+            self.factorize(equations, &unknowns, p, *t)?;
+        }
+        Ok(())
     }
 
     fn factorize(&mut self, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) -> Result<(), Singular> {
@@ -323,7 +414,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.solves += 1;
         self.jacobian.reduce(self.system, &self.residual, part, &mut self.rhs);
         self.factorization.solve(&mut self.rhs);
-        self.jacobian.add_step(self.system, &self.rhs, part, unknowns)
+        self.jacobian.add_step(self.system, &self.rhs, part, unknowns, &self.levers)
     }
 
     /// Rows of the constraint equations in the matrix assembled last, towards the unknowns of nodes.
@@ -347,70 +438,15 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         // max() of floats would lose a NaN
         all.map(|f| f.value().abs()).fold(0.0, |s: f64, f| if f <= s { s } else { f })
     }
-
-    /// The failure in words.
-    pub fn describe(&self, failure: &Failure, place: &str) -> RunError {
-        let model = self.system.model;
-        let how = match failure.how {
-            FailureKind::Singular(unknown) => {
-                let unknown = self.system.unknown_name(unknown, &self.jacobian);
-                let hint = if unknown.starts_with("joint") {
-                    "its reaction is not determined: the joint is redundant or the mechanism is in a singular pose"
-                } else {
-                    "it has no inertia, or nothing holds it: give it a mass or a constraint"
-                };
-                return RunError::Singular { place: place.into(), unknown, hint: hint.into() };
-            }
-            FailureKind::Diverged => "diverged",
-            FailureKind::Stagnated => "stagnated",
-            FailureKind::NotFinite => "met a number that is not finite",
-        };
-        let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
-        let largest = |values: &[S]| {
-            (0..values.len())
-                .max_by(|&i, &j| size(values[i].value()).total_cmp(&size(values[j].value())))
-                .map(|i| (i, values[i].value()))
-        };
-        let force = largest(&self.residual.f).map(|(i, f)| (model.dof_name(i), f));
-        let gap = largest(&self.residual.g).map(|(i, g)| (model.equation_name(i), g));
-        let (row, residual) = match (force, gap) {
-            (Some(force), Some(gap)) => {
-                if size(gap.1) > size(force.1) {
-                    gap
-                } else {
-                    force
-                }
-            }
-            (force, gap) => force.or(gap).unwrap_or_default(),
-        };
-        RunError::NoConvergence {
-            place: place.into(),
-            how,
-            iterations: failure.iterations,
-            correction: failure.correction,
-            limit: ROUND_OFF,
-            row,
-            residual,
-        }
-    }
 }
 
-/// For a projection: the factor from its unknowns to the projected state, and the size of that state.
-fn projected_size<S: RunScalar>(equations: &Equations, base: &VectorsAvq<S>) -> Option<(f64, f64)> {
-    let largest = |values: &[S]| values.iter().fold(f64::MIN_POSITIVE, |s: f64, x| s.max(x.value().abs()));
-    match equations.level {
-        Level::Position if equations.metric => Some((equations.constraint.alpha, largest(&base.q))),
-        Level::Velocity if equations.metric => Some((equations.constraint.beta, largest(&base.v))),
-        _ => None,
-    }
-}
-
-/// True if a matrix factored for one kind of equations serves the other: same inertia and stiffness coefficients.
+/// True if a matrix factored for one kind of equations serves the other: same inertia and stiffness coefficients. The projections
+/// of coordinates and of velocities have the same rows A, and differ by damping alone.
 fn resembles(old: &Equations, new: &Equations) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
-    old.level == new.level
+    let projections = old.metric && new.metric;
+    (projections || (old.level == new.level && old.metric == new.metric && near(old.residual.beta, new.residual.beta)))
         && near(old.residual.gamma, new.residual.gamma)
-        && near(old.residual.beta, new.residual.beta)
         && near(old.residual.alpha, new.residual.alpha)
         && near(old.constraint.gamma, new.constraint.gamma)
 }

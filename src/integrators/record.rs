@@ -1,7 +1,8 @@
+use super::{Checkpoint, RunError, Scheme};
 use crate::assembly::{Equations, Unknowns, VectorsAvq};
 
 /// One solved system: all that the adjoint needs to go back through it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SolveRecord<S> {
     /// Time [s].
     pub t: f64,
@@ -21,7 +22,7 @@ impl<S: crate::scalar::Scalar> SolveRecord<S> {
 }
 
 /// One stage of a step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StageRecord<S> {
     /// The stage's system; for a known stage the point alone, with its acceleration as x.
     pub solve: SolveRecord<S>,
@@ -32,12 +33,14 @@ pub struct StageRecord<S> {
 }
 
 /// One step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StepRecord<S> {
     /// Start of the step [s].
     pub t: f64,
     /// Size of the step [s].
     pub h: f64,
+    /// Which of the method's tables made it.
+    pub scheme: Scheme,
     /// Acceleration solved anew at the start, at a kink.
     pub restart: Option<SolveRecord<S>>,
     /// Stages.
@@ -53,7 +56,7 @@ pub struct StepRecord<S> {
 }
 
 /// What happens before the first step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StartRecord<S> {
     /// Projection of the given coordinates, if asked for.
     pub position_projection: Option<SolveRecord<S>>,
@@ -66,16 +69,41 @@ pub struct StartRecord<S> {
 /// Receives a run step by step.
 pub trait Recorder<S> {
     /// The start, after projections.
-    fn start(&mut self, start: StartRecord<S>);
+    ///
+    /// # Errors
+    /// What could not be kept.
+    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError>;
     /// A finished step; `false` stops the run.
-    fn step(&mut self, step: StepRecord<S>) -> bool;
+    ///
+    /// # Errors
+    /// What could not be kept.
+    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError>;
+    /// True if the state before step `index` is to be handed over.
+    fn wants_checkpoint(&self, _index: usize) -> bool {
+        false
+    }
+    /// Everything from which the run can go on, before the step for which it was asked.
+    ///
+    /// # Errors
+    /// What could not be kept.
+    fn checkpoint(&mut self, _checkpoint: Checkpoint<S>) -> Result<(), RunError> {
+        Ok(())
+    }
+}
+
+/// Hands out the steps of a finished real run one after the other.
+pub trait Steps {
+    /// The next one; `None` behind the last.
+    ///
+    /// # Errors
+    /// A step that can't be read or computed again.
+    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError>;
 }
 
 /// A finished real run that runs with derivative parts follow: their values are its values, number by number.
-#[derive(Clone, Copy, Debug)]
 pub struct Guide<'r> {
     /// Its start.
     pub start: &'r StartRecord<f64>,
-    /// Its steps.
-    pub steps: &'r [StepRecord<f64>],
+    /// Its steps from the first on.
+    pub steps: &'r mut dyn Steps,
 }

@@ -1,3 +1,5 @@
+use super::TimeGrid;
+
 /// What a vector that goes from step to step is: how many times it has been differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carried {
@@ -53,7 +55,7 @@ pub struct Stage {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Name on the command line.
-    pub name: &'static str,
+    pub name: String,
     /// Order for ordinary differential equations.
     pub order: usize,
     /// Vectors that go from step to step.
@@ -62,105 +64,99 @@ pub struct Table {
     pub stages: Vec<Stage>,
     /// New carried vectors.
     pub update: Vec<Combination>,
-    /// Quadrature weights of functionals at the stages.
-    pub weights: Vec<f64>,
+    /// The integral z of a functional's quantity f at the end of a step, z = sum of earlier z (latest first) + h sum of stage f.
+    pub quadrature: Combination,
     /// First-order coefficients a_ij, and b in the last row: how rate corrections of the velocity level enter q.
     pub rates: Vec<Vec<f64>>,
     /// The last stage lies at the end of the step and is the new state.
     pub stiffly_accurate: bool,
+    /// A second solution that measures the error of a step.
+    pub embedded: Option<Embedded>,
+    /// How a method that needs several steps behind it gets going.
+    pub starter: Option<Starter>,
 }
 
-/// A Runge-Kutta tableau with a lower-triangular matrix.
-#[derive(Clone, Debug)]
-pub struct Butcher {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Claimed order.
+/// The solution of a step minus a second one of lower order from the same stages.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Embedded {
+    /// Order of the second solution.
     pub order: usize,
-    /// Rows of the matrix up to the diagonal.
-    pub a: Vec<Vec<f64>>,
-    /// Weights.
-    pub b: Vec<f64>,
+    /// Difference of the coordinates.
+    pub q: Combination,
+    /// Difference of the velocities.
+    pub v: Combination,
+    /// How rate corrections enter the difference of the coordinates.
+    pub rates: Vec<f64>,
 }
 
-impl Butcher {
-    /// Nodes: the row sums.
-    fn nodes(&self) -> Vec<f64> {
-        self.a.iter().map(|row| row.iter().sum()).collect()
-    }
-
-    /// Largest violation of the conditions for the claimed order (at most 4), with their names.
-    pub fn order_defect(&self) -> (f64, &'static str) {
-        let c = self.nodes();
-        let b = &self.b;
-        let sum = |f: &dyn Fn(usize) -> f64| (0..b.len()).map(|i| b[i] * f(i)).sum::<f64>();
-        let row = |i: usize, f: &dyn Fn(usize) -> f64| self.a[i].iter().enumerate().map(|(j, a)| a * f(j)).sum::<f64>();
-        let conditions = [
-            (1, "sum b = 1", sum(&|_| 1.0) - 1.0),
-            (2, "sum b c = 1/2", sum(&|i| c[i]) - 1.0 / 2.0),
-            (3, "sum b c^2 = 1/3", sum(&|i| c[i] * c[i]) - 1.0 / 3.0),
-            (3, "sum b A c = 1/6", sum(&|i| row(i, &|j| c[j])) - 1.0 / 6.0),
-            (4, "sum b c^3 = 1/4", sum(&|i| c[i].powi(3)) - 1.0 / 4.0),
-            (4, "sum b c A c = 1/8", sum(&|i| c[i] * row(i, &|j| c[j])) - 1.0 / 8.0),
-            (4, "sum b A c^2 = 1/12", sum(&|i| row(i, &|j| c[j] * c[j])) - 1.0 / 12.0),
-            (4, "sum b A A c = 1/24", sum(&|i| row(i, &|j| row(j, &|k| c[k]))) - 1.0 / 24.0),
-        ];
-        let claimed = conditions.into_iter().filter(|(order, ..)| *order <= self.order);
-        claimed.map(|(_, name, defect)| (defect.abs(), name)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, ""))
-    }
-
-    /// The table for second-order systems: the tableau applied to (q, v)' = (v, a).
-    ///
-    /// # Panics
-    /// If the tableau misses its claimed order or is not lower triangular: a mistake in the coefficients.
-    pub fn into_table(self) -> Table {
-        let (defect, condition) = self.order_defect();
-        assert!(defect < 1e-14, "{}: order {} needs {condition}, missed by {defect:e}", self.name, self.order);
-        let s = self.b.len();
-        assert!(self.a.len() == s && self.a.iter().zip(1..).all(|(row, n)| row.len() == n), "{}: shape", self.name);
-        let c = self.nodes();
-        let entry = |i: usize, j: usize| self.a[i].get(j).copied().unwrap_or(0.0);
-        let explicit_first = self.a[0][0] == 0.0;
-        let mut carried = vec![Carried::Q, Carried::V];
-        if explicit_first {
-            carried.push(Carried::A);
-        }
-        let combine = |given: &[f64], stages: Vec<f64>| {
-            let mut all = vec![0.0; carried.len()];
-            all[..given.len()].copy_from_slice(given);
-            Combination { carried: all, stages }
-        };
-        let square = |weights: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            (0..s).map(|j| (0..s).map(|k| weights(k) * entry(k, j)).sum()).collect()
-        };
-        let stages = (0..s)
-            .map(|i| {
-                let known = (i == 0 && explicit_first).then_some(2);
-                let unit = (0..s).map(|j| f64::from(u8::from(i == j && known.is_none()))).collect();
-                let mut a = combine(&[], unit);
-                if let Some(place) = known {
-                    a.carried[place] = 1.0;
-                }
-                let v = combine(&[0.0, 1.0], (0..s).map(|j| entry(i, j)).collect());
-                let q = combine(&[1.0, c[i]], square(&|k| entry(i, k)));
-                Stage { c: c[i], a, v, q, known }
-            })
-            .collect();
-        let mut update = vec![combine(&[1.0, 1.0], square(&|k| self.b[k])), combine(&[0.0, 1.0], self.b.clone())];
-        if explicit_first {
-            update.push(combine(&[], (0..s).map(|j| f64::from(u8::from(j == s - 1))).collect()));
-        }
-        let stiffly_accurate = self.a[s - 1] == self.b;
-        let mut rates = self.a.clone();
-        rates.push(self.b.clone());
-        Table { name: self.name, order: self.order, carried, stages, update, weights: self.b, rates, stiffly_accurate }
-    }
+/// A one-step table for the steps that have too few steps of their own size, without a kink between, behind them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Starter {
+    /// The one-step table; it carries what the other one carries.
+    pub table: Box<Table>,
+    /// Steps that must lie behind.
+    pub steps: usize,
 }
+
+/// Which of a method's tables makes a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Scheme {
+    /// The table itself.
+    #[default]
+    Main,
+    /// Its one-step starter.
+    Starter,
+}
+
+/// Steps whose sizes differ relatively by less than this have the same size: times are sums with round-off.
+const SAME_SIZE: f64 = 1e-8;
 
 impl Table {
     /// h times the last diagonal coefficient: the time scale of the metric of the projections.
     pub fn projection_step(&self, h: f64) -> f64 {
         let last = self.stages.len() - 1;
         h * self.stages[last].v.stages[last]
+    }
+
+    /// The table of a scheme.
+    pub fn scheme(&self, scheme: Scheme) -> &Table {
+        match (scheme, &self.starter) {
+            (Scheme::Starter, Some(starter)) => &starter.table,
+            _ => self,
+        }
+    }
+
+    /// Which table makes step `index` of a grid.
+    pub fn scheme_at(&self, grid: &TimeGrid, index: usize) -> Scheme {
+        let Some(starter) = &self.starter else { return Scheme::Main };
+        let size = |index: usize| grid.times[index + 1] - grid.times[index];
+        let own = size(index);
+        let usable = |back: usize| {
+            let point = index + 1 - back;
+            !grid.kinks.contains(&point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
+        };
+        if index >= starter.steps && (1..=starter.steps).all(usable) { Scheme::Main } else { Scheme::Starter }
+    }
+
+    /// Factor from the additional unknown y of stage `index` to its rate correction w: alpha y = h a_ii w.
+    pub fn rate_factor(&self, index: usize, h: f64) -> f64 {
+        h * self.stages[index].q.stages[index] / self.rates[index][index]
+    }
+
+    /// A one-step table that also carries what `carried` and the last rows of `update` add, for methods that look further back.
+    pub(super) fn carrying(mut self, carried: &[Carried], update: &[Combination]) -> Table {
+        let own = self.carried.len();
+        assert_eq!(self.carried, carried[..own], "{}: a starter carries the same vectors first", self.name);
+        let (stages, relations) = (self.stages.len(), self.stages.iter_mut().flat_map(|s| [&mut s.a, &mut s.v, &mut s.q]));
+        let differences = self.embedded.iter_mut().flat_map(|embedded| [&mut embedded.q, &mut embedded.v]);
+        for combination in relations.chain(&mut self.update).chain(differences) {
+            combination.carried.resize(carried.len(), 0.0);
+        }
+        for shift in &update[own..] {
+            assert!(shift.stages.iter().all(|&weight| weight == 0.0), "{}: older vectors are only handed on", self.name);
+            self.update.push(Combination { carried: shift.carried.clone(), stages: vec![0.0; stages] });
+        }
+        self.carried = carried.to_vec();
+        self
     }
 }

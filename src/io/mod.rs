@@ -16,4 +16,4 @@ pub use chart::{Chart, Series, Style, write_panels};
 pub use file::{IoError, write_file, write_json, write_with};
 pub use motion::{Frame, Motion, Polyline, Trail, View};
 pub use progress::Progress;
-pub use table::{Cell, Table, number, write_csv};
+pub use table::{Cell, CsvFile, Table, number, write_csv};

@@ -1,33 +1,86 @@
 //! Numbers as text: CSV for programs, aligned columns for people.
 
-use super::file::{IoError, write_with};
+use super::file::{Aside, IoError};
 use std::fmt;
-use std::io::{self, Write};
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
-/// Writes a CSV file: one header line, then one line per row with 17 significant digits, so that reading gives the same bits.
-///
-/// Header names that contain a comma, a quote or a line break are quoted. Numbers read `NaN`, `inf` and `-inf` where they are.
+/// Writes a CSV file; see [`CsvFile`].
 ///
 /// # Errors
-/// A row whose length is not that of the header, and all of [`write_with`]; no file is left then.
+/// Those of [`CsvFile`]; no file is left then.
 pub fn write_csv(path: &Path, header: &[String], rows: impl Iterator<Item = Vec<f64>>) -> Result<(), IoError> {
-    write_with(path, |out| {
+    let mut file = CsvFile::create(path, header)?;
+    for row in rows {
+        file.row(&row)?;
+    }
+    file.finish()
+}
+
+/// A CSV file that is written row by row: one header line, then one line per row with 17 significant digits, so that reading gives
+/// the same bits. It appears under its name when it is finished, and not at all if it is dropped before.
+///
+/// Header names that contain a comma, a quote or a line break are quoted. Numbers read `NaN`, `inf` and `-inf` where they are.
+pub struct CsvFile {
+    path: PathBuf,
+    aside: Aside,
+    out: BufWriter<File>,
+    columns: usize,
+    rows: usize,
+}
+
+impl CsvFile {
+    /// Begins a file with its header, creating missing folders.
+    ///
+    /// # Errors
+    /// A folder that cannot be created, or a file that cannot be written.
+    pub fn create(path: &Path, header: &[String]) -> Result<Self, IoError> {
+        let aside = Aside::beside(path)?;
+        let file = File::create(&aside.part).map_err(|cause| IoError::new(path, cause))?;
+        let (path, out) = (path.to_path_buf(), BufWriter::new(file));
+        let mut own = CsvFile { path, aside, out, columns: header.len(), rows: 0 };
         let names: Vec<_> = header.iter().map(|name| quoted(name)).collect();
-        writeln!(out, "{}", names.join(","))?;
-        for (index, row) in rows.enumerate() {
-            if row.len() != header.len() {
-                let (found, expected) = (row.len(), header.len());
-                return Err(io::Error::other(format!("row {index} has {found} numbers, the header has {expected} names")));
-            }
-            for (column, value) in row.iter().enumerate() {
-                let comma = if column == 0 { "" } else { "," };
-                write!(out, "{comma}{value:.16e}")?;
-            }
-            writeln!(out)?;
+        let written = writeln!(own.out, "{}", names.join(","));
+        own.checked(written)?;
+        Ok(own)
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// A row whose length is not that of the header, or a file that cannot be written.
+    pub fn row(&mut self, row: &[f64]) -> Result<(), IoError> {
+        let written = self.add(row);
+        self.rows += 1;
+        self.checked(written)
+    }
+
+    fn add(&mut self, row: &[f64]) -> io::Result<()> {
+        let (index, found, expected) = (self.rows, row.len(), self.columns);
+        if found != expected {
+            return Err(io::Error::other(format!("row {index} has {found} numbers, the header has {expected} names")));
         }
-        Ok(())
-    })
+        for (column, value) in row.iter().enumerate() {
+            let comma = if column == 0 { "" } else { "," };
+            write!(self.out, "{comma}{value:.16e}")?;
+        }
+        writeln!(self.out)
+    }
+
+    fn checked(&self, written: io::Result<()>) -> Result<(), IoError> {
+        written.map_err(|cause| IoError::new(&self.path, cause))
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// A file that cannot be written or renamed.
+    pub fn finish(mut self) -> Result<(), IoError> {
+        let written = self.out.flush();
+        self.checked(written)?;
+        self.aside.publish()
+    }
 }
 
 fn quoted(name: &str) -> String {

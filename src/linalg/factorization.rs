@@ -1,31 +1,38 @@
-use super::{DenseLu, LinearSolver, Singular, SparseLu};
+use super::{DenseLu, LeftLookingLu, LinearSolver, Singular, SparseLu, minimum_degree};
 use crate::assembly::SparsePattern;
 
 /// Which solver factors the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// Dense up to [`DENSE_LIMIT`] unknowns, sparse above.
+    /// Left-looking where that takes few operations, else dense up to [`DENSE_LIMIT`] unknowns and sparse above.
     #[default]
     Automatic,
     /// Dense LU.
     Dense,
-    /// Sparse LU.
+    /// Sparse LU with pivots searched at every factorization.
     Sparse,
+    /// Sparse LU with pivots kept from factorization to factorization.
+    LeftLooking,
 }
 
 /// Largest number of unknowns for which the dense solver is chosen.
 pub const DENSE_LIMIT: usize = 100;
 
+/// Multiplications up to which a left-looking factorization is chosen: beyond, blocks of columns pay.
+const LEFT_LOOKING_LIMIT: f64 = 2e7;
+
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
 
-/// A factored matrix: scaled to rows and columns of size 1 by powers of two, with refinement against the matrix itself.
+/// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
     pattern: SparsePattern,
     solver: Box<dyn LinearSolver>,
     scaled: Vec<f64>,
     row_scale: Vec<f64>,
     column_scale: Vec<f64>,
+    /// Place of each diagonal entry.
+    diagonal: Vec<Option<usize>>,
     work: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
@@ -37,13 +44,20 @@ impl Factorization {
     /// # Errors
     /// [`Singular`] if no values could make the pattern regular.
     pub fn new(pattern: &SparsePattern, backend: Backend) -> Result<Self, Singular> {
-        let dense = match backend {
-            Backend::Automatic => pattern.size <= DENSE_LIMIT,
-            Backend::Dense => true,
-            Backend::Sparse => false,
+        let solver: Box<dyn LinearSolver> = match backend {
+            Backend::Dense => Box::new(DenseLu::new(pattern)),
+            Backend::Sparse => Box::new(SparseLu::new(pattern)?),
+            Backend::LeftLooking | Backend::Automatic => {
+                // dense kernels do several operations in the time of one here
+                let dense = (pattern.size as f64).powi(3) / if pattern.size <= DENSE_LIMIT { 12.0 } else { 3.0 };
+                let limit = if backend == Backend::Automatic { dense.min(LEFT_LOOKING_LIMIT) } else { f64::INFINITY };
+                match minimum_degree(pattern, limit) {
+                    Some(ordering) => Box::new(LeftLookingLu::new(pattern, ordering)),
+                    None if pattern.size <= DENSE_LIMIT => Box::new(DenseLu::new(pattern)),
+                    None => Box::new(SparseLu::new(pattern)?),
+                }
+            }
         };
-        let solver: Box<dyn LinearSolver> =
-            if dense { Box::new(DenseLu::new(pattern)) } else { Box::new(SparseLu::new(pattern)?) };
         let n = pattern.size;
         Ok(Factorization {
             pattern: pattern.clone(),
@@ -51,6 +65,7 @@ impl Factorization {
             scaled: vec![0.0; pattern.rows.len()],
             row_scale: vec![1.0; n],
             column_scale: vec![1.0; n],
+            diagonal: (0..n).map(|i| pattern.position(i, i)).collect(),
             work: vec![0.0; n],
             correction: vec![0.0; n],
             checked: false,
@@ -79,6 +94,16 @@ impl Factorization {
             self.checked = true;
         }
         Ok(())
+    }
+
+    /// The order of pivots that later factorizations keep, if the solver keeps any.
+    pub fn kept_pivots(&self) -> Option<Vec<usize>> {
+        self.solver.kept_pivots()
+    }
+
+    /// Takes over the order of pivots of another factorization of the pattern.
+    pub fn keep_pivots(&mut self, pivots: &[usize]) {
+        self.solver.keep_pivots(pivots);
     }
 
     /// Looks for a vector that A^-1 enlarges beyond all measure.
@@ -136,20 +161,55 @@ impl Factorization {
         self.pattern.column_starts[column]..self.pattern.column_starts[column + 1]
     }
 
-    /// Powers of two that bring the largest entry of every row, then of every column, near 1.
+    /// Powers of two that bring the diagonal near 1 where there is one, and the rows and columns of multipliers to its scale.
+    ///
+    /// A light body then has pivots as good as those of a heavy one, and none has to be looked for among the constraints.
     fn set_scales(&mut self, values: &[f64]) {
-        let power = |largest: f64| if largest > 0.0 { (-largest.log2().round()).exp2() } else { 1.0 };
         self.row_scale.fill(0.0);
         for (&row, value) in self.pattern.rows.iter().zip(values) {
             self.row_scale[row] = self.row_scale[row].max(value.abs());
         }
-        self.row_scale.iter_mut().for_each(|scale| *scale = power(*scale));
+        for unknown in 0..self.pattern.size {
+            let diagonal = self.diagonal[unknown].map_or(0.0, |place| values[place].abs());
+            let usable = diagonal > SMALL_DIAGONAL * self.row_scale[unknown];
+            self.column_scale[unknown] = if usable { inverse_power(diagonal.sqrt()) } else { 0.0 };
+        }
+        for unknown in 0..self.pattern.size {
+            if self.column_scale[unknown] > 0.0 {
+                self.row_scale[unknown] = self.column_scale[unknown];
+            } else {
+                self.row_scale[unknown] = 0.0;
+            }
+        }
+        // rows of multipliers against the scaled unknowns of nodes, then their columns
         for column in 0..self.pattern.size {
-            let largest = self
-                .entries(column)
-                .map(|place| values[place].abs() * self.row_scale[self.pattern.rows[place]])
-                .fold(0.0, f64::max);
-            self.column_scale[column] = power(largest);
+            let scale = if self.column_scale[column] > 0.0 { self.column_scale[column] } else { 1.0 };
+            for place in self.entries(column) {
+                let row = self.pattern.rows[place];
+                if self.column_scale[row] == 0.0 {
+                    self.row_scale[row] = self.row_scale[row].max(values[place].abs() * scale);
+                }
+            }
+        }
+        for row in 0..self.pattern.size {
+            if self.column_scale[row] == 0.0 {
+                self.row_scale[row] = inverse_power(self.row_scale[row]);
+            }
+        }
+        for column in 0..self.pattern.size {
+            if self.column_scale[column] == 0.0 {
+                let scaled = |place: usize| values[place].abs() * self.row_scale[self.pattern.rows[place]];
+                self.column_scale[column] = inverse_power(self.entries(column).map(scaled).fold(0.0, f64::max));
+            }
         }
     }
+}
+
+/// Smallest diagonal entry, as a share of its row, by which an unknown is scaled.
+const SMALL_DIAGONAL: f64 = 1e-10;
+
+/// The inverse of the power of two near a normal number, by its exponent; 1 for zero.
+fn inverse_power(size: f64) -> f64 {
+    let exponent = size.to_bits() >> 52;
+    if (1..2046).contains(&exponent) { f64::from_bits((2046 - exponent) << 52) } else { 1.0 }
 }

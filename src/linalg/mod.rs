@@ -5,11 +5,15 @@
 
 mod dense;
 mod factorization;
+mod left_looking;
+mod ordering;
 mod rank;
 mod sparse;
 
 pub use dense::DenseLu;
 pub use factorization::{Backend, Factorization};
+pub use left_looking::LeftLookingLu;
+pub use ordering::{Ordering, minimum_degree};
 pub use rank::independent_rows;
 pub use sparse::SparseLu;
 
@@ -27,6 +31,13 @@ pub trait LinearSolver: Send {
     /// # Errors
     /// [`Singular`] if a pivot is zero, tiny or not finite and the solver sees it.
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular>;
+    /// The order of pivots that later factorizations keep, if the solver keeps any: together with the values it fixes every bit
+    /// of the factors.
+    fn kept_pivots(&self) -> Option<Vec<usize>> {
+        None
+    }
+    /// Takes over the order of pivots that another factorization of the pattern found.
+    fn keep_pivots(&mut self, _pivots: &[usize]) {}
     /// Replaces b by A^-1 b.
     fn solve(&mut self, rhs: &mut [f64]);
     /// Replaces b by A^-T b.

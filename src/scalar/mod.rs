@@ -29,7 +29,7 @@ mod vector;
 pub use complex::Complex;
 pub use curved::{Curved, Direction, curvature};
 pub use dual::Dual;
-pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient};
+pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gradients};
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed};
 pub use taylor::Taylor;
 pub use vector::Vec3;

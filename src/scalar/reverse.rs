@@ -1,5 +1,5 @@
 use super::{Complex, Lanes, Scalar};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value and its place on the thread's tape: reverse-mode differentiation, over a scalar that may itself carry derivatives.
@@ -43,25 +43,37 @@ pub struct Records<S> {
 
 /// A scalar over which reverse mode records: a closed list, because each needs a tape on every thread.
 pub trait Recordable: Scalar {
+    /// Partial derivatives are real numbers: they fit into the record itself.
+    const REAL: bool;
     /// Calls `f` with this thread's tape.
     fn with_records<T>(f: impl FnOnce(&mut Records<Self>) -> T) -> T;
 }
 
 macro_rules! recordable {
-    ($($scalar:ty),*) => {$(
+    ($($scalar:ty, $real:literal);*) => {$(
         impl Recordable for $scalar {
+            const REAL: bool = $real;
             #[inline(always)]
             fn with_records<T>(f: impl FnOnce(&mut Records<Self>) -> T) -> T {
+                // a place without a destructor is reached by one instruction; each thread that records leaves one tape behind
                 thread_local! {
-                    static RECORDS: RefCell<Records<$scalar>> =
-                        const { RefCell::new(Records { list: Vec::new(), partials: Vec::new(), adjoint: Vec::new() }) };
+                    static RECORDS: Cell<Option<&'static RefCell<Records<$scalar>>>> = const { Cell::new(None) };
                 }
-                RECORDS.with_borrow_mut(f)
+                let records = match RECORDS.get() {
+                    Some(records) => records,
+                    None => {
+                        let empty = Records { list: Vec::new(), partials: Vec::new(), adjoint: Vec::new() };
+                        let records: &'static _ = Box::leak(Box::new(RefCell::new(empty)));
+                        RECORDS.set(Some(records));
+                        records
+                    }
+                };
+                f(&mut records.borrow_mut())
             }
         }
     )*};
 }
-recordable!(f64, Complex, Lanes);
+recordable!(f64, true; Complex, false; Lanes, false);
 
 impl<S: Recordable> Records<S> {
     #[inline(always)]
@@ -73,6 +85,9 @@ impl<S: Recordable> Records<S> {
 
     #[inline(always)]
     fn push(&mut self, operands: [u32; 2], partials: &[S; 2]) -> u32 {
+        if S::REAL {
+            return self.push_linear(operands, [partials[0].value(), partials[1].value()]);
+        }
         let node = self.list.len() as u32;
         self.list.push(Record { operands, factors: [0.0; 2], partials: self.partials.len() as u32 });
         self.partials.push(*partials);
@@ -135,6 +150,44 @@ pub fn add_gradient<S: Recordable>(
         }
         records.list.truncate(start);
         records.partials.truncate(first_partial);
+    });
+}
+
+/// Records a function with several results once, and adds the gradient of weights . results to one row for each list of weights.
+///
+/// Works inside another recording.
+pub fn add_gradients<'w>(
+    values: impl Iterator<Item = f64>,
+    function: impl FnOnce(&[Rev], &mut [Rev]),
+    results: &mut [Rev],
+    rows: impl Iterator<Item = (&'w [f64], &'w mut [f64])>,
+) {
+    let mut variables = smallvec::SmallVec::<[Rev; 32]>::new();
+    let start = f64::with_records(|records| {
+        let start = records.list.len();
+        for value in values {
+            variables.push(Reverse { value, node: records.list.len() as u32 });
+            records.list.push(VARIABLE);
+        }
+        start
+    });
+    function(&variables, results);
+    f64::with_records(|records| {
+        let list = &records.list[start..];
+        for (weights, gradient) in rows {
+            records.adjoint.clear();
+            records.adjoint.resize(list.len(), 0.0);
+            for (result, weight) in results.iter().zip(weights) {
+                if result.node != CONSTANT {
+                    records.adjoint[result.node as usize - start] += weight;
+                }
+            }
+            sweep(list, &records.partials, start, &mut records.adjoint);
+            for (target, bar) in gradient.iter_mut().zip(&records.adjoint) {
+                *target += bar;
+            }
+        }
+        records.list.truncate(start);
     });
 }
 

@@ -3,9 +3,10 @@ use super::scene::AnyScene;
 use crate::assembly::{Model, NodeId};
 use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design};
 use crate::functionals::Functional;
+use crate::history::Keep;
 use crate::integrators::{
-    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, TimeGrid,
-    table_by_name,
+    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, StepControl,
+    TimeGrid, table_by_name,
 };
 use crate::scalar::{Complex, Lanes, Rev, Scalar};
 use crate::sensitivity::Analysis;
@@ -15,8 +16,10 @@ use crate::sensitivity::Analysis;
 pub struct Settings {
     /// Duration [s].
     pub end: f64,
-    /// Steps.
+    /// Steps of equal size; without meaning where they are chosen.
     pub steps: usize,
+    /// Choose steps by their error.
+    pub control: Option<StepControl>,
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
 }
@@ -24,7 +27,14 @@ pub struct Settings {
 impl Settings {
     /// A duration [s] and a number of steps; inconsistent starts and redundant constraints are refused.
     pub fn new(end: f64, steps: usize) -> Self {
-        Settings { end, steps, policy: ConstraintPolicy::default() }
+        Settings { end, steps, control: None, policy: ConstraintPolicy::default() }
+    }
+
+    /// Chooses steps by their error instead of equal ones.
+    #[must_use]
+    pub fn choosing_steps(mut self, control: StepControl) -> Self {
+        self.control = Some(control);
+        self
     }
 
     /// Leaves out redundant constraint equations.
@@ -54,10 +64,14 @@ pub struct Prepared<'s> {
     pub mechanism: MechanismBuilder<f64>,
     /// How it is integrated.
     pub method: Method,
-    /// Its steps.
+    /// Its steps; with a control the stretches between kinks.
     pub grid: TimeGrid,
+    /// How steps are chosen.
+    pub control: Option<StepControl>,
     /// Decisions about the start.
     pub plan: StartPlan,
+    /// How runs keep their steps for gradients: in memory unless it is changed.
+    pub keep: Keep,
 }
 
 impl<'s> Prepared<'s> {
@@ -88,9 +102,15 @@ impl<'s> Prepared<'s> {
         check_design(&variables, x).map_err(RunError::Input)?;
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
         let kinks = mechanism.kinks();
-        let grid = TimeGrid::uniform(settings.end, settings.steps, &kinks).map_err(RunError::Input)?;
-        let mut prepared = Prepared { scene, variables, x: x.to_vec(), mechanism, method, grid, plan: StartPlan::default() };
-        prepared.plan = StartPlan::prepare(&prepared.problem(), settings.policy)?;
+        let Settings { end, steps, control, policy } = settings;
+        if let Some(control) = &control {
+            control.check(&method.table)?;
+        }
+        let steps = if control.is_some() { 1 } else { steps };
+        let grid = TimeGrid::uniform(end, steps, &kinks).map_err(RunError::Input)?;
+        let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
+        let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, plan, keep };
+        prepared.plan = StartPlan::prepare(&prepared.problem(), policy)?;
         Ok(prepared)
     }
 
@@ -118,7 +138,9 @@ impl<'s> Prepared<'s> {
             functionals: &self.mechanism.functionals,
             method: &self.method,
             grid: &self.grid,
+            control: self.control,
             plan: &self.plan,
+            keep: &self.keep,
         }
     }
 

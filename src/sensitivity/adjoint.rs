@@ -3,14 +3,14 @@
 //! Forward, a run is a chain of linear combinations and of systems F(X; base, p) = 0. Backwards, every system with the
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
-use crate::assembly::{Adjoints, Jacobian, Residual, System, VectorsAvq};
+use super::transposed::{Backward, SolutionBar, TransposedSolver};
+use crate::assembly::VectorsAvq;
 use crate::design::ModelNumbers;
-use crate::functionals::{Functional, Over, Sample};
-use crate::history::History;
+use crate::functionals::{Functional, Over, QuadratureWeights, Sample};
+use crate::history::{History, Rerun};
 use crate::integrators::{
-    Carried, Combination, ConstraintLevel, Counters, Method, Problem, RunError, SolveRecord, StartPlan, StepRecord, Table,
+    Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Table,
 };
-use crate::linalg::Factorization;
 
 /// Gradients with respect to parameters and initial state, one for each functional, and the work done.
 #[derive(Clone, Debug)]
@@ -19,153 +19,6 @@ pub struct AdjointRun {
     pub gradients: Vec<ModelNumbers<f64>>,
     /// Work done.
     pub counters: Counters,
-}
-
-/// Adjoint of the solution of one system, for one functional.
-#[derive(Clone, Debug)]
-struct SolutionBar {
-    x: Vec<f64>,
-    /// Of the rate correction w = beta y; empty unless stabilized.
-    rate: Vec<f64>,
-    mu: Vec<f64>,
-}
-
-impl SolutionBar {
-    fn zeros(dofs: usize, multipliers: usize, rates: bool) -> Self {
-        SolutionBar { x: vec![0.0; dofs], rate: vec![0.0; if rates { dofs } else { 0 }], mu: vec![0.0; multipliers] }
-    }
-    fn is_zero(&self) -> bool {
-        self.x.iter().chain(&self.rate).chain(&self.mu).all(|&bar| bar == 0.0)
-    }
-}
-
-/// What goes backwards from step to step, for one functional.
-struct Backward {
-    carried: Vec<Vec<f64>>,
-    /// Of the rate correction carried into an explicit first stage.
-    rate: Vec<f64>,
-    /// Of the acceleration and multipliers carried into an explicit first stage.
-    mu: Vec<f64>,
-    p: Vec<f64>,
-}
-
-/// Solves transposed systems of one numbering; several functionals share each factorization.
-struct TransposedSolver<'m> {
-    system: &'m System<'m>,
-    residual: Residual<f64>,
-    jacobian: Jacobian,
-    factorization: Factorization,
-}
-
-impl<'m> TransposedSolver<'m> {
-    fn new(system: &'m System<'m>, method: &Method) -> Result<Self, RunError> {
-        let factorization =
-            Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
-        Ok(TransposedSolver { system, residual: Residual::new(system), jacobian: Jacobian::new(system), factorization })
-    }
-
-    /// Goes back through one system; returns the adjoint of its base point for each functional and adds to `p_bar`.
-    fn through(
-        &mut self,
-        record: &SolveRecord<f64>,
-        p: &[f64],
-        bars: &[SolutionBar],
-        back: &mut [Backward],
-        counters: &mut Counters,
-    ) -> Result<Vec<VectorsAvq<f64>>, RunError> {
-        let system = self.system;
-        let dofs = system.model.dofs;
-        let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
-        if bars.iter().all(SolutionBar::is_zero) {
-            return Ok(base_bars);
-        }
-        let SolveRecord { t, equations, base, unknowns } = record;
-        // evaluated anew: the multipliers inside nodes follow from the solution
-        let mut unknowns = unknowns.clone();
-        self.residual.start(system, equations, base, p, *t);
-        self.residual.evaluate(system, equations, base, &mut unknowns, p, *t);
-        self.jacobian.assemble(system, equations, &self.residual, &unknowns, p, *t);
-        self.factorization.factor(&self.jacobian.values).map_err(|singular_at| {
-            singular_named(system.unknown_name(singular_at.unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
-        })?;
-        counters.systems += 1;
-        counters.residuals += 1;
-        counters.factorizations += 1;
-
-        for ((bar, back), base_bar) in bars.iter().zip(back).zip(&mut base_bars) {
-            if bar.is_zero() {
-                continue;
-            }
-            let beta = equations.residual.beta;
-            let y_bar: Vec<f64> = bar.rate.iter().map(|rate| rate * beta).collect();
-            let mut reduced = vec![0.0; system.size()];
-            self.jacobian.restrict_right(system, &bar.x, &y_bar, &mut reduced);
-            for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {
-                if let Some(place) = *place {
-                    reduced[place] = *mu;
-                }
-            }
-            reduced.iter_mut().for_each(|value| *value = -*value);
-            self.factorization.solve_transposed(&mut reduced);
-            counters.solves += 1;
-            let mut adjoints = Adjoints::zeros(system);
-            self.jacobian.prolong_left(system, &reduced, &mut adjoints.f, &mut adjoints.y);
-            let places = system.multiplier_places().iter().zip(&mut adjoints.g);
-            for (place, g) in places.chain(system.stabilizer_places().iter().zip(&mut adjoints.g_second)) {
-                if let Some(place) = *place {
-                    *g = reduced[place];
-                }
-            }
-
-            counters.products += 1;
-            let (mut at_bar, mut constraint_bar) = (VectorsAvq::zeros(dofs), VectorsAvq::zeros(dofs));
-            let (at, constraint_at) = (&self.residual.at, &self.residual.constraint_at);
-            system.add_element_products(&adjoints.f, at, p, *t, &mut at_bar, &mut back.p);
-            if equations.metric {
-                let negative: Vec<f64> = adjoints.f.iter().map(|f| -f).collect();
-                system.add_element_products(&negative, base, p, *t, base_bar, &mut back.p);
-            }
-            system.add_constraint_products(
-                equations,
-                &adjoints,
-                &unknowns,
-                constraint_at,
-                p,
-                *t,
-                &mut constraint_bar,
-                &mut back.p,
-            );
-            system.add_local_products(false, equations, &adjoints, &unknowns, constraint_at, *t, &mut constraint_bar);
-            // what is left of x_bar + J^T lambda along the eliminated directions belongs to the equations inside nodes
-            let (shift, inner) = (equations.residual, equations.constraint);
-            let alpha_part = |i: usize| shift.alpha * at_bar.q[i] + inner.alpha * constraint_bar.q[i];
-            let unbalanced_x: Vec<f64> = (0..dofs)
-                .map(|i| {
-                    let rates = shift.gamma * at_bar.a[i] + shift.beta * at_bar.v[i];
-                    let inner_rates = inner.gamma * constraint_bar.a[i] + inner.beta * constraint_bar.v[i];
-                    bar.x[i] + rates + inner_rates + alpha_part(i)
-                })
-                .collect();
-            let unbalanced_y: Vec<f64> = y_bar.iter().enumerate().map(|(i, y)| y + adjoints.y[i] + alpha_part(i)).collect();
-            system.set_local_adjoints(equations, constraint_at, *t, &unbalanced_x, &unbalanced_y, &mut adjoints);
-            system.add_local_products(true, equations, &adjoints, &unknowns, constraint_at, *t, &mut constraint_bar);
-            for i in 0..dofs {
-                base_bar.a[i] += at_bar.a[i] + constraint_bar.a[i];
-                base_bar.v[i] += at_bar.v[i] + constraint_bar.v[i];
-                base_bar.q[i] += at_bar.q[i] + constraint_bar.q[i];
-            }
-        }
-        Ok(base_bars)
-    }
-}
-
-fn singular(unknown: usize, place: &str) -> RunError {
-    singular_named(format!("unknown {unknown}"), place)
-}
-
-fn singular_named(unknown: String, place: &str) -> RunError {
-    let hint = "the motion passes a singular pose: its gradient does not exist there".to_string();
-    RunError::Singular { place: place.into(), unknown, hint }
 }
 
 fn add(target: &mut [f64], factor: f64, values: &[f64]) {
@@ -192,40 +45,36 @@ fn distribute(
     }
 }
 
-/// Discrete adjoint of a recorded run for several functionals at once; `values` are theirs in that run.
+/// Discrete adjoint of a recorded run for several functionals at once; `values` are theirs in that run, `active` says of which
+/// parameters derivatives are asked for (others get what functionals themselves make of them).
 ///
 /// # Errors
-/// [`RunError::Singular`] if the motion passes a pose in which a system is singular; [`RunError::Input`] without a history.
+/// [`RunError::Singular`] if the motion passes a pose in which a system is singular; what the history says where it can't give
+/// a step; [`RunError::Input`] without a history.
 pub fn adjoint(
-    problem: &Problem<f64>,
-    method: &Method,
-    plan: &StartPlan,
-    history: &History<f64>,
+    rerun: &Rerun,
+    history: &dyn History,
     functionals: &[Functional],
     values: &[f64],
+    active: &[bool],
 ) -> Result<AdjointRun, RunError> {
-    let model = problem.model;
-    let plain = System::new(model, method.system_options(&plan.dropped, false));
-    let stabilized = method.level == ConstraintLevel::Velocity && plain.is_constrained();
-    let with_rates = stabilized.then(|| System::new(model, method.system_options(&plan.dropped, true)));
+    let (method, systems) = (rerun.method, rerun.systems());
     let mut sweep = Sweep {
-        problem,
-        table: &method.table,
-        history,
+        problem: rerun.problem,
+        method,
         functionals,
         values,
-        duration: history.duration(),
-        stage: TransposedSolver::new(with_rates.as_ref().unwrap_or(&plain), method)?,
-        other: TransposedSolver::new(&plain, method)?,
+        duration: rerun.grid.duration(history.steps()),
+        stage: TransposedSolver::new(systems.stage(), method, active)?,
+        other: TransposedSolver::new(&systems.plain, method, active)?,
         counters: Counters::default(),
     };
-    sweep.run()
+    sweep.run(rerun, history)
 }
 
 struct Sweep<'m> {
     problem: &'m Problem<'m, f64>,
-    table: &'m Table,
-    history: &'m History<f64>,
+    method: &'m Method,
     functionals: &'m [Functional],
     values: &'m [f64],
     duration: f64,
@@ -235,7 +84,7 @@ struct Sweep<'m> {
 }
 
 impl Sweep<'_> {
-    fn run(&mut self) -> Result<AdjointRun, RunError> {
+    fn run(&mut self, rerun: &Rerun, history: &dyn History) -> Result<AdjointRun, RunError> {
         let model = self.problem.model;
         let zeros = || vec![0.0; model.dofs];
         let multipliers = self.other.system.multipliers();
@@ -244,18 +93,23 @@ impl Sweep<'_> {
             .functionals
             .iter()
             .map(|_| Backward {
-                carried: self.table.carried.iter().map(|_| zeros()).collect(),
+                carried: self.method.table.carried.iter().map(|_| zeros()).collect(),
                 rate: vec![0.0; rates],
                 mu: vec![0.0; multipliers],
                 p: vec![0.0; model.parameters],
             })
             .collect();
-        for index in (0..self.history.steps.len()).rev() {
-            self.step(index, &mut back)?;
+        let mut steps = history.backward(rerun)?;
+        let mut last = true;
+        let mut weights = QuadratureWeights::at_end(&rerun.method.table);
+        while let Some(step) = steps.next()? {
+            self.step(step, last, &weights.back_through(step), &mut back)?;
+            last = false;
         }
-        let missing = || RunError::Input("the run kept no history: a gradient needs one".into());
-        let start = self.history.start.as_ref().ok_or_else(missing)?;
-        let bars = self.start_bars(&mut back);
+        drop(steps);
+        let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
+        let start = history.start_record().ok_or_else(missing)?;
+        let bars = self.start_bars(start, &mut back);
         self.acceleration(&start.acceleration, bars, &mut back)?;
         for (solve, place) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
@@ -293,17 +147,16 @@ impl Sweep<'_> {
     }
 
     /// Adjoint of the first acceleration: what the first step carried over, and initial functionals.
-    fn start_bars(&self, back: &mut [Backward]) -> Vec<SolutionBar> {
-        let mut bars = take_carried_acceleration(self.table, back);
-        if let Some(sample) = self.history.initial_sample() {
-            for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
-                if self.functionals[k].over == Over::Initial {
-                    let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
-                    add(&mut back.carried[0], 1.0, &at.q);
-                    add(&mut back.carried[1], 1.0, &at.v);
-                    add(&mut bar.x, 1.0, &at.a);
-                    add(&mut bar.mu, 1.0, &mu);
-                }
+    fn start_bars(&self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionBar> {
+        let mut bars = take_carried_acceleration(&self.method.table, back);
+        let sample = Sample::initial(start);
+        for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
+            if self.functionals[k].over == Over::Initial {
+                let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
+                add(&mut back.carried[0], 1.0, &at.q);
+                add(&mut back.carried[1], 1.0, &at.v);
+                add(&mut bar.x, 1.0, &at.a);
+                add(&mut bar.mu, 1.0, &mu);
             }
         }
         bars
@@ -324,10 +177,15 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    fn step(&mut self, index: usize, back: &mut [Backward]) -> Result<(), RunError> {
-        let table = self.table;
-        let history = self.history;
-        let step = &history.steps[index];
+    /// Back through one step, whose stages have these weights in an integral; `last_step` if the run ends with it.
+    fn step(
+        &mut self,
+        step: &StepRecord<f64>,
+        last_step: bool,
+        weights: &[f64],
+        back: &mut [Backward],
+    ) -> Result<(), RunError> {
+        let table = self.method.table.scheme(step.scheme);
         let dofs = self.problem.model.dofs;
         let (multipliers, rates) = (self.other.system.multipliers(), self.stage.system.options.stabilized);
         let last = table.stages.len() - 1;
@@ -339,9 +197,7 @@ impl Sweep<'_> {
             let length = back.rate.len();
             add(&mut stages[last].rate, 1.0, &std::mem::replace(&mut back.rate, vec![0.0; length]));
         }
-        if index + 1 == history.steps.len()
-            && let Some(sample) = history.terminal_sample()
-        {
+        if last_step && let Some(sample) = Sample::terminal(step) {
             for (k, (stages, back)) in stages.iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.functionals[k].over == Over::Terminal {
                     let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
@@ -365,8 +221,8 @@ impl Sweep<'_> {
                 distribute(table, kind.order(), combination, step.h, bar, &mut back.carried, stages);
             }
         }
-        for stage in (0..table.stages.len()).rev() {
-            self.stage(index, stage, back, &mut stages)?;
+        for (stage, &weight) in weights.iter().enumerate().rev() {
+            self.stage(step, (stage, weight), back, &mut stages)?;
         }
         if let Some(restart) = &step.restart {
             let bars = take_carried_acceleration(table, back);
@@ -407,16 +263,16 @@ impl Sweep<'_> {
 
     fn stage(
         &mut self,
-        index: usize,
-        stage: usize,
+        step: &StepRecord<f64>,
+        (stage, weight): (usize, f64),
         back: &mut [Backward],
         stages: &mut [Vec<SolutionBar>],
     ) -> Result<(), RunError> {
-        let (table, history) = (self.table, self.history);
-        let step = &history.steps[index];
+        let table = self.method.table.scheme(step.scheme);
         let record = &step.stages[stage];
         let shift = record.solve.equations.residual;
-        let sample = history.stage_sample(table, index, stage);
+        let sample = Sample::stage(step, stage, weight);
+        let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
         let mut base_bars = Vec::with_capacity(back.len());
         for (k, (back, stages)) in back.iter_mut().zip(stages.iter_mut()).enumerate() {
@@ -429,8 +285,7 @@ impl Sweep<'_> {
             add(&mut own.x, shift.gamma, &at.a);
             add(&mut own.x, shift.beta, &at.v);
             add(&mut own.x, shift.alpha, &at.q);
-            // alpha y = beta (beta y): the rate correction moves q by h a_ii w
-            add(&mut own.rate, shift.beta, &at.q);
+            add(&mut own.rate, step.h * own_rate, &at.q);
             base_bars.push(at);
         }
         if let Some(place) = record.known {
@@ -441,10 +296,13 @@ impl Sweep<'_> {
                 add(&mut back.rate, 1.0, &own.rate);
             }
         } else {
-            let bars: Vec<SolutionBar> = stages
-                .iter_mut()
-                .map(|stages| std::mem::replace(&mut stages[stage], SolutionBar::zeros(0, 0, false)))
-                .collect();
+            let factor = table.rate_factor(stage, step.h);
+            let solution_bar = |stages: &mut Vec<SolutionBar>| {
+                let mut own = std::mem::replace(&mut stages[stage], SolutionBar::zeros(0, 0, false));
+                own.rate.iter_mut().for_each(|rate| *rate *= factor);
+                own
+            };
+            let bars: Vec<SolutionBar> = stages.iter_mut().map(solution_bar).collect();
             let solved = self.stage.through(&record.solve, &self.problem.p, &bars, back, &mut self.counters)?;
             for (total, base) in base_bars.iter_mut().zip(solved) {
                 add(&mut total.a, 1.0, &base.a);
@@ -470,16 +328,15 @@ impl Sweep<'_> {
     }
 }
 
-/// Takes out the adjoints of the acceleration and multipliers that were carried into a step and solved for at its start.
+/// Takes out the adjoints of the accelerations and multipliers that were carried into a step and solved for at its start.
 fn take_carried_acceleration(table: &Table, back: &mut [Backward]) -> Vec<SolutionBar> {
-    let place = table.carried.iter().position(|kind| *kind == Carried::A);
     back.iter_mut()
         .map(|back| {
-            let zeros = vec![0.0; back.carried[0].len()];
-            let x = match place {
-                Some(place) => std::mem::replace(&mut back.carried[place], zeros),
-                None => zeros,
-            };
+            let mut x = vec![0.0; back.carried[0].len()];
+            for (bar, _) in back.carried.iter_mut().zip(&table.carried).filter(|(_, kind)| **kind == Carried::A) {
+                add(&mut x, 1.0, bar);
+                bar.fill(0.0);
+            }
             let mu = std::mem::take(&mut back.mu);
             back.mu = vec![0.0; mu.len()];
             SolutionBar { x, rate: Vec::new(), mu }

@@ -1,9 +1,12 @@
 use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
-use crate::functionals::{Functional, FunctionalScalar};
-use crate::history::History;
-use crate::integrators::{Counters, InitialState, Method, Problem, RunError, StartPlan, TimeGrid, march, march_along};
+use crate::functionals::{Functional, FunctionalScalar, Values};
+use crate::history::{History, Keep, Moment, Observer, Rerun, Watch, moments};
+use crate::integrators::{
+    Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
+    StepRecord, TimeGrid, march, march_adaptive, march_along,
+};
 use crate::scalar::{Complex, LANES, Lanes};
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
@@ -17,19 +20,27 @@ pub struct Analysis<'m> {
     pub functionals: &'m [Functional],
     /// How it is integrated.
     pub method: &'m Method,
-    /// The steps, the same for every run.
+    /// The steps, the same for every run; with a control the stretches between kinks, which each real run divides.
     pub grid: &'m TimeGrid,
+    /// How real runs choose their steps; runs with derivative parts and the adjoint take the same ones.
+    pub control: Option<StepControl>,
     /// Decisions about the start, the same for every run.
     pub plan: &'m StartPlan,
+    /// How runs keep their steps for gradients.
+    pub keep: &'m Keep,
 }
 
 /// A real run with its functionals.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Forward {
     /// The numbers of the design.
     pub numbers: ModelNumbers<f64>,
-    /// All states.
-    pub history: History<f64>,
+    /// Its steps, as they were kept.
+    pub history: Box<dyn History>,
+    /// The steps taken, or the given ones where they were not chosen.
+    pub grid: TimeGrid,
+    /// Steps that were tried and given up for shorter ones.
+    pub rejected: usize,
     /// Values of the functionals.
     pub values: Vec<f64>,
     /// Offsets of the smooth maxima.
@@ -74,22 +85,62 @@ impl<'m> Analysis<'m> {
     /// Simulates a design and evaluates its functionals.
     ///
     /// # Errors
-    /// Those of the map and of the run.
+    /// Those of the map, of the run and of the history.
     pub fn forward(&self, x: &[f64]) -> Result<Forward, RunError> {
-        let numbers = self.map.real(x).map_err(RunError::Input)?;
-        let mut history = History::default();
-        let run = march(&self.problem(&numbers), self.method, self.grid, self.plan, &mut history)?;
-        let table = &self.method.table;
-        let offsets: Vec<_> = self.functionals.iter().map(|f| f.offset(self.model, table, &history, &numbers.p)).collect();
-        let values = self
-            .functionals
-            .iter()
-            .zip(&offsets)
-            .map(|(f, &offset)| f.value(self.model, table, &history, &numbers.p, offset))
-            .collect();
-        let forward = Forward { numbers, history, values, offsets, counters: run.counters };
+        let (forward, stopped) = self.observed(x, &mut Watch(|_: &StepRecord<f64>| true))?;
+        stopped.map_or(Ok(()), Err)?;
         self.check_values(&forward)?;
         Ok(forward)
+    }
+
+    /// As [`Analysis::forward`], with an observer who sees each step and may stop the run; one that stops early gives its finished
+    /// steps and the reason.
+    ///
+    /// # Errors
+    /// Those of the map, and a history that cannot be begun.
+    pub fn observed(&self, x: &[f64], observer: &mut dyn Observer) -> Result<(Forward, Option<RunError>), RunError> {
+        let numbers = self.map.real(x).map_err(RunError::Input)?;
+        let history = self.keep.history(self.control.is_none().then(|| self.grid.steps()))?;
+        let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
+        let mut recorder = Measuring { values, history, observer };
+        let problem = self.problem(&numbers);
+        let (grid, run) = match &self.control {
+            Some(control) => march_adaptive(&problem, self.method, control, self.grid, self.plan, &mut recorder),
+            None => (self.grid.clone(), march(&problem, self.method, self.grid, self.plan, &mut recorder)),
+        };
+        let Measuring { values, mut history, .. } = recorder;
+        let run = run.and_then(|run| history.finish().map(|()| run));
+        let (values, offsets) = values.finish();
+        let (counters, rejected, stopped) = match run {
+            Ok(run) => (run.counters, run.rejected, None),
+            Err(error) => (Counters::default(), 0, Some(error)),
+        };
+        Ok((Forward { numbers, history, grid, rejected, values, offsets, counters }, stopped))
+    }
+
+    /// Values of the functionals alone: no step is kept.
+    ///
+    /// # Errors
+    /// As for [`Analysis::forward`].
+    pub fn values(&self, x: &[f64]) -> Result<Vec<f64>, RunError> {
+        Ok(Analysis { keep: &Keep::Nothing, ..*self }.forward(x)?.values)
+    }
+
+    /// The same analysis on the steps of a run: what its gradients are the derivative of.
+    pub fn on_steps_of<'f>(&self, forward: &'f Forward) -> Analysis<'f>
+    where
+        'm: 'f,
+    {
+        Analysis { grid: &forward.grid, control: None, ..*self }
+    }
+
+    /// The states of a run at given times, which increase and lie within it, whatever its steps.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] for other times or a run that kept no steps; what the history says where it can't give a step.
+    pub fn motion(&self, forward: &Forward, times: &[f64]) -> Result<Vec<Moment>, RunError> {
+        let problem = self.problem(&forward.numbers);
+        moments(&*forward.history, &Rerun::new(&problem, self.method, &forward.grid, self.plan), times)
     }
 
     fn check_values(&self, forward: &Forward) -> Result<(), RunError> {
@@ -108,8 +159,10 @@ impl<'m> Analysis<'m> {
     /// Those of the map, and a singular pose on the way.
     pub fn adjoint(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         let problem = self.problem(&forward.numbers);
-        let run = adjoint(&problem, self.method, self.plan, &forward.history, self.functionals, &forward.values)?;
+        let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
+        let active = chain.active_parameters();
+        let run = adjoint(&rerun, &*forward.history, self.functionals, &forward.values, &active)?;
         let rows = run.gradients.iter().map(|bar| chain.gradient(bar)).collect();
         Ok(Gradient { rows, counters: run.counters })
     }
@@ -160,8 +213,8 @@ impl<'m> Analysis<'m> {
     pub fn central_difference(&self, x: &[f64], direction: &[f64], step: f64) -> Result<Vec<f64>, RunError> {
         let difference = |step: f64| -> Result<Vec<f64>, RunError> {
             let at = |sign: f64| -> Vec<f64> { x.iter().zip(direction).map(|(x, d)| x + sign * step * d).collect() };
-            let (plus, minus) = (self.forward(&at(1.0))?, self.forward(&at(-1.0))?);
-            Ok(plus.values.iter().zip(&minus.values).map(|(p, m)| (p - m) / (2.0 * step)).collect())
+            let (plus, minus) = (self.values(&at(1.0))?, self.values(&at(-1.0))?);
+            Ok(plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * step)).collect())
         };
         let (coarse, fine) = (difference(step)?, difference(step / 2.0)?);
         Ok(coarse.iter().zip(fine).map(|(c, f)| (4.0 * f - c) / 3.0).collect())
@@ -175,12 +228,53 @@ impl<'m> Analysis<'m> {
     /// derivatives at position level, and nothing converged is solved for again.
     fn perturbed_run<S: Perturbed>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
-        let mut history = History::default();
-        let guide = forward.history.guide();
-        let run = march_along(&self.problem(&numbers), self.method, self.grid, self.plan, guide, &mut history)?;
-        let value = |(f, &offset): (&Functional, &Option<f64>)| {
-            f.value(self.model, &self.method.table, &history, &numbers.p, offset)
-        };
-        Ok((self.functionals.iter().zip(&forward.offsets).map(value).collect(), run.counters))
+        let real = self.problem(&forward.numbers);
+        let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
+        let mut steps = forward.history.forward(&rerun)?;
+        let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
+        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
+        let mut recorder = Perturbation(values);
+        let run = march_along(&self.problem(&numbers), self.method, &forward.grid, self.plan, guide, &mut recorder)?;
+        Ok((recorder.0.finish().0, run.counters))
+    }
+}
+
+/// Evaluates functionals, keeps steps, and lets an observer see them.
+struct Measuring<'f, 'o> {
+    values: Values<'f, f64>,
+    history: Box<dyn History>,
+    observer: &'o mut dyn Observer,
+}
+
+impl Recorder<f64> for Measuring<'_, '_> {
+    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+        self.values.start(&start);
+        self.observer.start(&start)?;
+        self.history.start(start)
+    }
+    fn step(&mut self, step: StepRecord<f64>) -> Result<bool, RunError> {
+        self.values.step(&step);
+        let wanted = self.observer.step(&step)?;
+        Ok(self.history.step(step)? && wanted)
+    }
+    fn wants_checkpoint(&self, index: usize) -> bool {
+        self.history.wants_checkpoint(index)
+    }
+    fn checkpoint(&mut self, checkpoint: Checkpoint<f64>) -> Result<(), RunError> {
+        self.history.checkpoint(checkpoint)
+    }
+}
+
+/// Evaluates functionals and keeps nothing.
+struct Perturbation<'f, S>(Values<'f, S>);
+
+impl<S: FunctionalScalar> Recorder<S> for Perturbation<'_, S> {
+    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
+        self.0.start(&start);
+        Ok(())
+    }
+    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError> {
+        self.0.step(&step);
+        Ok(true)
     }
 }

@@ -3,6 +3,7 @@
 mod adjoint;
 mod analysis;
 mod checks;
+mod transposed;
 
 pub use adjoint::{AdjointRun, adjoint};
 pub use analysis::{Analysis, Forward, Gradient};

@@ -89,6 +89,25 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     }
 }
 
+/// The highest time derivative that a functional reads.
+pub enum Reads {
+    /// Coordinates, or what no round-off of constraints reaches.
+    Coordinates,
+    /// Velocities.
+    Velocities,
+    /// Multipliers: as accelerations.
+    Multipliers,
+}
+
+/// What a functional reads.
+pub fn reads((measure, _): (Measure, Over)) -> Reads {
+    match measure {
+        Measure::Reaction => Reads::Multipliers,
+        Measure::Velocity | Measure::Energy => Reads::Velocities,
+        _ => Reads::Coordinates,
+    }
+}
+
 /// Name of a functional of the list.
 pub fn name((measure, over): (Measure, Over)) -> String {
     format!("{measure:?} {over:?}")

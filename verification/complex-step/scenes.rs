@@ -8,6 +8,11 @@ use costate::scalar::{Quaternion, Scalar, Vec3};
 use costate::scenes::{MechanismBuilder, Scene, Settings};
 use std::ops::Range;
 
+/// Length of every run [s].
+pub const END: f64 = 1.0;
+/// Steps of every run.
+pub const STEPS: usize = 50;
+
 /// What a scene puts to the test; all its parameters are design variables.
 #[derive(Clone, Debug)]
 pub enum Subject {
@@ -271,7 +276,7 @@ impl Scene for Case {
         all.map(|(name, value)| DesignVariable::new(name, value, (value - 1.0, value + 1.0), "")).collect()
     }
     fn settings(&self) -> Settings {
-        let settings = Settings::new(1.0, 50);
+        let settings = Settings::new(END, STEPS);
         if self.projected { settings.projecting_start() } else { settings }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {

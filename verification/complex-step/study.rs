@@ -4,25 +4,57 @@ mod measures;
 mod scenes;
 
 use crate::verification::{Report, Study};
-use costate::integrators::{ConstraintLevel, Method, RunError, Table, tables};
-use costate::scenes::{AnyScene, Prepared, Scene};
-use costate::sensitivity::{Analysis, Gradient, largest_difference};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, Table, TimeGrid, table_by_name, tables};
+use costate::scenes::{AnyScene, Prepared, Scene, Settings};
+use costate::sensitivity::largest_difference;
+use measures::Reads;
 use rayon::prelude::*;
 use scenes::Case;
 
 /// Largest difference of the exact gradients, relative to the largest entry of each row.
 const EXACT: f64 = 1e-12;
-/// How many times the spread of a gradient under round-off its versions may differ, where that spread is above [`EXACT`].
-const SPREADS: f64 = 10.0;
-/// What no spread excuses.
-const LARGEST_LIMIT: f64 = 1e-8;
+/// Roundings of a constraint, in units in the last place, where a multiplier follows from it through 1 / (h a_ii)^2 or 1 / (h a_ii).
+const ROUNDINGS: f64 = 8.0;
 /// Largest difference from a difference quotient, relative to the largest term of the directional derivative.
 const QUOTIENT: f64 = 1e-6;
 /// Step of the difference quotient, relative to the variables.
 const STEP: f64 = 1e-3;
-/// A second step at position level, where forces carry round-off of 1e-10: which of the two is limited by round-off and which by
-/// the length of the step differs from scene to scene, and a wrong gradient would agree with neither.
-const LONG_STEP: f64 = 2.5e-3;
+/// Steps at position level, where forces carry round-off of 1e-10: it enters the quotient divided by the step, and which step is
+/// limited by it and which by its own length differs from scene to scene; a wrong gradient would agree with none.
+const STEPS_AT_POSITION_LEVEL: [f64; 3] = [STEP, 2.5e-3, 1e-2];
+
+/// Method of the runs that choose their steps.
+const CHOOSING: &str = "esdirk4";
+/// Their tolerances at the position, velocity and acceleration level, where errors and so steps differ.
+const TOLERANCES: [f64; 3] = [1e-4, 1e-5, 1e-7];
+/// Their longest step [s]: never less than 50 of them.
+const LONGEST: f64 = 0.02;
+
+/// An integrator with equal steps, or with chosen ones.
+#[derive(Clone)]
+struct Member {
+    name: String,
+    table: Table,
+    chooses_steps: bool,
+}
+
+impl Member {
+    fn control(&self, level: ConstraintLevel) -> Option<StepControl> {
+        let place = ConstraintLevel::ALL.iter().position(|own| *own == level)?;
+        self.chooses_steps.then(|| StepControl { longest: LONGEST, ..StepControl::new(TOLERANCES[place]) })
+    }
+}
+
+/// Every integrator, and one that chooses its steps.
+fn members() -> Vec<Member> {
+    let equal = |table: Table| Member { name: table.name.clone(), table, chooses_steps: false };
+    let choosing = table_by_name(CHOOSING).map(|table| Member {
+        name: format!("{CHOOSING}-choosing-steps"),
+        table,
+        chooses_steps: true,
+    });
+    tables().into_iter().map(equal).chain(choosing).collect()
+}
 
 /// The study.
 pub struct ComplexStep;
@@ -36,25 +68,34 @@ impl Study for ComplexStep {
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         let cases = scenes::list();
-        let combinations: Vec<(&Case, Table, ConstraintLevel)> = cases
+        let combinations: Vec<(&Case, Member, ConstraintLevel)> = cases
             .iter()
-            .flat_map(|case| tables().into_iter().map(move |table| (case, table)))
-            .flat_map(|(case, table)| ConstraintLevel::ALL.map(|level| (case, table.clone(), level)))
+            .flat_map(|case| members().into_iter().map(move |member| (case, member)))
+            .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case, member.clone(), level)))
             .collect();
         let outcomes: Vec<Result<Outcome, RunError>> =
-            combinations.par_iter().map(|(case, table, level)| compare(case, Method::new(table.clone(), *level))).collect();
+            combinations.par_iter().map(|(case, member, level)| compare(case, member, *level)).collect();
 
         let mut total = Outcome::default();
+        let mut chosen_by_level = ConstraintLevel::ALL.map(|_| Vec::new());
         let mut by_level = ConstraintLevel::ALL.map(|_| Outcome::default());
-        for ((case, table, level), outcome) in combinations.iter().zip(outcomes) {
-            let name = format!("{}/{}/{}", case.name, table.name, level.name());
+        for ((case, member, level), outcome) in combinations.iter().zip(outcomes) {
+            let name = format!("{}/{}/{}", case.name, member.name, level.name());
             let outcome = outcome.unwrap_or_else(|error| {
                 report.note(format!("{name}: {error}"));
                 Outcome { adjoint: f64::NAN, tangent: f64::NAN, quotient: f64::NAN, ..Outcome::default() }
             });
-            let limit = EXACT.max((SPREADS * outcome.spread).min(LARGEST_LIMIT));
-            report.at_most(format!("{name}/adjoint"), outcome.adjoint, limit);
-            report.at_most(format!("{name}/tangent"), outcome.tangent, limit);
+            report.at_most(format!("{name}/adjoint"), outcome.adjoint, EXACT);
+            report.at_most(format!("{name}/tangent"), outcome.tangent, EXACT);
+            let limits = outcome.limits;
+            for (kind, limit, differences) in
+                [("velocities", limits.velocity, outcome.of_velocities), ("forces", limits.force, outcome.of_forces)]
+            {
+                if limit > EXACT {
+                    report.at_most(format!("{name}/adjoint-of-{kind}"), differences[0], limit);
+                    report.at_most(format!("{name}/tangent-of-{kind}"), differences[1], limit);
+                }
+            }
             report.at_most(format!("{name}/difference-quotient"), outcome.quotient, QUOTIENT);
             for line in &outcome.lines {
                 report.note(format!("{name}: {line}"));
@@ -62,13 +103,25 @@ impl Study for ComplexStep {
             let level = ConstraintLevel::ALL.iter().position(|own| own == level).unwrap_or(0);
             by_level[level].add(&outcome);
             total.add(&outcome);
+            if let Some([least, most]) = outcome.chosen {
+                chosen_by_level[level].push([least, most, outcome.steps as f64]);
+            }
         }
         for (level, worst) in ConstraintLevel::ALL.iter().zip(&by_level) {
             report.inform(format!("worst/{}/adjoint", level.name()), worst.adjoint);
             report.inform(format!("worst/{}/tangent", level.name()), worst.tangent);
             report.inform(format!("worst/{}/difference-quotient", level.name()), worst.quotient);
-            report.inform(format!("worst/{}/spread-under-round-off", level.name()), worst.spread);
+            for (kind, differences) in [("velocities", worst.of_velocities), ("forces", worst.of_forces)] {
+                report.inform(format!("worst/{}/adjoint-of-{kind}", level.name()), differences[0]);
+                report.inform(format!("worst/{}/tangent-of-{kind}", level.name()), differences[1]);
+            }
             report.inform(format!("combinations-above-1e-12/{}", level.name()), worst.above as f64);
+        }
+        for (level, chosen) in ConstraintLevel::ALL.iter().zip(&chosen_by_level) {
+            let most_steps = chosen.iter().fold(0.0, |most: f64, own| most.max(own[2]));
+            let largest_ratio = chosen.iter().fold(0.0, |most: f64, own| most.max(own[1] / own[0]));
+            report.inform(format!("chosen-steps/{}/most", level.name()), most_steps);
+            report.inform(format!("chosen-steps/{}/longest-by-shortest", level.name()), largest_ratio);
         }
         report.inform("combinations", combinations.len() as f64);
         report.inform("entries", total.entries as f64);
@@ -85,15 +138,22 @@ struct Outcome {
     adjoint: f64,
     tangent: f64,
     quotient: f64,
-    /// How far the gradient moves when the design moves by round-off; measured only where it may matter.
-    spread: f64,
-    /// 1 if the exact gradients differ by more than [`EXACT`].
+    /// Adjoint and tangent of functionals of velocities and of multipliers, where these carry more round-off than [`EXACT`].
+    of_velocities: [f64; 2],
+    of_forces: [f64; 2],
+    /// 1 if any exact gradients differ by more than [`EXACT`].
     above: usize,
     entries: usize,
     zeros: usize,
     not_zero: usize,
     not_declared: usize,
     lines: Vec<String>,
+    /// Of velocities and forces.
+    limits: Limits,
+    /// Steps of the run.
+    steps: usize,
+    /// Shortest and longest step [s], where they were chosen.
+    chosen: Option<[f64; 2]>,
 }
 
 impl Outcome {
@@ -101,7 +161,10 @@ impl Outcome {
         self.adjoint = worse(self.adjoint, other.adjoint);
         self.tangent = worse(self.tangent, other.tangent);
         self.quotient = worse(self.quotient, other.quotient);
-        self.spread = worse(self.spread, other.spread);
+        for way in 0..2 {
+            self.of_velocities[way] = worse(self.of_velocities[way], other.of_velocities[way]);
+            self.of_forces[way] = worse(self.of_forces[way], other.of_forces[way]);
+        }
         self.above += other.above;
         self.entries += other.entries;
         self.zeros += other.zeros;
@@ -116,14 +179,19 @@ fn worse(a: f64, b: f64) -> f64 {
 }
 
 /// All functionals of one scene with one method, four ways.
-fn compare(case: &Case, method: Method) -> Result<Outcome, RunError> {
+fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outcome, RunError> {
+    let method = Method::new(member.table.clone(), level);
     let scene: &dyn AnyScene = case;
     let variables = scene.design_variables();
     let x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-    let steps: &[f64] = if method.level == ConstraintLevel::Position { &[STEP, LONG_STEP] } else { &[STEP] };
-    let prepared = Prepared::with(scene, &x, method, case.settings())?;
-    let analysis = prepared.analysis();
-    let forward = analysis.forward(&x)?;
+    let steps: &[f64] = if method.level == ConstraintLevel::Position { &STEPS_AT_POSITION_LEVEL } else { &[STEP] };
+    let control = member.control(level);
+    let settings = Settings { control, ..case.settings() };
+    let prepared = Prepared::with(scene, &x, method, settings)?;
+    let forward = prepared.analysis().forward(&x)?;
+    // gradients are those of the steps taken
+    let analysis = prepared.analysis().on_steps_of(&forward);
+    let limits = Limits::of(&member.table, level, &forward.grid);
     let adjoint = analysis.adjoint(&x, &forward)?;
     let tangent = analysis.tangent(&x, &forward)?;
     let complex = analysis.complex_step(&x, &forward)?;
@@ -140,11 +208,19 @@ fn compare(case: &Case, method: Method) -> Result<Outcome, RunError> {
         steps.iter().map(|&step| analysis.central_difference(&x, &direction, step)).collect::<Result<_, _>>()?;
 
     let reaches = case.reaches();
-    let mut outcome = Outcome::default();
+    let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
+    let chosen = control.map(|_| [sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max)]);
+    let mut outcome = Outcome { steps: forward.grid.steps(), chosen, limits, ..Outcome::default() };
     for (index, entry) in measures::LIST.into_iter().enumerate() {
         let rows = [&complex.rows[index], &adjoint.rows[index], &tangent.rows[index]];
-        outcome.adjoint = worse(outcome.adjoint, largest_difference(rows[0], rows[1]));
-        outcome.tangent = worse(outcome.tangent, largest_difference(rows[0], rows[2]));
+        let differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
+        let [adjoint, tangent] = match measures::reads(entry) {
+            Reads::Multipliers if limits.force > EXACT => outcome.of_forces.each_mut(),
+            Reads::Velocities if limits.velocity > EXACT => outcome.of_velocities.each_mut(),
+            _ => [&mut outcome.adjoint, &mut outcome.tangent],
+        };
+        *adjoint = worse(*adjoint, differences[0]);
+        *tangent = worse(*tangent, differences[1]);
         let terms: Vec<f64> = rows[1].iter().zip(&direction).map(|(g, d)| g * d).collect();
         let largest = terms.iter().fold(0.0, |s: f64, term| s.max(term.abs()));
         let slope: f64 = terms.iter().sum();
@@ -166,21 +242,22 @@ fn compare(case: &Case, method: Method) -> Result<Outcome, RunError> {
             }
         }
     }
-    if outcome.adjoint.max(outcome.tangent) > EXACT {
-        outcome.above = 1;
-        outcome.spread = spread(&analysis, &x, &direction, &tangent)?;
-    }
+    let exact = [outcome.adjoint, outcome.tangent];
+    let all = exact.into_iter().chain(outcome.of_velocities).chain(outcome.of_forces);
+    outcome.above = usize::from(all.fold(0.0, worse) > EXACT);
     Ok(outcome)
 }
 
-/// Largest change of a gradient row, relative to its largest entry, when variables along the direction move by a unit in the last
-/// place.
-///
-/// No two ways to a gradient can agree better than it agrees with itself.
-fn spread(analysis: &Analysis, x: &[f64], direction: &[f64], tangent: &Gradient) -> Result<f64, RunError> {
-    let moved: Vec<f64> =
-        x.iter().zip(direction).map(|(x, &along)| if along == 0.0 { *x } else { x * (1.0 + f64::EPSILON) }).collect();
-    let other = analysis.tangent(&moved, &analysis.forward(&moved)?)?;
-    let changes = tangent.rows.iter().zip(&other.rows).map(|(row, other)| largest_difference(row, other));
-    Ok(changes.fold(0.0, worse))
+/// What round-off of the constraints leaves of velocities and multipliers at a constraint level: [`ROUNDINGS`] through the table.
+#[derive(Clone, Copy, Default)]
+struct Limits {
+    velocity: f64,
+    force: f64,
+}
+
+impl Limits {
+    fn of(table: &Table, level: ConstraintLevel, grid: &TimeGrid) -> Self {
+        let round_off = table.round_off(level, grid, ROUNDINGS * f64::EPSILON);
+        Limits { velocity: round_off.velocity, force: round_off.acceleration }
+    }
 }

@@ -32,3 +32,12 @@ fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vec3<S> {
     let (qa, qb) = q.split_at(a.dofs());
     b.position(qb, Vec3::from_slice(&p[3..])) - a.position(qa, Vec3::from_slice(p))
 }
+
+/// The gradient of force . (x_b - x_a): the force at b, its opposite at a.
+#[inline(always)]
+fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vec3<S>, r: &mut [S]) {
+    let (qa, qb) = q.split_at(a.dofs());
+    let (ra, rb) = r.split_at_mut(a.dofs());
+    a.add_force(qa, Vec3::from_slice(p), -force, ra);
+    b.add_force(qb, Vec3::from_slice(&p[3..]), force, rb);
+}

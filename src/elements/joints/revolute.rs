@@ -1,6 +1,6 @@
 use super::POINTS;
-use crate::elements::{Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3, combine_columns};
+use crate::elements::{Anchor, Constraint, Parameter};
+use crate::scalar::{Quaternion, Scalar, Vec3, combine_columns, rotation_gradient_transposed};
 
 /// A hinge between two bodies: points held together [m] and the axis of b at right angles to two vectors of a [-].
 ///
@@ -14,6 +14,7 @@ pub struct RevoluteJoint;
 impl Constraint for RevoluteJoint {
     const DOFS: usize = 14;
     const EQUATIONS: usize = 5;
+    const REACTION: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         let vectors = ["u x", "u y", "u z", "w x", "w y", "w z", "axis x", "axis y", "axis z"];
@@ -30,5 +31,22 @@ impl Constraint for RevoluteJoint {
         g[..3].copy_from_slice(&(point_b - point_a).0);
         g[3] = combine_columns(&ra, vector(6)).dot(axis);
         g[4] = combine_columns(&ra, vector(9)).dot(axis);
+    }
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        super::add_pair([Anchor::Body, Anchor::Body], q, p, Vec3::from_slice(mu), r);
+        let (a, b) = q.split_at(7);
+        let (ea, eb) = (Quaternion::from_slice(&a[3..]), Quaternion::from_slice(&b[3..]));
+        let vector = |i: usize| Vec3::from_slice(&p[i..]);
+        // mu_4 u + mu_5 w turns with a, the axis with b
+        let normal = vector(6) * mu[3] + vector(9) * mu[4];
+        let moments = [
+            rotation_gradient_transposed(ea, normal, eb.rotate(vector(12))),
+            rotation_gradient_transposed(eb, vector(12), ea.rotate(normal)),
+        ];
+        for (first, moment) in [3, 10].into_iter().zip(moments) {
+            for (r, moment) in r[first..].iter_mut().zip(moment) {
+                *r += moment;
+            }
+        }
     }
 }

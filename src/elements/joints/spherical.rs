@@ -1,6 +1,6 @@
-use super::{POINTS, gap};
+use super::{POINTS, add_pair, gap};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vec3};
 
 /// Two points held together: g = x_b - x_a [m]. The multipliers are the force of b on a, in world components [N].
 ///
@@ -16,11 +16,16 @@ impl Constraint for SphericalJoint {
     const DOFS: usize = 14;
     const EQUATIONS: usize = 3;
     const PARAMETERS: &'static [Parameter] = &POINTS;
+    const SEPARABLE: bool = true;
+    const REACTION: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g.copy_from_slice(&gap([self.a, self.b], q, p).0);
+    }
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        add_pair([self.a, self.b], q, p, Vec3::from_slice(mu), r);
     }
 }

@@ -14,7 +14,7 @@ pub struct Chain {
 /// Design variables of a [`Chain`]: few or many, each set touching every body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChainVariables {
-    /// One: the length of every bar, at constant mass per length.
+    /// One: the radius of every bar, at constant mass per volume.
     Common,
     /// Ten for each bar: mass, place of the mass centre, inertia tensor about it.
     Separate,
@@ -32,18 +32,19 @@ impl Chain {
     }
 }
 
-/// Length of a bar of the initial design [m].
+/// Length of a bar [m].
 const LENGTH: f64 = 0.1;
-/// Mass of a bar per length [kg/m].
-const DENSITY: f64 = 2.0;
-/// Radius of a round bar [m].
+/// Radius of a round bar in the initial design [m].
 const RADIUS: f64 = 0.01;
+/// Mass of a bar of that radius per length [kg/m].
+const DENSITY: f64 = 2.0;
 
 /// Mass, mass centre and inertia (xx, yy, zz, xy, xz, yz) of a round bar along x with its frame at the middle.
-fn bar_inertia<S: Scalar>(length: S) -> [S; 10] {
-    let mass = length * DENSITY;
-    let axial = mass * (RADIUS * RADIUS / 2.0);
-    let lateral = mass * length * length / 12.0 + axial * 0.5;
+fn bar_inertia<S: Scalar>(radius: S) -> [S; 10] {
+    let share = radius / RADIUS;
+    let mass = share * share * (DENSITY * LENGTH);
+    let axial = mass * radius * radius * 0.5;
+    let lateral = mass * (LENGTH * LENGTH / 12.0) + axial * 0.5;
     let zero = S::zero();
     [mass, zero, zero, zero, axial, lateral, lateral, zero, zero, zero]
 }
@@ -64,7 +65,7 @@ impl Scene for Chain {
     }
     fn variables(&self) -> Vec<DesignVariable> {
         if self.variables == ChainVariables::Common {
-            return vec![DesignVariable::new("length", LENGTH, (0.01, 1.0), "m")];
+            return vec![DesignVariable::new("radius", RADIUS, (0.002, 0.05), "m")];
         }
         let names = [
             ("mass", "kg"),
@@ -78,7 +79,7 @@ impl Scene for Chain {
             ("inertia xz", "kg m2"),
             ("inertia yz", "kg m2"),
         ];
-        let initial = bar_inertia(LENGTH);
+        let initial = bar_inertia(RADIUS);
         let lateral = initial[5];
         let bounds = |i: usize| match i {
             1..=3 => (-0.5 * LENGTH, 0.5 * LENGTH),
@@ -102,8 +103,7 @@ impl Scene for Chain {
         if x.len() != expected || self.bodies == 0 {
             return Err(format!("{expected} variables expected for {} bars, {} given", self.bodies, x.len()));
         }
-        let length = if self.variables == ChainVariables::Common { x[0] } else { S::from(LENGTH) };
-        let along = |bars: f64| Vec3([length * bars, S::zero(), S::zero()]);
+        let along = |bars: f64| Vec3([S::from(LENGTH * bars), S::zero(), S::zero()]);
         let about_vertical = Vec3::from_f64([0.0, 0.0, 2.0]);
         let ground = m.ground();
         let mut before = ground;
@@ -115,7 +115,7 @@ impl Scene for Chain {
             let own = Vec3::from_f64([if i % 2 == 0 { 3.0 } else { -3.0 }, 0.0, 0.0]);
             m.set_velocity(bar, about_vertical.cross(position), about_vertical + own);
             let [mass, cx, cy, cz, inertia @ ..] = match self.variables {
-                ChainVariables::Common => bar_inertia(length),
+                ChainVariables::Common => bar_inertia(x[0]),
                 ChainVariables::Separate => std::array::from_fn(|k| x[10 * i + k]),
             };
             m.rigid_body(&name, bar, mass, Vec3([cx, cy, cz]), inertia);

@@ -1,0 +1,300 @@
+//! Dense blocks of single elements, constraints and nodes, along the reduced columns of their nodes.
+
+use super::jacobian::{Bases, Point, node_seeds};
+use super::numbering::{Part, System};
+use super::residual::Local3;
+use super::{Equations, Level, Shift};
+use crate::elements::{AnyConstraint, RunScalar, State};
+use crate::scalar::{Direction, LANES, Lanes, Taylor};
+
+/// Where a matrix is assembled.
+pub(super) struct Assembly<'s> {
+    pub system: &'s System<'s>,
+    pub equations: &'s Equations,
+    pub bases: &'s [Bases],
+    pub point: &'s Point,
+    pub p: &'s [f64],
+    pub t: f64,
+}
+
+/// Workspace for one block after the other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BlockWork {
+    real: Local3<f64>,
+    a: Vec<Lanes>,
+    v: Vec<Lanes>,
+    q: Vec<Lanes>,
+    p: Vec<Lanes>,
+    r: Vec<Lanes>,
+    motion: Vec<Taylor<f64>>,
+    gradients: Vec<f64>,
+    directions: Vec<Direction>,
+    products: Vec<Direction>,
+    multipliers: Vec<f64>,
+}
+
+/// Constants with lanes.
+pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
+    target.clear();
+    target.extend(values.iter().map(|&value| Lanes::constant(value)));
+}
+
+impl Assembly<'_> {
+    /// Calls `f(lane, dof, dx, dy)` for the coordinates that reduced columns `first..first + 8` of a part move; returns their number.
+    fn for_lanes(&self, part: &Part, first: usize, mut f: impl FnMut(usize, usize, f64, f64)) -> usize {
+        let mut lanes = 0;
+        for (lane, &(place, column)) in part.columns.iter().skip(first).take(LANES).enumerate() {
+            let seeds = node_seeds(self.system, self.bases, part.nodes[place]);
+            let offset: usize = part.segments[..place].iter().map(ExactSizeIterator::len).sum();
+            for dof in 0..seeds.dofs {
+                let (x, y) = seeds.direction(dof, column);
+                f(lane, offset + dof, x, y);
+            }
+            lanes = lane + 1;
+        }
+        lanes
+    }
+
+    /// Adds N_L^T times local rows to a block's columns `first_column..`; `second` selects the Y rows.
+    fn add_reduced_rows<'r>(
+        &self,
+        part: &Part,
+        row_of: impl Fn(usize) -> &'r Direction,
+        second: bool,
+        columns: std::ops::Range<usize>,
+        size: usize,
+        block: &mut [f64],
+    ) {
+        let copies = if self.system.options.stabilized { 2 } else { 1 };
+        let (mut first_dof, mut first_row) = (0, 0);
+        for (node, segment) in part.nodes.iter().zip(&part.segments) {
+            let reduced = self.system.nodes[*node].columns.len();
+            let half = reduced / copies;
+            let left = &self.bases[*node].left;
+            for row in 0..half {
+                let target = first_row + row + if second { half } else { 0 };
+                let mut sum = [0.0; LANES];
+                if left.is_empty() {
+                    sum = *row_of(first_dof + row);
+                } else {
+                    for i in 0..segment.len() {
+                        let (weight, value) = (left[i * half + row], row_of(first_dof + i));
+                        for (sum, e) in sum.iter_mut().zip(value) {
+                            *sum += weight * e;
+                        }
+                    }
+                }
+                for (column, value) in columns.clone().zip(sum) {
+                    block[target + column * size] += value;
+                }
+            }
+            first_dof += segment.len();
+            first_row += reduced;
+        }
+    }
+
+    /// Adds N_L^T times the rows of each node to the columns of the same node.
+    fn add_own_rows(&self, part: &Part, rows: &[Direction], second: bool, size: usize, block: &mut [f64]) {
+        let copies = if self.system.options.stabilized { 2 } else { 1 };
+        let (mut first_dof, mut first) = (0, 0);
+        for (node, segment) in part.nodes.iter().zip(&part.segments) {
+            let reduced = self.system.nodes[*node].columns.len();
+            let half = reduced / copies;
+            let left = &self.bases[*node].left;
+            for row in 0..half {
+                let target = first + row + if second { half } else { 0 };
+                for (i, values) in rows[first_dof..first_dof + segment.len()].iter().enumerate() {
+                    let weight = if left.is_empty() { f64::from(u8::from(i == row)) } else { left[i * half + row] };
+                    for (column, value) in values.iter().take(reduced).enumerate() {
+                        block[target + (first + column) * size] += weight * value;
+                    }
+                }
+            }
+            first_dof += segment.len();
+            first += reduced;
+        }
+    }
+
+    /// Columns gamma dR/da + beta dR/dv + alpha dR/dq along N_R, reduced by N_L.
+    pub fn element(&self, work: &mut BlockWork, index: usize, block: &mut [f64]) {
+        let part = &self.system.element_parts[index];
+        let Shift { gamma, beta, alpha } = self.equations.residual;
+        let size = part.columns.len();
+        block.fill(0.0);
+        let BlockWork { real, a, v, q, p, r, .. } = work;
+        let own = real.state(part, &self.point.at);
+        load(p, &self.p[part.parameters.clone()]);
+        for first in (0..size).step_by(LANES) {
+            load(a, own.a);
+            load(v, own.v);
+            load(q, own.q);
+            let lanes = self.for_lanes(part, first, |lane, dof, x, y| {
+                a[dof].eps[lane] = gamma * x;
+                v[dof].eps[lane] = beta * x;
+                q[dof].eps[lane] = alpha * (x + y);
+            });
+            r.clear();
+            r.resize(part.dofs, Lanes::default());
+            let state = State { a: &a[..], v: &v[..], q: &q[..] };
+            Lanes::element(&*self.system.model.elements[index].physics).add_residual(state, p, Lanes::from(self.t), r);
+            self.add_reduced_rows(part, |dof| &r[dof].eps, false, first..first + lanes, size, block);
+        }
+    }
+
+    /// Rows of the equations along N_R, columns A^T of the multipliers, and the curvature of the reactions.
+    pub fn constraint(&self, work: &mut BlockWork, index: usize, block: &mut [f64]) {
+        let part = &self.system.constraint_parts[index];
+        let Some(joint) = self.system.global_constraint(index) else { return };
+        let count = joint.equations.len();
+        let stabilized = self.equations.level == Level::Stabilized;
+        let own_columns = part.columns.len();
+        let size = own_columns + if stabilized { 2 * count } else { count };
+        block.fill(0.0);
+        let p = &self.p[part.parameters.clone()];
+        let unknowns = &self.point.unknowns;
+        let sets = [(false, &unknowns.mu, 1.0), (true, &unknowns.eta, -1.0)];
+        for (second, multipliers, sign) in sets.into_iter().take(1 + usize::from(stabilized)) {
+            work.multipliers.clear();
+            work.multipliers.extend(multipliers[joint.equations.clone()].iter().map(|m| sign * m));
+            self.add_curvature(joint.physics, part, work, p, second, size, block);
+            let BlockWork { gradients, products, .. } = &mut *work;
+            // columns of the multipliers: A^T, reduced
+            products.resize(part.dofs, [0.0; LANES]);
+            let place = own_columns + if second { count } else { 0 };
+            for first in (0..count).step_by(LANES) {
+                let width = LANES.min(count - first);
+                for (dof, row) in products.iter_mut().enumerate().take(part.dofs) {
+                    for lane in 0..width {
+                        row[lane] = sign * gradients[(first + lane) * part.dofs + dof];
+                    }
+                }
+                let columns = place + first..place + first + width;
+                self.add_reduced_rows(part, |dof| &products[dof], second, columns, size, block);
+            }
+        }
+        self.add_equation_rows(joint.physics, part, work, p, count, size, block);
+    }
+
+    /// Derivative of A^T mu along the columns; leaves A in `gradients`.
+    #[allow(clippy::too_many_arguments)]
+    fn add_curvature(
+        &self,
+        physics: &dyn AnyConstraint,
+        part: &Part,
+        work: &mut BlockWork,
+        p: &[f64],
+        second: bool,
+        size: usize,
+        block: &mut [f64],
+    ) {
+        let BlockWork { real, gradients, directions, products, multipliers, .. } = work;
+        let columns = part.columns.len();
+        let alpha = self.equations.constraint.alpha;
+        let q = real.state(part, &self.point.constraint_at).q;
+        directions.clear();
+        let most = part.nodes.iter().map(|&node| self.system.nodes[node].columns.len()).max().unwrap_or(0);
+        if physics.is_separable() && most <= LANES && alpha != 0.0 {
+            // columns of different nodes don't meet: the first of each node share a lane, and so on
+            directions.resize(part.dofs, [0.0; LANES]);
+            for first in (0..columns).step_by(LANES) {
+                self.for_lanes(part, first, |lane, dof, x, y| {
+                    if x != 0.0 || y != 0.0 {
+                        directions[dof][part.columns[first + lane].1] = alpha * (x + y);
+                    }
+                });
+            }
+            products.clear();
+            products.resize(part.dofs, [0.0; LANES]);
+            gradients.resize(multipliers.len() * part.dofs, 0.0);
+            physics.linearize_reaction((q, p, self.t), multipliers, directions, gradients, products);
+            self.add_own_rows(part, products, second, size, block);
+            return;
+        }
+        if alpha != 0.0 && multipliers.iter().any(|&m| m != 0.0) {
+            directions.resize(columns.div_ceil(LANES) * part.dofs, [0.0; LANES]);
+            for (group, directions) in directions.chunks_exact_mut(part.dofs).enumerate() {
+                self.for_lanes(part, group * LANES, |lane, dof, x, y| directions[dof][lane] = alpha * (x + y));
+            }
+        }
+        products.clear();
+        products.resize(directions.len(), [0.0; LANES]);
+        gradients.resize(multipliers.len() * part.dofs, 0.0);
+        physics.linearize_reaction((q, p, self.t), multipliers, directions, gradients, products);
+        for (group, rows) in products.chunks_exact(part.dofs).enumerate() {
+            let own = group * LANES..columns.min((group + 1) * LANES);
+            self.add_reduced_rows(part, |dof| &rows[dof], second, own, size, block);
+        }
+    }
+
+    /// The scaled equations of a joint along N_R.
+    #[allow(clippy::too_many_arguments)]
+    fn add_equation_rows(
+        &self,
+        physics: &dyn AnyConstraint,
+        part: &Part,
+        work: &mut BlockWork,
+        p: &[f64],
+        count: usize,
+        size: usize,
+        block: &mut [f64],
+    ) {
+        let BlockWork { real, motion, gradients, .. } = work;
+        motion.resize(count * part.dofs, Taylor::default());
+        if self.equations.level == Level::Position {
+            motion.iter_mut().zip(&*gradients).for_each(|(row, &a)| *row = Taylor::from(a));
+        } else {
+            physics.rows(real.state(part, &self.point.constraint_at), p, self.t, motion);
+        }
+        let columns = part.columns.len();
+        let stabilized = self.equations.level == Level::Stabilized;
+        let (mut offset, mut first) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let seeds = node_seeds(self.system, self.bases, node);
+            for (row, motion) in motion.chunks_exact(part.dofs).enumerate() {
+                for (dof, &entry) in motion[offset..offset + segment.len()].iter().enumerate() {
+                    let [towards_x, towards_y] = self.equations.row_entries(entry);
+                    if entry == Taylor::default() {
+                        continue;
+                    }
+                    for column in 0..seeds.columns {
+                        let (x, y) = seeds.direction(dof, column);
+                        let at = columns + row + (first + column) * size;
+                        block[at] += towards_x[0] * x + towards_y[0] * y;
+                        if stabilized {
+                            block[at + count] += towards_x[1] * x + towards_y[1] * y;
+                        }
+                    }
+                }
+            }
+            offset += segment.len();
+            first += seeds.columns;
+        }
+    }
+
+    /// Curvature of the reaction inside a node, and the identity of its rate corrections.
+    pub fn node(&self, work: &mut BlockWork, node: usize, block: &mut [f64]) {
+        let part = &self.system.node_parts[node];
+        let size = part.columns.len();
+        block.fill(0.0);
+        let local = self.system.nodes[node].local.map(|index| &self.system.locals[index]);
+        let unknowns = &self.point.unknowns;
+        let stabilized = self.equations.level == Level::Stabilized;
+        let sets = [(false, &unknowns.local_mu, 1.0), (true, &unknowns.local_eta, -1.0)];
+        if let Some(local) = local {
+            for (second, multipliers, sign) in sets.into_iter().take(1 + usize::from(stabilized)) {
+                work.multipliers.clear();
+                work.multipliers.extend(multipliers[local.equations.clone()].iter().map(|m| sign * m));
+                self.add_curvature(&*local.physics, part, work, &[], second, size, block);
+            }
+        }
+        if stabilized {
+            for first in (0..size).step_by(LANES) {
+                let rows = &mut work.products;
+                rows.clear();
+                rows.resize(part.dofs, [0.0; LANES]);
+                let lanes = self.for_lanes(part, first, |lane, dof, _, y| rows[dof][lane] = y);
+                self.add_reduced_rows(part, |dof| &rows[dof], true, first..first + lanes, size, block);
+            }
+        }
+    }
+}

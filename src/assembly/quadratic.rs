@@ -1,0 +1,164 @@
+use crate::elements::{AnyConstraint, State};
+use crate::scalar::{LANES, Scalar, Taylor};
+
+/// A constraint inside a node in closed form: g_k = c_k + b_k . q + q . H_k q / 2.
+///
+/// The unit length of Euler parameters is one; so are the right angles of natural coordinates. Their rows A = b + H q and all time
+/// derivatives cost a few multiplications, in every scalar. The coefficients are derivatives of the constraint itself, taken once.
+pub(super) struct Quadratic {
+    constant: Vec<f64>,
+    /// (equation, coordinate, b).
+    linear: Vec<(usize, usize, f64)>,
+    /// (equation, row, column, H).
+    second: Vec<(usize, usize, usize, f64)>,
+}
+
+impl Quadratic {
+    /// Coefficients of a constraint without parameters.
+    ///
+    /// # Panics
+    /// If it is not quadratic: a mistake in the list of node kinds.
+    pub fn of(physics: &dyn AnyConstraint) -> Self {
+        let (n, count) = (physics.dof_count(), physics.equation_count());
+        let origin = vec![0.0; n];
+        let value = |q: &[f64]| {
+            let mut g = vec![0.0; count];
+            crate::elements::ConstraintIn::<f64>::value(physics, q, &[], 0.0, &mut g);
+            g
+        };
+        let mut quadratic = Quadratic { constant: value(&origin), linear: Vec::new(), second: Vec::new() };
+        let mut directions = vec![[0.0; LANES]; n.div_ceil(LANES) * n];
+        for dof in 0..n {
+            directions[dof / LANES * n + dof][dof % LANES] = 1.0;
+        }
+        for equation in 0..count {
+            let mut unit = vec![0.0; count];
+            unit[equation] = 1.0;
+            let (mut gradients, mut products) = (vec![0.0; count * n], vec![[0.0; LANES]; directions.len()]);
+            physics.linearize_reaction((&origin, &[], 0.0), &unit, &directions, &mut gradients, &mut products);
+            let linear = gradients[equation * n..].iter().take(n).enumerate();
+            quadratic.linear.extend(linear.filter(|(_, b)| **b != 0.0).map(|(dof, &b)| (equation, dof, b)));
+            for row in 0..n {
+                let entry = |column: usize| products[column / LANES * n + row][column % LANES];
+                let own = (0..n).map(|column| (equation, row, column, entry(column)));
+                quadratic.second.extend(own.filter(|(.., h)| *h != 0.0));
+            }
+        }
+        let probe: Vec<f64> = (0..n).map(|i| 0.3 + 0.7 * (i as f64 * 1.7).sin()).collect();
+        let mut g = vec![Taylor::default(); count];
+        let still = vec![0.0; n];
+        quadratic.derivatives(State { a: &still, v: &still, q: &probe }, &mut g);
+        let exact = value(&probe).iter().zip(&g).all(|(g, own)| (g - own.value).abs() < 1e-13);
+        assert!(exact, "constraints inside nodes are quadratic");
+        quadratic
+    }
+
+    /// Writes rows A (equations by coordinates, row-major).
+    pub fn rows<S: Scalar>(&self, q: &[S], rows: &mut [S]) {
+        rows.fill(S::zero());
+        for &(equation, dof, b) in &self.linear {
+            rows[equation * q.len() + dof] += S::from(b);
+        }
+        for &(equation, row, column, h) in &self.second {
+            rows[equation * q.len() + row] += q[column] * h;
+        }
+    }
+
+    /// Writes rows A with their derivatives along the motion.
+    pub fn moving_rows(&self, s: State<f64>, rows: &mut [Taylor<f64>]) {
+        let n = s.q.len();
+        rows.fill(Taylor::default());
+        for &(equation, dof, b) in &self.linear {
+            rows[equation * n + dof].value += b;
+        }
+        for &(equation, row, column, h) in &self.second {
+            let entry = &mut rows[equation * n + row];
+            entry.value += h * s.q[column];
+            entry.first += h * s.v[column];
+            entry.second += h * s.a[column];
+        }
+    }
+
+    /// Adds a weighted sum of one row A and of its derivatives along the motion, each with the vector (q, v or a) that it is linear in.
+    pub fn add_row<S: Scalar>(&self, equation: usize, weighted: [(f64, &[S]); 3], row: &mut [S]) {
+        for &(_, dof, b) in self.linear.iter().filter(|(own, ..)| *own == equation) {
+            row[dof] += S::from(b * weighted[0].0);
+        }
+        for &(_, i, j, h) in self.second.iter().filter(|(own, ..)| *own == equation) {
+            for (weight, vector) in weighted {
+                row[i] += vector[j] * (h * weight);
+            }
+        }
+    }
+
+    /// target += factor (sum_k multiplier_k H_k) direction: the derivative of the reaction along a direction.
+    pub fn add_curvature(&self, multipliers: &[f64], direction: &[f64], factor: f64, target: &mut [f64]) {
+        for &(equation, row, column, h) in &self.second {
+            target[row] += factor * multipliers[equation] * h * direction[column];
+        }
+    }
+
+    /// Writes g with its first and second derivative along the motion.
+    pub fn derivatives<S: Scalar>(&self, s: State<S>, g: &mut [Taylor<S>]) {
+        for (g, &constant) in g.iter_mut().zip(&self.constant) {
+            *g = Taylor::from(constant);
+        }
+        for &(equation, dof, b) in &self.linear {
+            let g = &mut g[equation];
+            g.value += s.q[dof] * b;
+            g.first += s.v[dof] * b;
+            g.second += s.a[dof] * b;
+        }
+        for &(equation, i, j, h) in &self.second {
+            let g = &mut g[equation];
+            g.value += s.q[i] * s.q[j] * (0.5 * h);
+            g.first += s.q[i] * s.v[j] * h;
+            g.second += (s.q[i] * s.a[j] + s.v[i] * s.v[j]) * h;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::bodies::EulerParameterNorm;
+    use crate::elements::{ConstraintIn, State};
+
+    #[test]
+    fn closed_form_equals_the_constraint_with_its_rows_and_rates() {
+        let physics = EulerParameterNorm;
+        let own = Quadratic::of(&physics);
+        let numbers = |phase: f64| (0..7).map(|i| (i as f64 + phase).sin()).collect::<Vec<f64>>();
+        let (q, v, a) = (numbers(0.1), numbers(1.3), numbers(2.6));
+        let state = State { a: &a, v: &v, q: &q };
+        let (mut g, mut expected) = ([Taylor::default()], [Taylor::default()]);
+        own.derivatives(state, &mut g);
+        ConstraintIn::<f64>::derivatives(&physics, state, &[], 0.0, 1.0, &mut expected);
+        let close = |a: Taylor<f64>, b: Taylor<f64>| {
+            let d = a - b;
+            d.value.abs().max(d.first.abs()).max(d.second.abs()) < 1e-14
+        };
+        assert!(close(g[0], expected[0]), "{g:?} {expected:?}");
+        let (mut rows, mut expected) = ([Taylor::default(); 7], [Taylor::default(); 7]);
+        own.moving_rows(state, &mut rows);
+        physics.rows(state, &[], 0.0, &mut expected);
+        assert!(rows.iter().zip(&expected).all(|(&a, &b)| close(a, b)), "{rows:?} {expected:?}");
+        let mut values = [0.0; 7];
+        own.rows(&q, &mut values);
+        assert!(values.iter().zip(&rows).all(|(value, row)| *value == row.value));
+    }
+
+    #[test]
+    #[should_panic(expected = "quadratic")]
+    fn other_constraints_are_refused() {
+        struct Cubic;
+        impl crate::elements::Constraint for Cubic {
+            const DOFS: usize = 1;
+            const EQUATIONS: usize = 1;
+            fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
+                g[0] = q[0] * q[0] * q[0];
+            }
+        }
+        Quadratic::of(&Cubic);
+    }
+}

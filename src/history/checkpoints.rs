@@ -1,0 +1,284 @@
+use super::flat::Flat;
+use super::memory::Listed;
+use super::schedule::split;
+use super::{History, Rerun, Usage};
+use crate::integrators::{Checkpoint, Marcher, Recorder, RunError, StartRecord, StepRecord, Steps, TimeGrid};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+
+/// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
+///
+/// For a known number of steps the checkpoints are placed so that the fewest steps are computed again
+/// ([`recomputed_steps`](super::recomputed_steps)); for an unknown one they keep even distances, which double whenever the
+/// memory is full. A run whose steps all fit into the memory is kept as it is. Going back gives the memory of checkpoints that
+/// are passed to new ones, so a second gradient of the same run begins with computing it once more.
+#[derive(Debug)]
+pub struct Checkpoints {
+    budget: usize,
+    /// Number of steps of the run, if known.
+    planned: Option<usize>,
+    start: Option<StartRecord<f64>>,
+    steps: usize,
+    /// All steps, while they fit into the memory.
+    all: Option<Vec<StepRecord<f64>>>,
+    /// Number of checkpoints that fit into the memory beside one step; known after the first step.
+    slots: usize,
+    /// Most bytes of one checkpoint; known after the first step.
+    checkpoint_bytes: usize,
+    /// Next step before which a checkpoint is wanted.
+    wanted: usize,
+    /// Distance of checkpoints when the number of steps is unknown.
+    distance: usize,
+    kept: Mutex<Kept>,
+}
+
+/// What changes on the way back.
+#[derive(Debug, Default)]
+struct Kept {
+    checkpoints: Vec<Packed>,
+    /// The last step, until the first way back.
+    last: Option<StepRecord<f64>>,
+    /// Bytes of one step.
+    step_bytes: usize,
+    usage: Usage,
+}
+
+#[derive(Debug)]
+struct Packed {
+    step: usize,
+    bytes: Vec<u8>,
+}
+
+impl Kept {
+    fn push(&mut self, checkpoint: &Checkpoint<f64>) {
+        self.checkpoints.push(Packed { step: checkpoint.between.step, bytes: checkpoint.bytes() });
+        self.usage.checkpoints = self.usage.checkpoints.max(self.checkpoints.len());
+        let bytes = self.checkpoints.iter().map(|packed| packed.bytes.len()).sum::<usize>() + self.step_bytes;
+        self.usage.bytes = self.usage.bytes.max(bytes);
+    }
+}
+
+impl Checkpoints {
+    /// Checkpoints and one step within `budget` bytes, for a run of so many steps if that is known.
+    pub fn new(budget: usize, planned: Option<usize>) -> Self {
+        Checkpoints {
+            budget,
+            planned,
+            start: None,
+            steps: 0,
+            all: None,
+            slots: 1,
+            checkpoint_bytes: 0,
+            wanted: 0,
+            distance: 1,
+            kept: Mutex::default(),
+        }
+    }
+
+    /// Bytes that so many checkpoints need beside one step; known after the first step.
+    pub fn memory_for(&self, checkpoints: usize) -> usize {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.step_bytes + checkpoints * self.checkpoint_bytes
+    }
+
+    fn kept(&mut self) -> &mut Kept {
+        self.kept.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Divides the memory when the first step shows how large steps are.
+    fn divide(&mut self, step: &StepRecord<f64>) -> Result<(), RunError> {
+        let (step_bytes, budget, t) = (step.bytes().len(), self.budget, step.t);
+        if self.planned.is_some_and(|planned| planned.saturating_mul(step_bytes) <= budget) {
+            self.all = Some(Vec::new());
+            *self.kept() = Kept { step_bytes, ..Kept::default() };
+            return Ok(());
+        }
+        self.kept().step_bytes = step_bytes;
+        // later checkpoints also hold how the solution changed from stage to stage, and where each matrix was factored
+        let first: usize = self.kept().checkpoints.iter().map(|own| own.bytes.len()).sum();
+        let later = step.stages.iter().fold(4, |sum, stage| sum + stage.solve.unknowns.bytes().len());
+        let factored = step.stages.last().map_or(0, |stage| 4 * stage.solve.bytes().len());
+        let checkpoint_bytes = first + later + factored;
+        self.checkpoint_bytes = checkpoint_bytes;
+        self.slots = budget.saturating_sub(step_bytes) / checkpoint_bytes;
+        if self.slots == 0 {
+            return Err(RunError::History {
+                place: format!("step 1 (t = {t} s), checkpoints"),
+                cause: format!(
+                    "one step and one checkpoint take {} bytes, {budget} are allowed",
+                    step_bytes + checkpoint_bytes
+                ),
+                hint: "allow more memory or keep the run in a file".into(),
+            });
+        }
+        self.wanted = self.planned.map_or(1, |planned| split(planned, self.slots));
+        Ok(())
+    }
+
+    /// Where the next checkpoint goes.
+    fn plan(&mut self, step: usize) {
+        let slots = self.slots;
+        let Some(planned) = self.planned else {
+            if self.kept().checkpoints.len() == slots {
+                self.distance *= 2;
+                let distance = self.distance;
+                self.kept().checkpoints.retain(|own| own.step % distance == 0);
+            }
+            self.wanted = (step / self.distance + 1) * self.distance;
+            return;
+        };
+        let free = slots.saturating_sub(self.kept().checkpoints.len());
+        self.wanted = if free == 0 { usize::MAX } else { step + split(planned.saturating_sub(step), free + 1) };
+    }
+
+    fn locked(&self) -> Result<MutexGuard<'_, Kept>, RunError> {
+        match self.kept.try_lock() {
+            Ok(kept) => Ok(kept),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => {
+                Err(RunError::Input("two gradients share the checkpoints of one run: compute one after the other".into()))
+            }
+        }
+    }
+}
+
+impl Recorder<f64> for Checkpoints {
+    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+        self.start = Some(start);
+        Ok(())
+    }
+    fn step(&mut self, step: StepRecord<f64>) -> Result<bool, RunError> {
+        if self.steps == 0 {
+            self.divide(&step)?;
+        }
+        self.steps += 1;
+        if let Some(all) = &mut self.all {
+            all.push(step);
+            let (steps, kept) = (all.len(), self.kept());
+            kept.usage.steps = steps;
+            kept.usage.bytes = steps * kept.step_bytes;
+        } else {
+            let kept = self.kept();
+            kept.last = Some(step);
+            kept.usage.steps = 1;
+        }
+        Ok(true)
+    }
+    fn wants_checkpoint(&self, index: usize) -> bool {
+        self.all.is_none() && index == self.wanted
+    }
+    fn checkpoint(&mut self, checkpoint: Checkpoint<f64>) -> Result<(), RunError> {
+        let step = checkpoint.between.step;
+        self.kept().push(&checkpoint);
+        if step > 0 {
+            self.plan(step);
+        }
+        Ok(())
+    }
+}
+
+fn missing(place: String) -> RunError {
+    RunError::History { place, cause: "the run left no checkpoint".into(), hint: "run it again".into() }
+}
+
+fn resume(marcher: &mut Marcher<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
+    let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(&packed.bytes));
+    marcher.resume(&checkpoint.ok_or_else(|| missing(place()))?)
+}
+
+impl History for Checkpoints {
+    fn start_record(&self) -> Option<&StartRecord<f64>> {
+        self.start.as_ref()
+    }
+    fn steps(&self) -> usize {
+        self.steps
+    }
+    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        if let Some(all) = &self.all {
+            return Ok(Box::new(Listed(Box::new(all.iter()))));
+        }
+        let kept = self.locked()?;
+        let mut marcher = rerun.marcher()?;
+        resume(&mut marcher, kept.checkpoints.first(), || rerun.grid.place(0))?;
+        Ok(Box::new(Again { grid: rerun.grid, marcher, kept, slots: self.slots, end: self.steps, record: None }))
+    }
+    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        if let Some(all) = &self.all {
+            return Ok(Box::new(Listed(Box::new(all.iter().rev()))));
+        }
+        let (kept, marcher) = (self.locked()?, rerun.marcher()?);
+        Ok(Box::new(AgainBackward(Again {
+            grid: rerun.grid,
+            marcher,
+            kept,
+            slots: self.slots,
+            end: self.steps,
+            record: None,
+        })))
+    }
+    fn usage(&self) -> Usage {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).usage
+    }
+}
+
+/// Steps computed again one after the other.
+struct Again<'h> {
+    grid: &'h TimeGrid,
+    marcher: Marcher<'h, f64>,
+    kept: MutexGuard<'h, Kept>,
+    slots: usize,
+    /// Steps that are still to be handed out lie before this one.
+    end: usize,
+    record: Option<StepRecord<f64>>,
+}
+
+impl Again<'_> {
+    fn advance(&mut self) -> Result<StepRecord<f64>, RunError> {
+        self.kept.usage.recomputed += 1;
+        self.marcher.step(self.grid, None)
+    }
+}
+
+impl Steps for Again<'_> {
+    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
+        self.record = None;
+        if self.marcher.next_step() < self.end {
+            self.record = Some(self.advance()?);
+        }
+        Ok(self.record.as_ref())
+    }
+}
+
+/// Steps computed again from the last to the first.
+struct AgainBackward<'h>(Again<'h>);
+
+impl Steps for AgainBackward<'_> {
+    fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
+        let own = &mut self.0;
+        own.record = None;
+        let Some(index) = own.end.checked_sub(1) else { return Ok(None) };
+        own.end = index;
+        // checkpoints behind this step have served; that of the start stays for another way back
+        own.kept.checkpoints.retain(|packed| packed.step <= index);
+        own.record = own.kept.last.take();
+        if own.record.is_some() {
+            return Ok(own.record.as_ref());
+        }
+        let grid = own.grid;
+        resume(&mut own.marcher, own.kept.checkpoints.last(), || grid.place(index))?;
+        loop {
+            let position = own.marcher.next_step();
+            let free = own.slots.saturating_sub(own.kept.checkpoints.len());
+            let ahead = split(index + 1 - position, free + 1);
+            for _ in 1..ahead {
+                own.advance()?;
+            }
+            let step = own.advance()?;
+            if own.marcher.next_step() > index {
+                own.record = Some(step);
+                return Ok(own.record.as_ref());
+            }
+            let checkpoint = own.marcher.checkpoint();
+            own.kept.push(&checkpoint);
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! Records as plain bytes, the same for files and checkpoints: numbers in order, little-endian, lists after their length.
+
+use crate::assembly::{Equations, Level, Shift, Unknowns, VectorsAvq};
+use crate::integrators::{
+    Between, Checkpoint, FactoredAt, KeptFactorization, Scheme, SolveRecord, StageRecord, StartRecord, StepRecord,
+};
+
+/// Something that is written as bytes and read back bit by bit.
+pub(super) trait Flat: Sized {
+    /// Appends it.
+    fn put(&self, bytes: &mut Vec<u8>);
+    /// Reads it off the front; `None` if the bytes are none of its kind.
+    fn take(bytes: &mut &[u8]) -> Option<Self>;
+
+    /// Its bytes.
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.put(&mut bytes);
+        bytes
+    }
+    /// From all of the bytes.
+    fn from_bytes(mut bytes: &[u8]) -> Option<Self> {
+        Self::take(&mut bytes).filter(|_| bytes.is_empty())
+    }
+}
+
+fn split<'b>(bytes: &mut &'b [u8], count: usize) -> Option<&'b [u8]> {
+    let (front, rest) = bytes.split_at_checked(count)?;
+    *bytes = rest;
+    Some(front)
+}
+
+impl Flat for u64 {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        bytes.extend_from_slice(&self.to_le_bytes());
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        Some(u64::from_le_bytes(split(bytes, 8)?.try_into().ok()?))
+    }
+}
+
+impl Flat for f64 {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.to_bits().put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        u64::take(bytes).map(f64::from_bits)
+    }
+}
+
+impl Flat for usize {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        (*self as u64).put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        usize::try_from(u64::take(bytes)?).ok()
+    }
+}
+
+impl Flat for bool {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        u64::from(*self).put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        match u64::take(bytes)? {
+            0 => Some(false),
+            1 => Some(true),
+            _ => None,
+        }
+    }
+}
+
+impl<T: Flat> Flat for Vec<T> {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.len().put(bytes);
+        self.iter().for_each(|item| item.put(bytes));
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let count = usize::take(bytes)?;
+        // every item has bytes: a damaged length asks for no memory
+        (count <= bytes.len()).then(|| (0..count).map(|_| T::take(bytes)).collect())?
+    }
+}
+
+impl<T: Flat> Flat for Option<T> {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.is_some().put(bytes);
+        self.iter().for_each(|item| item.put(bytes));
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        Some(if bool::take(bytes)? { Some(T::take(bytes)?) } else { None })
+    }
+}
+
+impl<A: Flat, B: Flat> Flat for (A, B) {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.0.put(bytes);
+        self.1.put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        Some((A::take(bytes)?, B::take(bytes)?))
+    }
+}
+
+impl<T: Flat, const N: usize> Flat for [T; N] {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        self.iter().for_each(|item| item.put(bytes));
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        let items: Option<Vec<T>> = (0..N).map(|_| T::take(bytes)).collect();
+        items?.try_into().ok()
+    }
+}
+
+const LEVELS: [Level; 4] = [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized];
+
+impl Flat for Level {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        LEVELS.iter().position(|level| level == self).expect("all levels are listed").put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        LEVELS.get(usize::take(bytes)?).copied()
+    }
+}
+
+const SCHEMES: [Scheme; 2] = [Scheme::Main, Scheme::Starter];
+
+impl Flat for Scheme {
+    fn put(&self, bytes: &mut Vec<u8>) {
+        SCHEMES.iter().position(|scheme| scheme == self).expect("all schemes are listed").put(bytes);
+    }
+    fn take(bytes: &mut &[u8]) -> Option<Self> {
+        SCHEMES.get(usize::take(bytes)?).copied()
+    }
+}
+
+/// All fields in order; one that is missing here does not compile.
+macro_rules! flat {
+    ($($record:ident $(<$scalar:ty>)? { $($field:ident),* })*) => {$(
+        impl Flat for $record $(<$scalar>)? {
+            fn put(&self, bytes: &mut Vec<u8>) {
+                let $record { $($field),* } = self;
+                $($field.put(bytes);)*
+            }
+            fn take(bytes: &mut &[u8]) -> Option<Self> {
+                Some($record { $($field: Flat::take(bytes)?),* })
+            }
+        }
+    )*};
+}
+flat! {
+    Shift { gamma, beta, alpha }
+    Equations { residual, constraint, level, metric }
+    VectorsAvq<f64> { a, v, q }
+    Unknowns<f64> { x, y, mu, eta, local_mu, local_eta }
+    SolveRecord<f64> { t, equations, base, unknowns }
+    StageRecord<f64> { solve, known, rate }
+    StepRecord<f64> { t, h, scheme, restart, stages, position_projection, velocity_projection, q, v }
+    StartRecord<f64> { position_projection, velocity_projection, acceleration }
+    Between<f64> { step, scheme, carried, rate, guess, increments }
+    FactoredAt<f64> { t, base, unknowns }
+    KeptFactorization<f64> { factored, pivots, floor }
+    Checkpoint<f64> { between, kept }
+}
+
+/// Checksum of bytes in whole words (Fowler, Noll, Vo: FNV-1a by words): any change within one word changes it.
+pub(super) fn checksum(bytes: &[u8]) -> u64 {
+    let word = |chunk: &[u8]| chunk.iter().rev().fold(0, |word: u64, &byte| word << 8 | u64::from(byte));
+    bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325, |sum: u64, chunk| {
+        // the rotation carries the high bits down, which a product alone never does
+        (sum ^ word(chunk)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+    })
+}

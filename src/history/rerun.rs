@@ -1,0 +1,35 @@
+use crate::integrators::{Marcher, Method, Problem, RunError, StartPlan, Systems, TimeGrid};
+use std::cell::OnceCell;
+
+/// The run that a history belongs to: what it takes to compute some of it again.
+pub struct Rerun<'r> {
+    /// What was simulated.
+    pub problem: &'r Problem<'r, f64>,
+    /// How.
+    pub method: &'r Method,
+    /// The steps.
+    pub grid: &'r TimeGrid,
+    /// Decisions about the start.
+    pub plan: &'r StartPlan,
+    systems: OnceCell<Systems<'r>>,
+}
+
+impl<'r> Rerun<'r> {
+    /// A run; nothing is computed yet.
+    pub fn new(problem: &'r Problem<'r, f64>, method: &'r Method, grid: &'r TimeGrid, plan: &'r StartPlan) -> Self {
+        Rerun { problem, method, grid, plan, systems: OnceCell::new() }
+    }
+
+    /// Its numbered equations.
+    pub fn systems(&self) -> &Systems<'r> {
+        self.systems.get_or_init(|| Systems::new(self.problem.model, self.method, self.plan))
+    }
+
+    /// Workspace to go through it once more.
+    ///
+    /// # Errors
+    /// As for [`Marcher::new`].
+    pub fn marcher(&self) -> Result<Marcher<'_, f64>, RunError> {
+        Marcher::new(self.problem, self.method, self.systems())
+    }
+}

@@ -1,0 +1,62 @@
+use super::newton::KeptFactorization;
+use super::record::SolveRecord;
+use super::{Carried, Scheme};
+use crate::assembly::Unknowns;
+use crate::scalar::Scalar;
+
+/// What goes from one step to the next, beside the kept factorizations.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Between<S> {
+    /// Number of the next step.
+    pub step: usize,
+    /// Which table made the increments.
+    pub scheme: Scheme,
+    /// The table's carried vectors, q and v first.
+    pub carried: Vec<Vec<S>>,
+    /// Rate correction of the last stage; empty unless stabilized.
+    pub rate: Vec<S>,
+    /// Solution of the last stage.
+    pub guess: Unknowns<S>,
+    /// How the solution changed from stage to stage in the last step: added to the last solution it is the first guess.
+    pub increments: Vec<Option<Unknowns<S>>>,
+}
+
+impl<S: Scalar> Between<S> {
+    /// The acceleration solved last, at the start or in the last stage.
+    pub(super) fn acceleration(&self) -> &[S] {
+        &self.guess.x
+    }
+
+    /// Takes over an acceleration that was solved for: every carried acceleration starts with it.
+    pub(super) fn set_acceleration(&mut self, kinds: &[Carried], solved: &SolveRecord<S>) {
+        for (carried, _) in self.carried.iter_mut().zip(kinds).filter(|(_, kind)| **kind == Carried::A) {
+            carried.clone_from(&solved.unknowns.x);
+        }
+        self.guess.x.clone_from(&solved.unknowns.x);
+        self.guess.mu.clone_from(&solved.unknowns.mu);
+        self.increments.fill(None);
+        self.guess.y.fill(S::zero());
+        self.guess.eta.fill(S::zero());
+    }
+
+    /// Increments of another table say nothing about this one.
+    pub(super) fn prepare_guesses(&mut self, scheme: Scheme, stages: usize) {
+        if self.scheme != scheme {
+            self.increments.fill(None);
+            self.scheme = scheme;
+        }
+        self.increments.resize(stages, None);
+    }
+}
+
+/// A run between two steps: all that later steps depend on.
+///
+/// Solutions depend in their last bits on first guesses and on the matrix that Newton's method kept, so both belong to it; of
+/// a factorization only the point is stored at which it was made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Checkpoint<S> {
+    /// Numbers of the run.
+    pub between: Between<S>,
+    /// Of the accelerations, stages, and projections of coordinates and of velocities.
+    pub kept: [KeptFactorization<S>; 4],
+}

@@ -1,0 +1,385 @@
+use super::{LinearSolver, Ordering, Singular};
+use crate::assembly::SparsePattern;
+use std::collections::BinaryHeap;
+
+/// Sparse LU that finds its pivots once and afterwards repeats the same operations on new values, without searching or
+/// allocating: for chains and small mechanisms, where the arithmetic is little and everything around it counts.
+///
+/// Columns are eliminated from left to right; the pivot of a column is its diagonal entry unless another is more than
+/// [`DIAGONAL_SHARE`] times larger. When a repeated factorization meets a pivot below [`PIVOT_SHARE`] of its column, pivots
+/// are searched anew.
+///
+/// Source: Gilbert & Peierls (1988); Davis & Natarajan (2010), KLU.
+pub struct LeftLookingLu {
+    pattern: SparsePattern,
+    columns: Vec<usize>,
+    /// Place of each column in the order of elimination.
+    place_of_column: Vec<usize>,
+    factors: Option<Factors>,
+    /// Step in which each row is to become the pivot of the next search.
+    prescribed: Option<Vec<usize>>,
+    work: Vec<f64>,
+}
+
+/// How many times larger than the diagonal another entry must be to become the pivot.
+const DIAGONAL_SHARE: f64 = 100.0;
+/// Smallest pivot of a repeated factorization, as a share of the largest entry that could be one.
+const PIVOT_SHARE: f64 = 1e-3;
+/// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
+const TINY_PIVOT: f64 = 1e-14;
+
+/// Triangular factors; rows are numbered by the step in which they became pivots.
+#[derive(Default)]
+struct Factors {
+    /// Step in which each row became the pivot.
+    step_of_row: Vec<usize>,
+    lower: Triangle,
+    upper: Triangle,
+    pivots: Vec<f64>,
+    /// Step numbers of the rows of the pattern's entries, in the order of elimination of their columns.
+    entry_steps: Vec<u32>,
+}
+
+/// Columns of a triangular matrix without its diagonal.
+#[derive(Default)]
+struct Triangle {
+    starts: Vec<usize>,
+    /// (row, value) of each entry.
+    entries: Vec<(u32, f64)>,
+}
+
+impl Triangle {
+    #[inline(always)]
+    fn column(&self, k: usize) -> &[(u32, f64)] {
+        &self.entries[self.starts[k]..self.starts[k + 1]]
+    }
+}
+
+/// A row that is not yet a pivot.
+const FREE: usize = usize::MAX;
+
+impl LeftLookingLu {
+    /// Prepares for matrices of a pattern, with an order of its columns.
+    pub fn new(pattern: &SparsePattern, ordering: Ordering) -> Self {
+        let mut place_of_column = vec![0; pattern.size];
+        ordering.columns.iter().enumerate().for_each(|(place, &column)| place_of_column[column] = place);
+        LeftLookingLu {
+            pattern: pattern.clone(),
+            columns: ordering.columns,
+            place_of_column,
+            factors: None,
+            prescribed: None,
+            work: vec![0.0; pattern.size],
+        }
+    }
+
+    /// Factors with a search for pivots.
+    fn search(&mut self, values: &[f64]) -> Result<Factors, Singular> {
+        let n = self.pattern.size;
+        let mut factors = Factors { step_of_row: vec![FREE; n], ..Factors::default() };
+        // rows of L keep their own numbers until all steps are known
+        factors.lower.starts.push(0);
+        factors.upper.starts.push(0);
+        let work = &mut self.work;
+        work.fill(0.0);
+        let mut seen = vec![usize::MAX; n];
+        let mut row_of_step = Vec::with_capacity(n);
+        for k in 0..n {
+            let column = self.columns[k];
+            let mut pending = BinaryHeap::new();
+            let mut below = Vec::new();
+            let mut visit = |row: usize, pending: &mut BinaryHeap<std::cmp::Reverse<usize>>, step: usize| {
+                if seen[row] != k {
+                    seen[row] = k;
+                    if step == FREE { below.push(row) } else { pending.push(std::cmp::Reverse(step)) }
+                }
+            };
+            for place in self.pattern.column_starts[column]..self.pattern.column_starts[column + 1] {
+                let row = self.pattern.rows[place];
+                work[row] = values[place];
+                visit(row, &mut pending, factors.step_of_row[row]);
+            }
+            while let Some(std::cmp::Reverse(step)) = pending.pop() {
+                let row: usize = row_of_step[step];
+                let factor = std::mem::take(&mut work[row]);
+                factors.upper.entries.push((step as u32, factor));
+                for &(row, entry) in factors.lower.column(step) {
+                    work[row as usize] -= factor * entry;
+                    visit(row as usize, &mut pending, factors.step_of_row[row as usize]);
+                }
+            }
+            let size = |row: usize, work: &[f64]| work[row].abs();
+            let largest = below.iter().copied().max_by(|&i, &j| size(i, work).total_cmp(&size(j, work)));
+            let prescribed = self.prescribed.as_ref().and_then(|steps| below.iter().copied().find(|&row| steps[row] == k));
+            let pivot_row = match largest {
+                Some(_) if prescribed.is_some_and(|row| size(row, work) >= TINY_PIVOT) => prescribed.unwrap_or(0),
+                Some(row) if size(row, work) >= TINY_PIVOT => {
+                    let diagonal = factors.step_of_row[column] == FREE && seen[column] == k;
+                    if diagonal && size(column, work) * DIAGONAL_SHARE >= size(row, work) { column } else { row }
+                }
+                _ => {
+                    work.fill(0.0);
+                    factors.upper.starts.push(factors.upper.entries.len());
+                    return Err(self.dependent(&factors, k));
+                }
+            };
+            let pivot = work[pivot_row];
+            let inverse = 1.0 / pivot;
+            for row in below {
+                let entry = std::mem::take(&mut work[row]);
+                if row != pivot_row {
+                    factors.lower.entries.push((row as u32, entry * inverse));
+                }
+            }
+            factors.step_of_row[pivot_row] = k;
+            row_of_step.push(pivot_row);
+            factors.pivots.push(pivot);
+            factors.lower.starts.push(factors.lower.entries.len());
+            factors.upper.starts.push(factors.upper.entries.len());
+        }
+        for (row, _) in &mut factors.lower.entries {
+            *row = factors.step_of_row[*row as usize] as u32;
+        }
+        for &column in &self.columns {
+            let own = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
+            factors.entry_steps.extend(self.pattern.rows[own].iter().map(|&row| factors.step_of_row[row] as u32));
+        }
+        Ok(factors)
+    }
+
+    /// The unknown that dominates the null vector of a column that depends on those before it: U x = 0 with x_k = 1.
+    fn dependent(&self, factors: &Factors, k: usize) -> Singular {
+        let mut x = vec![0.0; k + 1];
+        x[k] = 1.0;
+        for column in (0..=k).rev() {
+            if column < k {
+                x[column] /= factors.pivots[column];
+            }
+            let value = x[column];
+            for &(row, entry) in factors.upper.column(column) {
+                x[row as usize] -= entry * value;
+            }
+        }
+        let largest = (0..=k).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs())).unwrap_or(k);
+        Singular { unknown: self.columns[largest] }
+    }
+
+    /// The same operations as before on new values; `false` where a pivot became small.
+    fn repeat(&mut self, values: &[f64]) -> bool {
+        let Some(factors) = &mut self.factors else { return false };
+        let work = &mut self.work;
+        let mut entry = 0;
+        for (k, &column) in self.columns.iter().enumerate() {
+            for &value in &values[self.pattern.column_starts[column]..self.pattern.column_starts[column + 1]] {
+                work[factors.entry_steps[entry] as usize] = value;
+                entry += 1;
+            }
+            let upper = factors.upper.starts[k]..factors.upper.starts[k + 1];
+            for (step, stored) in &mut factors.upper.entries[upper] {
+                let factor = std::mem::take(&mut work[*step as usize]);
+                *stored = factor;
+                for &(row, entry) in factors.lower.column(*step as usize) {
+                    work[row as usize] -= factor * entry;
+                }
+            }
+            let pivot = std::mem::take(&mut work[k]);
+            let inverse = 1.0 / pivot;
+            let mut largest = pivot.abs();
+            let lower = factors.lower.starts[k]..factors.lower.starts[k + 1];
+            for (row, stored) in &mut factors.lower.entries[lower] {
+                let entry = std::mem::take(&mut work[*row as usize]);
+                largest = largest.max(entry.abs());
+                *stored = entry * inverse;
+            }
+            factors.pivots[k] = pivot;
+            if !(pivot.abs() >= TINY_PIVOT && pivot.abs() >= PIVOT_SHARE * largest) {
+                work.fill(0.0);
+                return false;
+            }
+        }
+        true
+    }
+}
+
+impl LinearSolver for LeftLookingLu {
+    fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
+        if !self.repeat(values) {
+            self.factors = None;
+            self.factors = Some(self.search(values)?);
+            self.prescribed = None;
+        }
+        Ok(())
+    }
+
+    fn kept_pivots(&self) -> Option<Vec<usize>> {
+        self.factors.as_ref().map(|factors| factors.step_of_row.clone()).or_else(|| self.prescribed.clone())
+    }
+
+    fn keep_pivots(&mut self, pivots: &[usize]) {
+        self.factors = None;
+        self.prescribed = (pivots.len() == self.pattern.size).then(|| pivots.to_vec());
+    }
+
+    fn solve(&mut self, rhs: &mut [f64]) {
+        let Some(factors) = &self.factors else { return };
+        let work = &mut self.work;
+        for (&value, &step) in rhs.iter().zip(&factors.step_of_row) {
+            work[step] = value;
+        }
+        for k in 0..work.len() {
+            let value = work[k];
+            if value != 0.0 {
+                for &(row, entry) in factors.lower.column(k) {
+                    work[row as usize] -= entry * value;
+                }
+            }
+        }
+        for k in (0..work.len()).rev() {
+            let value = work[k] / factors.pivots[k];
+            work[k] = value;
+            for &(row, entry) in factors.upper.column(k) {
+                work[row as usize] -= entry * value;
+            }
+        }
+        for (value, &place) in rhs.iter_mut().zip(&self.place_of_column) {
+            *value = work[place];
+        }
+        work.fill(0.0);
+    }
+
+    fn solve_transposed(&mut self, rhs: &mut [f64]) {
+        let Some(factors) = &self.factors else { return };
+        let work = &mut self.work;
+        for (&value, &place) in rhs.iter().zip(&self.place_of_column) {
+            work[place] = value;
+        }
+        for k in 0..work.len() {
+            let sum = factors.upper.column(k).iter().fold(0.0, |sum, &(row, entry)| sum + work[row as usize] * entry);
+            work[k] = (work[k] - sum) / factors.pivots[k];
+        }
+        for k in (0..work.len()).rev() {
+            let sum = factors.lower.column(k).iter().fold(0.0, |sum, &(row, entry)| sum + work[row as usize] * entry);
+            work[k] -= sum;
+        }
+        for (value, &step) in rhs.iter_mut().zip(&factors.step_of_row) {
+            *value = work[step];
+        }
+        work.fill(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{DenseLu, minimum_degree};
+
+    /// Numbers between -1 and 1 without a visible order.
+    struct Noise(u64);
+    impl Noise {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    /// A pattern with blocks along the diagonal, some entries far from it, and multipliers without a diagonal.
+    fn pattern(noise: &mut Noise, nodes: usize, multipliers: usize) -> SparsePattern {
+        let n = nodes + multipliers;
+        let mut entries: Vec<(usize, usize)> = (0..nodes).map(|i| (i, i)).collect();
+        for i in 0..nodes {
+            entries.extend([(i, (i + 1) % nodes), ((i + 1) % nodes, i)]);
+            if noise.next() > 0.4 {
+                let far = ((noise.next() + 1.0) / 2.0 * nodes as f64) as usize % nodes;
+                entries.extend([(i, far), (far, i)]);
+            }
+        }
+        for m in nodes..n {
+            for place in 0..4 {
+                let node = (7 * (m - nodes) + 3 * place) % nodes;
+                entries.extend([(m, node), (node, m)]);
+            }
+        }
+        SparsePattern::from_entries(n, entries)
+    }
+
+    fn difference(a: &[f64], b: &[f64]) -> f64 {
+        let scale = b.iter().fold(0.0, |s: f64, b| s.max(b.abs()));
+        a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
+    }
+
+    #[test]
+    fn solutions_equal_those_of_dense_lu_first_and_repeated() {
+        let mut noise = Noise(7);
+        for case in 0..200 {
+            let (nodes, multipliers) = (8 + case % 30, case % 7);
+            let pattern = pattern(&mut noise, nodes, multipliers);
+            let ordering = minimum_degree(&pattern, f64::INFINITY).expect("no limit");
+            let (mut sparse, mut dense) = (LeftLookingLu::new(&pattern, ordering), DenseLu::new(&pattern));
+            let mut values: Vec<f64> = pattern.rows.iter().map(|_| noise.next()).collect();
+            for repetition in 0..4 {
+                let near: Vec<f64> = values.iter().map(|v| v * (1.0 + 0.05 * noise.next())).collect();
+                // the last time everything changes: the old pivots are no good any more
+                values = if repetition == 3 { pattern.rows.iter().map(|_| noise.next()).collect() } else { near };
+                dense.factor(&values).expect("regular");
+                sparse.factor(&values).expect("regular");
+                let b: Vec<f64> = (0..pattern.size).map(|_| noise.next()).collect();
+                let (mut x, mut expected) = (b.clone(), b.clone());
+                sparse.solve(&mut x);
+                dense.solve(&mut expected);
+                assert!(difference(&x, &expected) < 1e-9, "case {case}, {repetition}: {:e}", difference(&x, &expected));
+                let (mut x, mut expected) = (b.clone(), b);
+                sparse.solve_transposed(&mut x);
+                dense.solve_transposed(&mut expected);
+                assert!(difference(&x, &expected) < 1e-9, "case {case}, {repetition}: {:e}", difference(&x, &expected));
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_pivot_is_searched_anew() {
+        let pattern = SparsePattern::from_entries(2, vec![(0, 0), (0, 1), (1, 0), (1, 1)]);
+        let mut lu = LeftLookingLu::new(&pattern, Ordering { columns: vec![0, 1], multiplications: 2.0 });
+        lu.factor(&[1.0, 0.5, 0.5, 1.0]).expect("regular");
+        assert_eq!(lu.factors.as_ref().map(|f| f.step_of_row.clone()), Some(vec![0, 1]));
+        lu.factor(&[1e-9, 1.0, 1.0, 1e-9]).expect("regular");
+        assert_eq!(lu.factors.as_ref().map(|f| f.step_of_row.clone()), Some(vec![1, 0]));
+        let mut x = [2.0, 3.0];
+        lu.solve(&mut x);
+        assert!((x[0] - 3.0).abs() < 1e-8 && (x[1] - 2.0).abs() < 1e-8, "{x:?}");
+    }
+
+    #[test]
+    fn kept_pivots_give_the_same_bits() {
+        let mut noise = Noise(11);
+        let pattern = pattern(&mut noise, 20, 3);
+        let ordering = minimum_degree(&pattern, f64::INFINITY).expect("no limit");
+        let mut first = LeftLookingLu::new(&pattern, ordering.clone());
+        let values: Vec<f64> = pattern.rows.iter().map(|_| noise.next()).collect();
+        // pivots of these values, then others for which a search would choose differently
+        first.factor(&values).expect("regular");
+        let near: Vec<f64> = values.iter().map(|v| v * (1.0 + 0.2 * noise.next())).collect();
+        first.factor(&near).expect("regular");
+        let mut second = LeftLookingLu::new(&pattern, ordering);
+        second.keep_pivots(&first.kept_pivots().expect("factored"));
+        second.factor(&near).expect("regular");
+        assert_eq!(first.kept_pivots(), second.kept_pivots());
+        let (mut a, mut b) = (vec![1.0; pattern.size], vec![1.0; pattern.size]);
+        first.solve(&mut a);
+        second.solve(&mut b);
+        assert_eq!(a, b);
+    }
+
+    #[test]
+    fn a_singular_matrix_names_its_unknown_and_leaves_the_solver_usable() {
+        // unknowns 1 and 2 move together: only their sum is determined
+        let entries = (0..3).flat_map(|i| (0..3).map(move |j| (i, j))).collect();
+        let pattern = SparsePattern::from_entries(3, entries);
+        let mut lu = LeftLookingLu::new(&pattern, minimum_degree(&pattern, f64::INFINITY).expect("no limit"));
+        let error = lu.factor(&[1.0, 0.2, 0.1, 0.3, 1.0, 0.6, 0.3, 1.0, 0.6]).expect_err("singular");
+        assert!(error.unknown == 1 || error.unknown == 2, "{error:?}");
+        lu.factor(&[2.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 8.0]).expect("regular");
+        let mut x = [2.0, 4.0, 8.0];
+        lu.solve(&mut x);
+        assert_eq!(x, [1.0, 1.0, 1.0]);
+    }
+}

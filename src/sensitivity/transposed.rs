@@ -1,0 +1,170 @@
+//! One system of the sweep back.
+
+use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, VectorsAvq};
+use crate::integrators::{Counters, Method, RunError, SolveRecord};
+use crate::linalg::Factorization;
+
+/// Adjoint of the solution of one system, for one functional.
+#[derive(Clone, Debug)]
+pub(super) struct SolutionBar {
+    pub x: Vec<f64>,
+    /// Of the rate correction w while it is gathered, of its unknown y in a system; empty unless stabilized.
+    pub rate: Vec<f64>,
+    pub mu: Vec<f64>,
+}
+
+impl SolutionBar {
+    pub fn zeros(dofs: usize, multipliers: usize, rates: bool) -> Self {
+        SolutionBar { x: vec![0.0; dofs], rate: vec![0.0; if rates { dofs } else { 0 }], mu: vec![0.0; multipliers] }
+    }
+    pub fn is_zero(&self) -> bool {
+        self.x.iter().chain(&self.rate).chain(&self.mu).all(|&bar| bar == 0.0)
+    }
+}
+
+/// What goes backwards from step to step, for one functional.
+pub(super) struct Backward {
+    pub carried: Vec<Vec<f64>>,
+    /// Of the rate correction carried into an explicit first stage.
+    pub rate: Vec<f64>,
+    /// Of the acceleration and multipliers carried into an explicit first stage.
+    pub mu: Vec<f64>,
+    pub p: Vec<f64>,
+}
+
+/// Solves transposed systems of one numbering; several functionals share each factorization.
+pub(super) struct TransposedSolver<'m> {
+    pub system: &'m System<'m>,
+    residual: Residual<f64>,
+    jacobian: Jacobian,
+    factorization: Factorization,
+    /// Parameters whose derivatives are asked for.
+    active: &'m [bool],
+}
+
+impl<'m> TransposedSolver<'m> {
+    pub fn new(system: &'m System<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
+        let factorization =
+            Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
+        Ok(TransposedSolver {
+            system,
+            residual: Residual::new(system),
+            jacobian: Jacobian::new(system),
+            factorization,
+            active,
+        })
+    }
+
+    /// Goes back through one system; returns the adjoint of its base point for each functional and adds to `p_bar`.
+    pub fn through(
+        &mut self,
+        record: &SolveRecord<f64>,
+        p: &[f64],
+        bars: &[SolutionBar],
+        back: &mut [Backward],
+        counters: &mut Counters,
+    ) -> Result<Vec<VectorsAvq<f64>>, RunError> {
+        let system = self.system;
+        let dofs = system.model.dofs;
+        let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
+        if bars.iter().all(SolutionBar::is_zero) {
+            return Ok(base_bars);
+        }
+        let SolveRecord { t, equations, base, unknowns } = record;
+        // evaluated anew: the multipliers inside nodes follow from the solution
+        let mut unknowns = unknowns.clone();
+        self.residual.start(system, equations, base, p, *t);
+        self.residual.evaluate(system, equations, base, &mut unknowns, p, *t);
+        self.jacobian.assemble(system, equations, &self.residual, &unknowns, p, *t);
+        self.factorization.factor(&self.jacobian.values).map_err(|singular_at| {
+            singular_named(system.unknown_name(singular_at.unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
+        })?;
+        counters.systems += 1;
+        counters.residuals += 1;
+        counters.factorizations += 1;
+
+        let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
+        let mut all: Vec<Adjoints> = asked.iter().map(|&k| self.solve(&bars[k])).collect();
+        counters.solves += asked.len();
+        counters.products += asked.len();
+
+        let mut at_bars = vec![VectorsAvq::zeros(dofs); asked.len()];
+        let mut constraint_bars = at_bars.clone();
+        let mut p_bars: Vec<&mut Vec<f64>> =
+            back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect();
+        let point = |at| ProductPoint { at, p, active: self.active, t: *t };
+        system.add_element_products(&all, 1.0, point(&self.residual.at), &mut product_bars(&mut at_bars, &mut p_bars));
+        let constraint_at = &self.residual.constraint_at;
+        let mut into = product_bars(&mut constraint_bars, &mut p_bars);
+        system.add_constraint_products(equations, &all, &unknowns, point(constraint_at), &mut into);
+        if equations.metric {
+            let mut own: Vec<VectorsAvq<f64>> = vec![VectorsAvq::zeros(dofs); asked.len()];
+            system.add_element_products(&all, -1.0, point(base), &mut product_bars(&mut own, &mut p_bars));
+            for (&k, own) in asked.iter().zip(own) {
+                base_bars[k] = own;
+            }
+        }
+        for ((&k, adjoints), (at_bar, constraint_bar)) in
+            asked.iter().zip(&mut all).zip(at_bars.iter().zip(&mut constraint_bars))
+        {
+            let (bar, base_bar) = (&bars[k], &mut base_bars[k]);
+            system.add_local_products(false, equations, adjoints, &unknowns, constraint_at, constraint_bar);
+            // what is left of x_bar + J^T lambda along the eliminated directions belongs to the equations inside nodes
+            let (shift, inner) = (equations.residual, equations.constraint);
+            let alpha_part = |i: usize| shift.alpha * at_bar.q[i] + inner.alpha * constraint_bar.q[i];
+            let unbalanced_x: Vec<f64> = (0..dofs)
+                .map(|i| {
+                    let rates = shift.gamma * at_bar.a[i] + shift.beta * at_bar.v[i];
+                    let inner_rates = inner.gamma * constraint_bar.a[i] + inner.beta * constraint_bar.v[i];
+                    bar.x[i] + rates + inner_rates + alpha_part(i)
+                })
+                .collect();
+            let rate_bars = bar.rate.iter().enumerate();
+            let unbalanced_y: Vec<f64> = rate_bars.map(|(i, y)| y + adjoints.y[i] + alpha_part(i)).collect();
+            system.set_local_adjoints(equations, constraint_at, &unbalanced_x, &unbalanced_y, adjoints);
+            system.add_local_products(true, equations, adjoints, &unknowns, constraint_at, constraint_bar);
+            for i in 0..dofs {
+                base_bar.a[i] += at_bar.a[i] + constraint_bar.a[i];
+                base_bar.v[i] += at_bar.v[i] + constraint_bar.v[i];
+                base_bar.q[i] += at_bar.q[i] + constraint_bar.q[i];
+            }
+        }
+        Ok(base_bars)
+    }
+
+    /// lambda with J^T lambda = -x_bar, for the matrix factored last.
+    fn solve(&mut self, bar: &SolutionBar) -> Adjoints {
+        let system = self.system;
+        let mut reduced = vec![0.0; system.size()];
+        self.jacobian.restrict_right(system, &bar.x, &bar.rate, &mut reduced);
+        for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {
+            if let Some(place) = *place {
+                reduced[place] = *mu;
+            }
+        }
+        reduced.iter_mut().for_each(|value| *value = -*value);
+        self.factorization.solve_transposed(&mut reduced);
+        let mut adjoints = Adjoints::zeros(system);
+        self.jacobian.prolong_left(system, &reduced, &mut adjoints.f, &mut adjoints.y);
+        let places = system.multiplier_places().iter().zip(&mut adjoints.g);
+        for (place, g) in places.chain(system.stabilizer_places().iter().zip(&mut adjoints.g_second)) {
+            if let Some(place) = *place {
+                *g = reduced[place];
+            }
+        }
+        adjoints
+    }
+}
+
+fn product_bars<'b>(at: &'b mut [VectorsAvq<f64>], p: &'b mut [&mut Vec<f64>]) -> Vec<ProductBars<'b>> {
+    at.iter_mut().zip(p).map(|(at, p)| ProductBars { at, p: p.as_mut_slice() }).collect()
+}
+
+fn singular(unknown: usize, place: &str) -> RunError {
+    singular_named(format!("unknown {unknown}"), place)
+}
+
+fn singular_named(unknown: String, place: &str) -> RunError {
+    let hint = "the motion passes a singular pose: its gradient does not exist there".to_string();
+    RunError::Singular { place: place.into(), unknown, hint }
+}

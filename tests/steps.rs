@@ -1,0 +1,299 @@
+//! Which table makes a step, steps chosen by their error, and the motion between steps.
+
+use costate::functionals::QuadratureWeights;
+use costate::history::{Keep, Memory};
+use costate::integrators::{Scheme, StepControl, StepRecord, Table, TimeGrid, march, table_named, tables};
+use costate::prelude::*;
+use costate::scenes::AnyScene;
+
+/// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
+struct Oscillator {
+    jump: Option<f64>,
+    declared: bool,
+    wall: f64,
+}
+
+impl Element for Oscillator {
+    const DOFS: usize = 1;
+    const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m")];
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        let load = if self.jump.is_some_and(|jump| t.value() >= jump) { 1.0 } else { 0.0 };
+        let inside = if s.q[0].value().abs() > self.wall { f64::NAN } else { 1.0 };
+        r[0] += (s.a[0] + p[0] * s.q[0] - S::from(load)) * inside;
+    }
+    fn kinks(&self, _p: &[f64]) -> Vec<f64> {
+        self.jump.filter(|_| self.declared).into_iter().collect()
+    }
+}
+
+/// Start at rest at 1.
+struct Swinging {
+    jump: Option<f64>,
+    /// The jump is a kink that the element declares.
+    declared: bool,
+    wall: f64,
+    stiffness: f64,
+}
+
+impl Default for Swinging {
+    fn default() -> Self {
+        Swinging { jump: None, declared: true, wall: f64::INFINITY, stiffness: 4.0 }
+    }
+}
+
+impl Scene for Swinging {
+    fn name(&self) -> String {
+        "swinging".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("stiffness", self.stiffness, (-1e13, 1e13), "N/m")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(2.0, 20)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let node = m.coordinates("swing", &[S::one()], &[S::zero()]);
+        m.element("swing", &[node], Oscillator { jump: self.jump, declared: self.declared, wall: self.wall }, x);
+        m.coordinate_functional("end", Over::Terminal, node, 0);
+        m.coordinate_functional("integral", Over::Integral, node, 0);
+        m.coordinate_functional("largest", Over::SmoothMaximum { sharpness: 3.0, normalized: true }, node, 0);
+        Ok(())
+    }
+}
+
+fn named(name: &str) -> Table {
+    table_named(name).expect("sound").expect("listed")
+}
+
+fn prepared<'s>(scene: &'s dyn AnyScene, table: &str, settings: Settings) -> Result<Prepared<'s>, RunError> {
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    Prepared::with(scene, &x, Method::new(named(table), ConstraintLevel::Acceleration), settings)
+}
+
+fn chosen(scene: &Swinging, table: &str, control: StepControl) -> costate::sensitivity::Forward {
+    let prepared = prepared(scene, table, scene.settings().choosing_steps(control)).expect("sound");
+    prepared.analysis().forward(&prepared.x).expect("runs")
+}
+
+/// All steps of a run over given steps.
+fn steps_over(prepared: &Prepared, grid: &TimeGrid) -> Vec<StepRecord<f64>> {
+    let mut memory = Memory::default();
+    march(&prepared.problem(), &prepared.method, grid, &prepared.plan, &mut memory).expect("runs");
+    memory.steps
+}
+
+#[test]
+fn several_steps_of_one_size_without_a_kink_lie_behind_a_multistep_step() {
+    let grid = TimeGrid::uniform(1.0, 10, &[0.35, 0.7]).unwrap();
+    // 0, .1, .2, .3, .35*, .4, .5, .6, .7*, .8, .9, 1: a kink may be where the oldest state lies
+    let made = |table: &str| -> String {
+        let table = named(table);
+        let letter = |index| if table.scheme_at(&grid, index) == Scheme::Main { 'm' } else { 's' };
+        (0..grid.steps()).map(letter).collect()
+    };
+    assert_eq!(made("esdirk3"), "mmmmmmmmmmm");
+    assert_eq!(made("bdf1"), "mmmmmmmmmmm");
+    assert_eq!(made("bdf2"), "smmsssmmsmm");
+    assert_eq!(made("bdf3"), "ssmssssmssm");
+}
+
+#[test]
+fn weights_of_an_integral_are_exact_for_the_powers_below_the_order() {
+    for table in tables() {
+        let scene = Swinging { jump: Some(1.03), ..Swinging::default() };
+        let prepared = prepared(&scene, &table.name, scene.settings()).expect("sound");
+        let steps = steps_over(&prepared, &prepared.grid);
+        let mut from_the_end = QuadratureWeights::at_end(&table);
+        let mut weights: Vec<Vec<f64>> = steps.iter().rev().map(|step| from_the_end.back_through(step)).collect();
+        weights.reverse();
+        for power in 0..table.order as i32 {
+            let times = steps.iter().map(|step| step.stages.iter().map(|stage| stage.solve.t));
+            let terms = times.flatten().zip(weights.iter().flatten()).map(|(t, weight)| weight * t.powi(power));
+            let (sum, exact) = (terms.sum::<f64>(), 2f64.powi(power + 1) / f64::from(power + 1));
+            assert!((sum - exact).abs() < 1e-12, "{}: integral of t^{power} is {sum}, not {exact}", table.name);
+        }
+    }
+}
+
+/// Values follow the table's recursion while the run goes on; gradients go back through its transpose.
+#[test]
+fn values_summed_on_the_way_and_weights_handed_out_from_the_end_agree() {
+    for table in tables() {
+        let scene = Swinging { jump: Some(1.03), ..Swinging::default() };
+        let prepared = prepared(&scene, &table.name, scene.settings()).expect("sound");
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&prepared.x).expect("runs");
+        let steps = steps_over(&prepared, &prepared.grid);
+        let mut from_the_end = QuadratureWeights::at_end(&table);
+        let (mut integral, mut largest) = (0.0, 0.0);
+        for step in steps.iter().rev() {
+            for (stage, weight) in step.stages.iter().zip(from_the_end.back_through(step)) {
+                let q = stage.solve.point().q[0];
+                integral += weight * q;
+                largest += weight * (3.0 * q).exp();
+            }
+        }
+        let expected = [integral, (largest / 2.0).ln() / 3.0];
+        for (value, expected) in forward.values[1..].iter().zip(expected) {
+            assert!((value - expected).abs() < 1e-13, "{}: {value} {expected}", table.name);
+        }
+        let adjoint = analysis.adjoint(&prepared.x, &forward).expect("has a gradient");
+        let complex = analysis.complex_step(&prepared.x, &forward).expect("runs");
+        for (complex, adjoint) in complex.rows.iter().zip(&adjoint.rows) {
+            assert!(largest_difference(complex, adjoint) < 1e-12, "{}: {complex:?} {adjoint:?}", table.name);
+        }
+    }
+}
+
+/// After many steps far above the period, a step multiplies the motion by the spectral radius at infinity.
+#[test]
+fn generalized_alpha_damps_high_frequencies_by_its_spectral_radius() {
+    for (name, radius) in [("generalized-alpha", 0.8), ("generalized-alpha:0.6", 0.6), ("generalized-alpha:0.3", 0.3)] {
+        let scene = Swinging { stiffness: 1e12, ..Swinging::default() };
+        let prepared = prepared(&scene, name, Settings::new(60.0, 60)).expect("sound");
+        let steps = steps_over(&prepared, &prepared.grid);
+        let size = |index: usize| steps[index].q[0].abs();
+        // a triple root: the sizes fall like n^2 radius^n
+        let observed = (size(59) / 3600.0 / (size(29) / 900.0)).powf(1.0 / 30.0);
+        assert!((observed - radius).abs() < 0.02 * radius, "{name}: {observed}");
+    }
+    assert!(table_named("generalized-alpha:1.2").unwrap_err().contains("from 0 to 1"));
+    assert_eq!(table_named("generalized"), Ok(None));
+}
+
+#[test]
+fn the_error_follows_the_tolerance() {
+    for table in ["sdirk4", "esdirk3", "esdirk4", "esdirk5"] {
+        let mut errors = Vec::new();
+        for tolerance in [1e-4, 1e-6, 1e-8] {
+            let forward = chosen(&Swinging::default(), table, StepControl::new(tolerance));
+            let error = (forward.values[0] - 4f64.cos()).abs();
+            assert!(error < 20.0 * tolerance, "{table}: {error:e} at {tolerance:e}");
+            errors.push((error, forward.grid.steps()));
+        }
+        assert!(errors.windows(2).all(|pair| pair[1].0 < 0.2 * pair[0].0 && pair[1].1 > pair[0].1), "{table}: {errors:?}");
+    }
+}
+
+#[test]
+fn chosen_steps_end_at_kinks_stay_below_the_longest_and_are_taken_again_by_other_runs() {
+    let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
+    let control = StepControl { longest: 0.13, ..StepControl::new(1e-5) };
+    let prepared = prepared(&scene, "esdirk4", scene.settings().choosing_steps(control)).expect("sound");
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).expect("runs");
+    let kink = forward.grid.times.iter().position(|&t| t == 0.77).expect("a step ends at the kink");
+    assert!(forward.grid.kinks.contains(&kink) && forward.grid.kinks.len() == 1);
+    let steps = steps_over(&prepared, &forward.grid);
+    assert!(steps[kink].restart.is_some());
+    let longest = steps.iter().fold(0.0, |most: f64, step| most.max(step.h));
+    assert!(longest <= 0.13 + 1e-15 && longest > 0.1, "{longest}");
+    assert_eq!(forward.grid.times.last(), Some(&2.0));
+
+    let again = analysis.on_steps_of(&forward).forward(&prepared.x).expect("runs");
+    assert_eq!((again.history.steps(), again.rejected), (forward.history.steps(), 0));
+    assert_eq!(again.values[0].to_bits(), forward.values[0].to_bits());
+    let adjoint = analysis.adjoint(&prepared.x, &forward).expect("has a gradient");
+    let complex = analysis.complex_step(&prepared.x, &forward).expect("runs");
+    let tangent = analysis.tangent(&prepared.x, &forward).expect("runs");
+    assert!(largest_difference(&complex.rows[0], &adjoint.rows[0]) < 1e-13);
+    assert!(largest_difference(&complex.rows[0], &tangent.rows[0]) < 1e-13);
+}
+
+#[test]
+fn steps_that_cannot_be_solved_are_halved_and_counted() {
+    // the motion stays within 1, but the first guess of a long step does not stay within the wall
+    let loose = StepControl::new(1e3);
+    let scene = |wall| Swinging { wall, stiffness: 100.0, ..Swinging::default() };
+    let free = chosen(&scene(f64::INFINITY), "esdirk3", loose);
+    assert_eq!(free.rejected, 0);
+    let walled = chosen(&scene(1.3), "esdirk3", loose);
+    assert!(
+        walled.rejected > 0 && walled.grid.steps() > free.grid.steps(),
+        "{} of {}",
+        walled.rejected,
+        walled.grid.steps()
+    );
+
+    // this one runs into the wall, where no step is short enough
+    let scene = Swinging { wall: 1.5, stiffness: -30.0, ..Swinging::default() };
+    let prepared = prepared(&scene, "esdirk3", scene.settings().choosing_steps(loose)).expect("sound");
+    let error = prepared.analysis().forward(&prepared.x).map(|forward| forward.rejected).expect_err("a wall");
+    assert!(error.to_string().contains("not finite"), "{error}");
+}
+
+#[test]
+fn a_jump_that_no_step_resolves_ends_the_run_with_its_time() {
+    let scene = Swinging { jump: Some(0.77), declared: false, ..Swinging::default() };
+    // across the jump a step's error is about the step times 1 m/s2
+    let fine = StepControl::new(1e-14);
+    let prepared = prepared(&scene, "esdirk5", Settings::new(1e3, 1).choosing_steps(fine)).expect("sound");
+    let error = prepared.analysis().forward(&prepared.x).map(|forward| forward.rejected).expect_err("a jump");
+    let message = error.to_string();
+    assert!(message.contains("t = 0.7") && message.contains("larger tolerance"), "{message}");
+}
+
+#[test]
+fn a_method_without_an_error_estimate_refuses_to_choose_steps() {
+    for table in tables().into_iter().filter(|table| table.embedded.is_none()) {
+        let scene = Swinging::default();
+        let refused = prepared(&scene, &table.name, scene.settings().choosing_steps(StepControl::new(1e-6)));
+        let message = refused.err().expect("refused").to_string();
+        assert!(message.contains(&table.name) && message.contains("esdirk5"), "{message}");
+    }
+    let scene = Swinging::default();
+    for control in
+        [StepControl::new(0.0), StepControl::new(f64::NAN), StepControl { longest: 0.0, ..StepControl::new(1e-6) }]
+    {
+        assert!(prepared(&scene, "esdirk3", scene.settings().choosing_steps(control)).is_err(), "{control:?}");
+    }
+}
+
+/// Largest errors of q, v and a at 201 times, on steps that do not meet them.
+fn errors_between_steps(table: &str, steps: usize) -> [f64; 3] {
+    let scene = Swinging::default();
+    let prepared = prepared(&scene, table, Settings::new(2.0, steps)).expect("sound");
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).expect("runs");
+    let times: Vec<f64> = (0..=200).map(|i| 0.01 * f64::from(i)).collect();
+    let mut errors = [0.0f64; 3];
+    for (t, moment) in times.iter().zip(analysis.motion(&forward, &times).expect("within the run")) {
+        assert_eq!(moment.t, *t);
+        let exact = [(2.0 * t).cos(), -2.0 * (2.0 * t).sin(), -4.0 * (2.0 * t).cos()];
+        for (error, (found, exact)) in errors.iter_mut().zip([moment.q[0], moment.v[0], moment.a[0]].iter().zip(exact)) {
+            *error = error.max((found - exact).abs());
+        }
+    }
+    for wrong in [&[-1e-9][..], &[2.1], &[f64::NAN], &[1.0, 0.5]] {
+        assert!(analysis.motion(&forward, wrong).is_err(), "{wrong:?}");
+    }
+    errors
+}
+
+#[test]
+fn the_motion_between_steps_is_the_same_wherever_they_are_kept() {
+    let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
+    let times: Vec<f64> = (0..40).map(|i| 0.05 * f64::from(i)).collect();
+    let mut motions = Vec::new();
+    for keep in [Keep::Memory, Keep::Checkpoints(5000)] {
+        let mut prepared = prepared(&scene, "bdf3", scene.settings()).expect("sound");
+        prepared.keep = keep;
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&prepared.x).expect("runs");
+        motions.push(analysis.motion(&forward, &times).expect("kept"));
+        assert_eq!(forward.history.usage().recomputed > 0, motions.len() == 2);
+    }
+    assert_eq!(motions[0], motions[1]);
+}
+
+#[test]
+fn the_motion_between_steps_has_its_orders() {
+    // midpoint: q and v of a step fit each other to h^3, and the second derivative divides that by h^2
+    for (table, orders) in [("esdirk5", [5.0, 5.0, 4.0]), ("midpoint", [2.0, 2.0, 1.0])] {
+        let (coarse, fine) = (errors_between_steps(table, 37), errors_between_steps(table, 74));
+        for k in 0..3 {
+            let order = (coarse[k] / fine[k]).log2();
+            assert!((order - orders[k]).abs() < 0.3, "{table}, derivative {k}: {order}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Condition of a stage matrix.
+
+use costate::assembly::{Equations, Jacobian, Level, Residual, Shift, SparsePattern, VectorsAvq};
+use costate::integrators::{ConstraintLevel, Systems};
+use costate::linalg::{DenseLu, LinearSolver};
+use costate::scenes::Prepared;
+
+/// Condition in the 1-norm of the first step's last stage matrix at the start, rows and columns scaled to a largest entry of 1.
+pub fn condition(prepared: &Prepared) -> Result<f64, String> {
+    let (problem, table) = (prepared.problem(), &prepared.method.table);
+    let systems = Systems::new(problem.model, &prepared.method, &prepared.plan);
+    let system = systems.stage();
+    let (t, end) = prepared.grid.span(0);
+    let (h, last) = (end - t, table.stages.len() - 1);
+    let stage = &table.stages[last];
+    let shift = Shift::new(stage.a.stages[last], h * stage.v.stages[last], h * h * stage.q.stages[last]);
+    let level = match prepared.method.level {
+        ConstraintLevel::Position => Level::Position,
+        ConstraintLevel::Velocity => Level::Stabilized,
+        ConstraintLevel::Acceleration => Level::Acceleration,
+    };
+    let equations = Equations::stage(shift, level);
+    let base = VectorsAvq { a: vec![0.0; problem.model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
+    let (mut residual, mut jacobian) = (Residual::new(system), Jacobian::new(system));
+    let mut unknowns = Residual::unknowns(system);
+    residual.start(system, &equations, &base, &problem.p, t);
+    residual.evaluate(system, &equations, &base, &mut unknowns, &problem.p, t);
+    jacobian.assemble(system, &equations, &residual, &unknowns, &problem.p, t);
+    of_scaled(&system.pattern, &jacobian.values)
+}
+
+fn of_scaled(pattern: &SparsePattern, values: &[f64]) -> Result<f64, String> {
+    let n = pattern.size;
+    let entries = |column: usize| pattern.column_starts[column]..pattern.column_starts[column + 1];
+    let mut rows = vec![0.0_f64; n];
+    for (&row, value) in pattern.rows.iter().zip(values) {
+        rows[row] = rows[row].max(value.abs());
+    }
+    let mut scaled: Vec<f64> = pattern.rows.iter().zip(values).map(|(&row, value)| value / rows[row]).collect();
+    let mut norm = 0.0_f64;
+    for column in 0..n {
+        let largest = scaled[entries(column)].iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        scaled[entries(column)].iter_mut().for_each(|value| *value /= largest);
+        norm = norm.max(scaled[entries(column)].iter().map(|value| value.abs()).sum());
+    }
+    let mut solver = DenseLu::new(pattern);
+    solver.factor(&scaled).map_err(|singular| format!("the stage matrix is singular at unknown {}", singular.unknown))?;
+    let mut inverse_norm = 0.0_f64;
+    for column in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[column] = 1.0;
+        solver.solve(&mut unit);
+        inverse_norm = inverse_norm.max(unit.iter().map(|value| value.abs()).sum());
+    }
+    Ok(norm * inverse_norm)
+}
