@@ -89,9 +89,11 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     }
 }
 
-/// The highest time derivative that a functional reads.
+/// The highest time derivative that a functional reads from the steps.
 pub enum Reads {
-    /// Coordinates, or what no round-off of constraints reaches.
+    /// Nothing: the start alone.
+    Start,
+    /// Coordinates.
     Coordinates,
     /// Velocities.
     Velocities,
@@ -100,8 +102,10 @@ pub enum Reads {
 }
 
 /// What a functional reads.
-pub fn reads((measure, _): (Measure, Over)) -> Reads {
+pub fn reads((measure, over): (Measure, Over)) -> Reads {
     match measure {
+        _ if over == Over::Initial => Reads::Start,
+        Measure::Mass => Reads::Start,
         Measure::Reaction => Reads::Multipliers,
         Measure::Velocity | Measure::Energy => Reads::Velocities,
         _ => Reads::Coordinates,

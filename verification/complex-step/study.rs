@@ -88,9 +88,7 @@ impl Study for ComplexStep {
             report.at_most(format!("{name}/adjoint"), outcome.adjoint, EXACT);
             report.at_most(format!("{name}/tangent"), outcome.tangent, EXACT);
             let limits = outcome.limits;
-            for (kind, limit, differences) in
-                [("velocities", limits.velocity, outcome.of_velocities), ("forces", limits.force, outcome.of_forces)]
-            {
+            for (kind, limit, differences) in limits.each(&outcome) {
                 if limit > EXACT {
                     report.at_most(format!("{name}/adjoint-of-{kind}"), differences[0], limit);
                     report.at_most(format!("{name}/tangent-of-{kind}"), differences[1], limit);
@@ -111,7 +109,7 @@ impl Study for ComplexStep {
             report.inform(format!("worst/{}/adjoint", level.name()), worst.adjoint);
             report.inform(format!("worst/{}/tangent", level.name()), worst.tangent);
             report.inform(format!("worst/{}/difference-quotient", level.name()), worst.quotient);
-            for (kind, differences) in [("velocities", worst.of_velocities), ("forces", worst.of_forces)] {
+            for (kind, _, differences) in Limits::default().each(worst) {
                 report.inform(format!("worst/{}/adjoint-of-{kind}", level.name()), differences[0]);
                 report.inform(format!("worst/{}/tangent-of-{kind}", level.name()), differences[1]);
             }
@@ -138,7 +136,9 @@ struct Outcome {
     adjoint: f64,
     tangent: f64,
     quotient: f64,
-    /// Adjoint and tangent of functionals of velocities and of multipliers, where these carry more round-off than [`EXACT`].
+    /// Adjoint and tangent of functionals of coordinates, of velocities and of multipliers, where these carry more round-off
+    /// than [`EXACT`].
+    of_coordinates: [f64; 2],
     of_velocities: [f64; 2],
     of_forces: [f64; 2],
     /// 1 if any exact gradients differ by more than [`EXACT`].
@@ -162,6 +162,7 @@ impl Outcome {
         self.tangent = worse(self.tangent, other.tangent);
         self.quotient = worse(self.quotient, other.quotient);
         for way in 0..2 {
+            self.of_coordinates[way] = worse(self.of_coordinates[way], other.of_coordinates[way]);
             self.of_velocities[way] = worse(self.of_velocities[way], other.of_velocities[way]);
             self.of_forces[way] = worse(self.of_forces[way], other.of_forces[way]);
         }
@@ -216,6 +217,7 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
         let differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
         let [adjoint, tangent] = match measures::reads(entry) {
             Reads::Multipliers if limits.force > EXACT => outcome.of_forces.each_mut(),
+            Reads::Coordinates if limits.coordinate > EXACT => outcome.of_coordinates.each_mut(),
             Reads::Velocities if limits.velocity > EXACT => outcome.of_velocities.each_mut(),
             _ => [&mut outcome.adjoint, &mut outcome.tangent],
         };
@@ -243,14 +245,16 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
         }
     }
     let exact = [outcome.adjoint, outcome.tangent];
-    let all = exact.into_iter().chain(outcome.of_velocities).chain(outcome.of_forces);
+    let all = exact.into_iter().chain(outcome.of_coordinates).chain(outcome.of_velocities).chain(outcome.of_forces);
     outcome.above = usize::from(all.fold(0.0, worse) > EXACT);
     Ok(outcome)
 }
 
 /// What round-off of the constraints leaves of velocities and multipliers at a constraint level: [`ROUNDINGS`] through the table.
+/// Coordinates follow from velocities: off by as much for as long as the run.
 #[derive(Clone, Copy, Default)]
 struct Limits {
+    coordinate: f64,
     velocity: f64,
     force: f64,
 }
@@ -258,6 +262,17 @@ struct Limits {
 impl Limits {
     fn of(table: &Table, level: ConstraintLevel, grid: &TimeGrid) -> Self {
         let round_off = table.round_off(level, grid, ROUNDINGS * f64::EPSILON);
-        Limits { velocity: round_off.velocity, force: round_off.acceleration }
+        let duration = grid.times.last().zip(grid.times.first()).map_or(0.0, |(end, start)| end - start);
+        let velocity = round_off.velocity;
+        Limits { coordinate: velocity * duration, velocity, force: round_off.acceleration }
+    }
+
+    /// Name, limit, and the differences of adjoint and tangent of each kind.
+    fn each(&self, outcome: &Outcome) -> [(&'static str, f64, [f64; 2]); 3] {
+        [
+            ("coordinates", self.coordinate, outcome.of_coordinates),
+            ("velocities", self.velocity, outcome.of_velocities),
+            ("forces", self.force, outcome.of_forces),
+        ]
     }
 }
