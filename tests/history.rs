@@ -164,7 +164,9 @@ fn as_few_steps_are_computed_again_as_can_be_within_the_memory() {
         let usage = forward.history.usage();
         assert_eq!(usage.recomputed, recomputed_steps(steps, checkpoints), "{steps} steps, {checkpoints} checkpoints");
         assert_eq!((usage.steps, usage.checkpoints), (1, checkpoints));
-        assert!(usage.bytes <= budget && usage.bytes > budget / 4, "{usage:?} within {budget}");
+        // the checkpoint of the start is small: no increments yet
+        let least = if checkpoints > 1 { budget / 4 } else { 0 };
+        assert!(usage.bytes <= budget && usage.bytes > least, "{usage:?} within {budget}");
     }
 }
 

@@ -109,7 +109,7 @@ impl Equations {
 }
 
 /// Accelerations, velocities and coordinates of the whole model.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct VectorsAvq<S> {
     /// Accelerations.
     pub a: Vec<S>,
@@ -147,7 +147,7 @@ impl<S: Scalar> VectorsAvq<S> {
 }
 
 /// Unknowns of one system, node-local multipliers included.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Unknowns<S> {
     /// Accelerations (or scaled increments of a projection).
     pub x: Vec<S>,
@@ -163,7 +163,38 @@ pub struct Unknowns<S> {
     pub local_eta: Vec<S>,
 }
 
+/// Copies field by field, into the memory that is there.
+macro_rules! clone_fields {
+    ($record:ident { $($field:ident),* }) => {
+        impl<S: Clone> Clone for $record<S> {
+            fn clone(&self) -> Self {
+                $record { $($field: self.$field.clone()),* }
+            }
+            fn clone_from(&mut self, other: &Self) {
+                $(self.$field.clone_from(&other.$field);)*
+            }
+        }
+    };
+}
+clone_fields!(VectorsAvq { a, v, q });
+clone_fields!(Unknowns { x, y, mu, eta, local_mu, local_eta });
+
 impl<S: Scalar> Unknowns<S> {
+    /// Takes over the unknowns of another system, without multipliers inside nodes.
+    pub fn set(&mut self, other: &Self) {
+        self.x.clone_from(&other.x);
+        self.y.clone_from(&other.y);
+        self.mu.clone_from(&other.mu);
+        self.eta.clone_from(&other.eta);
+    }
+
+    /// self *= factor, without multipliers inside nodes.
+    pub fn scale(&mut self, factor: f64) {
+        for own in [&mut self.x, &mut self.y, &mut self.mu, &mut self.eta] {
+            own.iter_mut().for_each(|own| *own = *own * factor);
+        }
+    }
+
     /// self += factor other.
     pub fn add_scaled(&mut self, other: &Self, factor: f64) {
         for (own, other) in

@@ -20,6 +20,12 @@ const RESTORATIONS: usize = 8;
 /// Fewer parts than this are evaluated on one thread: waking others costs more.
 const PARALLEL_RESIDUALS: usize = 512;
 
+/// The next number above or below, by a place in a list: in no pattern that coordinates could follow.
+fn neighbour<S: Scalar>(value: S, place: usize) -> S {
+    let up = (place as u32).wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15) >> 31 == 0;
+    value * (1.0 + if up { f64::EPSILON } else { -f64::EPSILON })
+}
+
 /// Adds local values to the places of some nodes' coordinates.
 fn add_segments<'s, S: Scalar>(segments: impl IntoIterator<Item = &'s Range<usize>>, local: &[S], values: &mut [S]) {
     let mut first = 0;
@@ -81,6 +87,8 @@ pub struct Residual<S> {
     pub g_second: Vec<S>,
     /// Leave the values of unknowns as they are given: they are a solution already, and only derivative parts are solved for.
     pub keep_values: bool,
+    /// Leave unknowns as they are and move (a, v, q) to neighbouring numbers, some up and some down: what that changes is round-off.
+    pub last_bits: bool,
     /// R at the base point, for a metric.
     base: Vec<S>,
     /// One place for each element's own residual, so that any number of threads adds in the same order.
@@ -103,6 +111,7 @@ impl<S: RunScalar> Residual<S> {
             g: vec![S::zero(); system.multipliers()],
             g_second: second(system.multipliers()),
             keep_values: false,
+            last_bits: false,
             base: vec![S::zero(); dofs],
             parts: vec![S::zero(); if parallel { system.element_parts.iter().map(|part| part.dofs).sum() } else { 0 }],
             work: Workspace::default(),
@@ -112,14 +121,22 @@ impl<S: RunScalar> Residual<S> {
 
     /// Zero unknowns for a system.
     pub fn unknowns(system: &System) -> Unknowns<S> {
-        let second = |n: usize| vec![S::zero(); if system.options.stabilized { n } else { 0 }];
-        Unknowns {
-            x: vec![S::zero(); system.model.dofs],
-            y: second(system.model.dofs),
-            mu: vec![S::zero(); system.multipliers()],
-            eta: second(system.multipliers()),
-            local_mu: vec![S::zero(); system.local_equations],
-            local_eta: second(system.local_equations),
+        let mut unknowns = Unknowns::default();
+        Self::shape(system, &mut unknowns, true);
+        unknowns
+    }
+
+    /// Gives unknowns the lengths that a system asks for, with zeros where there was nothing or everywhere if `anew`.
+    pub fn shape(system: &System, unknowns: &mut Unknowns<S>, anew: bool) {
+        let second = |n: usize| if system.options.stabilized { n } else { 0 };
+        let Unknowns { x, y, mu, eta, local_mu, local_eta } = unknowns;
+        let (dofs, rows, local) = (system.model.dofs, system.multipliers(), system.local_equations);
+        let lengths = [dofs, second(dofs), rows, second(rows), local, second(local)];
+        for (values, length) in [x, y, mu, eta, local_mu, local_eta].into_iter().zip(lengths) {
+            if anew {
+                values.clear();
+            }
+            values.resize(length, S::zero());
         }
     }
 
@@ -143,9 +160,18 @@ impl<S: RunScalar> Residual<S> {
     ) {
         // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
         let corrections = if S::PARTS == 0 { 1 } else { RESTORATIONS };
-        super::local::restore(system, equations, base, unknowns, self.keep_values, corrections, &mut self.restored);
+        if !self.last_bits {
+            super::local::restore(system, equations, base, unknowns, self.keep_values, corrections, &mut self.restored);
+        }
         self.at.set_shifted(base, equations.residual, unknowns);
         self.constraint_at.set_shifted(base, equations.constraint, unknowns);
+        if self.last_bits {
+            for at in [&mut self.at, &mut self.constraint_at] {
+                for (which, values) in [&mut at.a, &mut at.v, &mut at.q].into_iter().enumerate() {
+                    values.iter_mut().enumerate().for_each(|(i, value)| *value = neighbour(*value, 3 * i + which));
+                }
+            }
+        }
         let at = std::mem::take(&mut self.at);
         self.add_elements(system, &at, p, t);
         self.at = at;
@@ -187,8 +213,7 @@ impl<S: RunScalar> Residual<S> {
             scale = scale.max(largest(force));
             // neighbours of the coordinates, up and down in turn: the difference is the residual's own round-off
             moved.clear();
-            let signs = [1.0, -1.0, 1.0].into_iter().cycle();
-            moved.extend(own.q.iter().zip(signs).map(|(&q, sign)| q * (1.0 + sign * f64::EPSILON)));
+            moved.extend(own.q.iter().enumerate().map(|(i, &q)| neighbour(q, i)));
             force.iter_mut().for_each(|r| *r = -*r);
             physics.add_residual(State { q: &moved, ..own }, p, S::from(t), force);
             noise = noise.max(largest(force));

@@ -93,9 +93,12 @@ impl Checkpoints {
             return Ok(());
         }
         self.kept().step_bytes = step_bytes;
-        // later checkpoints also hold how the solution changed from stage to stage, and where each matrix was factored
+        // later checkpoints also hold increments of earlier steps, and where each matrix was factored
         let first: usize = self.kept().checkpoints.iter().map(|own| own.bytes.len()).sum();
-        let later = step.stages.iter().fold(4, |sum, stage| sum + stage.solve.unknowns.bytes().len());
+        let solved = step.stages.iter().map(|stage| &stage.solve);
+        let solved = solved.chain(&step.position_projection).chain(&step.velocity_projection);
+        let later: usize =
+            solved.map(|solve| crate::integrators::MOST_TRACKED * (solve.unknowns.bytes().len() + 8) + 64).sum();
         let factored = step.stages.last().map_or(0, |stage| 4 * stage.solve.bytes().len());
         let checkpoint_bytes = first + later + factored;
         self.checkpoint_bytes = checkpoint_bytes;
@@ -146,19 +149,22 @@ impl Recorder<f64> for Checkpoints {
         self.start = Some(start);
         Ok(())
     }
-    fn step(&mut self, step: StepRecord<f64>) -> Result<bool, RunError> {
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         if self.steps == 0 {
-            self.divide(&step)?;
+            self.divide(step)?;
         }
         self.steps += 1;
         if let Some(all) = &mut self.all {
-            all.push(step);
+            all.push(step.clone());
             let (steps, kept) = (all.len(), self.kept());
             kept.usage.steps = steps;
             kept.usage.bytes = steps * kept.step_bytes;
         } else {
             let kept = self.kept();
-            kept.last = Some(step);
+            match &mut kept.last {
+                Some(last) => last.clone_from(step),
+                None => kept.last = Some(step.clone()),
+            }
             kept.usage.steps = 1;
         }
         Ok(true)
@@ -199,7 +205,7 @@ impl History for Checkpoints {
         let kept = self.locked()?;
         let mut marcher = rerun.marcher()?;
         resume(&mut marcher, kept.checkpoints.first(), || rerun.grid.place(0))?;
-        Ok(Box::new(Again { grid: rerun.grid, marcher, kept, slots: self.slots, end: self.steps, record: None }))
+        Ok(Box::new(Again { grid: rerun.grid, marcher, kept, slots: self.slots, end: self.steps, last: None }))
     }
     fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
         if let Some(all) = &self.all {
@@ -212,7 +218,7 @@ impl History for Checkpoints {
             kept,
             slots: self.slots,
             end: self.steps,
-            record: None,
+            last: None,
         })))
     }
     fn usage(&self) -> Usage {
@@ -228,11 +234,12 @@ struct Again<'h> {
     slots: usize,
     /// Steps that are still to be handed out lie before this one.
     end: usize,
-    record: Option<StepRecord<f64>>,
+    /// The last one, where it was kept.
+    last: Option<StepRecord<f64>>,
 }
 
 impl Again<'_> {
-    fn advance(&mut self) -> Result<StepRecord<f64>, RunError> {
+    fn advance(&mut self) -> Result<&StepRecord<f64>, RunError> {
         self.kept.usage.recomputed += 1;
         self.marcher.step(self.grid, None)
     }
@@ -240,11 +247,7 @@ impl Again<'_> {
 
 impl Steps for Again<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        self.record = None;
-        if self.marcher.next_step() < self.end {
-            self.record = Some(self.advance()?);
-        }
-        Ok(self.record.as_ref())
+        if self.marcher.next_step() < self.end { self.advance().map(Some) } else { Ok(None) }
     }
 }
 
@@ -254,14 +257,13 @@ struct AgainBackward<'h>(Again<'h>);
 impl Steps for AgainBackward<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         let own = &mut self.0;
-        own.record = None;
         let Some(index) = own.end.checked_sub(1) else { return Ok(None) };
         own.end = index;
         // checkpoints behind this step have served; that of the start stays for another way back
         own.kept.checkpoints.retain(|packed| packed.step <= index);
-        own.record = own.kept.last.take();
-        if own.record.is_some() {
-            return Ok(own.record.as_ref());
+        own.last = own.kept.last.take();
+        if own.last.is_some() {
+            return Ok(own.last.as_ref());
         }
         let grid = own.grid;
         resume(&mut own.marcher, own.kept.checkpoints.last(), || grid.place(index))?;
@@ -272,10 +274,9 @@ impl Steps for AgainBackward<'_> {
             for _ in 1..ahead {
                 own.advance()?;
             }
-            let step = own.advance()?;
+            own.advance()?;
             if own.marcher.next_step() > index {
-                own.record = Some(step);
-                return Ok(own.record.as_ref());
+                return Ok(Some(own.marcher.record()));
             }
             let checkpoint = own.marcher.checkpoint();
             own.kept.push(&checkpoint);

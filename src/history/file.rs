@@ -170,10 +170,10 @@ impl Recorder<f64> for FileHistory {
         self.start = Some(start);
         Ok(())
     }
-    fn step(&mut self, step: StepRecord<f64>) -> Result<bool, RunError> {
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         let number = self.steps + 1;
         let place = |t: f64| format!("step {number} (t = {t} s)");
-        self.append_frame(number, &step).map_err(|cause| self.unwritten(place(step.t), &cause))?;
+        self.append_frame(number, step).map_err(|cause| self.unwritten(place(step.t), &cause))?;
         self.steps = number;
         Ok(true)
     }
@@ -390,12 +390,12 @@ mod tests {
             let file = File::create(part_of(&path)).unwrap();
             let mut history = FileHistory::writing(&path, Box::new(Disk { file, room })).unwrap();
             history.start(start()).unwrap();
-            let error = (0..10).find_map(|index| history.step(step(index)).err()).unwrap().to_string();
+            let error = (0..10).find_map(|index| history.step(&step(index)).err()).unwrap().to_string();
             let place = format!("step {} (t = {} s), history file {}", steps + 1, step(steps).t, path.display());
             assert!(error.starts_with(&place) && error.contains("cannot be written"), "{error}");
             assert_eq!(error.contains(&format!("the {steps} steps before it stay readable in")), steps > 0, "{error}");
             // nothing more is written behind a gap
-            assert!(history.step(step(11)).is_err());
+            assert!(history.step(&step(11)).is_err());
             let (read, damage) = FileHistory::open(&part_of(&path)).unwrap();
             assert_eq!((read.steps, damage), (steps, None), "room for {room} bytes");
             assert!(!path.exists());

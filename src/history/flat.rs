@@ -2,7 +2,8 @@
 
 use crate::assembly::{Equations, Level, Shift, Unknowns, VectorsAvq};
 use crate::integrators::{
-    Between, Checkpoint, FactoredAt, KeptFactorization, Scheme, SolveRecord, StageRecord, StartRecord, StepRecord,
+    Between, Checkpoint, FactoredAt, KeptFactorization, Prediction, Scheme, SolveRecord, StageRecord, StartRecord,
+    StepRecord, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -157,9 +158,11 @@ flat! {
     StageRecord<f64> { solve, known, rate }
     StepRecord<f64> { t, h, scheme, restart, stages, position_projection, velocity_projection, q, v }
     StartRecord<f64> { position_projection, velocity_projection, acceleration }
-    Between<f64> { step, scheme, carried, rate, guess, increments }
+    Track<f64> { times, rates, used }
+    Prediction<f64> { tracks }
+    Between<f64> { step, scheme, carried, rate, last, prediction }
     FactoredAt<f64> { t, base, unknowns }
-    KeptFactorization<f64> { factored, pivots, floor }
+    KeptFactorization<f64> { factored, pivots, floors }
     Checkpoint<f64> { between, kept }
 }
 

@@ -22,8 +22,8 @@ impl<S: Scalar> Recorder<S> for Memory<S> {
         self.start = Some(start);
         Ok(())
     }
-    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError> {
-        self.steps.push(step);
+    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
+        self.steps.push(step.clone());
         Ok(true)
     }
 }

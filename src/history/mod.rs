@@ -120,8 +120,8 @@ impl<S: Scalar, F: FnMut(&StepRecord<S>) -> bool> Recorder<S> for Watch<F> {
     fn start(&mut self, _start: StartRecord<S>) -> Result<(), RunError> {
         Ok(())
     }
-    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError> {
-        Ok(self.0(&step))
+    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
+        Ok(self.0(step))
     }
 }
 

@@ -11,7 +11,7 @@ impl Recorder<f64> for Nothing {
     fn start(&mut self, _start: StartRecord<f64>) -> Result<(), RunError> {
         Ok(())
     }
-    fn step(&mut self, _step: StepRecord<f64>) -> Result<bool, RunError> {
+    fn step(&mut self, _step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.steps += 1;
         Ok(true)
     }

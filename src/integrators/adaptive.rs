@@ -2,7 +2,7 @@
 
 use super::checkpoint::Between;
 use super::march::{Method, Problem, Run, add_scaled, combine};
-use super::record::{Recorder, StepRecord};
+use super::record::{Recorder, SolveRecord, StepRecord};
 use super::step::{First, Marcher};
 use super::{Embedded, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 
@@ -116,14 +116,14 @@ fn march_choosing(
         if recorder.wants_checkpoint(index) {
             recorder.checkpoint(before.clone())?;
         }
-        let (step, reached) = loop {
+        let reached = loop {
             let kink = choice.grid.kinks.contains(&index);
             let (span, reached) = choice.span();
             match marcher.step_over(Scheme::Main, span, kink, None) {
-                Ok(step) => {
-                    let error = choice.error(&step, &before.between, &marcher.between);
+                Ok(()) => {
+                    let error = choice.error(marcher.record(), &before.between, &marcher.between);
                     if choice.accepts(error)? {
-                        break (step, reached);
+                        break reached;
                     }
                 }
                 Err(failure) => choice.halve(failure)?,
@@ -132,7 +132,7 @@ fn march_choosing(
         };
         choice.advance(reached);
         before = marcher.checkpoint();
-        if !recorder.step(step)? {
+        if !recorder.step(marcher.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
@@ -159,6 +159,8 @@ struct Choice<'c> {
     halvings: usize,
     /// The step just tried was too long.
     retried: bool,
+    /// Difference of the embedded solution.
+    difference: Vec<f64>,
 }
 
 impl<'c> Choice<'c> {
@@ -179,6 +181,7 @@ impl<'c> Choice<'c> {
             rejected: 0,
             halvings: 0,
             retried: false,
+            difference: Vec::new(),
         }
     }
 
@@ -211,9 +214,10 @@ impl<'c> Choice<'c> {
         let trial = trial.min(self.control.longest).min(duration);
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
-        let later = marcher.solve_acceleration(&moved(q, v), &moved(v, a), self.t() + trial, 0, First::Zero);
-        let curvature = match later {
-            Ok(later) => {
+        let mut later = SolveRecord::empty();
+        let solved = marcher.solve_acceleration((&moved(q, v), &moved(v, a)), self.t() + trial, 0, First::Zero, &mut later);
+        let curvature = match solved {
+            Ok(()) => {
                 let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();
                 self.ratio(velocities, &change, [v, v])
             }
@@ -245,17 +249,19 @@ impl<'c> Choice<'c> {
     }
 
     /// Estimated error of a step as a share of the allowed one.
-    fn error(&self, step: &StepRecord<f64>, before: &Between<f64>, after: &Between<f64>) -> f64 {
-        let stages: Vec<&[f64]> = step.stages.iter().map(|stage| stage.solve.unknowns.x.as_slice()).collect();
-        let mut q = combine(self.table, 0, &self.embedded.q, step.h, &before.carried, &stages);
-        for (stage, weight) in step.stages.iter().zip(&self.embedded.rates) {
-            add_scaled(&mut q, &stage.rate, step.h * weight);
-        }
-        let v = combine(self.table, 1, &self.embedded.v, step.h, &before.carried, &stages);
+    fn error(&mut self, step: &StepRecord<f64>, before: &Between<f64>, after: &Between<f64>) -> f64 {
+        let mut error = std::mem::take(&mut self.difference);
         let of = |place: usize, tolerance, error: &[f64]| {
             self.ratio(tolerance, error, [&before.carried[place], &after.carried[place]])
         };
-        let (of_q, of_v) = (of(0, self.control.coordinates, &q), of(1, self.control.velocities, &v));
+        combine(self.table, 0, &self.embedded.q, step.h, &before.carried, &step.stages, &mut error);
+        for (stage, weight) in step.stages.iter().zip(&self.embedded.rates) {
+            add_scaled(&mut error, &stage.rate, step.h * weight);
+        }
+        let of_q = of(0, self.control.coordinates, &error);
+        combine(self.table, 1, &self.embedded.v, step.h, &before.carried, &step.stages, &mut error);
+        let of_v = of(1, self.control.velocities, &error);
+        self.difference = error;
         if of_q >= of_v || of_q.is_nan() { of_q } else { of_v }
     }
 

@@ -1,8 +1,8 @@
 use super::newton::KeptFactorization;
 use super::record::SolveRecord;
-use super::{Carried, Scheme};
+use super::{Carried, Prediction, Scheme};
 use crate::assembly::Unknowns;
-use crate::scalar::Scalar;
+use crate::elements::RunScalar;
 
 /// What goes from one step to the next, beside the kept factorizations.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,15 +16,15 @@ pub struct Between<S> {
     /// Rate correction of the last stage; empty unless stabilized.
     pub rate: Vec<S>,
     /// Solution of the last stage.
-    pub guess: Unknowns<S>,
-    /// How the solution changed from stage to stage in the last step: added to the last solution it is the first guess.
-    pub increments: Vec<Option<Unknowns<S>>>,
+    pub last: Unknowns<S>,
+    /// First guesses for the stages of the next step, then for its projections of coordinates and of velocities.
+    pub prediction: Prediction<S>,
 }
 
-impl<S: Scalar> Between<S> {
+impl<S: RunScalar> Between<S> {
     /// The acceleration solved last, at the start or in the last stage.
     pub(super) fn acceleration(&self) -> &[S] {
-        &self.guess.x
+        &self.last.x
     }
 
     /// Takes over an acceleration that was solved for: every carried acceleration starts with it.
@@ -32,20 +32,19 @@ impl<S: Scalar> Between<S> {
         for (carried, _) in self.carried.iter_mut().zip(kinds).filter(|(_, kind)| **kind == Carried::A) {
             carried.clone_from(&solved.unknowns.x);
         }
-        self.guess.x.clone_from(&solved.unknowns.x);
-        self.guess.mu.clone_from(&solved.unknowns.mu);
-        self.increments.fill(None);
-        self.guess.y.fill(S::zero());
-        self.guess.eta.fill(S::zero());
+        self.last.x.clone_from(&solved.unknowns.x);
+        self.last.mu.clone_from(&solved.unknowns.mu);
+        self.last.y.fill(S::zero());
+        self.last.eta.fill(S::zero());
+        self.prediction.clear(0);
     }
 
-    /// Increments of another table say nothing about this one.
+    /// Stages of another table say nothing about those of this one.
     pub(super) fn prepare_guesses(&mut self, scheme: Scheme, stages: usize) {
-        if self.scheme != scheme {
-            self.increments.fill(None);
+        if self.scheme != scheme || self.prediction.tracks.len() != stages + 2 {
+            self.prediction.clear(stages + 2);
             self.scheme = scheme;
         }
-        self.increments.resize(stages, None);
     }
 }
 

@@ -1,5 +1,5 @@
 use super::newton::{Counters, NewtonTolerance};
-use super::record::{Guide, Recorder};
+use super::record::{Guide, Recorder, StageRecord};
 use super::{Combination, ConstraintLevel, InitialState, Marcher, RunError, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Level, Model, Shift, SystemOptions};
 use crate::elements::RunScalar;
@@ -80,16 +80,18 @@ pub struct Run<S> {
     pub counters: Counters,
 }
 
-/// sum of carried vectors and stage unknowns with the powers of h that belong to a vector of `order` time derivatives.
+/// Writes the sum of carried vectors and stage unknowns with the powers of h that belong to a vector of `order` time derivatives.
 pub(crate) fn combine<S: RunScalar>(
     table: &Table,
     order: i32,
     combination: &Combination,
     h: f64,
     carried: &[Vec<S>],
-    stages: &[&[S]],
-) -> Vec<S> {
-    let mut sum = vec![S::zero(); carried[0].len()];
+    stages: &[StageRecord<S>],
+    sum: &mut Vec<S>,
+) {
+    sum.clear();
+    sum.resize(carried[0].len(), S::zero());
     let mut add = |factor: f64, values: &[S]| {
         if factor == 1.0 {
             sum.iter_mut().zip(values).for_each(|(sum, &value)| *sum += value);
@@ -100,10 +102,9 @@ pub(crate) fn combine<S: RunScalar>(
     for ((values, kind), coefficient) in carried.iter().zip(&table.carried).zip(&combination.carried) {
         add(coefficient * h.powi(kind.order() - order), values);
     }
-    for (values, coefficient) in stages.iter().zip(&combination.stages) {
-        add(coefficient * h.powi(2 - order), values);
+    for (stage, coefficient) in stages.iter().zip(&combination.stages) {
+        add(coefficient * h.powi(2 - order), &stage.solve.unknowns.x);
     }
-    sum
 }
 
 /// Runs a problem over a grid and hands every step to the recorder.

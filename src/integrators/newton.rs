@@ -6,7 +6,7 @@ use crate::linalg::{Backend, Factorization, Singular};
 /// When Newton's method is content.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum NewtonTolerance {
-    /// Until the estimated correction is below 1e-14 of the unknowns or corrections no longer shrink: exact gradients.
+    /// Until the error left is below 1e-14 of the unknowns or below what the last bit of the state does to them: exact gradients.
     #[default]
     RoundOff,
     /// Until the residual is below 1e-9 of the first one or below 1e-12, as in Boopathy & Kennedy, or corrections are at round-off.
@@ -83,12 +83,18 @@ pub struct Newton<'m, S> {
     factorization: Factorization,
     tolerance: NewtonTolerance,
     rhs: Vec<f64>,
+    /// Right-hand side before an estimate.
+    exact: Vec<f64>,
+    /// Parameters without derivative parts.
+    p: Vec<f64>,
     /// Equations for which the matrix was factored last.
     factored: Option<Equations>,
     /// Where it was.
     factored_at: FactoredAt<S>,
-    /// Size of corrections at which the last stalled system ended.
-    floor: f64,
+    /// Size of corrections at round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
+    floors: [f64; 3],
+    /// Solution at the start of an estimate.
+    work: Unknowns<S>,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
     levers: Vec<f64>,
 }
@@ -111,8 +117,8 @@ pub struct KeptFactorization<S> {
     pub factored: Option<(Equations, FactoredAt<S>)>,
     /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
     pub pivots: Vec<usize>,
-    /// Size of corrections at which the last stalled system ended.
-    pub floor: f64,
+    /// Size of corrections at round-off, for each kind of system; zero if not known.
+    pub floors: [f64; 3],
 }
 
 impl<'m, S: RunScalar> Newton<'m, S> {
@@ -126,11 +132,14 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             residual: Residual::new(system),
             jacobian: Jacobian::new(system),
             rhs: vec![0.0; system.size()],
+            exact: vec![0.0; system.size()],
+            p: Vec::new(),
             counters: Counters::default(),
             factored: None,
             levers: vec![1.0; system.model.dofs],
             factored_at: FactoredAt::default(),
-            floor: 0.0,
+            floors: [0.0; 3],
+            work: Unknowns::default(),
             system,
             factorization,
             tolerance,
@@ -245,6 +254,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 })?;
                 fresh = true;
             }
+            let kind = kind(equations);
+            if self.floors[kind] == 0.0 {
+                self.floors[kind] = self.round_off(equations, base, unknowns, p, t);
+                self.evaluate(equations, base, unknowns, p, t);
+            }
+            let floor = self.floors[kind];
             self.counters.iterations += 1;
             let step = self.step(None, unknowns);
             let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
@@ -252,23 +267,22 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 return fail(FailureKind::NotFinite, iteration, step);
             }
             let rate = step / previous;
-            // the first correction says nothing about the next one
-            let expected = if rate > 0.0 && rate < STALLED { step * rate / (1.0 - rate) } else { step };
+            if rate < STALLED {
+                worst_rate = worst_rate.max(rate);
+            }
+            // of the error that is left; the first correction says nothing about it
+            let share = if rate > 0.0 && rate < STALLED { worst_rate / (1.0 - worst_rate) } else { 1.0 };
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(equations, base).map(|(unit, size)| unit * step / size);
             let settled = match moved {
-                // the first correction says nothing about the next one
-                Some(moved) => moved * if rate > 0.0 { rate.min(1.0) } else { 1.0 } <= 0.25 * f64::EPSILON,
-                None => expected <= ROUND_OFF * scale || step <= 2.0 * self.floor,
+                Some(moved) => moved * share <= 0.25 * f64::EPSILON,
+                None => step * share <= ROUND_OFF * scale,
             };
-            if step == 0.0 || settled {
+            if step == 0.0 || settled || step * share <= floor || step <= 2.0 * floor {
                 if !fresh && worst_rate > AGED {
                     self.factored = None;
                 }
                 return Ok(());
-            }
-            if rate < STALLED {
-                worst_rate = worst_rate.max(rate);
             }
             if rate >= STALLED && previous.is_finite() {
                 // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
@@ -276,7 +290,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                     return Ok(());
                 }
                 if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {
-                    self.floor = step;
+                    self.floors[kind] = step;
                     return Ok(());
                 }
                 if fresh && rate > 1.0 {
@@ -293,6 +307,27 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
         let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
         fail(FailureKind::Stagnated, MOST_ITERATIONS, previous / scale)
+    }
+
+    /// Size of a correction that is round-off alone: what the last bits of (a, v, q) change in the residual, through the matrix.
+    fn round_off(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> f64 {
+        self.jacobian.reduce(self.system, &self.residual, None, &mut self.exact);
+        self.residual.last_bits = true;
+        self.evaluate(equations, base, unknowns, p, t);
+        self.residual.last_bits = false;
+        self.jacobian.reduce(self.system, &self.residual, None, &mut self.rhs);
+        self.rhs.iter_mut().zip(&self.exact).for_each(|(other, exact)| *other -= exact);
+        self.factorization.solve(&mut self.rhs);
+        self.counters.solves += 1;
+        self.work.clone_from(unknowns);
+        self.jacobian.add_step(self.system, &self.rhs, None, &mut self.work, &self.levers)
     }
 
     /// Corrections no longer shrink: is that round-off, or a system that does not converge?
@@ -382,13 +417,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         KeptFactorization {
             factored: self.factored.map(|equations| (equations, self.factored_at.clone())),
             pivots: self.factorization.kept_pivots().unwrap_or_default(),
-            floor: self.floor,
+            floors: self.floors,
         }
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
     pub(super) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
-        self.floor = kept.floor;
         self.factored = None;
         // none: pivots that were chosen since are forgotten
         self.factorization.keep_pivots(&kept.pivots);
@@ -398,15 +432,18 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.evaluate(equations, base, &mut unknowns, p, *t);
             self.factorize(equations, &unknowns, p, *t)?;
         }
+        self.floors = kept.floors;
         Ok(())
     }
 
     fn factorize(&mut self, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) -> Result<(), Singular> {
         self.counters.factorizations += 1;
-        let p: Vec<f64> = p.iter().map(|p| p.value()).collect();
-        self.jacobian.assemble(self.system, equations, &self.residual, unknowns, &p, t);
+        self.p.clear();
+        self.p.extend(p.iter().map(|p| p.value()));
+        self.jacobian.assemble(self.system, equations, &self.residual, unknowns, &self.p, t);
         self.factorization.factor(&self.jacobian.values)?;
         self.factored = Some(*equations);
+        self.floors = [0.0; 3];
         Ok(())
     }
 
@@ -437,6 +474,15 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let all = self.residual.f.iter().chain(&self.residual.y).chain(&self.residual.g).chain(&self.residual.g_second);
         // max() of floats would lose a NaN
         all.map(|f| f.value().abs()).fold(0.0, |s: f64, f| if f <= s { s } else { f })
+    }
+}
+
+/// Which of the three kinds of systems that share a matrix it is.
+fn kind(equations: &Equations) -> usize {
+    match (equations.metric, equations.level) {
+        (true, Level::Position) => 0,
+        (true, _) => 1,
+        (false, _) => 2,
     }
 }
 

@@ -1,5 +1,6 @@
 use super::{Checkpoint, RunError, Scheme};
 use crate::assembly::{Equations, Unknowns, VectorsAvq};
+use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +15,13 @@ pub struct SolveRecord<S> {
     pub unknowns: Unknowns<S>,
 }
 
-impl<S: crate::scalar::Scalar> SolveRecord<S> {
+impl<S: Scalar> SolveRecord<S> {
+    /// Room for a record.
+    pub(super) fn empty() -> Self {
+        let (base, unknowns) = (VectorsAvq::default(), Unknowns::default());
+        SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns }
+    }
+
     /// (a, v, q) at the solution.
     pub fn point(&self) -> VectorsAvq<S> {
         VectorsAvq::shifted(&self.base, self.equations.residual, &self.unknowns)
@@ -55,6 +62,23 @@ pub struct StepRecord<S> {
     pub v: Vec<S>,
 }
 
+impl<S: Scalar> StepRecord<S> {
+    /// Room for a record.
+    pub(super) fn empty() -> Self {
+        StepRecord {
+            t: 0.0,
+            h: 0.0,
+            scheme: Scheme::Main,
+            restart: None,
+            stages: Vec::new(),
+            position_projection: None,
+            velocity_projection: None,
+            q: Vec::new(),
+            v: Vec::new(),
+        }
+    }
+}
+
 /// What happens before the first step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartRecord<S> {
@@ -77,7 +101,7 @@ pub trait Recorder<S> {
     ///
     /// # Errors
     /// What could not be kept.
-    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError>;
+    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError>;
     /// True if the state before step `index` is to be handed over.
     fn wants_checkpoint(&self, _index: usize) -> bool {
         false

@@ -4,7 +4,7 @@ use super::checkpoint::{Between, Checkpoint};
 use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::newton::{Counters, Newton};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
-use super::{ConstraintLevel, InitialState, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
+use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Residual, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 
@@ -18,45 +18,47 @@ pub struct Marcher<'m, S> {
     position: Newton<'m, S>,
     velocity: Newton<'m, S>,
     pub(super) between: Between<S>,
+    record: StepRecord<S>,
+    /// Carried vectors after the step.
+    updated: Vec<Vec<S>>,
 }
 
 /// Where the search for a solution starts.
-pub(super) enum First<'g, S> {
+#[derive(Clone, Copy)]
+pub(super) enum First<'g> {
     /// From zero.
     Zero,
-    /// From a guess.
-    Guess(&'g Unknowns<S>),
+    /// From what the record holds.
+    Given,
     /// At the solution of a real run.
     Solved(&'g Unknowns<f64>),
 }
 
-impl<'g, S> First<'g, S> {
+impl<'g> First<'g> {
     fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
         record.map_or(First::Zero, |record| First::Solved(&record.unknowns))
     }
 }
 
-/// Solves one system and keeps what the adjoint needs.
+/// Solves the system of a record, whose time, equations and base are given, and keeps there what the adjoint needs.
 fn solve<S: RunScalar>(
     newton: &mut Newton<S>,
-    equations: Equations,
-    base: VectorsAvq<S>,
-    first: First<S>,
+    record: &mut SolveRecord<S>,
+    first: First,
     p: &[S],
-    t: f64,
     place: &dyn Fn() -> String,
-) -> Result<SolveRecord<S>, RunError> {
-    let mut unknowns = match &first {
-        First::Zero => Residual::unknowns(newton.system),
-        First::Guess(guess) => (*guess).clone(),
-        First::Solved(real) => lifted(real),
-    };
+) -> Result<(), RunError> {
+    let SolveRecord { t, equations, base, unknowns } = record;
+    match first {
+        First::Zero => Residual::shape(newton.system, unknowns, true),
+        First::Given => Residual::shape(newton.system, unknowns, false),
+        First::Solved(real) => *unknowns = lifted(real),
+    }
     let solved = match first {
-        First::Solved(_) => newton.solve_guided(&equations, &base, &mut unknowns, p, t),
-        _ => newton.solve(&equations, &base, &mut unknowns, p, t),
+        First::Solved(_) => newton.solve_guided(equations, base, unknowns, p, *t),
+        _ => newton.solve(equations, base, unknowns, p, *t),
     };
-    solved.map_err(|failure| newton.describe(&failure, &place()))?;
-    Ok(SolveRecord { t, equations, base, unknowns })
+    solved.map_err(|failure| newton.describe(&failure, &place()))
 }
 
 /// Real unknowns without derivative parts.
@@ -94,6 +96,8 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             position: newton(&systems.plain)?,
             velocity: newton(&systems.plain)?,
             between: Between::default(),
+            record: StepRecord::empty(),
+            updated: Vec::new(),
         })
     }
 
@@ -147,33 +151,31 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             let place = || "projection of the start (t = 0 s)".to_string();
             let zeros = || vec![S::zero(); model.dofs];
             let p = &self.problem.p;
-            let base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-            let first = start_of(|start| start.position_projection.as_ref());
-            let equations = Equations::initial_position_projection();
-            let solved = solve(&mut self.position, equations, base, first, p, 0.0, &place)?;
-            add_scaled(&mut q, &solved.unknowns.x, 1.0);
-            let base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
-            let first = start_of(|start| start.velocity_projection.as_ref());
-            let equations = Equations::initial_velocity_projection();
-            let second = solve(&mut self.velocity, equations, base, first, p, 0.0, &place)?;
+            let [mut first, mut second] = [SolveRecord::empty(), SolveRecord::empty()];
+            first.equations = Equations::initial_position_projection();
+            first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
+            let from = start_of(|start| start.position_projection.as_ref());
+            solve(&mut self.position, &mut first, from, p, &place)?;
+            add_scaled(&mut q, &first.unknowns.x, 1.0);
+            second.equations = Equations::initial_velocity_projection();
+            second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
+            let from = start_of(|start| start.velocity_projection.as_ref());
+            solve(&mut self.velocity, &mut second, from, p, &place)?;
             add_scaled(&mut v, &second.unknowns.x, 1.0);
-            start_projections = [Some(solved), Some(second)];
+            start_projections = [Some(first), Some(second)];
         }
-        let guided = start_of(|start| Some(&start.acceleration));
-        let first = self.solve_acceleration(&q, &v, t, 0, guided)?;
+        let mut first = SolveRecord::empty();
+        let from = start_of(|start| Some(&start.acceleration));
+        self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
         let kinds = &self.method.table.carried;
         let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };
         // older vectors are read only after as many steps have written them
         let mut carried = vec![q, v];
         carried.resize_with(kinds.len(), || vec![S::zero(); model.dofs]);
-        self.between = Between {
-            step: 0,
-            scheme: Scheme::Main,
-            carried,
-            rate: vec![S::zero(); rates],
-            guess: Residual::unknowns(self.stage.system),
-            increments: Vec::new(),
-        };
+        let mut last = Unknowns::default();
+        Residual::shape(self.stage.system, &mut last, true);
+        let (rate, prediction) = (vec![S::zero(); rates], Prediction::default());
+        self.between = Between { step: 0, scheme: Scheme::Main, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
         let [position_projection, velocity_projection] = start_projections;
         Ok(StartRecord { position_projection, velocity_projection, acceleration: first })
@@ -187,14 +189,20 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         Run { q, v, rejected, counters }
     }
 
+    /// The step made last.
+    pub fn record(&self) -> &StepRecord<S> {
+        &self.record
+    }
+
     /// Takes the next step of a grid.
     ///
     /// # Errors
     /// [`RunError`] with step and time.
-    pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<StepRecord<S>, RunError> {
+    pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let (scheme, kink) = (self.method.table.scheme_at(grid, index), grid.kinks.contains(&index));
-        self.step_over(scheme, grid.span(index), kink, guided)
+        self.step_over(scheme, grid.span(index), kink, guided)?;
+        Ok(&self.record)
     }
 
     /// Makes the next step from the first to the second time; at a kink the acceleration is solved anew before it.
@@ -206,129 +214,163 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         (t, end): (f64, f64),
         kink: bool,
         guided: Option<&StepRecord<f64>>,
-    ) -> Result<StepRecord<S>, RunError> {
+    ) -> Result<(), RunError> {
         let method = self.method;
         let mut state = std::mem::take(&mut self.between);
+        let mut record = std::mem::replace(&mut self.record, StepRecord::empty());
         let index = state.step;
         let table = method.table.scheme(scheme);
         let h = end - t;
-        let restart = if kink {
+        (record.t, record.h, record.scheme) = (t, h, scheme);
+        record.restart = None;
+        if kink {
             let first = First::guided(guided.and_then(|step| step.restart.as_ref()));
-            let solved = self.solve_acceleration(&state.carried[0], &state.carried[1], t, index, first)?;
+            let mut solved = SolveRecord::empty();
+            self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
             state.set_acceleration(&table.carried, &solved);
-            Some(solved)
-        } else {
-            None
-        };
+            record.restart = Some(solved);
+        }
         state.prepare_guesses(scheme, table.stages.len());
-        let stages = self.solve_stages(&mut state, table, (t, end), guided)?;
-        let accelerations: Vec<&[S]> = stages.iter().map(|stage| stage.solve.unknowns.x.as_slice()).collect();
+        self.solve_stages(&mut state, &mut record, table, (t, end), guided)?;
+        let stages = &record.stages;
         let kinds = table.update.iter().zip(&table.carried);
-        state.carried =
-            kinds.map(|(update, kind)| combine(table, kind.order(), update, h, &state.carried, &accelerations)).collect();
-        let [q, v, ..] = &mut state.carried[..] else { unreachable!("q and v are carried first") };
+        self.updated.resize_with(table.carried.len(), Vec::new);
+        for ((update, kind), new) in kinds.zip(&mut self.updated) {
+            combine(table, kind.order(), update, h, &state.carried, stages, new);
+        }
+        std::mem::swap(&mut state.carried, &mut self.updated);
+        let [q, ..] = &mut state.carried[..] else { unreachable!("q and v are carried first") };
         for (stage, weight) in stages.iter().zip(&table.rates[stages.len()]) {
             add_scaled(q, &stage.rate, h * weight);
         }
         if let Some(last) = stages.last().filter(|stage| !stage.rate.is_empty()) {
             state.rate.clone_from(&last.rate);
         }
-        let a = accelerations[accelerations.len() - 1];
-        let scale = table.projection_step(h);
-        let (position_projection, velocity_projection) = self.project(q, v, a, (end, scale), index, guided)?;
-        let (q, v) = (q.clone(), v.clone());
+        self.project(&mut state, &mut record, (end, table.projection_step(h)), guided)?;
+        record.q.clone_from(&state.carried[0]);
+        record.v.clone_from(&state.carried[1]);
         state.step += 1;
         self.between = state;
-        Ok(StepRecord { t, h, scheme, restart, stages, position_projection, velocity_projection, q, v })
+        self.record = record;
+        Ok(())
     }
 
     /// The acceleration for given (q, v), at acceleration level whatever the level of the run.
     pub(super) fn solve_acceleration(
         &mut self,
-        q: &[S],
-        v: &[S],
+        (q, v): (&[S], &[S]),
         t: f64,
         step: usize,
-        first: First<S>,
-    ) -> Result<SolveRecord<S>, RunError> {
-        let base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
+        first: First,
+        record: &mut SolveRecord<S>,
+    ) -> Result<(), RunError> {
+        record.t = t;
+        record.equations = Equations::acceleration();
+        record.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
         let place = || format!("acceleration before step {} (t = {t} s)", step + 1);
-        solve(&mut self.acceleration, Equations::acceleration(), base, first, &self.problem.p, t, &place)
+        solve(&mut self.acceleration, record, first, &self.problem.p, &place)
     }
 
     fn solve_stages(
         &mut self,
         state: &mut Between<S>,
+        record: &mut StepRecord<S>,
         table: &Table,
         (t, end): (f64, f64),
         guided: Option<&StepRecord<f64>>,
-    ) -> Result<Vec<StageRecord<S>>, RunError> {
+    ) -> Result<(), RunError> {
         let (h, step) = (end - t, state.step);
-        let mut stages: Vec<StageRecord<S>> = Vec::with_capacity(table.stages.len());
+        let room = || StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() };
+        record.stages.resize_with(table.stages.len(), room);
         for (index, stage) in table.stages.iter().enumerate() {
-            let solved: Vec<&[S]> = stages.iter().map(|stage| stage.solve.unknowns.x.as_slice()).collect();
-            let base_of = |order, combination| combine(table, order, combination, h, &state.carried, &solved);
-            let mut base = VectorsAvq { a: base_of(2, &stage.a), v: base_of(1, &stage.v), q: base_of(0, &stage.q) };
-            for (earlier, weight) in stages.iter().zip(&table.rates[index]) {
-                add_scaled(&mut base.q, &earlier.rate, h * weight);
+            let (earlier, own) = record.stages.split_at_mut(index);
+            let StageRecord { solve: own, known, rate } = &mut own[0];
+            let VectorsAvq { a, v, q } = &mut own.base;
+            for (order, combination, sum) in [(2, &stage.a, a), (1, &stage.v, v), (0, &stage.q, q)] {
+                combine(table, order, combination, h, &state.carried, earlier, sum);
             }
-            let equations = self.method.stage_equations(table, index, h, self.constrained);
+            for (earlier, weight) in earlier.iter().zip(&table.rates[index]) {
+                add_scaled(&mut own.base.q, &earlier.rate, h * weight);
+            }
+            own.equations = self.method.stage_equations(table, index, h, self.constrained);
             // a stage at the end of the step lies before the kink that may be there, whatever t + h rounds to
-            let time = if stage.c <= 1.0 + 1e-12 { (t + stage.c * h).min(end) } else { t + stage.c * h };
-            let record = if let Some(place) = stage.known {
-                let unknowns =
-                    Unknowns { x: state.carried[place].clone(), mu: state.guess.mu.clone(), ..Unknowns::default() };
-                let solve = SolveRecord { t: time, equations, base, unknowns };
-                StageRecord { solve, known: Some(place), rate: state.rate.clone() }
+            own.t = if stage.c <= 1.0 + 1e-12 { (t + stage.c * h).min(end) } else { t + stage.c * h };
+            *known = stage.known;
+            if let Some(place) = stage.known {
+                let Unknowns { x, mu, .. } = &mut own.unknowns;
+                x.clone_from(&state.carried[place]);
+                mu.clone_from(&state.last.mu);
+                rate.clone_from(&state.rate);
+                continue;
+            }
+            let time = own.t;
+            let place = || format!("step {}, stage {} (t = {time} s)", step + 1, index + 1);
+            let track = &mut state.prediction.tracks[index];
+            let first = if let Some(step) = guided {
+                First::Solved(&step.stages[index].solve.unknowns)
             } else {
-                let place = || format!("step {}, stage {} (t = {time} s)", step + 1, index + 1);
-                let mut guess = state.guess.clone();
-                if let Some(increment) = &state.increments[index] {
-                    guess.add_scaled(increment, 1.0);
-                }
-                let first = match guided {
-                    Some(step) => First::Solved(&step.stages[index].solve.unknowns),
-                    None => First::Guess(&guess),
-                };
-                let solve = solve(&mut self.stage, equations, base, first, &self.problem.p, time, &place)?;
-                let mut increment = solve.unknowns.clone();
-                increment.add_scaled(&state.guess, -1.0);
-                state.increments[index] = Some(increment);
-                state.guess.clone_from(&solve.unknowns);
-                let factor = table.rate_factor(index, h);
-                let rate = solve.unknowns.y.iter().map(|&y| y * factor).collect();
-                StageRecord { solve, known: None, rate }
+                own.unknowns.set(&state.last);
+                track.add_expected(t, h, &mut own.unknowns);
+                First::Given
             };
-            stages.push(record);
+            solve(&mut self.stage, own, first, &self.problem.p, &place)?;
+            if guided.is_none() {
+                track.learn(t, h, Some(&state.last), &own.unknowns);
+            }
+            state.last.set(&own.unknowns);
+            let factor = table.rate_factor(index, h);
+            rate.clear();
+            rate.extend(own.unknowns.y.iter().map(|&y| y * factor));
         }
-        Ok(stages)
+        Ok(())
     }
 
     /// At acceleration level: (q, v) back onto g = 0 and dg/dt = 0, each as one more system.
-    #[allow(clippy::type_complexity)]
     fn project(
         &mut self,
-        q: &mut [S],
-        v: &mut [S],
-        a: &[S],
+        state: &mut Between<S>,
+        record: &mut StepRecord<S>,
         (t, scale): (f64, f64),
-        step: usize,
         guided: Option<&StepRecord<f64>>,
-    ) -> Result<(Option<SolveRecord<S>>, Option<SolveRecord<S>>), RunError> {
+    ) -> Result<(), RunError> {
         if !self.constrained || self.method.level != ConstraintLevel::Acceleration {
-            return Ok((None, None));
+            (record.position_projection, record.velocity_projection) = (None, None);
+            return Ok(());
         }
-        let p = &self.problem.p;
-        let place = || format!("step {}, projection (t = {t} s)", step + 1);
-        let base = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
-        let first = First::guided(guided.and_then(|step| step.position_projection.as_ref()));
-        let position = solve(&mut self.position, Equations::position_projection(scale), base, first, p, t, &place)?;
-        add_scaled(q, &position.unknowns.x, scale * scale);
-        let base = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
-        let first = First::guided(guided.and_then(|step| step.velocity_projection.as_ref()));
-        // with the matrix of the coordinates' projection
-        let velocity = solve(&mut self.position, Equations::velocity_projection(scale), base, first, p, t, &place)?;
-        add_scaled(v, &velocity.unknowns.x, scale);
-        Ok((Some(position), Some(velocity)))
+        let Between { carried, prediction, step, .. } = state;
+        let [q, v, ..] = &mut carried[..] else { unreachable!("q and v are carried first") };
+        let place = || format!("step {}, projection (t = {t} s)", *step + 1);
+        let a = record.stages.last().map_or(&[][..], |last| &last.solve.unknowns.x);
+        let stages = record.stages.len();
+        let own = [&mut record.position_projection, &mut record.velocity_projection];
+        let guides = guided.map(|step| [&step.position_projection, &step.velocity_projection]);
+        // the projection of velocities has the matrix of that of coordinates
+        let equations = [Equations::position_projection(scale), Equations::velocity_projection(scale)];
+        for (index, (own, equations)) in own.into_iter().zip(equations).enumerate() {
+            let own = own.get_or_insert_with(SolveRecord::empty);
+            (own.t, own.equations) = (t, equations);
+            for (base, values) in [(&mut own.base.a, a), (&mut own.base.v, v), (&mut own.base.q, q)] {
+                base.clear();
+                base.extend_from_slice(values);
+            }
+            let track = &mut prediction.tracks[stages + index];
+            let first = if let Some(guides) = guides {
+                First::guided(guides[index].as_ref())
+            } else {
+                Residual::shape(self.position.system, &mut own.unknowns, true);
+                track.add_expected(record.t, 1.0, &mut own.unknowns);
+                First::Given
+            };
+            solve(&mut self.position, own, first, &self.problem.p, &place)?;
+            if guided.is_none() {
+                track.learn(record.t, 1.0, None, &own.unknowns);
+            }
+            if index == 0 {
+                add_scaled(q, &own.unknowns.x, scale * scale);
+            } else {
+                add_scaled(v, &own.unknowns.x, scale);
+            }
+        }
+        Ok(())
     }
 }

@@ -252,9 +252,9 @@ impl Recorder<f64> for Measuring<'_, '_> {
         self.observer.start(&start)?;
         self.history.start(start)
     }
-    fn step(&mut self, step: StepRecord<f64>) -> Result<bool, RunError> {
-        self.values.step(&step);
-        let wanted = self.observer.step(&step)?;
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.values.step(step);
+        let wanted = self.observer.step(step)?;
         Ok(self.history.step(step)? && wanted)
     }
     fn wants_checkpoint(&self, index: usize) -> bool {
@@ -273,8 +273,8 @@ impl<S: FunctionalScalar> Recorder<S> for Perturbation<'_, S> {
         self.0.start(&start);
         Ok(())
     }
-    fn step(&mut self, step: StepRecord<S>) -> Result<bool, RunError> {
-        self.0.step(&step);
+    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
+        self.0.step(step);
         Ok(true)
     }
 }

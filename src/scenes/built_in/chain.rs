@@ -34,6 +34,8 @@ impl Chain {
 
 /// Length of a bar [m].
 const LENGTH: f64 = 0.1;
+/// Speed of the tip at the start, whatever the number of bars [m/s].
+const TIP_SPEED: f64 = 2.0;
 /// Radius of a round bar in the initial design [m].
 const RADIUS: f64 = 0.01;
 /// Mass of a bar of that radius per length [kg/m].
@@ -104,7 +106,7 @@ impl Scene for Chain {
             return Err(format!("{expected} variables expected for {} bars, {} given", self.bodies, x.len()));
         }
         let along = |bars: f64| Vec3([S::from(LENGTH * bars), S::zero(), S::zero()]);
-        let about_vertical = Vec3::from_f64([0.0, 0.0, 2.0]);
+        let about_vertical = Vec3::from_f64([0.0, 0.0, TIP_SPEED / (LENGTH * self.bodies as f64)]);
         let ground = m.ground();
         let mut before = ground;
         for i in 0..self.bodies {
