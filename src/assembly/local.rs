@@ -132,7 +132,7 @@ pub(super) fn restore<S: RunScalar>(
             }
             let size = residual.iter().map(|&r| magnitude(r)).fold(0.0, f64::max);
             // nothing is gained below the round-off of the equation's own terms (derivative parts have their own size)
-            let terms = size_of_terms(equations.level, a, v, q);
+            let terms = local.form.size_of_terms(equations.level, State { a, v, q });
             let value_settled =
                 keep_values || residual.iter().all(|r| r.value().abs() <= f64::EPSILON * terms * scales[0].abs());
             if value_settled && S::PARTS == 0 {
@@ -195,7 +195,7 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
         }
         let mut g: SmallVec<[Taylor<S>; 6]> = SmallVec::from_elem(Taylor::default(), local.equations.len());
         local.form.derivatives(State { a: &a, v: &v, q: &q }, &mut g);
-        let terms = size_of_terms(equations.level, &a, &v, &q);
+        let terms = local.form.size_of_terms(equations.level, State { a: &a, v: &v, q: &q });
         for (equation, &g) in g.iter().enumerate() {
             let gap = select(equations.level, g).0;
             if gap.value().abs() <= f64::EPSILON * terms {
@@ -209,21 +209,6 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
             x.iter_mut().zip(&rows).for_each(|(x, &c)| *x -= multiplier * c);
         }
     }
-}
-
-/// Sum of the terms of a quadratic equation, without their signs: its round-off is a share of it.
-fn size_of_terms<S: Scalar>(level: Level, a: &[S], v: &[S], q: &[S]) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..q.len() {
-        let (q, v, a) = (q[i].value().abs(), v[i].value().abs(), a[i].value().abs());
-        sum += match level {
-            Level::Position => q * q,
-            Level::Velocity => q * v,
-            Level::Acceleration => q * a + v * v,
-            Level::Stabilized => 0.0,
-        };
-    }
-    sum
 }
 
 /// Size of a number with its derivative parts.

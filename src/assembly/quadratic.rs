@@ -1,3 +1,4 @@
+use super::Level;
 use crate::elements::{AnyConstraint, State};
 use crate::scalar::{LANES, Scalar, Taylor};
 
@@ -95,6 +96,24 @@ impl Quadratic {
     pub fn add_curvature(&self, multipliers: &[f64], direction: &[f64], factor: f64, target: &mut [f64]) {
         for &(equation, row, column, h) in &self.second {
             target[row] += factor * multipliers[equation] * h * direction[column];
+        }
+    }
+
+    /// Sum of the terms of all equations at a level, without their signs: round-off is a share of it. Zero at two levels at once.
+    pub fn size_of_terms<S: Scalar>(&self, level: Level, s: State<S>) -> f64 {
+        let size = |x: S| x.value().abs();
+        let of = |x: &[S]| self.linear.iter().fold(0.0, |sum, &(_, dof, b)| sum + size(x[dof]) * b.abs());
+        let product = |x: &[S], y: &[S]| {
+            self.second.iter().fold(0.0, |sum, &(_, i, j, h)| sum + size(x[i]) * size(y[j]) * h.abs())
+        };
+        match level {
+            Level::Position => {
+                let constants = self.constant.iter().fold(0.0, |sum: f64, constant| sum + constant.abs());
+                constants + of(s.q) + 0.5 * product(s.q, s.q)
+            }
+            Level::Velocity => of(s.v) + product(s.q, s.v),
+            Level::Acceleration => of(s.a) + product(s.q, s.a) + product(s.v, s.v),
+            Level::Stabilized => 0.0,
         }
     }
 

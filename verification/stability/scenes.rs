@@ -16,6 +16,9 @@ impl Units {
     pub const SI: Units = Units { metre: 1.0, kilogram: 1.0 };
     pub const MILLIMETRE_TONNE: Units = Units { metre: 1e3, kilogram: 1e-3 };
 
+    /// Units that change no bit: what differs then depends on units.
+    pub const POWERS_OF_TWO: Units = Units { metre: 1024.0, kilogram: 1.0 / 1024.0 };
+
     fn newton(self) -> f64 {
         self.metre * self.kilogram
     }

@@ -188,12 +188,16 @@ fn units(report: &mut Report) -> Result<(), String> {
     };
     let (values, rows) = solved(&Arm(Units::SI))?;
     let (other_values, other_rows) = solved(&Arm(Units::MILLIMETRE_TONNE))?;
+    let (same_values, same_rows) = solved(&Arm(Units::POWERS_OF_TWO))?;
     let scene = Arm(Units::SI);
     let prepared = prepare(&scene, Prepared::default_method(), 1.0, 100)?;
     for (k, functional) in prepared.functionals().iter().enumerate() {
         let figure = |what: &str| format!("m-kg-s against mm-t-s/{}/{what}", functional.name);
         report.at_most(figure("value"), (other_values[k] - values[k]).abs() / values[k].abs(), UNITS);
         report.at_most(figure("gradient"), largest_difference(&rows[k], &other_rows[k]), UNITS);
+        let figure = |what: &str| format!("units of 1/1024 m and 1024 kg/{}/{what}", functional.name);
+        report.at_most(figure("value"), (same_values[k] - values[k]).abs(), 0.0);
+        report.at_most(figure("gradient"), largest_difference(&rows[k], &same_rows[k]), 0.0);
     }
     Ok(())
 }
