@@ -7,7 +7,7 @@ use smallvec::SmallVec;
 use std::ops::Range;
 
 /// Values of one element or constraint: on the stack for up to two bodies.
-pub(super) type LocalVec<S> = SmallVec<[S; 16]>;
+pub(super) type LocalVec<S> = SmallVec<[S; 32]>;
 
 /// Share of the largest force below which a stalled residual counts as round-off.
 const FORCE_FLOOR: f64 = 1e-10;

@@ -1,0 +1,68 @@
+//! Steps of a running simulation ask for no memory.
+
+use costate::history::Watch;
+use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, march, tables};
+use costate::scenes::{Prepared, Settings, built_in};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Counts what each thread asks for.
+struct Counting;
+
+// SAFETY: every call is handed on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Steps at the beginning in which vectors grow to their sizes.
+const BEFORE: usize = 12;
+const STEPS: usize = 40;
+
+/// What the steps after the first ones ask for.
+fn allocations(prepared: &Prepared) -> Result<u64, RunError> {
+    let (mut index, mut at_start) = (0, 0);
+    let mut watch = Watch(|_: &StepRecord<f64>| {
+        index += 1;
+        if index == BEFORE {
+            at_start = COUNT.get();
+        }
+        true
+    });
+    march(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut watch)?;
+    // the end of the run hands its state over
+    Ok(COUNT.get() - at_start)
+}
+
+#[test]
+fn steps_allocate_nothing() {
+    for name in ["pendulum", "double-pendulum", "five-bar", "heavy-top", "free-body", "car-axis", "duffing"] {
+        let Some(scene) = built_in::all().into_iter().find(|scene| scene.scene_name() == name) else { continue };
+        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        for table in tables() {
+            for level in ConstraintLevel::ALL {
+                let settings = Settings { end: 1e-3 * STEPS as f64, steps: STEPS, ..scene.default_settings() };
+                let prepared = Prepared::with(&*scene, &x, Method::new(table.clone(), level), settings).expect("a sound scene");
+                let what = format!("{name}, {} at {} level", table.name, level.name());
+                let count = allocations(&prepared).unwrap_or_else(|error| panic!("{what}: {error}"));
+                assert_eq!(count, 0, "{what}");
+            }
+        }
+    }
+}
