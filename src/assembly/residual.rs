@@ -177,7 +177,7 @@ impl<S: RunScalar> Residual<S> {
         let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
         let Workspace { state, force, .. } = &mut self.work;
         let largest = |force: &[S]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.value().abs()));
-        let mut moved: Vec<S> = Vec::new();
+        let (mut moved, mut change, mut rounded) = (Vec::<S>::new(), Vec::<S>::new(), Vec::<f64>::new());
         for (element, part) in system.model.elements.iter().zip(&system.element_parts) {
             force.clear();
             force.resize(part.dofs, S::zero());
@@ -185,13 +185,20 @@ impl<S: RunScalar> Residual<S> {
             let (physics, p) = (S::element(&*element.physics), &p[part.parameters.clone()]);
             physics.add_residual(own, p, S::from(t), force);
             scale = scale.max(largest(force));
-            // neighbours of the coordinates, up and down in turn: the difference is the residual's own round-off
+            // what the last bit of each coordinate does, added up: signs that go against each other would hide it
             moved.clear();
-            let signs = [1.0, -1.0, 1.0].into_iter().cycle();
-            moved.extend(own.q.iter().zip(signs).map(|(&q, sign)| q * (1.0 + sign * f64::EPSILON)));
-            force.iter_mut().for_each(|r| *r = -*r);
-            physics.add_residual(State { q: &moved, ..own }, p, S::from(t), force);
-            noise = noise.max(largest(force));
+            moved.extend_from_slice(own.q);
+            rounded.clear();
+            rounded.resize(part.dofs, 0.0);
+            for place in 0..part.dofs {
+                moved[place] = own.q[place] * (1.0 + f64::EPSILON);
+                change.clear();
+                change.extend(force.iter().map(|&r| -r));
+                physics.add_residual(State { q: &moved, ..own }, p, S::from(t), &mut change);
+                rounded.iter_mut().zip(&change).for_each(|(sum, change)| *sum += change.value().abs());
+                moved[place] = own.q[place];
+            }
+            noise = rounded.iter().fold(noise, |noise: f64, &sum| noise.max(sum));
         }
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
             force.clear();
