@@ -89,6 +89,6 @@ pub fn report_chain(report: &mut Report, chain: &Motion, reference: &Reference) 
         }
     }
     report.at_most("stiff-chain/runs without a solution", f64::from(unsolved), 0.0);
-    report.note(text);
+    report.note(text.trim_end());
     Ok(())
 }

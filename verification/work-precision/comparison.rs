@@ -1,8 +1,8 @@
 //! What each integrator costs against the cheapest, over all motions.
 
-use super::runs::{Ladder, Run};
+use super::runs::{Ladder, Run, Steps};
 use crate::verification::Report;
-use costate::integrators::ConstraintLevel;
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE};
 use std::fmt::Write as _;
 
 /// An accuracy for which times are compared.
@@ -39,7 +39,8 @@ pub fn report_comparison(report: &mut Report, motions: &[Measured]) {
     let Some(first) = motions.first() else { return };
     let shown = |ladder: &&Ladder| ladder.level == ConstraintLevel::Acceleration;
     for aim in &AIMS {
-        let mut text = format!("Times for {} at acceleration level by the least time of all integrators and levels.\n\n", aim.name);
+        let mut text =
+            format!("Times for {} at acceleration level by the least time of all integrators and levels.\n\n", aim.name);
         let names: Vec<&str> = motions.iter().map(|motion| motion.name).collect();
         let _ = writeln!(text, "| integrator | {} | worst |", names.join(" | "));
         let _ = writeln!(text, "|---|{}---:|", "---:|".repeat(names.len()));
@@ -61,8 +62,41 @@ pub fn report_comparison(report: &mut Report, motions: &[Measured]) {
                     }
                 }
             }
+            if own.name == DEFAULT_TABLE {
+                report.inform(format!("default ({DEFAULT_TABLE})/{}/times the least time, worst motion", aim.name), worst);
+            }
             let _ = if worst.is_finite() { writeln!(text, " {worst:.1} |") } else { writeln!(text, " - |") };
         }
-        report.note(text);
+        report.note(text.trim_end());
     }
+}
+
+/// What a tolerance of chosen steps leads to: errors of the coordinates at the end of each motion.
+pub fn report_tolerances(report: &mut Report, motions: &[Measured]) {
+    let Some(first) = motions.first() else { return };
+    let names: Vec<&str> = motions.iter().map(|motion| motion.name).collect();
+    let mut text = "Relative position errors where steps are chosen, and steps taken.\n\n".to_string();
+    let _ = writeln!(text, "| integrator | tolerance | {} |", names.join(" | "));
+    let _ = writeln!(text, "|---|---:|{}", "---:|".repeat(names.len()));
+    for name in first.ladders.iter().map(|ladder| &ladder.name) {
+        for tolerance in [1e-4, 1e-6, 1e-8] {
+            let run = |motion: &Measured| -> Option<Run> {
+                let ladder = motion.ladders.iter().find(|ladder| ladder.name == *name)?;
+                ladder.runs.iter().find(|run| run.laid == Steps::Chosen(tolerance)).copied()
+            };
+            let cells: Vec<Option<Run>> = motions.iter().map(run).collect();
+            if cells.iter().all(Option::is_none) {
+                continue;
+            }
+            let _ = write!(text, "| {name} | {tolerance:e} |");
+            for cell in cells {
+                let _ = match cell {
+                    Some(run) => write!(text, " {:.0e}, {} |", run.error, run.steps),
+                    None => write!(text, " - |"),
+                };
+            }
+            text += "\n";
+        }
+    }
+    report.note(text.trim_end());
 }

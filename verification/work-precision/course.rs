@@ -69,7 +69,11 @@ impl Forces {
 pub type Member = fn(&Prepared, &[f64]) -> f64;
 
 /// Runs a motion; its forces are kept where they are asked for. Also the number of steps.
-pub fn run(prepared: &Prepared, member: Option<Member>, mut forces: Option<&mut Forces>) -> Result<(End<f64>, usize), RunError> {
+pub fn run(
+    prepared: &Prepared,
+    member: Option<Member>,
+    mut forces: Option<&mut Forces>,
+) -> Result<(End<f64>, usize), RunError> {
     let mut watch = Watch(|step: &StepRecord<f64>| {
         let Some(forces) = forces.as_mut() else { return true };
         if let Some(last) = step.stages.last() {

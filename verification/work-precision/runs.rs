@@ -7,10 +7,6 @@ use costate::scenes::{AnyScene, Prepared, Settings};
 
 /// No finer run follows one whose error is below this.
 pub const FINE: f64 = 1e-8;
-/// Smaller errors are not shown: the references are not good enough.
-pub const LEAST: f64 = 1e-10;
-/// Most systems (stages and projections) of a run.
-const MOST_SYSTEMS: usize = 30_000;
 /// A run is repeated until this time is spent, so that short ones are measured too [s].
 const LEAST_TIME: f64 = 10e-3;
 /// Tolerances of runs that choose their steps, from coarse to fine.
@@ -26,6 +22,8 @@ pub struct Motion {
     pub coarsest: usize,
     /// Steps of the reference.
     pub reference_steps: usize,
+    /// Most systems (stages and projections) of a run.
+    pub most_systems: usize,
     /// Force in a stiff member.
     pub member: Option<Member>,
 }
@@ -56,6 +54,8 @@ pub enum Steps {
 /// One run.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
+    pub laid: Steps,
+    /// Steps taken.
     pub steps: usize,
     /// Relative error of the coordinates at the end.
     pub error: f64,
@@ -130,7 +130,7 @@ impl Motion {
         let projections = if level == ConstraintLevel::Acceleration { 2 } else { 0 };
         let mut ladder = Ladder { name: table.name.to_string(), level, runs: Vec::new(), failed: Vec::new() };
         let mut steps = self.coarsest;
-        while steps * (implicit + projections) <= MOST_SYSTEMS {
+        while steps * (implicit + projections) <= self.most_systems {
             if ladder.add(self, table, Steps::Equal(steps), reference)? {
                 break;
             }
@@ -148,7 +148,7 @@ impl Motion {
         for tolerance in TOLERANCES {
             let finished = ladder.add(self, table, Steps::Chosen(tolerance), reference)?;
             let systems = ladder.runs.last().map_or(0, |run| run.counters.systems);
-            if finished || growth * systems as f64 > MOST_SYSTEMS as f64 {
+            if finished || growth * systems as f64 > self.most_systems as f64 {
                 break;
             }
         }
@@ -174,7 +174,7 @@ impl Ladder {
         }
         let error = relative_error(&motion.moving(&prepared, &end.q), &reference.end);
         let force_error = forces.error(&reference.forces);
-        self.runs.push(Run { steps: taken, error, force_error, seconds, counters: end.counters });
+        self.runs.push(Run { laid: steps, steps: taken, error, force_error, seconds, counters: end.counters });
         Ok(error < FINE)
     }
 

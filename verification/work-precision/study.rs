@@ -10,31 +10,40 @@ mod scenes;
 use crate::verification::{Report, Study};
 use chain::report_chain;
 use clock::Clock;
-use comparison::{AIMS, Measured, cheapest, report_comparison};
+use comparison::{AIMS, Measured, cheapest, report_comparison, report_tolerances};
 use costate::integrators::{ConstraintLevel, tables};
 use costate::io::{Chart, Series, Style};
+use costate::scenes::AnyScene;
 use costate::scenes::built_in::{CarAxis, DoublePendulum, HeavyTop, Pendulum};
-use runs::{LEAST, Ladder, Motion, Reference, Run};
+use runs::{FINE, Ladder, Motion, Reference, Run};
 use scenes::StiffChain;
 use std::fmt::Write as _;
 
 /// Tables of the picture, at acceleration level: one of each kind, as many as there are colours.
 const DRAWN: [&str; 7] = ["midpoint", "dirk3", "sdirk4", "esdirk3", "esdirk4", "esdirk5", "generalized-alpha"];
 
+/// Largest error of a reference: a hundredth of the smallest error that is read off.
+const REFERENCE: f64 = 0.01 * FINE;
+/// Errors below this many times that of the reference are not shown.
+const SHOWN: f64 = 10.0;
+
+/// A motion without a stiff member.
+const fn rigid(
+    name: &'static str,
+    scene: &'static dyn AnyScene,
+    end: f64,
+    [coarsest, reference_steps]: [usize; 2],
+) -> Motion {
+    Motion { name, scene, end, coarsest, reference_steps, most_systems: 40_000, member: None }
+}
+
 const MOTIONS: [Motion; 6] = [
-    Motion { name: "pendulum", scene: &Pendulum, end: 2.0, coarsest: 20, reference_steps: 8_000, member: None },
-    Motion { name: "pendulum-long", scene: &Pendulum, end: 40.0, coarsest: 800, reference_steps: 40_000, member: None },
-    Motion { name: "heavy-top", scene: &HeavyTop, end: 2.0, coarsest: 20, reference_steps: 8_000, member: None },
-    Motion { name: "car-axis", scene: &CarAxis, end: 3.0, coarsest: 100, reference_steps: 24_000, member: None },
-    Motion { name: "double-pendulum", scene: &DoublePendulum, end: 2.0, coarsest: 40, reference_steps: 8_000, member: None },
-    Motion {
-        name: "stiff-chain",
-        scene: &StiffChain,
-        end: 1.0,
-        coarsest: 50,
-        reference_steps: 20_000,
-        member: Some(StiffChain::axial_force),
-    },
+    rigid("pendulum", &Pendulum, 2.0, [20, 8_000]),
+    Motion { most_systems: 160_000, ..rigid("pendulum-long", &Pendulum, 40.0, [800, 80_000]) },
+    rigid("heavy-top", &HeavyTop, 2.0, [20, 8_000]),
+    rigid("car-axis", &CarAxis, 3.0, [100, 24_000]),
+    rigid("double-pendulum", &DoublePendulum, 2.0, [40, 8_000]),
+    Motion { member: Some(StiffChain::axial_force), ..rigid("stiff-chain", &StiffChain, 1.0, [50, 20_000]) },
 ];
 
 /// The study.
@@ -65,7 +74,7 @@ fn measure(report: &mut Report) -> Result<(), String> {
         let reference = match motion.reference() {
             Ok(reference) => reference,
             Err(error) => {
-                report.at_most(format!("{}/error of the reference, estimated", motion.name), f64::NAN, LEAST);
+                report.at_most(format!("{}/error of the reference, estimated", motion.name), f64::NAN, REFERENCE);
                 report.note(error);
                 continue;
             }
@@ -77,17 +86,18 @@ fn measure(report: &mut Report) -> Result<(), String> {
             report_chain(report, motion, &reference)?;
         }
         let ladders = ladders(motion, &reference)?;
-        report_reference(report, motion, &reference, &ladders);
+        report_reference(report, motion, &reference);
         report_times(report, motion, &ladders);
-        tables_by_motion.push(times_table(motion, &ladders));
-        charts.push(chart(motion, &ladders, "position", |run| run.error));
+        tables_by_motion.push(times_table(motion, &ladders, &reference));
+        charts.push(chart(motion, &ladders, "position", |run| run.error, reference.error, charts.is_empty()));
         if motion.member.is_some() {
-            charts.push(chart(motion, &ladders, "force", |run| run.force_error));
+            charts.push(chart(motion, &ladders, "force", |run| run.force_error, reference.force_error, false));
         }
         motions.push(Measured { name: motion.name, ladders });
     }
     report_comparison(report, &motions);
-    tables_by_motion.into_iter().for_each(|table| report.note(table));
+    report_tolerances(report, &motions);
+    tables_by_motion.into_iter().for_each(|table| report.note(table.trim_end()));
     if let Some(last) = charts.last_mut() {
         last.x_label = "time [ms]".into();
     }
@@ -121,17 +131,17 @@ fn compare_car_axis(report: &mut Report, ends: &[f64]) -> Result<(), String> {
     Ok(())
 }
 
-/// How good the references are against what is shown with them.
-fn report_reference(report: &mut Report, motion: &Motion, reference: &Reference, ladders: &[Ladder]) {
+/// How good the reference is against what is read off with it.
+fn report_reference(report: &mut Report, motion: &Motion, reference: &Reference) {
     let name = |what: &str| format!("{}/{what}", motion.name);
-    let runs = || ladders.iter().flat_map(|ladder| &ladder.runs);
-    let shown = runs().map(|run| run.error).filter(|&error| error >= LEAST);
-    let smallest = shown.fold(f64::INFINITY, f64::min);
     report.inform(name("steps of the reference"), reference.steps as f64);
-    report.inform(name("error of the reference, estimated"), reference.error);
-    report.at_most(name("100 estimated errors by the smallest shown"), 100.0 * reference.error / smallest, 1.0);
-    let least_force = AIMS.iter().filter(|aim| aim.name.starts_with("forces")).map(|aim| aim.limit).fold(1.0, f64::min);
-    report.at_most(name("error of the reference's forces, estimated"), reference.force_error, 0.01 * least_force);
+    report.at_most(name("error of the reference, estimated"), reference.error, REFERENCE);
+    let forces = AIMS.iter().filter(|aim| aim.name.starts_with("forces")).map(|aim| aim.limit);
+    report.at_most(
+        name("error of the reference's forces, estimated"),
+        reference.force_error,
+        0.01 * forces.fold(1.0, f64::min),
+    );
 }
 
 /// The fastest for each aim, as figures.
@@ -147,7 +157,7 @@ fn report_times(report: &mut Report, motion: &Motion, ladders: &[Ladder]) {
 }
 
 /// Time for each aim by table and level, the fastest in bold; work of the finest run; steps without a solution.
-fn times_table(motion: &Motion, ladders: &[Ladder]) -> String {
+fn times_table(motion: &Motion, ladders: &[Ladder], reference: &Reference) -> String {
     let mut text = format!("Times [ms] for {} over {} s.\n\n", motion.name, motion.end);
     let aims: Vec<&str> = AIMS.iter().map(|aim| aim.name).collect();
     let _ = writeln!(
@@ -168,7 +178,8 @@ fn times_table(motion: &Motion, ladders: &[Ladder]) -> String {
         }
         let _ = match ladder.runs.last() {
             Some(run) => {
-                let error = if run.error < LEAST { format!("below {LEAST:e}") } else { format!("{:.1e}", run.error) };
+                let least = SHOWN * reference.error;
+                let error = if run.error < least { format!("below {least:.0e}") } else { format!("{:.1e}", run.error) };
                 let by_step = |number: f64| number / run.steps as f64;
                 let (time, iterations) = (by_step(1e6 * run.seconds), by_step(run.counters.iterations as f64));
                 write!(text, " {} | {error} | {:.1e} | {time:.0} | {iterations:.1} |", run.steps, run.force_error)
@@ -181,12 +192,19 @@ fn times_table(motion: &Motion, ladders: &[Ladder]) -> String {
     text
 }
 
-fn chart(motion: &Motion, ladders: &[Ladder], what: &str, error: fn(&Run) -> f64) -> Chart {
+fn chart(motion: &Motion, ladders: &[Ladder], what: &str, error: fn(&Run) -> f64, of_reference: f64, named: bool) -> Chart {
     let drawn = |name: &str| ladders.iter().find(|l| l.level == ConstraintLevel::Acceleration && l.name == name);
+    let shown = SHOWN * of_reference..1.0;
     let series = |ladder: &Ladder| Series {
-        name: ladder.name.clone(),
+        // the same colours everywhere: one legend is enough
+        name: if named { ladder.name.clone() } else { String::new() },
         // a run that is wrong altogether would only stretch the axis
-        points: ladder.runs.iter().filter(|run| (LEAST..1.0).contains(&error(run))).map(|run| (1e3 * run.seconds, error(run))).collect(),
+        points: ladder
+            .runs
+            .iter()
+            .filter(|run| shown.contains(&error(run)))
+            .map(|run| (1e3 * run.seconds, error(run)))
+            .collect(),
         style: Style::Both,
     };
     Chart {
