@@ -2,7 +2,8 @@
 
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, march, tables};
-use costate::scenes::{Prepared, Settings, built_in};
+use costate::scenes::built_in::{self, Chain, ChainVariables, FiveBar, HeavyTop};
+use costate::scenes::{AnyScene, Prepared, Settings};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -58,11 +59,39 @@ fn steps_allocate_nothing() {
         for table in tables() {
             for level in ConstraintLevel::ALL {
                 let settings = Settings { end: 1e-3 * STEPS as f64, steps: STEPS, ..scene.default_settings() };
-                let prepared = Prepared::with(&*scene, &x, Method::new(table.clone(), level), settings).expect("a sound scene");
+                let prepared =
+                    Prepared::with(&*scene, &x, Method::new(table.clone(), level), settings).expect("a sound scene");
                 let what = format!("{name}, {} at {} level", table.name, level.name());
+                // the thread's tapes grow once
+                allocations(&prepared).unwrap_or_else(|error| panic!("{what}: {error}"));
                 let count = allocations(&prepared).unwrap_or_else(|error| panic!("{what}: {error}"));
                 assert_eq!(count, 0, "{what}");
             }
         }
     }
+}
+
+/// All that a run without a history asks for, functionals included.
+fn of_values(scene: &dyn AnyScene, steps: usize) -> u64 {
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.default_settings() };
+    let prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");
+    let before = COUNT.get();
+    prepared.analysis().values(&x).expect("runs");
+    COUNT.get() - before
+}
+
+#[test]
+fn functionals_and_long_chains_allocate_nothing() {
+    // on this thread, where they are counted
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool of one thread");
+    pool.install(|| {
+        let chain = Chain { bodies: 300, variables: ChainVariables::Common };
+        let scenes: [&dyn AnyScene; 3] = [&chain, &FiveBar, &HeavyTop];
+        for scene in scenes {
+            of_values(scene, 2 * STEPS);
+            let [short, long] = [STEPS, 2 * STEPS].map(|steps| of_values(scene, steps));
+            assert_eq!(long, short, "{}", scene.scene_name());
+        }
+    });
 }

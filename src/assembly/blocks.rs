@@ -191,7 +191,11 @@ impl Assembly<'_> {
         let columns = part.columns.len();
         let alpha = self.equations.constraint.alpha;
         let q = real.state(part, &self.point.constraint_at).q;
+        // room for the first time that there are multipliers
         directions.clear();
+        directions.reserve(columns.div_ceil(LANES) * part.dofs);
+        products.clear();
+        products.reserve(columns.div_ceil(LANES) * part.dofs);
         let most = part.nodes.iter().map(|&node| self.system.nodes[node].columns.len()).max().unwrap_or(0);
         if physics.is_separable() && most <= LANES && alpha != 0.0 {
             // columns of different nodes don't meet: the first of each node share a lane, and so on

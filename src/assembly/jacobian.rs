@@ -18,6 +18,23 @@ pub struct Jacobian {
     blocks: Vec<Vec<f64>>,
     point: Point,
     work: BlockWork,
+    works: Vec<BlockWork>,
+}
+
+/// Pieces into which many blocks are divided, whatever the number of threads.
+const PIECES: usize = 32;
+
+/// Computes blocks with any number of threads, each piece with its own workspace.
+fn in_pieces(
+    blocks: &mut [Vec<f64>],
+    works: &mut Vec<BlockWork>,
+    compute: impl Fn(&mut BlockWork, (usize, &mut Vec<f64>)) + Sync,
+) {
+    let each = blocks.len().div_ceil(PIECES);
+    works.resize_with(PIECES, BlockWork::default);
+    blocks.par_chunks_mut(each).zip(works).enumerate().for_each(|(piece, (blocks, work))| {
+        blocks.iter_mut().enumerate().for_each(|(index, block)| compute(work, (piece * each + index, block)));
+    });
 }
 
 /// Real numbers at which the matrix is assembled.
@@ -106,6 +123,7 @@ impl Jacobian {
             blocks,
             point: Point::default(),
             work: BlockWork::default(),
+            works: Vec::new(),
         }
     }
 
@@ -131,13 +149,13 @@ impl Jacobian {
         if element_blocks.len() < PARALLEL_JACOBIANS {
             element_blocks.iter_mut().enumerate().for_each(|job| element(&mut self.work, job));
         } else {
-            element_blocks.par_iter_mut().with_min_len(16).enumerate().for_each_init(BlockWork::default, element);
+            in_pieces(element_blocks, &mut self.works, element);
         }
         let joint = |work: &mut BlockWork, (index, block): (usize, &mut Vec<f64>)| assembly.constraint(work, index, block);
         if constraint_blocks.len() < PARALLEL_JACOBIANS {
             constraint_blocks.iter_mut().enumerate().for_each(|job| joint(&mut self.work, job));
         } else {
-            constraint_blocks.par_iter_mut().with_min_len(16).enumerate().for_each_init(BlockWork::default, joint);
+            in_pieces(constraint_blocks, &mut self.works, joint);
         }
         for ((node, _), block) in system.node_blocks.iter().zip(node_blocks) {
             assembly.node(&mut self.work, *node, block);

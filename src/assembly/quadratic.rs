@@ -103,9 +103,8 @@ impl Quadratic {
     pub fn size_of_terms<S: Scalar>(&self, level: Level, s: State<S>) -> f64 {
         let size = |x: S| x.value().abs();
         let of = |x: &[S]| self.linear.iter().fold(0.0, |sum, &(_, dof, b)| sum + size(x[dof]) * b.abs());
-        let product = |x: &[S], y: &[S]| {
-            self.second.iter().fold(0.0, |sum, &(_, i, j, h)| sum + size(x[i]) * size(y[j]) * h.abs())
-        };
+        let product =
+            |x: &[S], y: &[S]| self.second.iter().fold(0.0, |sum, &(_, i, j, h)| sum + size(x[i]) * size(y[j]) * h.abs());
         match level {
             Level::Position => {
                 let constants = self.constant.iter().fold(0.0, |sum: f64, constant| sum + constant.abs());

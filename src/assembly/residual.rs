@@ -17,6 +17,9 @@ const ROUNDINGS: f64 = 8.0;
 /// Most corrections of a node's own equations; each gains many digits.
 const RESTORATIONS: usize = 8;
 
+/// Pieces into which the evaluation of many elements is divided, whatever the number of threads.
+const JOBS: usize = 64;
+
 /// Fewer parts than this are evaluated on one thread: waking others costs more.
 const PARALLEL_RESIDUALS: usize = 512;
 
@@ -69,6 +72,9 @@ struct Workspace<S> {
     force: Vec<S>,
     eta: Vec<S>,
     g: Vec<Taylor<S>>,
+    moved: Vec<S>,
+    change: Vec<S>,
+    rounded: Vec<f64>,
 }
 
 /// Residuals of one system at one point, with the workspace to evaluate them.
@@ -94,6 +100,8 @@ pub struct Residual<S> {
     /// One place for each element's own residual, so that any number of threads adds in the same order.
     parts: Vec<S>,
     work: Workspace<S>,
+    /// Of each piece.
+    locals: Vec<Local3<S>>,
     restored: VectorsAvq<S>,
 }
 
@@ -103,6 +111,10 @@ impl<S: RunScalar> Residual<S> {
         let dofs = system.model.dofs;
         let second = |n: usize| vec![S::zero(); if system.options.stabilized { n } else { 0 }];
         let parallel = system.model.elements.len() >= PARALLEL_RESIDUALS;
+        let most = system.element_parts.iter().chain(&system.constraint_parts).map(|part| part.dofs).max().unwrap_or(0);
+        let room = || Vec::with_capacity(most);
+        let (moved, change, rounded) = (room(), room(), Vec::with_capacity(most));
+        let work = Workspace { moved, change, rounded, ..Workspace::default() };
         Residual {
             at: VectorsAvq::zeros(dofs),
             constraint_at: VectorsAvq::zeros(dofs),
@@ -114,7 +126,8 @@ impl<S: RunScalar> Residual<S> {
             last_bits: false,
             base: vec![S::zero(); dofs],
             parts: vec![S::zero(); if parallel { system.element_parts.iter().map(|part| part.dofs).sum() } else { 0 }],
-            work: Workspace::default(),
+            work,
+            locals: Vec::new(),
             restored: VectorsAvq::default(),
         }
     }
@@ -201,9 +214,8 @@ impl<S: RunScalar> Residual<S> {
     /// or what the last bit of the coordinates does to a stiff element.
     pub fn force_floor(&mut self, system: &System, unknowns: &Unknowns<S>, p: &[S], t: f64) -> f64 {
         let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
-        let Workspace { state, force, .. } = &mut self.work;
+        let Workspace { state, force, moved, change, rounded, .. } = &mut self.work;
         let largest = |force: &[S]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.value().abs()));
-        let mut moved: Vec<S> = Vec::new();
         for (element, part) in system.model.elements.iter().zip(&system.element_parts) {
             force.clear();
             force.resize(part.dofs, S::zero());
@@ -211,12 +223,20 @@ impl<S: RunScalar> Residual<S> {
             let (physics, p) = (S::element(&*element.physics), &p[part.parameters.clone()]);
             physics.add_residual(own, p, S::from(t), force);
             scale = scale.max(largest(force));
-            // neighbours of the coordinates, up and down in turn: the difference is the residual's own round-off
+            // what the last bit of each coordinate does, added up: signs that go against each other would hide it
             moved.clear();
-            moved.extend(own.q.iter().enumerate().map(|(i, &q)| neighbour(q, i)));
-            force.iter_mut().for_each(|r| *r = -*r);
-            physics.add_residual(State { q: &moved, ..own }, p, S::from(t), force);
-            noise = noise.max(largest(force));
+            moved.extend_from_slice(own.q);
+            rounded.clear();
+            rounded.resize(part.dofs, 0.0);
+            for place in 0..part.dofs {
+                moved[place] = own.q[place] * (1.0 + f64::EPSILON);
+                change.clear();
+                change.extend(force.iter().map(|&r| -r));
+                physics.add_residual(State { q: moved, ..own }, p, S::from(t), change);
+                rounded.iter_mut().zip(&*change).for_each(|(sum, change)| *sum += change.value().abs());
+                moved[place] = own.q[place];
+            }
+            noise = rounded.iter().fold(noise, |noise: f64, &sum| noise.max(sum));
         }
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
             force.clear();
@@ -251,17 +271,27 @@ impl<S: RunScalar> Residual<S> {
             }
             return;
         }
+        let count = system.element_parts.len();
+        let each = count.div_ceil(JOBS);
         let mut rest = self.parts.as_mut_slice();
-        let mut jobs = Vec::with_capacity(system.element_parts.len());
-        for (index, part) in system.element_parts.iter().enumerate() {
-            let (own, others) = rest.split_at_mut(part.dofs);
-            jobs.push((index, part, own));
+        let mut jobs: SmallVec<[(usize, &mut [S]); JOBS]> = SmallVec::new();
+        for first in (0..count).step_by(each) {
+            let dofs = system.element_parts[first..count.min(first + each)].iter().map(|part| part.dofs).sum();
+            let (own, others) = rest.split_at_mut(dofs);
+            jobs.push((first, own));
             rest = others;
         }
-        jobs.into_par_iter().with_min_len(64).for_each_init(Local3::default, |state, (index, part, own)| {
-            own.fill(S::zero());
-            evaluate(index, state.state(part, at), own);
+        self.locals.resize_with(jobs.len(), Local3::default);
+        jobs.par_iter_mut().zip(&mut self.locals).for_each(|((first, own), state)| {
+            let mut rest = &mut **own;
+            rest.fill(S::zero());
+            for (index, part) in system.element_parts.iter().enumerate().skip(*first).take(each) {
+                let (own, others) = std::mem::take(&mut rest).split_at_mut(part.dofs);
+                evaluate(index, state.state(part, at), own);
+                rest = others;
+            }
         });
+        drop(jobs);
         let mut first = 0;
         for part in &system.element_parts {
             add_segments(&part.segments, &self.parts[first..first + part.dofs], &mut self.f);
@@ -273,7 +303,7 @@ impl<S: RunScalar> Residual<S> {
     fn add_constraints(&mut self, system: &System, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) {
         let scales = equations.row_scales();
         let time = S::from(t);
-        let Workspace { state, force, eta, g } = &mut self.work;
+        let Workspace { state, force, eta, g, .. } = &mut self.work;
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
             let physics = S::constraint(joint.physics);
             let own = state.state(part, &self.constraint_at);

@@ -3,6 +3,7 @@ use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::{RunScalar as _, State};
 use crate::integrators::{StartRecord, StepRecord};
 use crate::scalar::{LANES, Lanes};
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// What is measured at one time.
@@ -77,17 +78,31 @@ impl<S: FunctionalScalar> Sample<S> {
         Sample { t: start.t, weight: 0.0, at: start.point(), mu: start.unknowns.mu.clone() }
     }
 
-    /// At the end of a step: its state, with acceleration and multipliers of the last stage. `None` without stages.
-    pub fn terminal(step: &StepRecord<S>) -> Option<Self> {
-        let last = &step.stages.last()?.solve;
-        let at = VectorsAvq { a: last.unknowns.x.clone(), v: step.v.clone(), q: step.q.clone() };
-        Some(Sample { t: step.t + step.h, weight: 0.0, at, mu: last.unknowns.mu.clone() })
+    /// Room for a sample.
+    pub fn empty() -> Self {
+        Sample { t: 0.0, weight: 0.0, at: VectorsAvq::default(), mu: Vec::new() }
     }
 
-    /// At a stage, with its weight in an integral.
-    pub fn stage(step: &StepRecord<S>, stage: usize, weight: f64) -> Self {
+    /// Moves to the end of a step: its state, with acceleration and multipliers of the last stage (none without stages).
+    pub fn set_terminal(&mut self, step: &StepRecord<S>) {
+        (self.t, self.weight) = (step.t + step.h, 0.0);
+        self.at.v.clone_from(&step.v);
+        self.at.q.clone_from(&step.q);
+        if let Some(last) = step.stages.last() {
+            self.at.a.clone_from(&last.solve.unknowns.x);
+            self.mu.clone_from(&last.solve.unknowns.mu);
+        }
+    }
+
+    /// Moves to a stage, with its weight in an integral.
+    pub fn set_stage(&mut self, step: &StepRecord<S>, stage: usize, weight: f64) {
         let solve = &step.stages[stage].solve;
-        Sample { t: solve.t, weight, at: solve.point(), mu: solve.unknowns.mu.clone() }
+        (self.t, self.weight) = (solve.t, weight);
+        self.at.a.resize(solve.base.a.len(), S::zero());
+        self.at.v.resize(solve.base.v.len(), S::zero());
+        self.at.q.resize(solve.base.q.len(), S::zero());
+        self.at.set_shifted(&solve.base, solve.equations.residual, &solve.unknowns);
+        self.mu.clone_from(&solve.unknowns.mu);
     }
 }
 
@@ -107,7 +122,10 @@ impl Functional {
     }
 }
 
-fn gather<S: Copy>(model: &Model, nodes: &[NodeId], values: &[S]) -> Vec<S> {
+/// Numbers of one element: on the stack for up to two bodies.
+type Few<S> = SmallVec<[S; 16]>;
+
+fn gather<S: Copy>(model: &Model, nodes: &[NodeId], values: &[S]) -> Few<S> {
     nodes.iter().flat_map(|node| values[model.nodes[node.0].dofs.clone()].iter().copied()).collect()
 }
 
@@ -118,7 +136,7 @@ impl Measured {
             Measured::Local { nodes, constraints, parameters, quantity } => {
                 let [a, v, q] = [&sample.at.a, &sample.at.v, &sample.at.q].map(|x| gather(model, nodes, x));
                 let rows = constraints.iter().flat_map(|id| model.constraints[id.0].equations.clone());
-                let mu: Vec<S> = rows.map(|row| sample.mu[row]).collect();
+                let mu: Few<S> = rows.map(|row| sample.mu[row]).collect();
                 let state = State { a: &a, v: &v, q: &q };
                 S::quantity(&**quantity).value_in(state, &mu, &p[parameters.clone()], S::from(sample.t))
             }

@@ -20,7 +20,9 @@ pub struct Values<'f, S> {
     /// For each functional its initial value, or its integral after the last step and before, latest first.
     sums: Vec<Vec<S>>,
     duration: f64,
+    /// The end of the last step.
     last: Option<Sample<S>>,
+    sample: Sample<S>,
 }
 
 impl<'f, S: FunctionalScalar> Values<'f, S> {
@@ -45,6 +47,7 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
             sums: functionals.iter().map(sum).collect(),
             duration: 0.0,
             last: None,
+            sample: Sample::empty(),
         }
     }
 
@@ -72,7 +75,7 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
     pub fn step(&mut self, step: &StepRecord<S>) {
         self.duration += step.h;
         if self.functionals.iter().any(|functional| functional.over == Over::Terminal) {
-            self.last = Sample::terminal(step);
+            self.last.get_or_insert_with(Sample::empty).set_terminal(step);
         }
         if self.functionals.iter().all(|functional| matches!(functional.over, Over::Initial | Over::Terminal)) {
             return;
@@ -86,9 +89,10 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
             }
         }
         for (stage, weight) in stages.iter().enumerate() {
-            let sample = Sample::stage(step, stage, step.h * weight);
+            self.sample.set_stage(step, stage, step.h * weight);
+            let sample = &self.sample;
             for ((functional, sums), offset) in self.functionals.iter().zip(&mut self.sums).zip(&mut self.offsets) {
-                let value = || functional.measured.value(self.model, &sample, self.p);
+                let value = || functional.measured.value(self.model, sample, self.p);
                 match functional.over {
                     Over::Initial | Over::Terminal => {}
                     Over::Integral => sums[0] += value() * sample.weight,

@@ -65,6 +65,9 @@ const SLOW: f64 = 0.1;
 const AGED: f64 = 0.05;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
+/// Corrections with an old matrix that grow more than this lead where a new one finds no way back from: a stiff bar that they bend is
+/// stretched by the square of it.
+const ASTRAY: f64 = 2.0;
 /// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
 const NEARLY: f64 = 1e-13;
 /// Relative correction up to which a guide counts as the solution of the same problem.
@@ -87,6 +90,8 @@ pub struct Newton<'m, S> {
     exact: Vec<f64>,
     /// Parameters without derivative parts.
     p: Vec<f64>,
+    /// Unknowns from which a search with an old matrix started.
+    guess: Unknowns<S>,
     /// Equations for which the matrix was factored last.
     factored: Option<Equations>,
     /// Where it was.
@@ -134,6 +139,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             rhs: vec![0.0; system.size()],
             exact: vec![0.0; system.size()],
             p: Vec::new(),
+            guess: Unknowns::default(),
             counters: Counters::default(),
             factored: None,
             levers: vec![1.0; system.model.dofs],
@@ -234,6 +240,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let mut first_residual = None;
         let mut growth = 0;
         let mut worst_rate: f64 = 0.0;
+        if self.factored.is_some() {
+            self.guess.clone_from(unknowns);
+        }
         for iteration in 1..=MOST_ITERATIONS {
             self.evaluate(equations, base, unknowns, p, t);
             let size = self.residual_size();
@@ -288,6 +297,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
                 if moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON) {
                     return Ok(());
+                }
+                if !fresh && rate > ASTRAY {
+                    unknowns.clone_from(&self.guess);
+                    self.factored = None;
+                    previous = f64::INFINITY;
+                    continue;
                 }
                 if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {
                     self.floors[kind] = step;

@@ -197,7 +197,9 @@ impl Sweep<'_> {
             let length = back.rate.len();
             add(&mut stages[last].rate, 1.0, &std::mem::replace(&mut back.rate, vec![0.0; length]));
         }
-        if last_step && let Some(sample) = Sample::terminal(step) {
+        if last_step {
+            let mut sample = Sample::empty();
+            sample.set_terminal(step);
             for (k, (stages, back)) in stages.iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.functionals[k].over == Over::Terminal {
                     let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
@@ -271,7 +273,8 @@ impl Sweep<'_> {
         let table = self.method.table.scheme(step.scheme);
         let record = &step.stages[stage];
         let shift = record.solve.equations.residual;
-        let sample = Sample::stage(step, stage, weight);
+        let mut sample = Sample::empty();
+        sample.set_stage(step, stage, weight);
         let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
         let mut base_bars = Vec::with_capacity(back.len());

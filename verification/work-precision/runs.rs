@@ -1,18 +1,16 @@
 //! Timed runs of one motion with one method, from coarse to fine.
 
-use costate::history::{Keep, Watch};
-use costate::integrators::{ConstraintLevel, Counters, Method, RunError, StepRecord, Table, march, tables};
+use super::clock::Clock;
+use super::course::{Forces, Member, run};
+use costate::integrators::{ConstraintLevel, Counters, Method, StepControl, Table, tables};
 use costate::scenes::{AnyScene, Prepared, Settings};
-use std::time::Instant;
 
 /// No finer run follows one whose error is below this.
 pub const FINE: f64 = 1e-8;
-/// Smaller errors are not shown: the references are not good enough.
-pub const LEAST: f64 = 1e-10;
-/// Most systems (stages and projections) of a run.
-const MOST_SYSTEMS: usize = 30_000;
-/// A run is repeated once, and again until this time is spent, so that short ones are measured too [s].
-const LEAST_TIME: f64 = 2e-3;
+/// A run is repeated until this time is spent, so that short ones are measured too [s].
+const LEAST_TIME: f64 = 10e-3;
+/// Tolerances of runs that choose their steps, from coarse to fine.
+const TOLERANCES: [f64; 11] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12];
 
 /// A motion that is compared.
 pub struct Motion {
@@ -24,24 +22,45 @@ pub struct Motion {
     pub coarsest: usize,
     /// Steps of the reference.
     pub reference_steps: usize,
+    /// Most systems (stages and projections) of a run.
+    pub most_systems: usize,
+    /// Force in a stiff member.
+    pub member: Option<Member>,
 }
 
-/// The end of a motion, to compare with.
+/// A motion to compare with.
 pub struct Reference {
-    /// Coordinates.
+    /// Coordinates at the end.
     pub end: Vec<f64>,
-    /// Their relative error, estimated.
+    /// Forces over the motion.
+    pub forces: Forces,
+    /// Relative error of the coordinates, estimated.
     pub error: f64,
+    /// Relative error of the forces, estimated.
+    pub force_error: f64,
     /// Steps with which it was found.
     pub steps: usize,
+}
+
+/// How the steps of a run are laid out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Steps {
+    /// Of equal size, as many.
+    Equal(usize),
+    /// By the error allowed in each.
+    Chosen(f64),
 }
 
 /// One run.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
+    pub laid: Steps,
+    /// Steps taken.
     pub steps: usize,
     /// Relative error of the coordinates at the end.
     pub error: f64,
+    /// Relative error of the forces, the largest over the motion.
+    pub force_error: f64,
     /// Time [s].
     pub seconds: f64,
     pub counters: Counters,
@@ -49,118 +68,135 @@ pub struct Run {
 
 /// The runs of one table at one level.
 pub struct Ladder {
-    pub table: String,
+    /// Name of the table, with a word if it chooses its steps.
+    pub name: String,
     pub level: ConstraintLevel,
     /// From coarse to fine.
     pub runs: Vec<Run>,
     /// Steps with which there was no solution.
-    pub failed: Vec<usize>,
+    pub failed: Vec<Steps>,
+}
+
+/// Largest difference of two vectors; a NaN wins.
+pub fn difference(ours: &[f64], exact: &[f64]) -> f64 {
+    let differences = ours.iter().zip(exact).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, |most: f64, x| if x <= most { most } else { x })
 }
 
 /// Largest difference of two vectors by the largest entry of the second.
-pub fn relative_error(ours: &[f64], exact: &[f64]) -> f64 {
-    let largest =
-        |x: &mut dyn Iterator<Item = f64>| x.fold(0.0, |most: f64, x| if x.abs() <= most { most } else { x.abs() });
-    largest(&mut ours.iter().zip(exact).map(|(a, b)| a - b)) / largest(&mut exact.iter().copied())
-}
-
-/// Moving coordinates at the end, and the work done.
-fn end_of(prepared: &Prepared) -> Result<(Vec<f64>, Counters), RunError> {
-    let mut nothing = Watch(|_: &StepRecord<f64>| true);
-    let run = march(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut nothing)?;
-    let moving = prepared.model().nodes.iter().filter(|node| !node.fixed).flat_map(|node| node.dofs.clone());
-    Ok((moving.map(|index| run.q[index]).collect(), run.counters))
+fn relative_error(ours: &[f64], exact: &[f64]) -> f64 {
+    difference(ours, exact) / exact.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 impl Motion {
-    /// The scene without its functionals, which would take time too; nothing is kept.
-    fn prepared(&self, method: Method, steps: usize) -> Result<Prepared<'static>, String> {
+    /// The scene without its functionals, which would take time too.
+    pub fn prepared(&self, method: Method, steps: Steps) -> Result<Prepared<'static>, String> {
         let x: Vec<f64> = self.scene.design_variables().iter().map(|variable| variable.initial).collect();
-        let settings = Settings { end: self.end, steps, ..self.scene.default_settings() };
+        let (steps, control) = match steps {
+            Steps::Equal(steps) => (steps, None),
+            Steps::Chosen(tolerance) => (1, Some(StepControl::new(tolerance))),
+        };
+        let settings = Settings { end: self.end, steps, control, ..self.scene.default_settings() };
         let mut prepared = Prepared::with(self.scene, &x, method, settings).map_err(|error| error.to_string())?;
-        prepared.keep = Keep::Nothing;
         prepared.mechanism.functionals.clear();
         Ok(prepared)
     }
 
-    /// The table of the highest order, at acceleration level.
-    pub fn reference_method(&self) -> Method {
-        let best = tables().into_iter().max_by_key(|table| table.order).expect("a table is listed");
-        Method::new(best, ConstraintLevel::Acceleration)
+    /// Moving coordinates among those of the model.
+    pub fn moving(&self, prepared: &Prepared, q: &[f64]) -> Vec<f64> {
+        let moving = prepared.model().nodes.iter().filter(|node| !node.fixed).flat_map(|node| node.dofs.clone());
+        moving.map(|index| q[index]).collect()
     }
 
-    /// A long run with small steps, and how much its end differs from that with twice the step.
-    ///
-    /// Where a stiff member drowns the smallest steps in round-off, longer ones are taken.
+    /// A long run with small steps of the table of the highest order, and how much it differs from that with twice the step.
     pub fn reference(&self) -> Result<Reference, String> {
-        let end = |steps: usize| {
-            let prepared = self.prepared(self.reference_method(), steps)?;
-            end_of(&prepared).map(|(q, _)| q).map_err(|error| format!("reference of {}: {error}", self.name))
+        let best = tables().into_iter().max_by_key(|table| table.order).expect("a table is listed");
+        let motion = |steps: usize| {
+            let prepared = self.prepared(Method::new(best.clone(), ConstraintLevel::Acceleration), Steps::Equal(steps))?;
+            let mut forces = Forces::default();
+            let end = run(&prepared, self.member, Some(&mut forces));
+            let (end, _) = end.map_err(|error| format!("reference of {}: {error}", self.name))?;
+            Ok::<_, String>((self.moving(&prepared, &end.q), forces))
         };
-        let mut steps = self.reference_steps;
-        loop {
-            match end(steps).and_then(|fine| Ok((end(steps / 2)?, fine))) {
-                Ok((coarse, end)) => return Ok(Reference { error: relative_error(&coarse, &end), end, steps }),
-                Err(error) if steps < 2 * self.coarsest => return Err(error),
-                Err(_) => steps /= 2,
-            }
-        }
+        let steps = self.reference_steps;
+        let ((coarse, coarse_forces), (end, forces)) = (motion(steps / 2)?, motion(steps)?);
+        let (error, force_error) = (relative_error(&coarse, &end), coarse_forces.error(&forces));
+        Ok(Reference { end, forces, error, force_error, steps })
     }
 
     /// Runs with halved steps until the error is below [`FINE`] or the work is done.
-    pub fn ladder(&self, table: &Table, level: ConstraintLevel, exact: &[f64]) -> Result<Ladder, String> {
+    pub fn ladder(&self, table: &Table, level: ConstraintLevel, reference: &Reference) -> Result<Ladder, String> {
         let implicit = table.stages.iter().filter(|stage| stage.known.is_none()).count();
         let projections = if level == ConstraintLevel::Acceleration { 2 } else { 0 };
-        let mut ladder = Ladder { table: table.name.to_string(), level, runs: Vec::new(), failed: Vec::new() };
+        let mut ladder = Ladder { name: table.name.to_string(), level, runs: Vec::new(), failed: Vec::new() };
         let mut steps = self.coarsest;
-        while steps * (implicit + projections) <= MOST_SYSTEMS {
-            match self.timed(Method::new(table.clone(), level), steps, exact)? {
-                Some(run) => {
-                    ladder.runs.push(run);
-                    if run.error < FINE {
-                        break;
-                    }
-                }
-                None => ladder.failed.push(steps),
+        while steps * (implicit + projections) <= self.most_systems {
+            if ladder.add(self, table, Steps::Equal(steps), reference)? {
+                break;
             }
             steps *= 2;
         }
         Ok(ladder)
     }
 
-    /// `None` where the steps were too long to find a solution.
-    fn timed(&self, method: Method, steps: usize, exact: &[f64]) -> Result<Option<Run>, String> {
-        let prepared = self.prepared(method, steps)?;
-        let analysis = prepared.analysis();
-        let begun = Instant::now();
-        let Ok((q, counters)) = end_of(&prepared) else { return Ok(None) };
-        let mut seconds = begun.elapsed().as_secs_f64();
-        let (mut repeated, all) = (false, Instant::now());
-        while !repeated || all.elapsed().as_secs_f64() < LEAST_TIME {
-            let begun = Instant::now();
-            analysis.values(&prepared.x).map_err(|error| format!("{}, the second time: {error}", self.name))?;
-            seconds = seconds.min(begun.elapsed().as_secs_f64());
-            repeated = true;
+    /// Runs that choose their steps, with tolerances a tenth of the one before each, at acceleration level.
+    pub fn chosen(&self, table: &Table, reference: &Reference) -> Result<Ladder, String> {
+        let (name, level) = (format!("{}, chosen steps", table.name), ConstraintLevel::Acceleration);
+        let mut ladder = Ladder { name, level, runs: Vec::new(), failed: Vec::new() };
+        // work grows with the root of the order of the error estimate
+        let growth = table.embedded.as_ref().map_or(1.0, |embedded| 10f64.powf(1.0 / (embedded.order as f64 + 1.0)));
+        for tolerance in TOLERANCES {
+            let finished = ladder.add(self, table, Steps::Chosen(tolerance), reference)?;
+            let systems = ladder.runs.last().map_or(0, |run| run.counters.systems);
+            if finished || growth * systems as f64 > self.most_systems as f64 {
+                break;
+            }
         }
-        Ok(Some(Run { steps, error: relative_error(&q, exact), seconds, counters }))
+        Ok(ladder)
     }
 }
 
 impl Ladder {
-    /// Runs whose error is shown.
-    pub fn shown(&self) -> impl Iterator<Item = &Run> {
-        self.runs.iter().filter(|run| run.error >= LEAST)
+    /// Adds a run; true if no finer one is needed.
+    fn add(&mut self, motion: &Motion, table: &Table, steps: Steps, reference: &Reference) -> Result<bool, String> {
+        let prepared = motion.prepared(Method::new(table.clone(), self.level), steps)?;
+        let mut forces = Forces::default();
+        let (clock, all) = (Clock::start(), Clock::start());
+        let Ok((end, taken)) = run(&prepared, motion.member, Some(&mut forces)) else {
+            self.failed.push(steps);
+            return Ok(false);
+        };
+        let mut seconds = clock.seconds();
+        while all.seconds() < LEAST_TIME {
+            let clock = Clock::start();
+            run(&prepared, None, None).map_err(|error| format!("{}, the second time: {error}", motion.name))?;
+            seconds = seconds.min(clock.seconds());
+        }
+        let error = relative_error(&motion.moving(&prepared, &end.q), &reference.end);
+        let force_error = forces.error(&reference.forces);
+        self.runs.push(Run { laid: steps, steps: taken, error, force_error, seconds, counters: end.counters });
+        Ok(error < FINE)
     }
 
-    /// Time [s] for an error, between the last run above it and the next, on logarithmic scales; `None` if it was not reached.
-    pub fn time_for(&self, error: f64) -> Option<f64> {
+    /// Time [s] from which on `error` of all runs is below a limit, between the last run above it and the next on logarithmic
+    /// scales; `None` if it was not reached.
+    pub fn time_for(&self, error: fn(&Run) -> f64, limit: f64) -> Option<f64> {
         // a coarse run may be right by chance: the run after the last one above it counts
-        let next = self.runs.iter().rposition(|run| !(run.error <= error)).map_or(0, |last| last + 1);
+        let next = self.runs.iter().rposition(|run| !(error(run) <= limit)).map_or(0, |last| last + 1);
         let fine = self.runs.get(next)?;
         let Some(coarse) = next.checked_sub(1).map(|index| &self.runs[index]) else { return Some(fine.seconds) };
-        let share = (error / coarse.error).ln() / (fine.error / coarse.error).ln();
+        let share = (limit / error(coarse)).ln() / (error(fine) / error(coarse)).ln();
         let time = (coarse.seconds.ln() + share * (fine.seconds / coarse.seconds).ln()).exp();
         // from a wild run to a good one nothing lies between
         Some(if time.is_finite() { time } else { fine.seconds })
+    }
+}
+
+impl std::fmt::Display for Steps {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Steps::Equal(steps) => write!(f, "{steps}"),
+            Steps::Chosen(tolerance) => write!(f, "tolerance {tolerance:e}"),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use costate::design::DesignVariable;
 use costate::scalar::{Scalar, Vec3};
-use costate::scenes::{MechanismBuilder, Scene, Settings};
+use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
 
 /// Two masses of 1 kg: the first on a rigid link of 1 m to the ground, the second on a bar of 1 m that is very stiff along its line;
 /// released from rest, horizontally.
@@ -14,10 +14,13 @@ impl StiffChain {
     /// Length of the bar without force [m].
     const LENGTH: f64 = 1.0;
 
-    /// Axial force of the bar [N] for the coordinates of both masses [m].
-    pub fn axial_force(first: &[f64], second: &[f64]) -> f64 {
-        let stretch = (Vec3::from_slice(second) - Vec3::from_slice(first)).norm() - Self::LENGTH;
-        Self::STIFFNESS * stretch
+    /// Axial force of the bar [N] for the coordinates of the model [m].
+    pub fn axial_force(prepared: &Prepared, q: &[f64]) -> f64 {
+        let place = |name: &str| {
+            let node = prepared.model().nodes.iter().find(|node| node.name == name).expect("a mass of this scene");
+            Vec3::from_slice(&q[node.dofs.clone()])
+        };
+        Self::STIFFNESS * ((place("second") - place("first")).norm() - Self::LENGTH)
     }
 }
 

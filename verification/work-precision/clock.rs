@@ -1,0 +1,38 @@
+//! Time that one thread has spent computing, whatever else the machine does.
+
+use std::time::Instant;
+
+/// A start, to measure from.
+pub struct Clock {
+    /// Time on the processor until then [s]; `None` where the system does not tell.
+    computing: Option<f64>,
+    /// Time of day.
+    begun: Instant,
+}
+
+impl Clock {
+    /// Now.
+    pub fn start() -> Self {
+        Clock { computing: computing(), begun: Instant::now() }
+    }
+
+    /// Time on the processor since the start, or time of day where the system does not tell [s].
+    pub fn seconds(&self) -> f64 {
+        let elapsed = self.begun.elapsed().as_secs_f64();
+        self.computing.zip(computing()).map_or(elapsed, |(before, now)| now - before)
+    }
+
+    /// True if this system tells how long a thread has been computing.
+    pub fn counts_computing() -> bool {
+        computing().is_some()
+    }
+}
+
+/// Time that this thread has been on a processor [s]: Linux, the first number of `/proc/thread-self/schedstat`.
+fn computing() -> Option<f64> {
+    // the number is brought up to date when the thread offers its place to others
+    std::thread::yield_now();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    (nanoseconds > 0.0).then_some(1e-9 * nanoseconds)
+}
