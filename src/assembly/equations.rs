@@ -55,21 +55,22 @@ impl Equations {
         Equations::stage(Shift::new(1.0, 0.0, 0.0), Level::Acceleration)
     }
 
-    /// Projection of q onto g = 0 in the metric of the stage matrix; `step` is h a_ss.
+    /// Projection of q onto g = 0 in the metric of a stage's matrix.
     ///
-    /// With x = d / step^2: R(a + x, v, q + d) - R(a, v, q) + A^T nu = 0, g(q + d) = 0.
-    pub fn position_projection(step: f64) -> Self {
-        let alpha = step * step;
-        let constraint = Shift::new(0.0, 0.0, alpha);
-        Equations { residual: Shift::new(1.0, 0.0, alpha), constraint, level: Level::Position, metric: true }
+    /// With (gamma, beta, alpha) of the stage and d = alpha x: R(a + gamma x, v + beta x, q + d) - R(a, v, q) + A^T nu = 0,
+    /// g(q + d) = 0.
+    pub fn position_projection(stage: Shift) -> Self {
+        let constraint = Shift::new(0.0, 0.0, stage.alpha);
+        Equations { residual: stage, constraint, level: Level::Position, metric: true }
     }
 
-    /// Projection of v onto dg/dt = 0 in the metric of the stage matrix; `step` is h a_ss.
+    /// Projection of v onto dg/dt = 0 in the metric of a stage's matrix.
     ///
-    /// With x = w / step: R(a + x, v + w, q + step w) - R(a, v, q) + A^T nu = 0, A (v + w) + g_t = 0.
-    pub fn velocity_projection(step: f64) -> Self {
-        let constraint = Shift::new(0.0, step, 0.0);
-        Equations { residual: Shift::new(1.0, step, step * step), constraint, level: Level::Velocity, metric: true }
+    /// With (gamma, beta, alpha) of the stage and w = beta x: R(a + gamma x, v + w, q + alpha x) - R(a, v, q) + A^T nu = 0,
+    /// A (v + w) + g_t = 0.
+    pub fn velocity_projection(stage: Shift) -> Self {
+        let constraint = Shift::new(0.0, stage.beta, 0.0);
+        Equations { residual: stage, constraint, level: Level::Velocity, metric: true }
     }
 
     /// Projection of an initial q onto g = 0 in the mass metric: x = d.

@@ -56,6 +56,6 @@ impl<S: RunScalar> Between<S> {
 pub struct Checkpoint<S> {
     /// Numbers of the run.
     pub between: Between<S>,
-    /// Of the accelerations, stages, and projections of coordinates and of velocities.
-    pub kept: [KeptFactorization<S>; 4],
+    /// Of the accelerations, and of the stages with their projections.
+    pub kept: [KeptFactorization<S>; 2],
 }

@@ -1,7 +1,7 @@
 use super::newton::{Counters, NewtonTolerance};
 use super::record::{Guide, Recorder, StageRecord};
 use super::{Combination, ConstraintLevel, InitialState, Marcher, RunError, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Level, Model, Shift, SystemOptions};
+use crate::assembly::{Equations, Level, Model, SystemOptions};
 use crate::elements::RunScalar;
 use crate::linalg::Backend;
 
@@ -56,8 +56,7 @@ impl Method {
 
     /// The equations of stage `index` of one of the method's tables.
     pub(crate) fn stage_equations(&self, table: &Table, index: usize, h: f64, constrained: bool) -> Equations {
-        let stage = &table.stages[index];
-        let shift = Shift::new(stage.a.stages[index], h * stage.v.stages[index], h * h * stage.q.stages[index]);
+        let shift = table.shift(index, h);
         let level = match self.level {
             ConstraintLevel::Position if constrained => Level::Position,
             ConstraintLevel::Velocity if constrained => Level::Stabilized,

@@ -65,6 +65,8 @@ const SLOW: f64 = 0.1;
 const AGED: f64 = 0.05;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
+/// Factorizations for which the size of round-off is taken as it was measured once: two evaluations for each kind of system.
+const MEASURED_FOR: usize = 10;
 /// Corrections with an old matrix that grow more than this lead where a new one finds no way back from: a stiff bar that they bend is
 /// stretched by the square of it.
 const ASTRAY: f64 = 2.0;
@@ -98,6 +100,9 @@ pub struct Newton<'m, S> {
     factored_at: FactoredAt<S>,
     /// Size of corrections at round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
     floors: [f64; 3],
+    /// Equations for which floors were measured, and factorizations since then.
+    measured: Option<Equations>,
+    measured_for: usize,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
@@ -124,6 +129,10 @@ pub struct KeptFactorization<S> {
     pub pivots: Vec<usize>,
     /// Size of corrections at round-off, for each kind of system; zero if not known.
     pub floors: [f64; 3],
+    /// Equations for which these were measured, and factorizations since then.
+    pub measured: Option<Equations>,
+    /// See [`KeptFactorization::measured`].
+    pub measured_for: usize,
 }
 
 impl<'m, S: RunScalar> Newton<'m, S> {
@@ -145,6 +154,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             levers: vec![1.0; system.model.dofs],
             factored_at: FactoredAt::default(),
             floors: [0.0; 3],
+            measured: None,
+            measured_for: 0,
             work: Unknowns::default(),
             system,
             factorization,
@@ -433,6 +444,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: self.factored.map(|equations| (equations, self.factored_at.clone())),
             pivots: self.factorization.kept_pivots().unwrap_or_default(),
             floors: self.floors,
+            measured: self.measured,
+            measured_for: self.measured_for,
         }
     }
 
@@ -447,7 +460,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.evaluate(equations, base, &mut unknowns, p, *t);
             self.factorize(equations, &unknowns, p, *t)?;
         }
-        self.floors = kept.floors;
+        (self.floors, self.measured, self.measured_for) = (kept.floors, kept.measured, kept.measured_for);
         Ok(())
     }
 
@@ -457,8 +470,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.p.extend(p.iter().map(|p| p.value()));
         self.jacobian.assemble(self.system, equations, &self.residual, unknowns, &self.p, t);
         self.factorization.factor(&self.jacobian.values)?;
+        let resembles_last = self.measured.is_some_and(|old| resembles(&old, equations));
+        self.measured_for += 1;
+        if !resembles_last || self.measured_for > MEASURED_FOR {
+            (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [0.0; 3]);
+        }
         self.factored = Some(*equations);
-        self.floors = [0.0; 3];
         Ok(())
     }
 
@@ -501,13 +518,12 @@ fn kind(equations: &Equations) -> usize {
     }
 }
 
-/// True if a matrix factored for one kind of equations serves the other: same inertia and stiffness coefficients. The projections
-/// of coordinates and of velocities have the same rows A, and differ by damping alone.
+/// True if a matrix factored for one kind of equations serves the other: same coefficients of inertia, damping and stiffness. Stages
+/// at acceleration level and projections differ by the change of A within a step and by the curvature of the reactions.
 fn resembles(old: &Equations, new: &Equations) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
-    let projections = old.metric && new.metric;
-    (projections || (old.level == new.level && old.metric == new.metric && near(old.residual.beta, new.residual.beta)))
-        && near(old.residual.gamma, new.residual.gamma)
-        && near(old.residual.alpha, new.residual.alpha)
-        && near(old.constraint.gamma, new.constraint.gamma)
+    let rows = |e: &Equations| if e.metric { Level::Acceleration } else { e.level };
+    let (own, other) = (old.residual, new.residual);
+    let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);
+    rows(old) == rows(new) && same
 }

@@ -5,7 +5,7 @@ use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::newton::{Counters, Newton};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Residual, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Residual, Shift, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
@@ -15,8 +15,7 @@ pub struct Marcher<'m, S> {
     constrained: bool,
     acceleration: Newton<'m, S>,
     stage: Newton<'m, S>,
-    position: Newton<'m, S>,
-    velocity: Newton<'m, S>,
+    start: Newton<'m, S>,
     pub(super) between: Between<S>,
     record: StepRecord<S>,
     /// Carried vectors after the step.
@@ -93,8 +92,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             constrained: systems.plain.is_constrained(),
             acceleration: newton(&systems.plain)?,
             stage: newton(systems.stage())?,
-            position: newton(&systems.plain)?,
-            velocity: newton(&systems.plain)?,
+            start: newton(&systems.plain)?,
             between: Between::default(),
             record: StepRecord::empty(),
             updated: Vec::new(),
@@ -104,7 +102,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// Work done.
     pub fn counters(&self) -> Counters {
         let mut counters = Counters::default();
-        for newton in [&self.acceleration, &self.stage, &self.position, &self.velocity] {
+        for newton in [&self.acceleration, &self.stage, &self.start] {
             counters += newton.counters;
         }
         counters
@@ -117,7 +115,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
 
     /// All that later steps depend on.
     pub fn checkpoint(&self) -> Checkpoint<S> {
-        let newtons = [&self.acceleration, &self.stage, &self.position, &self.velocity];
+        let newtons = [&self.acceleration, &self.stage];
         Checkpoint { between: self.between.clone(), kept: newtons.map(Newton::kept) }
     }
 
@@ -127,7 +125,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// [`RunError::Singular`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
         self.between.clone_from(&checkpoint.between);
-        let newtons = [&mut self.acceleration, &mut self.stage, &mut self.position, &mut self.velocity];
+        let newtons = [&mut self.acceleration, &mut self.stage];
         for (newton, kept) in newtons.into_iter().zip(&checkpoint.kept) {
             newton.resume(kept, &self.problem.p).map_err(|singular| RunError::Singular {
                 place: format!("checkpoint before step {}", checkpoint.between.step + 1),
@@ -155,12 +153,12 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             first.equations = Equations::initial_position_projection();
             first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
             let from = start_of(|start| start.position_projection.as_ref());
-            solve(&mut self.position, &mut first, from, p, &place)?;
+            solve(&mut self.start, &mut first, from, p, &place)?;
             add_scaled(&mut q, &first.unknowns.x, 1.0);
             second.equations = Equations::initial_velocity_projection();
             second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
             let from = start_of(|start| start.velocity_projection.as_ref());
-            solve(&mut self.velocity, &mut second, from, p, &place)?;
+            solve(&mut self.start, &mut second, from, p, &place)?;
             add_scaled(&mut v, &second.unknowns.x, 1.0);
             start_projections = [Some(first), Some(second)];
         }
@@ -246,7 +244,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         if let Some(last) = stages.last().filter(|stage| !stage.rate.is_empty()) {
             state.rate.clone_from(&last.rate);
         }
-        self.project(&mut state, &mut record, (end, table.projection_step(h)), guided)?;
+        self.project(&mut state, &mut record, (end, table.shift(table.stages.len() - 1, h)), guided)?;
         record.q.clone_from(&state.carried[0]);
         record.v.clone_from(&state.carried[1]);
         state.step += 1;
@@ -330,7 +328,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         &mut self,
         state: &mut Between<S>,
         record: &mut StepRecord<S>,
-        (t, scale): (f64, f64),
+        (t, shift): (f64, Shift),
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         if !self.constrained || self.method.level != ConstraintLevel::Acceleration {
@@ -344,8 +342,8 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         let stages = record.stages.len();
         let own = [&mut record.position_projection, &mut record.velocity_projection];
         let guides = guided.map(|step| [&step.position_projection, &step.velocity_projection]);
-        // the projection of velocities has the matrix of that of coordinates
-        let equations = [Equations::position_projection(scale), Equations::velocity_projection(scale)];
+        // both share the last stage's matrix
+        let equations = [Equations::position_projection(shift), Equations::velocity_projection(shift)];
         for (index, (own, equations)) in own.into_iter().zip(equations).enumerate() {
             let own = own.get_or_insert_with(SolveRecord::empty);
             (own.t, own.equations) = (t, equations);
@@ -357,18 +355,18 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             let first = if let Some(guides) = guides {
                 First::guided(guides[index].as_ref())
             } else {
-                Residual::shape(self.position.system, &mut own.unknowns, true);
+                Residual::shape(self.stage.system, &mut own.unknowns, true);
                 track.add_expected(record.t, 1.0, &mut own.unknowns);
                 First::Given
             };
-            solve(&mut self.position, own, first, &self.problem.p, &place)?;
+            solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
                 track.learn(record.t, 1.0, None, &own.unknowns);
             }
             if index == 0 {
-                add_scaled(q, &own.unknowns.x, scale * scale);
+                add_scaled(q, &own.unknowns.x, shift.alpha);
             } else {
-                add_scaled(v, &own.unknowns.x, scale);
+                add_scaled(v, &own.unknowns.x, shift.beta);
             }
         }
         Ok(())

@@ -1,4 +1,5 @@
 use super::TimeGrid;
+use crate::assembly::Shift;
 
 /// What a vector that goes from step to step is: how many times it has been differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,10 +113,10 @@ pub enum Scheme {
 const SAME_SIZE: f64 = 1e-8;
 
 impl Table {
-    /// h times the last diagonal coefficient: the time scale of the metric of the projections.
-    pub fn projection_step(&self, h: f64) -> f64 {
-        let last = self.stages.len() - 1;
-        h * self.stages[last].v.stages[last]
+    /// (gamma, beta, alpha) of a stage: how its own unknown moves it.
+    pub fn shift(&self, stage: usize, h: f64) -> Shift {
+        let Stage { a, v, q, .. } = &self.stages[stage];
+        Shift::new(a.stages[stage], h * v.stages[stage], h * h * q.stages[stage])
     }
 
     /// The table of a scheme.
