@@ -20,7 +20,7 @@ impl Anchor {
     }
 
     /// World position of the body point `point` [m].
-    #[inline]
+    #[inline(always)]
     pub fn position<S: Scalar>(self, q: &[S], point: Vec3<S>) -> Vec3<S> {
         match self {
             Anchor::Point => Vec3::from_slice(q),
@@ -29,7 +29,7 @@ impl Anchor {
     }
 
     /// World velocity of the body point `point` [m/s].
-    #[inline]
+    #[inline(always)]
     pub fn velocity<S: Scalar>(self, v: &[S], q: &[S], point: Vec3<S>) -> Vec3<S> {
         match self {
             Anchor::Point => Vec3::from_slice(v),
@@ -41,7 +41,7 @@ impl Anchor {
     }
 
     /// World acceleration of the body point `point` [m/s2].
-    #[inline]
+    #[inline(always)]
     pub fn acceleration<S: Scalar>(self, s: State<S>, point: Vec3<S>) -> Vec3<S> {
         match self {
             Anchor::Point => Vec3::from_slice(s.a),
@@ -53,7 +53,7 @@ impl Anchor {
     }
 
     /// Adds the generalized force of the world force `force` [N] at the body point `point`.
-    #[inline]
+    #[inline(always)]
     pub fn add_force<S: Scalar>(self, q: &[S], point: Vec3<S>, force: Vec3<S>, generalized: &mut [S]) {
         for (g, f) in generalized.iter_mut().zip(force.0) {
             *g += f;

@@ -1,6 +1,6 @@
 use super::{Constraint, Element, Parameter, State};
 use crate::scalar::{
-    Complex, Curved, Direction, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
+    Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
 };
 use smallvec::SmallVec;
 
@@ -92,12 +92,48 @@ pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + E
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
 }
 
+/// A residual to be evaluated.
+struct Residual<'j, E, S>(&'j E, State<'j, S>, &'j [S], S, &'j mut [S]);
+
+impl<E: Element, S: Scalar> Job for Residual<'_, E, S> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Residual(element, s, p, t, r) = self;
+        element.residual(s, p, t, r);
+    }
+}
+
+/// Energies to be evaluated.
+struct Energies<'j, E, S>(&'j E, &'j [S], &'j [S], &'j [S]);
+
+impl<E: Element, S: Scalar> Job for Energies<'_, E, S> {
+    type Output = [S; 2];
+    #[inline(always)]
+    fn run(self) -> [S; 2] {
+        let Energies(element, v, q, p) = self;
+        [element.kinetic(v, q, p), element.potential(q, p)]
+    }
+}
+
+/// A reaction to be evaluated: (q, mu, p, t).
+struct Reaction<'j, C, S>(&'j C, [&'j [S]; 3], S, &'j mut [S]);
+
+impl<C: Constraint, S: Scalar> Job for Reaction<'_, C, S> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Reaction(constraint, [q, mu, p], t, r) = self;
+        constraint.reaction(q, mu, p, t, r);
+    }
+}
+
 impl<E: Element, S: Scalar> ElementIn<S> for E {
     fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        self.residual(s, p, t, r);
+        S::run(Residual(self, s, p, t, r));
     }
     fn energy(&self, v: &[S], q: &[S], p: &[S]) -> [S; 2] {
-        [self.kinetic(v, q, p), self.potential(q, p)]
+        S::run(Energies(self, v, q, p))
     }
     fn mass_in(&self, p: &[S]) -> S {
         self.mass(p)
@@ -176,7 +212,7 @@ impl<C: Constraint, S: Scalar> ConstraintIn<S> for C {
 impl<C: Constraint, S: Recordable> ReactingConstraintIn<S> for C {
     fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]) {
         if C::REACTION {
-            return self.reaction(q, mu, p, t, r);
+            return S::run(Reaction(self, [q, mu, p], t, r));
         }
         let p: SmallVec<[Reverse<S>; 16]> = p.iter().map(|&p| Reverse::constant(p)).collect();
         let work = |q: &[Reverse<S>]| {
@@ -264,7 +300,7 @@ fn linearize_written_reaction<C: Constraint>(
         lanes_q.extend(q.iter().zip(directions).map(|(&re, &eps)| Lanes { re, eps }));
         r.clear();
         r.resize(n, Lanes::default());
-        constraint.reaction(&lanes_q, &lanes_mu, &lanes_p, Lanes::from(t), &mut r);
+        Lanes::run(Reaction(constraint, [&lanes_q, &lanes_mu, &lanes_p], Lanes::from(t), &mut r));
         products.iter_mut().zip(&r).for_each(|(product, r)| *product = r.eps);
     }
 }

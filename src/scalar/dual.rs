@@ -1,5 +1,5 @@
 use super::jet::Jet;
-use super::{Scalar, assign_operators};
+use super::{Job, Scalar, assign_operators};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with N directional derivatives (forward-mode dual number), over any scalar.
@@ -136,6 +136,10 @@ impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
         self.re.is_constant() && self.eps.iter().all(|e| e.value() == 0.0 && e.is_constant())
     }
     super::jet::functions_by_chain!(re);
+    #[inline(always)]
+    fn run<J: Job>(job: J) -> J::Output {
+        super::wide::widest(job)
+    }
     #[inline]
     fn atan2(self, other: Self) -> Self {
         let square = self.re * self.re + other.re * other.re;

@@ -25,6 +25,7 @@ mod reverse;
 mod rotation;
 mod taylor;
 mod vector;
+mod wide;
 
 pub use complex::Complex;
 pub use curved::{Curved, Direction, curvature};
@@ -33,6 +34,7 @@ pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gra
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed};
 pub use taylor::Taylor;
 pub use vector::Vec3;
+pub(crate) use wide::Job;
 
 use std::fmt::Debug;
 use std::iter::Sum;
@@ -109,6 +111,12 @@ pub trait Scalar:
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
+    }
+    /// Runs work on numbers of this type, with wide instructions where that pays.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn run<J: Job>(job: J) -> J::Output {
+        job.run()
     }
     /// Zero of this type.
     fn zero() -> Self {

@@ -32,7 +32,7 @@ impl<S: Scalar> Vec3<S> {
         Vec3([b * z - c * y, c * x - a * z, a * y - b * x])
     }
     /// Euclidean length.
-    #[inline]
+    #[inline(always)]
     pub fn norm(self) -> S {
         self.dot(self).sqrt()
     }

@@ -11,10 +11,12 @@ impl Element for PointMass {
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
     const ENERGIES: bool = true;
 
+    #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let velocity = Vec3::from_slice(v);
         velocity.dot(velocity) * p[0] * 0.5
     }
+    #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         for (r, &a) in r.iter_mut().zip(s.a) {
             *r += p[0] * a;

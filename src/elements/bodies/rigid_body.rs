@@ -42,12 +42,14 @@ impl Element for RigidBody {
     ];
     const ENERGIES: bool = true;
 
+    #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let velocity = Anchor::Body.velocity(v, q, Vec3::from_slice(&p[1..]));
         let omega = Quaternion::from_slice(&q[3..]).g_times(Quaternion::from_slice(&v[3..])) * S::from(2.0);
         (velocity.dot(velocity) * p[0] + omega.dot(inertia_times(&p[4..], omega))) * 0.5
     }
 
+    #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let centre = Vec3::from_slice(&p[1..]);
         let [e, rate, second] = [s.q, s.v, s.a].map(|x| Quaternion::from_slice(&x[3..]));

@@ -27,11 +27,13 @@ impl Element for Gravity {
     fn dofs(&self) -> usize {
         self.on.dofs()
     }
+    #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let position = self.on.position(q, Vec3::from_slice(&p[4..]));
         -(position.dot(Vec3::from_slice(&p[1..])) * p[0])
     }
     // written out because every body in every scene pays for it; the contract test holds it against the potential
+    #[inline(always)]
     fn residual<S: Scalar>(&self, s: crate::elements::State<S>, p: &[S], _t: S, r: &mut [S]) {
         self.on.add_force(s.q, Vec3::from_slice(&p[4..]), Vec3::from_slice(&p[1..]) * -p[0], r);
     }

@@ -30,6 +30,7 @@ impl Element for LineSpring {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let (qa, qb) = q.split_at(self.a.dofs());
         let from = self.a.position(qa, Vec3::from_slice(&p[2..]));

@@ -39,6 +39,7 @@ impl Element for TorsionSpringDamper {
     ];
     const ENERGIES: bool = true;
 
+    #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let twist = Self::angle(q, p) - p[2];
         twist * twist * p[0] * 0.5

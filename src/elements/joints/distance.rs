@@ -26,10 +26,12 @@ impl Constraint for DistanceJoint {
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.iter().cloned().chain([Parameter::positive("length", "m")]).collect()
     }
+    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let between = gap([self.a, self.b], q, p);
         g[0] = (between.dot(between) - p[6] * p[6]) / (p[6] * 2.0);
     }
+    #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let ends = [self.a, self.b];
         add_pair(ends, q, p, gap(ends, q, p) * (mu[0] / p[6]), r);

@@ -17,6 +17,7 @@ impl Constraint for FixedJoint {
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.iter().cloned().chain(["e0", "e1", "e2", "e3"].map(|name| Parameter::new(name, "-"))).collect()
     }
+    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
         let remaining = ea.conjugate().times(eb).times(Quaternion::from_slice(&p[6..]).conjugate());

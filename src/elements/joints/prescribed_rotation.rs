@@ -32,6 +32,7 @@ impl Constraint for PrescribedRotation {
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.angle.parameters("rad")).collect()
     }
+    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
         let axis = ea.rotate(Vec3::from_slice(p));

@@ -27,6 +27,7 @@ impl Constraint for PrescribedTranslation {
         let axis = ["axis x", "axis y", "axis z"].map(|name| Parameter::new(name, "-"));
         POINTS.iter().cloned().chain(axis).chain(self.displacement.parameters("m")).collect()
     }
+    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         let axis = Quaternion::from_slice(&q[3..]).rotate(Vec3::from_slice(&p[6..]));
         g[0] = axis.dot(gap([Anchor::Body, self.b], q, p)) - self.displacement.value(t, &p[9..]);

@@ -20,6 +20,7 @@ impl Constraint for RevoluteJoint {
         let vectors = ["u x", "u y", "u z", "w x", "w y", "w z", "axis x", "axis y", "axis z"];
         POINTS.iter().cloned().chain(vectors.map(|name| Parameter::new(name, "-"))).collect()
     }
+    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let (a, b) = q.split_at(7);
         // three vectors of a and two of b are rotated: the matrices are formed once
@@ -32,6 +33,7 @@ impl Constraint for RevoluteJoint {
         g[3] = combine_columns(&ra, vector(6)).dot(axis);
         g[4] = combine_columns(&ra, vector(9)).dot(axis);
     }
+    #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         super::add_pair([Anchor::Body, Anchor::Body], q, p, Vec3::from_slice(mu), r);
         let (a, b) = q.split_at(7);

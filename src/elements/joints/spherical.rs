@@ -22,9 +22,11 @@ impl Constraint for SphericalJoint {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g.copy_from_slice(&gap([self.a, self.b], q, p).0);
     }
+    #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         add_pair([self.a, self.b], q, p, Vec3::from_slice(mu), r);
     }
