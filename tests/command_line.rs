@@ -136,7 +136,7 @@ fn a_run_writes_its_files_and_the_json_repeats_the_table() {
     assert!(drift < 1e-4 * 9.81, "energy drifts by {drift} J");
 
     let object = json(&output);
-    assert_eq!([&object["scene"], &object["method"]], ["pendulum", "esdirk3"]);
+    assert_eq!([&object["scene"], &object["method"]], ["pendulum", "esdirk4"]);
     assert_eq!(object["design"]["length"], 2.0);
     assert_eq!(object["files"].as_array().unwrap().len(), RESULTS.len());
     let table = text(&output.stdout);

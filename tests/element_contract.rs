@@ -259,6 +259,21 @@ fn lanes_equal_complex_step_and_differences_in_every_argument() {
 }
 
 #[test]
+fn linear_elements_have_the_same_derivatives_everywhere() {
+    for case in cases() {
+        let state_columns = |sample: &Sample| {
+            let columns = columns_by_lanes(&case, &inputs(&case, sample));
+            columns[..3 * case.element.dof_count()].concat()
+        };
+        let samples = samples(&case);
+        let first = state_columns(&samples[0]);
+        for sample in samples[1..].iter().filter(|_| case.element.has_constant_matrices()) {
+            assert_close(&case.name, &state_columns(sample), &first, 1e-14, 0.0);
+        }
+    }
+}
+
+#[test]
 fn value_is_the_same_in_every_number_type() {
     for case in cases() {
         for sample in samples(&case) {

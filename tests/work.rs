@@ -1,7 +1,11 @@
 //! Work counts and threads: lost efficiency turns red without a clock, and results do not depend on the number of threads.
 
 use costate::design::DesignVariable;
-use costate::scenes::{AnyScene, Prepared, Settings, built_in};
+use costate::elements::{Element, Parameter, State};
+use costate::functionals::Over;
+use costate::scalar::Scalar;
+use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, built_in};
+use costate::sensitivity::largest_difference;
 
 fn scene(name: &str) -> Box<dyn AnyScene> {
     built_in::all().into_iter().find(|scene| scene.scene_name() == name).expect("a built-in scene")
@@ -19,10 +23,10 @@ fn newton_needs_few_iterations_and_few_factorizations() {
     let prepared = prepared(&*scene, 0.5, 50);
     let forward = prepared.analysis().forward(&prepared.x).expect("runs");
     let counters = forward.counters;
-    // three stages and two projections a step, and the first acceleration
-    assert_eq!(counters.systems, 5 * 50 + 1);
-    assert!(counters.iterations <= 7 * counters.systems, "{counters:?}");
-    assert!(counters.factorizations <= 15, "{counters:?}");
+    // five stages and two projections a step, and the first acceleration
+    assert_eq!(counters.systems, 7 * 50 + 1);
+    assert!(counters.iterations <= 4 * counters.systems, "{counters:?}");
+    assert!(counters.factorizations <= 30, "{counters:?}");
 }
 
 #[test]
@@ -32,10 +36,11 @@ fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functional
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).expect("runs");
     let counters = analysis.adjoint(&prepared.x, &forward).expect("has a gradient").counters;
-    assert_eq!(counters.factorizations, counters.systems);
+    // but where the matrix is still the same: it starts at rest
+    assert!((330..=counters.systems).contains(&counters.factorizations), "{counters:?}");
     let functionals = prepared.functionals().len();
     assert!(
-        functionals > 1 && counters.solves > counters.factorizations && counters.solves <= functionals * counters.systems
+        functionals > 1 && counters.solves > counters.systems && counters.solves <= functionals * counters.systems
     );
     assert_eq!(counters.products, counters.solves);
 }
@@ -53,4 +58,82 @@ fn one_and_many_threads_give_the_same_bits() {
         })
     };
     assert_eq!(on_threads(1), on_threads(4));
+}
+
+/// A chain of masses on linear springs and dampers between the ends of the line, written by a user.
+struct Spring;
+
+impl Element for Spring {
+    const DOFS: usize = 2;
+    const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m"), Parameter::new("damping", "N s/m")];
+    fn is_linear(&self) -> bool {
+        true
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        let force = p[0] * (s.q[1] - s.q[0]) + p[1] * (s.v[1] - s.v[0]);
+        r[0] -= force;
+        r[1] += force;
+    }
+}
+
+struct Mass;
+
+impl Element for Mass {
+    const DOFS: usize = 1;
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
+    fn is_linear(&self) -> bool {
+        true
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        r[0] += p[0] * s.a[0];
+    }
+}
+
+struct Masses;
+
+/// Their number.
+const MASSES: usize = 6;
+
+impl Scene for Masses {
+    fn name(&self) -> String {
+        "masses".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("stiffness", 40.0, (1.0, 100.0), "N/m"), DesignVariable::new("mass", 2.0, (0.1, 10.0), "kg")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 100)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let place = |i: usize| [S::from(0.1 * (i * i) as f64)];
+        let node = |m: &mut MechanismBuilder<S>, i: usize| m.coordinates(&format!("mass {i}"), &place(i), &[S::zero()]);
+        let nodes: Vec<_> = (0..MASSES).map(|i| node(m, i)).collect();
+        for &node in &nodes {
+            m.element("mass", &[node], Mass, &[x[1]]);
+        }
+        for pair in nodes.windows(2) {
+            m.element("spring", pair, Spring, &[x[0], S::from(0.3)]);
+        }
+        m.coordinate_functional("first mass at the end", Over::Terminal, nodes[0], 0);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_linear_scene_is_differentiated_once_and_factored_once_per_step_size() {
+    let x = [40.0, 2.0];
+    let prepared = Prepared::new(&Masses).expect("sound");
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&x).expect("runs");
+    let stages = prepared.method.table.stages.iter().filter(|stage| stage.known.is_none()).count();
+    // no projections: there is nothing to project on
+    assert_eq!(forward.counters.systems, 100 * stages + 1);
+    // the first acceleration and the stages
+    assert_eq!(forward.counters.factorizations, 2);
+    let blocks = 3 * (MASSES + MASSES - 1);
+    assert_eq!(forward.counters.blocks, 2 * blocks);
+    let adjoint = analysis.adjoint(&x, &forward).expect("has a gradient");
+    assert_eq!((adjoint.counters.factorizations, adjoint.counters.blocks), (2, 2 * blocks));
+    let complex = analysis.complex_step(&x, &forward).expect("runs");
+    assert!(largest_difference(&complex.rows[0], &adjoint.rows[0]) < 1e-13, "{complex:?} {adjoint:?}");
 }

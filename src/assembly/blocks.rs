@@ -33,6 +33,35 @@ pub(super) struct BlockWork {
     multipliers: Vec<f64>,
 }
 
+/// dR/da, dR/dv, dR/dq of an element where these are the same everywhere, row-major; empty where they are zero.
+pub(super) type Constants = [Vec<f64>; 3];
+
+/// Constant matrices of an element, by lanes at any point; `None` if it has none.
+pub(super) fn constants(system: &System, index: usize, p: &[f64]) -> Option<Constants> {
+    let (part, physics) = (&system.element_parts[index], &*system.model.elements[index].physics);
+    if !physics.has_constant_matrices() {
+        return None;
+    }
+    let n = part.dofs;
+    let p: Vec<Lanes> = p[part.parameters.clone()].iter().map(|&p| Lanes::constant(p)).collect();
+    let matrix = |argument: usize| {
+        let mut matrix = vec![0.0; n * n];
+        for first in (0..n).step_by(LANES) {
+            let mut state = [vec![Lanes::default(); n], vec![Lanes::default(); n], vec![Lanes::default(); n]];
+            let width = LANES.min(n - first);
+            (0..width).for_each(|lane| state[argument][first + lane].eps[lane] = 1.0);
+            let mut r = vec![Lanes::default(); n];
+            let [a, v, q] = &state;
+            Lanes::element(physics).add_residual(State { a, v, q }, &p, Lanes::default(), &mut r);
+            for (row, r) in matrix.chunks_exact_mut(n).zip(&r) {
+                row[first..first + width].copy_from_slice(&r.eps[..width]);
+            }
+        }
+        if matrix.iter().all(|&entry| entry == 0.0) { Vec::new() } else { matrix }
+    };
+    Some([0, 1, 2].map(matrix))
+}
+
 /// Constants with lanes.
 pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
     target.clear();
@@ -138,6 +167,33 @@ impl Assembly<'_> {
             let state = State { a: &a[..], v: &v[..], q: &q[..] };
             Lanes::element(&*self.system.model.elements[index].physics).add_residual(state, p, Lanes::from(self.t), r);
             self.add_reduced_rows(part, |dof| &r[dof].eps, false, first..first + lanes, size, block);
+        }
+    }
+
+    /// Adds to a block of zeros what constant matrices of an element are along N_R, reduced by N_L.
+    pub fn constant_element(&self, work: &mut BlockWork, index: usize, constants: &Constants, block: &mut [f64]) {
+        let part = &self.system.element_parts[index];
+        let Shift { gamma, beta, alpha } = self.equations.residual;
+        let (size, n) = (part.columns.len(), part.dofs);
+        let BlockWork { directions, products, .. } = work;
+        for first in (0..size).step_by(LANES) {
+            products.clear();
+            products.resize(n, [0.0; LANES]);
+            for (matrix, factors) in constants.iter().zip([[gamma, 0.0], [beta, 0.0], [alpha, alpha]]) {
+                if matrix.is_empty() {
+                    continue;
+                }
+                directions.clear();
+                directions.resize(n, [0.0; LANES]);
+                self.for_lanes(part, first, |lane, dof, x, y| directions[dof][lane] = factors[0] * x + factors[1] * y);
+                for (row, product) in matrix.chunks_exact(n).zip(products.iter_mut()) {
+                    for (entry, direction) in row.iter().zip(&*directions).filter(|(entry, _)| **entry != 0.0) {
+                        product.iter_mut().zip(direction).for_each(|(sum, d)| *sum += entry * d);
+                    }
+                }
+            }
+            let lanes = LANES.min(size - first);
+            self.add_reduced_rows(part, |dof| &products[dof], false, first..first + lanes, size, block);
         }
     }
 

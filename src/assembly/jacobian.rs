@@ -1,4 +1,4 @@
-use super::blocks::{Assembly, BlockWork};
+use super::blocks::{Assembly, BlockWork, Constants, constants};
 use super::numbering::{Contributor, NOWHERE, System};
 use super::residual::LocalVec;
 use super::{Equations, Level, Residual, Unknowns, VectorsAvq};
@@ -19,6 +19,10 @@ pub struct Jacobian {
     point: Point,
     work: BlockWork,
     works: Vec<BlockWork>,
+    /// dR/da, dR/dv, dR/dq of elements where these are constant.
+    constants: Vec<Option<Constants>>,
+    /// Blocks of elements evaluated so far.
+    pub evaluated: usize,
 }
 
 /// Pieces into which many blocks are divided, whatever the number of threads.
@@ -124,6 +128,8 @@ impl Jacobian {
             point: Point::default(),
             work: BlockWork::default(),
             works: Vec::new(),
+            constants: Vec::new(),
+            evaluated: 0,
         }
     }
 
@@ -143,9 +149,22 @@ impl Jacobian {
 
         let (bases, blocks) = (&self.bases, &mut self.blocks);
         let assembly = Assembly { system, equations, bases, point: &point, p, t };
+        if self.constants.is_empty() {
+            self.constants = (0..system.element_blocks.len()).map(|index| constants(system, index, p)).collect();
+            self.evaluated += 3 * self.constants.iter().flatten().count();
+        }
+        let constants = &self.constants;
+        self.evaluated += constants.iter().filter(|constant| constant.is_none()).count();
         let (element_blocks, rest) = blocks.split_at_mut(system.element_blocks.len());
         let (constraint_blocks, node_blocks) = rest.split_at_mut(system.constraint_blocks.len());
-        let element = |work: &mut BlockWork, (index, block): (usize, &mut Vec<f64>)| assembly.element(work, index, block);
+        let element = |work: &mut BlockWork, (index, block): (usize, &mut Vec<f64>)| match &constants[index] {
+            Some(matrices) if matrices.iter().all(Vec::is_empty) => {}
+            Some(matrices) => {
+                block.fill(0.0);
+                assembly.constant_element(work, index, matrices, block);
+            }
+            None => assembly.element(work, index, block),
+        };
         if element_blocks.len() < PARALLEL_JACOBIANS {
             element_blocks.iter_mut().enumerate().for_each(|job| element(&mut self.work, job));
         } else {

@@ -33,6 +33,11 @@ pub trait Element: Send + Sync + 'static {
     fn dofs(&self) -> usize {
         Self::DOFS
     }
+    /// True if R is linear in (a, v, q) with coefficients that do not depend on time (a load may): its derivatives are then evaluated
+    /// once for a run instead of for every matrix.
+    fn is_linear(&self) -> bool {
+        false
+    }
     /// Parameters of this instance.
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()

@@ -88,6 +88,8 @@ pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + E
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Whether the energies are complete.
     fn has_energies(&self) -> bool;
+    /// Whether the residual is linear with constant coefficients.
+    fn has_constant_matrices(&self) -> bool;
     /// Times at which a load jumps.
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
 }
@@ -149,6 +151,9 @@ impl<E: Element> AnyElement for E {
     }
     fn has_energies(&self) -> bool {
         E::ENERGIES
+    }
+    fn has_constant_matrices(&self) -> bool {
+        self.is_linear()
     }
     fn kink_times(&self, p: &[f64]) -> Vec<f64> {
         self.kinks(p)

@@ -41,6 +41,8 @@ pub struct Counters {
     pub solves: usize,
     /// Transposed products with all elements (adjoint only).
     pub products: usize,
+    /// Blocks of elements differentiated for matrices.
+    pub blocks: usize,
 }
 
 impl std::ops::AddAssign for Counters {
@@ -51,6 +53,7 @@ impl std::ops::AddAssign for Counters {
         self.factorizations += other.factorizations;
         self.solves += other.solves;
         self.products += other.products;
+        self.blocks += other.blocks;
     }
 }
 
@@ -466,9 +469,11 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     fn factorize(&mut self, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) -> Result<(), Singular> {
         self.counters.factorizations += 1;
+        let before = self.jacobian.evaluated;
         self.p.clear();
         self.p.extend(p.iter().map(|p| p.value()));
         self.jacobian.assemble(self.system, equations, &self.residual, unknowns, &self.p, t);
+        self.counters.blocks += self.jacobian.evaluated - before;
         self.factorization.factor(&self.jacobian.values)?;
         let resembles_last = self.measured.is_some_and(|old| resembles(&old, equations));
         self.measured_for += 1;

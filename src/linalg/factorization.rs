@@ -21,6 +21,9 @@ pub const DENSE_LIMIT: usize = 100;
 /// Multiplications up to which a left-looking factorization is chosen: beyond, blocks of columns pay.
 const LEFT_LOOKING_LIMIT: f64 = 2e7;
 
+/// Largest difference of scaled values that are the same but for round-off: of the sizes of steps, where all else is constant.
+const SAME_VALUES: f64 = 1e-11;
+
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
 
@@ -36,6 +39,10 @@ pub struct Factorization {
     work: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
+    /// Scaled values of the last factorization that others follow.
+    followed: Vec<f64>,
+    /// Refinements of a transposed solution.
+    refinements: usize,
 }
 
 impl Factorization {
@@ -69,6 +76,8 @@ impl Factorization {
             work: vec![0.0; n],
             correction: vec![0.0; n],
             checked: false,
+            followed: Vec::new(),
+            refinements: 1,
         })
     }
 
@@ -94,6 +103,29 @@ impl Factorization {
             self.checked = true;
         }
         Ok(())
+    }
+
+    /// As [`Factorization::factor`], unless the values are those of the last factorization but for round-off: transposed solutions are
+    /// refined against the new ones, and nothing is factored. Returns whether it was.
+    ///
+    /// # Errors
+    /// As for [`Factorization::factor`].
+    pub fn follow(&mut self, values: &[f64]) -> Result<bool, Singular> {
+        let mut same = self.followed.len() == values.len();
+        for column in 0..self.pattern.size {
+            for place in self.entries(column) {
+                let scaled = values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column]);
+                same = same && (scaled - self.followed[place]).abs() <= SAME_VALUES;
+                self.scaled[place] = scaled;
+            }
+        }
+        self.refinements = if same { 2 } else { 1 };
+        if !same {
+            self.followed.clear();
+            self.factor(values)?;
+            self.followed.clone_from(&self.scaled);
+        }
+        Ok(!same)
     }
 
     /// The order of pivots that later factorizations keep, if the solver keeps any.
@@ -145,15 +177,17 @@ impl Factorization {
             *work = *b;
         }
         self.solver.solve_transposed(rhs);
-        for column in 0..self.pattern.size {
-            let product: f64 = self.entries(column).map(|place| self.scaled[place] * rhs[self.pattern.rows[place]]).sum();
-            self.correction[column] = self.work[column] - product;
-        }
         let mut correction = std::mem::take(&mut self.correction);
-        self.solver.solve_transposed(&mut correction);
-        for ((x, correction), scale) in rhs.iter_mut().zip(&correction).zip(&self.row_scale) {
-            *x = (*x + correction) * scale;
+        for _ in 0..self.refinements {
+            for column in 0..self.pattern.size {
+                let product: f64 =
+                    self.entries(column).map(|place| self.scaled[place] * rhs[self.pattern.rows[place]]).sum();
+                correction[column] = self.work[column] - product;
+            }
+            self.solver.solve_transposed(&mut correction);
+            rhs.iter_mut().zip(&correction).for_each(|(x, correction)| *x += correction);
         }
+        rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
         self.correction = correction;
     }
 

@@ -75,7 +75,7 @@ pub struct Prepared<'s> {
 }
 
 impl<'s> Prepared<'s> {
-    /// The default method: ESDIRK of order 3 at acceleration level.
+    /// The default method: ESDIRK of order 4 at acceleration level.
     ///
     /// # Panics
     /// Not: the default table is on the list.

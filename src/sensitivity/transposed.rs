@@ -75,13 +75,15 @@ impl<'m> TransposedSolver<'m> {
         let mut unknowns = unknowns.clone();
         self.residual.start(system, equations, base, p, *t);
         self.residual.evaluate(system, equations, base, &mut unknowns, p, *t);
+        let before = self.jacobian.evaluated;
         self.jacobian.assemble(system, equations, &self.residual, &unknowns, p, *t);
-        self.factorization.factor(&self.jacobian.values).map_err(|singular_at| {
+        counters.blocks += self.jacobian.evaluated - before;
+        let factored = self.factorization.follow(&self.jacobian.values).map_err(|singular_at| {
             singular_named(system.unknown_name(singular_at.unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
         })?;
         counters.systems += 1;
         counters.residuals += 1;
-        counters.factorizations += 1;
+        counters.factorizations += usize::from(factored);
 
         let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
         let mut all: Vec<Adjoints> = asked.iter().map(|&k| self.solve(&bars[k])).collect();

@@ -19,7 +19,7 @@ const REPEATS: usize = 3;
 /// Exudyn 1.13 (generalized-alpha, sparse, one thread of a like machine) on the same kind of chain [us per step].
 const EXUDYN: [f64; 3] = [141.0, 1321.0, 70_131.0];
 /// The methods that are measured, at acceleration level.
-const METHODS: [&str; 3] = ["esdirk3", "sdirk2", "generalized-alpha"];
+const METHODS: [&str; 3] = ["esdirk4", "sdirk2", "generalized-alpha"];
 
 /// What one chain showed.
 struct Cost {

@@ -11,6 +11,9 @@ impl Element for PointMass {
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
     const ENERGIES: bool = true;
 
+    fn is_linear(&self) -> bool {
+        true
+    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let velocity = Vec3::from_slice(v);

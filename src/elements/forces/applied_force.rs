@@ -31,6 +31,9 @@ impl Element for AppliedForce {
     fn dofs(&self) -> usize {
         self.on.dofs()
     }
+    fn is_linear(&self) -> bool {
+        self.on == Anchor::Point
+    }
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
     }

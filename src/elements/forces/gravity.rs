@@ -27,6 +27,10 @@ impl Element for Gravity {
     fn dofs(&self) -> usize {
         self.on.dofs()
     }
+    // the place of a point in a body is quadratic in Euler parameters
+    fn is_linear(&self) -> bool {
+        true
+    }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let position = self.on.position(q, Vec3::from_slice(&p[4..]));

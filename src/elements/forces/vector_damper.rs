@@ -23,6 +23,9 @@ impl Element for VectorDamper {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    fn is_linear(&self) -> bool {
+        [self.a, self.b] == [Anchor::Point; 2]
+    }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
         add_damping([self.a, self.b], v, q, p, force, |_, velocity| velocity);
     }

@@ -8,7 +8,7 @@ mod newmark;
 use super::{Butcher, Table};
 
 /// Name of the table used when none is given: full order under constraints and with stiff members.
-pub const DEFAULT_TABLE: &str = "esdirk3";
+pub const DEFAULT_TABLE: &str = "esdirk4";
 
 /// All integrators.
 pub fn tables() -> Vec<Table> {
