@@ -39,9 +39,7 @@ fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functional
     // but where the matrix is still the same: it starts at rest
     assert!((330..=counters.systems).contains(&counters.factorizations), "{counters:?}");
     let functionals = prepared.functionals().len();
-    assert!(
-        functionals > 1 && counters.solves > counters.systems && counters.solves <= functionals * counters.systems
-    );
+    assert!(functionals > 1 && counters.solves > counters.systems && counters.solves <= functionals * counters.systems);
     assert_eq!(counters.products, counters.solves);
 }
 
@@ -99,7 +97,10 @@ impl Scene for Masses {
         "masses".into()
     }
     fn variables(&self) -> Vec<DesignVariable> {
-        vec![DesignVariable::new("stiffness", 40.0, (1.0, 100.0), "N/m"), DesignVariable::new("mass", 2.0, (0.1, 10.0), "kg")]
+        vec![
+            DesignVariable::new("stiffness", 40.0, (1.0, 100.0), "N/m"),
+            DesignVariable::new("mass", 2.0, (0.1, 10.0), "kg"),
+        ]
     }
     fn settings(&self) -> Settings {
         Settings::new(1.0, 100)

@@ -192,6 +192,11 @@ impl Jacobian {
         }
     }
 
+    /// Constant matrices of an element, once a matrix has been assembled.
+    pub(super) fn constants_of(&self, element: usize) -> Option<&Constants> {
+        self.constants.get(element)?.as_ref()
+    }
+
     fn set_bases(&mut self, system: &System, equations: &Equations, at: &VectorsAvq<f64>) {
         for local in system.eliminated() {
             let dofs = system.model.nodes[local.node].dofs.clone();

@@ -1,7 +1,7 @@
 use super::blocks::load;
 use super::numbering::{GlobalConstraint, Part, System};
 use super::residual::{Local3, LocalVec, select, write_level};
-use super::{Equations, Level, Unknowns, VectorsAvq};
+use super::{Equations, Jacobian, Level, Unknowns, VectorsAvq};
 use crate::elements::{ElementIn, RunScalar, State};
 use crate::scalar::{Direction, LANES, Lanes, Rev, Taylor, add_gradients};
 use smallvec::SmallVec;
@@ -105,8 +105,16 @@ fn add_gradient_rows(part: &Part, gradients: &[f64], variables: usize, bars: &mu
 }
 
 impl System<'_> {
-    /// Adds `sign` times the gradient of lambda . R(a, v, q, p, t) for every functional: R is recorded once for all of them.
-    pub fn add_element_products(&self, adjoints: &[Adjoints], sign: f64, point: ProductPoint, bars: &mut [ProductBars]) {
+    /// Adds `sign` times the gradient of lambda . R(a, v, q, p, t) for every functional: R is recorded once for all of them; that of
+    /// linear elements towards (a, v, q) is known from an assembled matrix.
+    pub fn add_element_products(
+        &self,
+        jacobian: &Jacobian,
+        adjoints: &[Adjoints],
+        sign: f64,
+        point: ProductPoint,
+        bars: &mut [ProductBars],
+    ) {
         let mut work = Work::default();
         let ProductPoint { at, p, active, t } = point;
         for (index, (element, part)) in self.model.elements.iter().zip(&self.element_parts).enumerate() {
@@ -124,8 +132,20 @@ impl System<'_> {
             let variables = 3 * n + if with_parameters { own.len() } else { 0 };
             work.gradients.clear();
             work.gradients.resize(variables * adjoints.len(), 0.0);
-            if variables <= FEW {
-                self.add_element_lanes(index, part, with_parameters, variables, point, &mut work);
+            let known = jacobian.constants_of(index);
+            if let Some(matrices) = known {
+                let rows = work.weights.chunks_exact(n).zip(work.gradients.chunks_exact_mut(variables));
+                for (weights, gradient) in rows {
+                    for (matrix, gradient) in matrices.iter().zip(gradient.chunks_exact_mut(n)) {
+                        for (row, weight) in matrix.chunks_exact(n).zip(weights) {
+                            gradient.iter_mut().zip(row).for_each(|(target, entry)| *target += weight * entry);
+                        }
+                    }
+                }
+            }
+            if variables <= FEW || known.is_some() {
+                let first = if known.is_some() { 3 * n } else { 0 };
+                self.add_element_lanes(index, part, with_parameters, first..variables, point, &mut work);
                 add_gradient_rows(part, &work.gradients, variables, bars);
                 continue;
             }
@@ -160,11 +180,14 @@ impl System<'_> {
         index: usize,
         part: &Part,
         with_parameters: bool,
-        variables: usize,
+        varied: Range<usize>,
         point: ProductPoint,
         work: &mut Work,
     ) {
-        let n = part.dofs;
+        if varied.is_empty() {
+            return;
+        }
+        let (n, variables) = (part.dofs, varied.end);
         let Work { state, lanes: [a, v, q, p, r, _], weights, gradients, .. } = work;
         let own = state.state(part, point.at);
         load(a, own.a);
@@ -173,7 +196,7 @@ impl System<'_> {
         load(p, &point.p[part.parameters.clone()]);
         let count = if with_parameters { p.len() } else { 0 };
         let physics = Lanes::element(&*self.model.elements[index].physics);
-        for first in (0..variables).step_by(LANES) {
+        for first in varied.step_by(LANES) {
             let width = LANES.min(variables - first);
             let arguments = a.iter_mut().chain(&mut *v).chain(&mut *q).chain(p.iter_mut().take(count));
             for (argument, lane) in arguments.skip(first).zip(0..width) {

@@ -95,13 +95,19 @@ impl<'m> TransposedSolver<'m> {
         let mut p_bars: Vec<&mut Vec<f64>> =
             back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect();
         let point = |at| ProductPoint { at, p, active: self.active, t: *t };
-        system.add_element_products(&all, 1.0, point(&self.residual.at), &mut product_bars(&mut at_bars, &mut p_bars));
+        system.add_element_products(
+            &self.jacobian,
+            &all,
+            1.0,
+            point(&self.residual.at),
+            &mut product_bars(&mut at_bars, &mut p_bars),
+        );
         let constraint_at = &self.residual.constraint_at;
         let mut into = product_bars(&mut constraint_bars, &mut p_bars);
         system.add_constraint_products(equations, &all, &unknowns, point(constraint_at), &mut into);
         if equations.metric {
             let mut own: Vec<VectorsAvq<f64>> = vec![VectorsAvq::zeros(dofs); asked.len()];
-            system.add_element_products(&all, -1.0, point(base), &mut product_bars(&mut own, &mut p_bars));
+            system.add_element_products(&self.jacobian, &all, -1.0, point(base), &mut product_bars(&mut own, &mut p_bars));
             for (&k, own) in asked.iter().zip(own) {
                 base_bars[k] = own;
             }
