@@ -2,6 +2,7 @@
 
 #[path = "chain/study.rs"]
 mod chain;
+mod clock;
 #[path = "complex-step/study.rs"]
 mod complex_step;
 mod figure;
@@ -16,6 +17,7 @@ mod stability;
 #[path = "work-precision/study.rs"]
 mod work_precision;
 
+pub use clock::Clock;
 pub use figure::{Figure, Report};
 
 /// A study: a published or closed-form problem, measured.

@@ -143,7 +143,7 @@ impl Outcome {
             text += &format!("{note}\n\n");
         }
         for (name, _) in &self.report.pictures {
-            text += &format!("![{name}]({name}.png)\n\n");
+            text += &format!("![{name}]({name}.svg)\n\n");
         }
         text += &format!(
             "{} ({})\n\nWritten by `costate verify {} --record`.\n",
@@ -160,7 +160,11 @@ impl Outcome {
         let path = folder.join(self.study.name()).join("result.md");
         write_file(&path, self.markdown().as_bytes())?;
         for (name, charts) in &self.report.pictures {
-            write_panels(charts, &path.with_file_name(name))?;
+            let stem = path.with_file_name(name);
+            write_panels(charts, &stem)?;
+            // the vectors are a tenth of the pixels: only they are kept beside the result
+            let pixels = stem.with_extension("png");
+            std::fs::remove_file(&pixels).map_err(|cause| Failure::run(format!("{}: {cause}", pixels.display())))?;
         }
         Ok(path)
     }

@@ -1,11 +1,10 @@
 //! Cost of a step on chains of 10, 100 and 1000 rigid bodies, one thread.
 
 use crate::allocations;
-use crate::verification::{Report, Study};
+use crate::verification::{Clock, Report, Study};
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, Table, tables};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings};
-use std::time::Instant;
 
 /// The study.
 pub struct ChainCost;
@@ -99,10 +98,10 @@ fn measure(table: &Table, tolerance: NewtonTolerance, bodies: usize, steps: usiz
     };
     for _ in 0..REPEATS {
         let mut timed = |prepared: &Prepared| -> Result<(f64, u64), String> {
-            let (before, start) = (allocations::count(), Instant::now());
+            let (before, start) = (allocations::count(), Clock::start());
             let values = prepared.analysis().values(&x).map_err(|error| error.to_string())?;
             cost.value = values[0];
-            Ok((start.elapsed().as_secs_f64() * 1e6, allocations::count() - before))
+            Ok((start.seconds() * 1e6, allocations::count() - before))
         };
         let (first, all) = (timed(&one)?, timed(&all)?);
         cost.forward_us = cost.forward_us.min((all.0 - first.0) / steps as f64);
@@ -112,9 +111,9 @@ fn measure(table: &Table, tolerance: NewtonTolerance, bodies: usize, steps: usiz
     let forward = analysis.forward(&x).map_err(|error| error.to_string())?;
     cost.counters = forward.counters;
     if tolerance == NewtonTolerance::RoundOff {
-        let start = Instant::now();
+        let start = Clock::start();
         analysis.adjoint(&x, &forward).map_err(|error| error.to_string())?;
-        cost.adjoint_us = start.elapsed().as_secs_f64() * 1e6 / (steps + 1) as f64;
+        cost.adjoint_us = start.seconds() * 1e6 / (steps + 1) as f64;
     }
     Ok(cost)
 }

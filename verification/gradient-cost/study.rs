@@ -1,9 +1,8 @@
 //! A gradient costs the same for 1 and for 1000 design variables: a chain of 100 bodies, both choices of variables side by side.
 
-use crate::verification::{Report, Study};
+use crate::verification::{Clock, Report, Study};
 use costate::integrators::Counters;
 use costate::scenes::{Prepared, Settings, built_in};
-use std::time::Instant;
 
 pub struct GradientCost;
 
@@ -27,60 +26,62 @@ impl Study for GradientCost {
         "work and time of an adjoint gradient for 1 and for 1000 design variables, on a chain of 100 bodies"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let scenes = built_in::all();
-        let chains: Vec<_> = scenes.iter().filter(|scene| scene.scene_name().starts_with("chain-")).collect();
-        let mut prepared = Vec::new();
-        for scene in &chains {
-            let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-            let settings = Settings { end: 0.1, steps: 20, ..scene.default_settings() };
-            let built = Prepared::with(&***scene, &x, Prepared::default_method(), settings);
-            prepared.push(built.map_err(|error| error.to_string())?);
-        }
-        let mut costs: Vec<Option<Cost>> = prepared.iter().map(|_| None).collect();
-        // alternating, so that both see the same machine
-        for _ in 0..REPEATS {
-            for (scene, best) in prepared.iter().zip(&mut costs) {
-                let cost = measure(scene)?;
-                let (forward_s, adjoint_s) =
-                    best.as_ref().map_or((f64::INFINITY, f64::INFINITY), |best| (best.forward_s, best.adjoint_s));
-                *best = Some(Cost {
-                    forward_s: cost.forward_s.min(forward_s),
-                    adjoint_s: cost.adjoint_s.min(adjoint_s),
-                    ..cost
-                });
-            }
-        }
-        for (scene, cost) in chains.iter().zip(costs.iter().flatten()) {
-            let figure = |what: &str| format!("{}/{what}", scene.scene_name());
-            report.inform(figure("design variables"), cost.variables as f64);
-            report.compare(figure("variables with an effect"), cost.nonzero as f64, cost.variables as f64, 0.0);
-            report.inform(figure("forward [s]"), cost.forward_s);
-            report.inform(figure("adjoint [s]"), cost.adjoint_s);
-            report.inform(figure("adjoint / forward"), cost.adjoint_s / cost.forward_s);
-        }
-        let [Some(common), Some(separate)] = &costs[..] else { return Err("two chains are expected".into()) };
-        let same = |report: &mut Report, what: &str, one: usize, many: usize| {
-            report.compare(format!("1000 variables against 1/{what}"), many as f64, one as f64, 0.0);
-        };
-        same(report, "forward factorizations", common.forward.factorizations, separate.forward.factorizations);
-        same(report, "forward solves", common.forward.solves, separate.forward.solves);
-        same(report, "adjoint factorizations", common.adjoint.factorizations, separate.adjoint.factorizations);
-        same(report, "adjoint solves", common.adjoint.solves, separate.adjoint.solves);
-        same(report, "element products", common.adjoint.products, separate.adjoint.products);
-        report.compare("1000 variables against 1/forward time ratio", separate.forward_s / common.forward_s, 1.0, 0.05);
-        report.compare("1000 variables against 1/adjoint time ratio", separate.adjoint_s / common.adjoint_s, 1.0, 0.05);
-        Ok(())
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
+        pool.install(|| measure_both(report))
     }
+}
+
+fn measure_both(report: &mut Report) -> Result<(), String> {
+    let scenes = built_in::all();
+    let chains: Vec<_> = scenes.iter().filter(|scene| scene.scene_name().starts_with("chain-")).collect();
+    let mut prepared = Vec::new();
+    for scene in &chains {
+        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let settings = Settings { end: 0.1, steps: 20, ..scene.default_settings() };
+        let built = Prepared::with(&***scene, &x, Prepared::default_method(), settings);
+        prepared.push(built.map_err(|error| error.to_string())?);
+    }
+    let mut costs: Vec<Option<Cost>> = prepared.iter().map(|_| None).collect();
+    // alternating, so that both see the same machine
+    for _ in 0..REPEATS {
+        for (scene, best) in prepared.iter().zip(&mut costs) {
+            let cost = measure(scene)?;
+            let (forward_s, adjoint_s) =
+                best.as_ref().map_or((f64::INFINITY, f64::INFINITY), |best| (best.forward_s, best.adjoint_s));
+            *best =
+                Some(Cost { forward_s: cost.forward_s.min(forward_s), adjoint_s: cost.adjoint_s.min(adjoint_s), ..cost });
+        }
+    }
+    for (scene, cost) in chains.iter().zip(costs.iter().flatten()) {
+        let figure = |what: &str| format!("{}/{what}", scene.scene_name());
+        report.inform(figure("design variables"), cost.variables as f64);
+        report.compare(figure("variables with an effect"), cost.nonzero as f64, cost.variables as f64, 0.0);
+        report.inform(figure("forward [s]"), cost.forward_s);
+        report.inform(figure("adjoint [s]"), cost.adjoint_s);
+        report.inform(figure("adjoint / forward"), cost.adjoint_s / cost.forward_s);
+    }
+    let [Some(common), Some(separate)] = &costs[..] else { return Err("two chains are expected".into()) };
+    let same = |report: &mut Report, what: &str, one: usize, many: usize| {
+        report.compare(format!("1000 variables against 1/{what}"), many as f64, one as f64, 0.0);
+    };
+    same(report, "forward factorizations", common.forward.factorizations, separate.forward.factorizations);
+    same(report, "forward solves", common.forward.solves, separate.forward.solves);
+    same(report, "adjoint factorizations", common.adjoint.factorizations, separate.adjoint.factorizations);
+    same(report, "adjoint solves", common.adjoint.solves, separate.adjoint.solves);
+    same(report, "element products", common.adjoint.products, separate.adjoint.products);
+    report.compare("1000 variables against 1/forward time ratio", separate.forward_s / common.forward_s, 1.0, 0.05);
+    report.compare("1000 variables against 1/adjoint time ratio", separate.adjoint_s / common.adjoint_s, 1.0, 0.05);
+    Ok(())
 }
 
 fn measure(scene: &Prepared) -> Result<Cost, String> {
     let analysis = scene.analysis();
-    let start = Instant::now();
+    let start = Clock::start();
     let forward = analysis.forward(&scene.x).map_err(|error| error.to_string())?;
-    let forward_s = start.elapsed().as_secs_f64();
-    let start = Instant::now();
+    let forward_s = start.seconds();
+    let start = Clock::start();
     let gradient = analysis.adjoint(&scene.x, &forward).map_err(|error| error.to_string())?;
-    let adjoint_s = start.elapsed().as_secs_f64();
+    let adjoint_s = start.seconds();
     let variables = scene.x.len();
     let nonzero = (0..variables).filter(|&i| gradient.rows.iter().any(|row| row[i] != 0.0)).count();
     Ok(Cost { variables, nonzero, forward: forward.counters, adjoint: gradient.counters, forward_s, adjoint_s })

@@ -1,7 +1,7 @@
 //! Timed runs of one motion with one method, from coarse to fine.
 
-use super::clock::Clock;
 use super::course::{Forces, Member, run};
+use crate::verification::Clock;
 use costate::integrators::{ConstraintLevel, Counters, Method, StepControl, Table, tables};
 use costate::scenes::{AnyScene, Prepared, Settings};
 

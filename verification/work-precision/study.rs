@@ -1,15 +1,13 @@
 //! Error against time for every integrator at every constraint level.
 
 mod chain;
-mod clock;
 mod comparison;
 mod course;
 mod runs;
 mod scenes;
 
-use crate::verification::{Report, Study};
+use crate::verification::{Clock, Report, Study};
 use chain::report_chain;
-use clock::Clock;
 use comparison::{AIMS, Measured, cheapest, report_comparison, report_tolerances};
 use costate::integrators::{ConstraintLevel, tables};
 use costate::io::{Chart, Series, Style};
