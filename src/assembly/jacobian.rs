@@ -74,6 +74,8 @@ pub(super) struct Bases {
     pub left: Vec<f64>,
     /// N_R: coordinates (x, then y) by reduced columns, row-major, at right angles to the node's equations.
     pub right: Vec<f64>,
+    /// Number of coordinates at the front that are reduced columns themselves, in both.
+    pub plain: usize,
 }
 
 /// How a reduced column of one node moves its coordinates.
@@ -81,6 +83,7 @@ pub(super) struct NodeSeeds<'a> {
     pub dofs: usize,
     pub columns: usize,
     right: &'a [f64],
+    plain: usize,
     stabilized: bool,
 }
 
@@ -93,9 +96,12 @@ impl NodeSeeds<'_> {
             let y = if self.stabilized && !fixed { z[dof + self.dofs] } else { 0.0 };
             return (if fixed { 0.0 } else { z[dof] }, y);
         }
+        if dof < self.plain {
+            return (z[dof], 0.0);
+        }
         let row = |row: usize| {
-            let own = &self.right[row * self.columns..(row + 1) * self.columns];
-            own.iter().zip(z).fold(0.0, |sum, (r, z)| sum + r * z)
+            let own = &self.right[row * self.columns + self.plain..(row + 1) * self.columns];
+            own.iter().zip(&z[self.plain..]).fold(0.0, |sum, (r, z)| sum + r * z)
         };
         (row(dof), if self.stabilized { row(dof + self.dofs) } else { 0.0 })
     }
@@ -208,6 +214,9 @@ impl Jacobian {
             let rows = super::local::equation_rows(local, equations, State { a: &a, v: &v, q: &q });
             let copies = if equations.level == Level::Stabilized { 2 } else { 1 };
             super::local::complement(&rows, copies * local.equations.len(), copies * q.len(), &mut bases.right);
+            // a reflection of the last coordinates leaves the first ones alone
+            let first = local.form.unit_length().map_or(0, |unit| unit.first);
+            bases.plain = if copies == 1 { first } else { 0 };
         }
     }
 
@@ -255,9 +264,12 @@ impl Jacobian {
                 second.iter_mut().zip(dofs).for_each(|(second, dof)| *second = y(dof));
                 continue;
             }
-            for (weights, dof) in left.chunks_exact(half).zip(dofs) {
+            let plain = self.bases[node].plain;
+            own[..plain].iter_mut().zip(dofs.clone()).for_each(|(own, dof)| *own = f(dof));
+            for (weights, dof) in left.chunks_exact(half).zip(dofs).skip(plain) {
                 let value = f(dof);
-                own.iter_mut().zip(weights).for_each(|(own, weight)| *own += weight * value);
+                let turning = own[plain..].iter_mut().zip(&weights[plain..]);
+                turning.for_each(|(own, weight)| *own += weight * value);
                 if stabilized {
                     let value = y(dof);
                     second.iter_mut().zip(weights).for_each(|(second, weight)| *second += weight * value);
@@ -352,6 +364,7 @@ pub(super) fn node_seeds<'a>(system: &System, bases: &'a [Bases], node: usize) -
         dofs: system.model.nodes[node].dofs.len(),
         columns: system.nodes[node].columns.len(),
         right: &bases[node].right,
+        plain: bases[node].plain,
         stabilized: system.options.stabilized,
     }
 }

@@ -5,6 +5,7 @@
 //! N_R to C, both orthonormal. Unknowns move along N_R and are then brought back onto the node's equations.
 
 use super::numbering::{Local, System};
+use super::quadratic::UnitLength;
 use super::residual::{LocalVec, select};
 use super::{Equations, Level, Shift, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
@@ -186,6 +187,10 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
     let (mut a, mut v, mut q) = (LocalVec::<S>::new(), LocalVec::<S>::new(), LocalVec::<S>::new());
     for local in system.eliminated() {
         let dofs = system.model.nodes[local.node].dofs.clone();
+        if let Some(unit) = local.form.unit_length() {
+            correct_unit_length(unit, dofs.start, equations, [by_value, by_rate, by_second], base, unknowns);
+            continue;
+        }
         let x = &mut unknowns.x[dofs.clone()];
         for (own, base, factor) in [(&mut a, &base.a, gamma), (&mut v, &base.v, beta), (&mut q, &base.q, alpha)] {
             own.resize(x.len(), S::zero());
@@ -209,6 +214,35 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
             x.iter_mut().zip(&rows).for_each(|(x, &c)| *x -= multiplier * c);
         }
     }
+}
+
+/// The same for Euler parameters of a node that starts at a coordinate.
+fn correct_unit_length<S: RunScalar>(
+    unit: UnitLength,
+    start: usize,
+    equations: &Equations,
+    weights: [f64; 3],
+    base: &VectorsAvq<S>,
+    unknowns: &mut Unknowns<S>,
+) {
+    let Shift { gamma, beta, alpha } = equations.constraint;
+    let places = start + unit.first..start + unit.first + 4;
+    let x = &mut unknowns.x[places.clone()];
+    let own = |base: &[S], factor: f64| std::array::from_fn::<S, 4, _>(|i| base[places.start + i] + x[i] * factor);
+    let (a, v, q) = (own(&base.a, gamma), own(&base.v, beta), own(&base.q, alpha));
+    let dot = |x: &[S; 4], y: &[S; 4]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2] + x[3] * y[3];
+    let size = |x: &[S; 4], y: &[S; 4]| (0..4).fold(0.0, |sum, i| sum + (x[i].value() * y[i].value()).abs());
+    let (gap, terms) = match equations.level {
+        Level::Position => (dot(&q, &q) * (0.5 * unit.second) + unit.constant, 0.5 * size(&q, &q) + 0.5),
+        Level::Velocity => (dot(&q, &v) * unit.second, size(&q, &v)),
+        _ => ((dot(&q, &a) + dot(&v, &v)) * unit.second, size(&q, &a) + size(&v, &v)),
+    };
+    if gap.value().abs() <= f64::EPSILON * terms * unit.second {
+        return;
+    }
+    let row: [S; 4] = std::array::from_fn(|i| (q[i] * weights[0] + v[i] * weights[1] + a[i] * weights[2]) * unit.second);
+    let multiplier = gap * equations.row_scales()[0] / dot(&row, &row);
+    x.iter_mut().zip(row).for_each(|(x, row)| *x -= multiplier * row);
 }
 
 /// Size of a number with its derivative parts.

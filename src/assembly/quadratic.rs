@@ -12,6 +12,18 @@ pub(super) struct Quadratic {
     linear: Vec<(usize, usize, f64)>,
     /// (equation, row, column, H).
     second: Vec<(usize, usize, usize, f64)>,
+    unit_length: Option<UnitLength>,
+}
+
+/// The one equation (x . x) h / 2 + c = 0 of four coordinates in a row: Euler parameters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UnitLength {
+    /// The first of them.
+    pub first: usize,
+    /// h.
+    pub second: f64,
+    /// c.
+    pub constant: f64,
 }
 
 impl Quadratic {
@@ -27,7 +39,8 @@ impl Quadratic {
             crate::elements::ConstraintIn::<f64>::value(physics, q, &[], 0.0, &mut g);
             g
         };
-        let mut quadratic = Quadratic { constant: value(&origin), linear: Vec::new(), second: Vec::new() };
+        let (linear, second) = (Vec::new(), Vec::new());
+        let mut quadratic = Quadratic { constant: value(&origin), linear, second, unit_length: None };
         let mut directions = vec![[0.0; LANES]; n.div_ceil(LANES) * n];
         for dof in 0..n {
             directions[dof / LANES * n + dof][dof % LANES] = 1.0;
@@ -51,7 +64,20 @@ impl Quadratic {
         quadratic.derivatives(State { a: &still, v: &still, q: &probe }, &mut g);
         let exact = value(&probe).iter().zip(&g).all(|(g, own)| (g - own.value).abs() < 1e-13);
         assert!(exact, "constraints inside nodes are quadratic");
+        quadratic.unit_length = quadratic.as_unit_length();
         quadratic
+    }
+
+    fn as_unit_length(&self) -> Option<UnitLength> {
+        let &[(_, first, _, h), ..] = &self.second[..] else { return None };
+        let expected = (first..first + 4).map(|dof| (0, dof, dof, h));
+        let own = self.constant.len() == 1 && self.linear.is_empty() && expected.eq(self.second.iter().copied());
+        own.then_some(UnitLength { first, second: h, constant: self.constant[0] })
+    }
+
+    /// The equation in short, if it is one of unit length.
+    pub fn unit_length(&self) -> Option<UnitLength> {
+        self.unit_length
     }
 
     /// Writes rows A (equations by coordinates, row-major).
@@ -157,6 +183,9 @@ mod tests {
             d.value.abs().max(d.first.abs()).max(d.second.abs()) < 1e-14
         };
         assert!(close(g[0], expected[0]), "{g:?} {expected:?}");
+        let unit = own.unit_length().expect("Euler parameters have unit length");
+        let length: f64 = q[unit.first..unit.first + 4].iter().map(|q| q * q).sum();
+        assert!((0.5 * unit.second * length + unit.constant - g[0].value).abs() < 1e-14);
         let (mut rows, mut expected) = ([Taylor::default(); 7], [Taylor::default(); 7]);
         own.moving_rows(state, &mut rows);
         physics.rows(state, &[], 0.0, &mut expected);
