@@ -20,6 +20,9 @@ pub struct State<'a, S> {
 ///
 /// follows by differentiation. An element may give both when its residual is faster written out; the contract tests then
 /// hold the two together. Every physical number is a parameter in `p`; the element itself holds topology and options only.
+///
+/// Formulas marked `#[inline(always)]` are compiled once more for wide vectors, which matrices and gradients then use where the
+/// processor has them.
 pub trait Element: Send + Sync + 'static {
     /// Number of coordinates of all its nodes together; the largest if [`dofs`](Element::dofs) chooses.
     const DOFS: usize;

@@ -1,7 +1,6 @@
-use super::newton::KeptFactorization;
 use super::record::SolveRecord;
 use super::{Carried, Prediction, Scheme};
-use crate::assembly::Unknowns;
+use crate::assembly::{Equations, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 
 /// What goes from one step to the next, beside the kept factorizations.
@@ -46,6 +45,32 @@ impl<S: RunScalar> Between<S> {
             self.scheme = scheme;
         }
     }
+}
+
+/// Where a matrix was assembled: the factorization is made again from it, bit by bit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FactoredAt<S> {
+    /// Time [s].
+    pub t: f64,
+    /// Point from which the unknowns move.
+    pub base: VectorsAvq<S>,
+    /// Unknowns, before they are brought onto the equations inside nodes.
+    pub unknowns: Unknowns<S>,
+}
+
+/// What a Newton's method keeps from one system to the next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KeptFactorization<S> {
+    /// The equations that were factored and the place, if the factorization is still in use.
+    pub factored: Option<(Equations, FactoredAt<S>)>,
+    /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
+    pub pivots: Vec<usize>,
+    /// Size of corrections at round-off, for each kind of system; zero if not known.
+    pub floors: [f64; 3],
+    /// Equations for which these were measured, and factorizations since then.
+    pub measured: Option<Equations>,
+    /// See [`KeptFactorization::measured`].
+    pub measured_for: usize,
 }
 
 /// A run between two steps: all that later steps depend on.

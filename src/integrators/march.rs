@@ -1,4 +1,5 @@
-use super::newton::{Counters, NewtonTolerance};
+use super::Counters;
+use super::newton::NewtonTolerance;
 use super::record::{Guide, Recorder, StageRecord};
 use super::{Combination, ConstraintLevel, InitialState, Marcher, RunError, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Level, Model, SystemOptions};

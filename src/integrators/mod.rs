@@ -6,6 +6,7 @@
 mod adaptive;
 mod butcher;
 mod checkpoint;
+mod counters;
 mod error;
 mod failure;
 mod grid;
@@ -22,11 +23,12 @@ mod tables;
 
 pub use adaptive::{StepControl, Tolerance, march_adaptive};
 pub use butcher::Butcher;
-pub use checkpoint::{Between, Checkpoint};
+pub use checkpoint::{Between, Checkpoint, FactoredAt, KeptFactorization};
+pub use counters::Counters;
 pub use error::RunError;
 pub use grid::TimeGrid;
 pub use march::{Method, Problem, Run, march, march_along};
-pub use newton::{Counters, FactoredAt, KeptFactorization, Newton, NewtonTolerance};
+pub use newton::{Newton, NewtonTolerance};
 pub(crate) use prediction::MOST as MOST_TRACKED;
 pub use prediction::{Prediction, Track};
 pub use record::{Guide, Recorder, SolveRecord, StageRecord, StartRecord, StepRecord, Steps};

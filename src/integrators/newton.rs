@@ -1,3 +1,5 @@
+use super::Counters;
+use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::failure::{Failure, FailureKind};
 use crate::assembly::{Equations, Jacobian, Level, NodeKind, Residual, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
@@ -23,37 +25,6 @@ impl NewtonTolerance {
             NewtonTolerance::RoundOff => "round-off",
             NewtonTolerance::Residual => "residual",
         }
-    }
-}
-
-/// Work done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
-    /// Systems solved: stages, projections, accelerations.
-    pub systems: usize,
-    /// Newton iterations.
-    pub iterations: usize,
-    /// Evaluations of the residual of the whole model.
-    pub residuals: usize,
-    /// Jacobians assembled and factored.
-    pub factorizations: usize,
-    /// Solutions with a factored matrix, transposed or not.
-    pub solves: usize,
-    /// Transposed products with all elements (adjoint only).
-    pub products: usize,
-    /// Blocks of elements differentiated for matrices.
-    pub blocks: usize,
-}
-
-impl std::ops::AddAssign for Counters {
-    fn add_assign(&mut self, other: Self) {
-        self.systems += other.systems;
-        self.iterations += other.iterations;
-        self.residuals += other.residuals;
-        self.factorizations += other.factorizations;
-        self.solves += other.solves;
-        self.products += other.products;
-        self.blocks += other.blocks;
     }
 }
 
@@ -109,33 +80,7 @@ pub struct Newton<'m, S> {
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
-    levers: Vec<f64>,
-}
-
-/// Where a matrix was assembled: the factorization is made again from it, bit by bit.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FactoredAt<S> {
-    /// Time [s].
-    pub t: f64,
-    /// Point from which the unknowns move.
-    pub base: VectorsAvq<S>,
-    /// Unknowns, before they are brought onto the equations inside nodes.
-    pub unknowns: Unknowns<S>,
-}
-
-/// What a Newton's method keeps from one system to the next.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct KeptFactorization<S> {
-    /// The equations that were factored and the place, if the factorization is still in use.
-    pub factored: Option<(Equations, FactoredAt<S>)>,
-    /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
-    pub pivots: Vec<usize>,
-    /// Size of corrections at round-off, for each kind of system; zero if not known.
-    pub floors: [f64; 3],
-    /// Equations for which these were measured, and factorizations since then.
-    pub measured: Option<Equations>,
-    /// See [`KeptFactorization::measured`].
-    pub measured_for: usize,
+    pub(super) levers: Vec<f64>,
 }
 
 impl<'m, S: RunScalar> Newton<'m, S> {

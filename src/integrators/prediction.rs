@@ -56,8 +56,8 @@ impl<S: RunScalar> Track<S> {
         }
     }
 
-    /// Takes note of the solution of a step: the increment from `before` (from zero without it).
-    pub fn learn(&mut self, t: f64, h: f64, before: Option<&Unknowns<S>>, solution: &Unknowns<S>) {
+    /// Takes note of the solution of a step: the increment from `before` (from zero without it). Each coordinate counts by its lever.
+    pub fn learn(&mut self, (t, h): (f64, f64), before: Option<&Unknowns<S>>, solution: &Unknowns<S>, levers: &[f64]) {
         let known = self.times.len();
         // the oldest one makes room
         if self.rates.len() <= known.min(MOST - 1) {
@@ -76,10 +76,10 @@ impl<S: RunScalar> Track<S> {
         for (used, weights) in weights.iter_mut().enumerate().take(place + 1) {
             *weights = lagrange(&self.times[..used], t);
         }
-        for (i, own) in latest.x.iter().enumerate() {
+        for (i, (own, lever)) in latest.x.iter().zip(levers).enumerate() {
             for used in 0..=place {
                 let expected: f64 = (0..used).map(|k| weights[used][k] * self.rates[k].x[i].value()).sum();
-                errors[used] = errors[used].max((own.value() - expected).abs());
+                errors[used] = errors[used].max((own.value() - expected).abs() * lever);
             }
         }
         let best = (0..=place).fold(0, |best, used| if errors[used] < errors[best] { used } else { best });
@@ -121,7 +121,7 @@ mod tests {
             if t > 0.5 {
                 assert!((guess.x[0] - solution(t, h).x[0]).abs() < 1e-14, "{guess:?} at {t}");
             }
-            track.learn(t, h, None, &solution(t, h));
+            track.learn((t, h), None, &solution(t, h), &[1.0; 2]);
             t += h;
         }
         assert_eq!(track.used, 4);
@@ -132,7 +132,7 @@ mod tests {
         let mut track = Track::default();
         for step in 0..20 {
             let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
-            track.learn(f64::from(step), 1.0, None, &at(sign));
+            track.learn((f64::from(step), 1.0), None, &at(sign), &[1.0; 2]);
         }
         assert_eq!(track.used, 0);
     }

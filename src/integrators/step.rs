@@ -1,8 +1,9 @@
 //! One step of any table at any constraint level: stages, update, projections.
 
+use super::Counters;
 use super::checkpoint::{Between, Checkpoint};
 use super::march::{Method, Problem, Run, add_scaled, combine};
-use super::newton::{Counters, Newton};
+use super::newton::Newton;
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Residual, Shift, Unknowns, VectorsAvq};
@@ -313,7 +314,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
-                track.learn(t, h, Some(&state.last), &own.unknowns);
+                track.learn((t, h), Some(&state.last), &own.unknowns, &self.stage.levers);
             }
             state.last.set(&own.unknowns);
             let factor = table.rate_factor(index, h);
@@ -361,7 +362,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
-                track.learn(record.t, 1.0, None, &own.unknowns);
+                track.learn((record.t, 1.0), None, &own.unknowns, &self.stage.levers);
             }
             if index == 0 {
                 add_scaled(q, &own.unknowns.x, shift.alpha);

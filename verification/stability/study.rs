@@ -8,7 +8,7 @@ use condition::condition;
 use costate::assembly::VectorsAvq;
 use costate::functionals::{Measured, Sample};
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, StepRecord, Table, march, table_by_name, tables};
+use costate::integrators::{ConstraintLevel, Method, StepRecord, march, table_by_name, tables};
 use costate::scenes::built_in::{FreeBody, Pendulum};
 use costate::scenes::{AnyScene, Prepared, Settings, Violation};
 use costate::sensitivity::largest_difference;
@@ -17,10 +17,10 @@ use scenes::{Arm, NearlyParallelRods, UnequalMasses, Units};
 
 /// Steps of the long runs.
 const LONG: usize = 1_000_000;
-/// Tables that take all of them; the others take a tenth, to keep the study to minutes.
-const LONGEST: [&str; 3] = ["midpoint", "sdirk4", "esdirk4"];
 /// Their size [s].
 const LONG_STEP: f64 = 1e-2;
+/// Unstable along the imaginary axis: the energy of what swings without damping grows, until there is no solution.
+const GROWING: &str = "bdf3";
 /// Steps from which gradients at small h are taken.
 const FEW: usize = 3;
 /// Largest difference of adjoint and complex step at acceleration level, relative to the largest entry.
@@ -62,10 +62,6 @@ fn default_at(level: ConstraintLevel) -> Method {
     Method { level, ..Prepared::default_method() }
 }
 
-fn steps_of(table: &Table) -> usize {
-    if LONGEST.contains(&table.name.as_str()) { LONG } else { LONG / 10 }
-}
-
 /// Energy and constraints over a million steps, for every table.
 fn long_runs(report: &mut Report) -> Result<(), String> {
     let scenes: [(&str, &dyn AnyScene); 2] = [("free-body", &FreeBody), ("pendulum", &Pendulum)];
@@ -74,13 +70,20 @@ fn long_runs(report: &mut Report) -> Result<(), String> {
         .par_iter()
         .map(|((_, scene), table)| {
             let method = Method::new(table.clone(), ConstraintLevel::Acceleration);
-            let steps = steps_of(table);
-            drift(&prepare(*scene, method, steps as f64 * LONG_STEP, steps)?)
+            drift(&prepare(*scene, method, LONG as f64 * LONG_STEP, LONG)?)
         })
         .collect();
     for (((name, _), table), outcome) in runs.iter().zip(drifts) {
-        let figure = |what: &str| format!("{:e} steps/{name}/{}/{what}", steps_of(table), table.name);
-        let (energy, worst) = outcome.map_err(|error| format!("{}: {error}", figure("run")))?;
+        let figure = |what: &str| format!("{LONG:e} steps/{name}/{}/{what}", table.name);
+        let (energy, worst) = match outcome {
+            Ok(drift) => drift,
+            Err(error) if table.name == GROWING => {
+                report.inform(figure("ends without a solution"), 1.0);
+                report.note(format!("{}: {error}", figure("run")));
+                continue;
+            }
+            Err(error) => return Err(format!("{}: {error}", figure("run"))),
+        };
         report.inform(figure("largest change of energy, relative"), energy);
         report.at_most(figure("joint gap [m]"), worst.position, 1e-14);
         report.at_most(figure("joint rate [m/s]"), worst.velocity, 1e-13);

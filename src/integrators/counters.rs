@@ -1,0 +1,30 @@
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Systems solved: stages, projections, accelerations.
+    pub systems: usize,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Evaluations of the residual of the whole model.
+    pub residuals: usize,
+    /// Jacobians assembled and factored.
+    pub factorizations: usize,
+    /// Solutions with a factored matrix, transposed or not.
+    pub solves: usize,
+    /// Transposed products with all elements (adjoint only).
+    pub products: usize,
+    /// Blocks of elements differentiated for matrices.
+    pub blocks: usize,
+}
+
+impl std::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.systems += other.systems;
+        self.iterations += other.iterations;
+        self.residuals += other.residuals;
+        self.factorizations += other.factorizations;
+        self.solves += other.solves;
+        self.products += other.products;
+        self.blocks += other.blocks;
+    }
+}
