@@ -1,7 +1,7 @@
 //! Steps of a running simulation ask for no memory.
 
 use costate::history::Watch;
-use costate::integrators::{ConstraintLevel, Method, RunError, StepRecord, march, tables};
+use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, StepRecord, march, march_adaptive, tables};
 use costate::scenes::built_in::{self, Chain, ChainVariables, FiveBar, HeavyTop};
 use costate::scenes::{AnyScene, Prepared, Settings};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -94,4 +94,27 @@ fn functionals_and_long_chains_allocate_nothing() {
             assert_eq!(long, short, "{}", scene.scene_name());
         }
     });
+}
+
+#[test]
+fn chosen_steps_allocate_for_their_list_alone() {
+    let scene = HeavyTop;
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let settings = scene.default_settings().choosing_steps(StepControl::new(1e-7));
+    let prepared = Prepared::with(&scene, &x, Prepared::default_method(), settings).expect("a sound scene");
+    let control = prepared.control.expect("chosen steps");
+    // the thread's tapes grow once
+    prepared.analysis().values(&x).expect("runs");
+    let mut counts = Vec::with_capacity(10_000);
+    let mut watch = Watch(|_: &StepRecord<f64>| {
+        counts.push(COUNT.get());
+        true
+    });
+    let (problem, method) = (prepared.problem(), &prepared.method);
+    let (grid, run) = march_adaptive(&problem, method, &control, &prepared.grid, &prepared.plan, &mut watch);
+    let rejected = run.expect("runs").rejected;
+    let asking = counts.windows(2).skip(BEFORE).filter(|pair| pair[1] > pair[0]).count();
+    // the list of times doubles; steps that are given up factor anew
+    let doublings = grid.steps().ilog2() as usize;
+    assert!(grid.steps() > 100 && asking <= doublings + rejected, "{asking} of {} steps, {rejected} rejected", grid.steps());
 }

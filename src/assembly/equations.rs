@@ -177,6 +177,8 @@ macro_rules! clone_fields {
         }
     };
 }
+pub(crate) use clone_fields;
+
 clone_fields!(VectorsAvq { a, v, q });
 clone_fields!(Unknowns { x, y, mu, eta, local_mu, local_eta });
 

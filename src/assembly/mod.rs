@@ -22,6 +22,7 @@ mod quadratic;
 mod residual;
 mod sparse_pattern;
 
+pub(crate) use equations::clone_fields;
 pub use equations::{Equations, Level, Shift, Unknowns, VectorsAvq};
 pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};

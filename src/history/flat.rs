@@ -162,7 +162,7 @@ flat! {
     Prediction<f64> { tracks }
     Between<f64> { step, scheme, carried, rate, last, prediction }
     FactoredAt<f64> { t, base, unknowns }
-    KeptFactorization<f64> { factored, pivots, floors, measured, measured_for }
+    KeptFactorization<f64> { factored, at, pivots, floors, measured, measured_for }
     Checkpoint<f64> { between, kept }
 }
 

@@ -131,7 +131,7 @@ fn march_choosing(
             marcher.resume(&before)?;
         };
         choice.advance(reached);
-        before = marcher.checkpoint();
+        marcher.checkpoint_in(&mut before);
         if !recorder.step(marcher.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }

@@ -1,10 +1,10 @@
 use super::record::SolveRecord;
 use super::{Carried, Prediction, Scheme};
-use crate::assembly::{Equations, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::elements::RunScalar;
 
 /// What goes from one step to the next, beside the kept factorizations.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Between<S> {
     /// Number of the next step.
     pub step: usize,
@@ -48,7 +48,7 @@ impl<S: RunScalar> Between<S> {
 }
 
 /// Where a matrix was assembled: the factorization is made again from it, bit by bit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct FactoredAt<S> {
     /// Time [s].
     pub t: f64,
@@ -58,11 +58,25 @@ pub struct FactoredAt<S> {
     pub unknowns: Unknowns<S>,
 }
 
+impl<S> FactoredAt<S> {
+    /// Empties it; the memory stays.
+    pub(super) fn clear(&mut self) {
+        let (VectorsAvq { a, v, q }, Unknowns { x, y, mu, eta, local_mu, local_eta }) = (&mut self.base, &mut self.unknowns);
+        [a, v, q, x, y, mu, eta, local_mu, local_eta].into_iter().for_each(Vec::clear);
+        self.t = 0.0;
+    }
+}
+
+clone_fields!(FactoredAt { t, base, unknowns });
+clone_fields!(Between { step, scheme, carried, rate, last, prediction });
+
 /// What a Newton's method keeps from one system to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KeptFactorization<S> {
-    /// The equations that were factored and the place, if the factorization is still in use.
-    pub factored: Option<(Equations, FactoredAt<S>)>,
+    /// The equations that were factored, if the factorization is still in use.
+    pub factored: Option<Equations>,
+    /// Where they were.
+    pub at: FactoredAt<S>,
     /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
     pub pivots: Vec<usize>,
     /// Size of corrections at round-off, for each kind of system; zero if not known.

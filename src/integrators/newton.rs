@@ -387,14 +387,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     /// What later systems depend on beside their own numbers.
-    pub(super) fn kept(&self) -> KeptFactorization<S> {
-        KeptFactorization {
-            factored: self.factored.map(|equations| (equations, self.factored_at.clone())),
-            pivots: self.factorization.kept_pivots().unwrap_or_default(),
-            floors: self.floors,
-            measured: self.measured,
-            measured_for: self.measured_for,
+    pub(super) fn keep_in(&self, kept: &mut KeptFactorization<S>) {
+        kept.factored = self.factored;
+        if self.factored.is_some() {
+            kept.at.clone_from(&self.factored_at);
+        } else {
+            kept.at.clear();
         }
+        kept.pivots.clear();
+        kept.pivots.extend_from_slice(self.factorization.kept_pivots().unwrap_or_default());
+        (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
@@ -402,7 +404,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.factored = None;
         // none: pivots that were chosen since are forgotten
         self.factorization.keep_pivots(&kept.pivots);
-        if let Some((equations, FactoredAt { t, base, unknowns })) = &kept.factored {
+        let FactoredAt { t, base, unknowns } = &kept.at;
+        if let Some(equations) = &kept.factored {
             self.residual.start(self.system, equations, base, p, *t);
             let mut unknowns = unknowns.clone();
             self.evaluate(equations, base, &mut unknowns, p, *t);

@@ -1,4 +1,4 @@
-use crate::assembly::Unknowns;
+use crate::assembly::{Unknowns, clone_fields};
 use crate::elements::RunScalar;
 
 /// Most earlier steps from which a solution is extrapolated.
@@ -8,7 +8,7 @@ pub(crate) const MOST: usize = 4;
 ///
 /// Increments by the size of the step are polynomials in time through those of the latest steps; of the degrees, one for each
 /// system, that one is taken which would have foretold the latest solution best.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Prediction<S> {
     /// One for each system of a step, in order.
     pub tracks: Vec<Track<S>>,
@@ -25,16 +25,8 @@ pub struct Track<S> {
     pub used: usize,
 }
 
-impl<S: Clone> Clone for Track<S> {
-    fn clone(&self) -> Self {
-        Track { times: self.times.clone(), rates: self.rates.clone(), used: self.used }
-    }
-    fn clone_from(&mut self, other: &Self) {
-        self.times.clone_from(&other.times);
-        self.rates.clone_from(&other.rates);
-        self.used = other.used;
-    }
-}
+clone_fields!(Prediction { tracks });
+clone_fields!(Track { times, rates, used });
 
 impl<S: RunScalar> Prediction<S> {
     /// Forgets all steps; `systems` is their number in those to come.

@@ -116,8 +116,17 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
 
     /// All that later steps depend on.
     pub fn checkpoint(&self) -> Checkpoint<S> {
-        let newtons = [&self.acceleration, &self.stage];
-        Checkpoint { between: self.between.clone(), kept: newtons.map(Newton::kept) }
+        let mut checkpoint = Checkpoint::default();
+        self.checkpoint_in(&mut checkpoint);
+        checkpoint
+    }
+
+    /// The same in the memory of another checkpoint.
+    pub fn checkpoint_in(&self, checkpoint: &mut Checkpoint<S>) {
+        checkpoint.between.clone_from(&self.between);
+        for (newton, kept) in [&self.acceleration, &self.stage].into_iter().zip(&mut checkpoint.kept) {
+            newton.keep_in(kept);
+        }
     }
 
     /// Goes on from a checkpoint: the steps that follow are those of the run that left it, bit by bit.

@@ -129,7 +129,7 @@ impl Factorization {
     }
 
     /// The order of pivots that later factorizations keep, if the solver keeps any.
-    pub fn kept_pivots(&self) -> Option<Vec<usize>> {
+    pub fn kept_pivots(&self) -> Option<&[usize]> {
         self.solver.kept_pivots()
     }
 

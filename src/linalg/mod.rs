@@ -33,7 +33,7 @@ pub trait LinearSolver: Send {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular>;
     /// The order of pivots that later factorizations keep, if the solver keeps any: together with the values it fixes every bit
     /// of the factors.
-    fn kept_pivots(&self) -> Option<Vec<usize>> {
+    fn kept_pivots(&self) -> Option<&[usize]> {
         None
     }
     /// Takes over the order of pivots that another factorization of the pattern found.
