@@ -33,6 +33,12 @@ pub trait Study {
     fn run(&self, report: &mut Report) -> Result<(), String>;
 }
 
+/// Measures with one thread: that of a pool of its own.
+fn on_one_thread(measure: impl FnOnce() -> Result<(), String> + Send) -> Result<(), String> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
+    pool.install(measure)
+}
+
 /// All studies. A new one is a folder with `study.rs` and a line here.
 pub fn all() -> Vec<Box<dyn Study>> {
     vec![

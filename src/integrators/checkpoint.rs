@@ -79,8 +79,8 @@ pub struct KeptFactorization<S> {
     pub at: FactoredAt<S>,
     /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
     pub pivots: Vec<usize>,
-    /// Size of corrections at round-off, for each kind of system; zero if not known.
-    pub floors: [f64; 3],
+    /// Size of corrections at round-off, for each kind of system, where it is known.
+    pub floors: [Option<f64>; 3],
     /// Equations for which these were measured, and factorizations since then.
     pub measured: Option<Equations>,
     /// See [`KeptFactorization::measured`].

@@ -73,7 +73,7 @@ pub struct Newton<'m, S> {
     /// Where it was.
     factored_at: FactoredAt<S>,
     /// Size of corrections at round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
-    floors: [f64; 3],
+    floors: [Option<f64>; 3],
     /// Equations for which floors were measured, and factorizations since then.
     measured: Option<Equations>,
     measured_for: usize,
@@ -101,7 +101,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: None,
             levers: vec![1.0; system.model.dofs],
             factored_at: FactoredAt::default(),
-            floors: [0.0; 3],
+            floors: [None; 3],
             measured: None,
             measured_for: 0,
             work: Unknowns::default(),
@@ -223,11 +223,14 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 fresh = true;
             }
             let kind = kind(equations);
-            if self.floors[kind] == 0.0 {
-                self.floors[kind] = self.round_off(equations, base, unknowns, p, t);
-                self.evaluate(equations, base, unknowns, p, t);
-            }
-            let floor = self.floors[kind];
+            let floor = match self.floors[kind] {
+                Some(floor) => floor,
+                None => {
+                    let floor = self.round_off(equations, base, unknowns, p, t);
+                    self.evaluate(equations, base, unknowns, p, t);
+                    *self.floors[kind].insert(floor)
+                }
+            };
             self.counters.iterations += 1;
             let step = self.step(None, unknowns);
             let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
@@ -264,7 +267,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                     continue;
                 }
                 if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {
-                    self.floors[kind] = step;
+                    self.floors[kind] = Some(step);
                     return Ok(());
                 }
                 if fresh && rate > 1.0 {
@@ -426,7 +429,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let resembles_last = self.measured.is_some_and(|old| resembles(&old, equations));
         self.measured_for += 1;
         if !resembles_last || self.measured_for > MEASURED_FOR {
-            (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [0.0; 3]);
+            (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
         }
         self.factored = Some(*equations);
         Ok(())

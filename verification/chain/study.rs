@@ -1,7 +1,7 @@
 //! Cost of a step on chains of 10, 100 and 1000 rigid bodies, one thread.
 
 use crate::allocations;
-use crate::verification::{Clock, Report, Study};
+use crate::verification::{Clock, Report, Study, on_one_thread};
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, Table, tables};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings};
@@ -37,8 +37,7 @@ impl Study for ChainCost {
         "microseconds, Newton iterations, factorizations and allocations of a step on chains of 10, 100 and 1000 bodies"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
-        pool.install(|| measure_all(report))
+        on_one_thread(|| measure_all(report))
     }
 }
 

@@ -1,6 +1,6 @@
 //! A gradient costs the same for 1 and for 1000 design variables: a chain of 100 bodies, both choices of variables side by side.
 
-use crate::verification::{Clock, Report, Study};
+use crate::verification::{Clock, Report, Study, on_one_thread};
 use costate::integrators::Counters;
 use costate::scenes::{Prepared, Settings, built_in};
 
@@ -26,8 +26,7 @@ impl Study for GradientCost {
         "work and time of an adjoint gradient for 1 and for 1000 design variables, on a chain of 100 bodies"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
-        pool.install(|| measure_both(report))
+        on_one_thread(|| measure_both(report))
     }
 }
 

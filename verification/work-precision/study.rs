@@ -6,7 +6,7 @@ mod course;
 mod runs;
 mod scenes;
 
-use crate::verification::{Clock, Report, Study};
+use crate::verification::{Clock, Report, Study, on_one_thread};
 use chain::report_chain;
 use comparison::{AIMS, Measured, cheapest, report_comparison, report_tolerances};
 use costate::integrators::{ConstraintLevel, tables};
@@ -55,8 +55,7 @@ impl Study for WorkPrecision {
         "error against time for every integrator at every constraint level, and the force in a stiff member"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
-        pool.install(|| measure(report))
+        on_one_thread(|| measure(report))
     }
 }
 
