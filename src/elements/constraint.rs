@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 pub trait Constraint: Send + Sync + 'static {
     /// Number of coordinates of all its nodes together; the largest if [`dofs`](Constraint::dofs) chooses.
     const DOFS: usize;
-    /// Number of equations.
+    /// Number of equations; the largest if [`equations`](Constraint::equations) chooses.
     const EQUATIONS: usize;
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
@@ -21,6 +21,10 @@ pub trait Constraint: Send + Sync + 'static {
     /// Number of coordinates of this instance.
     fn dofs(&self) -> usize {
         Self::DOFS
+    }
+    /// Number of equations of this instance.
+    fn equations(&self) -> usize {
+        Self::EQUATIONS
     }
     /// Parameters of this instance.
     fn parameters(&self) -> Vec<Parameter> {

@@ -221,7 +221,7 @@ impl<C: Constraint, S: Recordable> ReactingConstraintIn<S> for C {
         }
         let p: SmallVec<[Reverse<S>; 16]> = p.iter().map(|&p| Reverse::constant(p)).collect();
         let work = |q: &[Reverse<S>]| {
-            let mut g: SmallVec<[Reverse<S>; 6]> = SmallVec::from_elem(Reverse::default(), C::EQUATIONS);
+            let mut g: SmallVec<[Reverse<S>; 6]> = SmallVec::from_elem(Reverse::default(), self.equations());
             self.g(q, &p, Reverse::constant(t), &mut g);
             g.iter().zip(mu).map(|(&g, &mu)| g * Reverse::constant(mu)).sum()
         };
@@ -234,7 +234,7 @@ impl<C: Constraint> AnyConstraint for C {
         self.dofs()
     }
     fn equation_count(&self) -> usize {
-        C::EQUATIONS
+        self.equations()
     }
     fn is_separable(&self) -> bool {
         C::SEPARABLE
@@ -248,7 +248,7 @@ impl<C: Constraint> AnyConstraint for C {
             return rows_of_lanes(self, s, p, t, rows);
         }
         let (q, constants) = (motion(s), along_motion(p));
-        let mut unit: SmallVec<[Taylor<f64>; 6]> = SmallVec::from_elem(Taylor::default(), C::EQUATIONS);
+        let mut unit: SmallVec<[Taylor<f64>; 6]> = SmallVec::from_elem(Taylor::default(), self.equations());
         rows.fill(Taylor::default());
         for (equation, row) in rows.chunks_exact_mut(n).enumerate() {
             unit[equation] = Taylor::from(1.0);
@@ -317,7 +317,7 @@ fn rows_of_lanes<C: Constraint>(constraint: &C, s: State<f64>, p: &[f64], t: f64
     let [value, rate, second] = [s.q, s.v, s.a].map(|x| x.iter().map(|&x| Lanes::constant(x)));
     q.extend(value.zip(rate.zip(second)).map(|(q, (v, a))| Taylor::new(q, v, a)));
     constants.extend(p.iter().map(|&p| Taylor::from(p)));
-    let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), C::EQUATIONS);
+    let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), constraint.equations());
     let time = Taylor::new(Lanes::from(t), Lanes::one(), Lanes::zero());
     for first in (0..n).step_by(LANES) {
         let lanes = first..n.min(first + LANES);

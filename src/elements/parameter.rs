@@ -9,6 +9,8 @@ pub enum Admissible {
     Positive,
     /// Zero or greater.
     NonNegative,
+    /// Any finite number but zero.
+    NonZero,
 }
 
 impl Admissible {
@@ -19,6 +21,7 @@ impl Admissible {
                 Admissible::Any => true,
                 Admissible::Positive => value > 0.0,
                 Admissible::NonNegative => value >= 0.0,
+                Admissible::NonZero => value != 0.0,
             }
     }
 
@@ -28,6 +31,7 @@ impl Admissible {
             Admissible::Any => "a finite number",
             Admissible::Positive => "greater than 0",
             Admissible::NonNegative => "0 or greater",
+            Admissible::NonZero => "a finite number other than 0",
         }
     }
 }
@@ -51,6 +55,10 @@ impl Parameter {
     /// A number greater than zero.
     pub const fn positive(name: &'static str, unit: &'static str) -> Self {
         Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Positive }
+    }
+    /// A number other than zero.
+    pub const fn non_zero(name: &'static str, unit: &'static str) -> Self {
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::NonZero }
     }
     /// A number that is zero or greater.
     pub const fn non_negative(name: &'static str, unit: &'static str) -> Self {

@@ -1,12 +1,11 @@
+mod forces;
+mod functionals;
+mod joints;
+
 use crate::assembly::{ConstraintId, ElementId, Model, NodeId, NodeKind};
 use crate::design::ModelNumbers;
 use crate::elements::bodies::{PointMass, RigidBody};
-use crate::elements::forces::{Gravity, LineDamper, LineSpring, TorsionSpringDamper, VectorDamper};
-use crate::elements::joints::{
-    DistanceJoint, FixedJoint, PrescribedRotation, PrescribedTranslation, RevoluteJoint, SphericalJoint,
-};
-use crate::elements::{Anchor, AnyConstraint, AnyElement, TimeFunction};
-use crate::functionals::quantities::{Coordinate, Position, Reaction, TargetDistance, Velocity};
+use crate::elements::{Anchor, AnyConstraint, AnyElement};
 use crate::functionals::{AnyQuantity, Functional, Measured, Over};
 use crate::scalar::{Quaternion, Scalar, Vec3};
 
@@ -182,142 +181,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.element(name, &[node], PointMass, &[mass])
     }
 
-    /// Weight for every mass added so far: g [m/s2].
-    pub fn gravity(&mut self, gravity: Vec3<S>) {
-        for (node, mass, centre) in std::mem::take(&mut self.masses) {
-            let name = format!("weight of {}", self.model.nodes[node.0].name);
-            let on = self.anchor(&name, node);
-            let p: Vec<S> = [mass].into_iter().chain(gravity.0).chain(centre.0).collect();
-            self.element(&name, &[node], Gravity { on }, &p);
-        }
-    }
-
-    fn points_between(&self, [a, b]: [NodeId; 2], [on_a, on_b]: [Vec3<S>; 2]) -> Vec<S> {
-        self.local_point(a, on_a).0.into_iter().chain(self.local_point(b, on_b).0).collect()
-    }
-
-    /// A spring along the line between world points of two nodes: stiffness [N/m], rest length [m].
-    pub fn line_spring(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        ends: [Vec3<S>; 2],
-        stiffness: S,
-        rest_length: S,
-    ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
-        let p = [vec![stiffness, rest_length], self.points_between(nodes, ends)].concat();
-        self.element(name, &nodes, LineSpring { a, b }, &p)
-    }
-
-    /// A damper along the line between world points of two nodes [N s/m].
-    pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
-        let p = [vec![damping], self.points_between(nodes, ends)].concat();
-        self.element(name, &nodes, LineDamper { a, b }, &p)
-    }
-
-    /// A damper on the whole relative velocity of world points of two nodes [N s/m].
-    pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
-        let p = [vec![damping], self.points_between(nodes, ends)].concat();
-        self.element(name, &nodes, VectorDamper { a, b }, &p)
-    }
-
-    /// Axis and reference directions of an angle between two bodies that is zero at the start.
-    fn angle_frame(&self, [a, b]: [NodeId; 2], axis: Vec3<S>) -> Vec<S> {
-        let axis = axis.normalized();
-        let [reference, _] = axis.perpendiculars();
-        [self.local_direction(a, axis), self.local_direction(a, reference), self.local_direction(b, reference)]
-            .into_iter()
-            .flat_map(|vector| vector.0)
-            .collect()
-    }
-
-    /// A torsion spring and damper about a world axis [N m/rad], [N m s/rad]; the angle is zero at the start.
-    pub fn torsion_spring_damper(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        axis: Vec3<S>,
-        [stiffness, damping, rest_angle]: [S; 3],
-    ) -> ElementId {
-        let p = [vec![stiffness, damping, rest_angle], self.angle_frame(nodes, axis)].concat();
-        self.element(name, &nodes, TorsionSpringDamper, &p)
-    }
-
-    /// A spherical joint at a world point [m].
-    pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
-        let p = self.points_between(nodes, [point, point]);
-        self.constraint(name, &nodes, SphericalJoint { a, b }, &p)
-    }
-
-    /// A massless link between two world points [m], as long as they are apart at the start.
-    pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2]) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
-        let mut p = self.points_between(nodes, ends);
-        p.push((ends[1] - ends[0]).norm());
-        self.constraint(name, &nodes, DistanceJoint { a, b }, &p)
-    }
-
-    /// A revolute joint at a world point [m] about a world axis.
-    pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
-        let axis = axis.normalized();
-        let [u, w] = axis.perpendiculars();
-        let mut p = self.points_between(nodes, [point, point]);
-        let [a, b] = nodes;
-        for vector in [self.local_direction(a, u), self.local_direction(a, w), self.local_direction(b, axis)] {
-            p.extend(vector.0);
-        }
-        self.constraint(name, &nodes, RevoluteJoint, &p)
-    }
-
-    /// Two bodies welded together at a world point [m].
-    pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
-        let relative = self.rotation(nodes[0]).conjugate().times(self.rotation(nodes[1]));
-        let p = [self.points_between(nodes, [point, point]), relative.0.to_vec()].concat();
-        self.constraint(name, &nodes, FixedJoint, &p)
-    }
-
-    /// A motion driver needs a function with two derivatives.
-    fn check_driver(&mut self, name: &str, function: &TimeFunction) {
-        if let TimeFunction::Step { switch } = function {
-            self.mistakes.push(format!("driver \"{name}\" would jump at t = {switch} s; give it a smooth ramp or a table"));
-        }
-    }
-
-    /// Drives the angle of b against a about a world axis [rad]; the angle is zero at the start of the geometry.
-    pub fn prescribed_rotation(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        axis: Vec3<S>,
-        angle: TimeFunction,
-        function_parameters: &[S],
-    ) -> ConstraintId {
-        self.check_driver(name, &angle);
-        let p = [self.angle_frame(nodes, axis), function_parameters.to_vec()].concat();
-        self.constraint(name, &nodes, PrescribedRotation { angle }, &p)
-    }
-
-    /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` [m].
-    pub fn prescribed_translation(
-        &mut self,
-        name: &str,
-        nodes: [NodeId; 2],
-        [origin, point]: [Vec3<S>; 2],
-        axis: Vec3<S>,
-        displacement: TimeFunction,
-        function_parameters: &[S],
-    ) -> ConstraintId {
-        self.check_driver(name, &displacement);
-        let b = self.anchor(name, nodes[1]);
-        let axis = self.local_direction(nodes[0], axis.normalized());
-        let p = [self.points_between(nodes, [origin, point]), axis.0.to_vec(), function_parameters.to_vec()].concat();
-        self.constraint(name, &nodes, PrescribedTranslation { b, displacement }, &p)
-    }
-
     /// A functional of any quantity.
     pub fn functional(
         &mut self,
@@ -336,51 +199,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
         let measured = Measured::Local { nodes, constraints, parameters, quantity: Box::new(quantity) };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
-    }
-
-    /// A functional of the position of a world point of a node along a direction [m].
-    pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vec3<S>, direction: Vec3<S>) {
-        let of = self.anchor(name, node);
-        let p = [self.local_point(node, point).0, direction.0].concat();
-        self.functional(name, "m", over, (&[node], &[]), Position { of }, &p);
-    }
-
-    /// A functional of the velocity of a world point of a node along a direction [m/s].
-    pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vec3<S>, direction: Vec3<S>) {
-        let of = self.anchor(name, node);
-        let p = [self.local_point(node, point).0, direction.0].concat();
-        self.functional(name, "m/s", over, (&[node], &[]), Velocity { of }, &p);
-    }
-
-    /// A functional of the squared distance of a world point of a node from a target [m2].
-    pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vec3<S>, target: Vec3<S>) {
-        let of = self.anchor(name, node);
-        let p = [self.local_point(node, point).0, target.0].concat();
-        self.functional(name, "m2", over, (&[node], &[]), TargetDistance { of }, &p);
-    }
-
-    /// A functional of a weighted sum of a joint's multipliers.
-    pub fn reaction_functional(&mut self, name: &str, over: Over, joint: ConstraintId, weights: &[S]) {
-        if let Some(constraint) = self.model.constraints.get(joint.0) {
-            let equations = constraint.equations.len();
-            self.functional(name, "N", over, (&[], &[joint]), Reaction { equations }, weights);
-        }
-    }
-
-    /// A functional of one coordinate of a node.
-    pub fn coordinate_functional(&mut self, name: &str, over: Over, node: NodeId, index: usize) {
-        let of = self.model.nodes[node.0].dofs.len();
-        self.functional(name, "-", over, (&[node], &[]), Coordinate { of, index }, &[]);
-    }
-
-    /// A functional of the energy of all elements [J].
-    pub fn energy_functional(&mut self, name: &str, over: Over) {
-        self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::Energy, over });
-    }
-
-    /// A functional of the mass of all elements [kg].
-    pub fn mass_functional(&mut self, name: &str, over: Over) {
-        self.functionals.push(Functional { name: name.into(), unit: "kg", measured: Measured::Mass, over });
     }
 
     /// Draws a line through world points with a node.
