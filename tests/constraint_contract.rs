@@ -486,7 +486,7 @@ fn rows_are_the_gradients_of_all_levels() {
         for sample in samples(&case) {
             let (n, count) = (sample.q.len(), case.constraint.equation_count());
             let mut rows = vec![Taylor::default(); n * count];
-            case.constraint.rows(sample.state(), &case.p, sample.t, &mut rows);
+            case.constraint.rows(sample.state(), &case.p, sample.t, true, &mut rows);
             for column in 0..n {
                 let mut q = complex(&sample.q);
                 q[column].im = Complex::STEP;

@@ -300,19 +300,35 @@ impl Assembly<'_> {
     ) {
         let BlockWork { real, motion, gradients, .. } = work;
         motion.resize(count * part.dofs, Taylor::default());
-        if self.equations.level == Level::Position {
+        if physics.is_nonholonomic() {
+            let accelerations = self.equations.level == Level::Acceleration;
+            physics.rows(real.state(part, &self.point.constraint_at), p, self.t, accelerations, motion);
+        } else if self.equations.level == Level::Position {
             motion.iter_mut().zip(&*gradients).for_each(|(row, &a)| *row = Taylor::from(a));
         } else {
-            physics.rows(real.state(part, &self.point.constraint_at), p, self.t, motion);
+            physics.rows(real.state(part, &self.point.constraint_at), p, self.t, true, motion);
         }
         let columns = part.columns.len();
         let stabilized = self.equations.level == Level::Stabilized;
+        if physics.is_nonholonomic() {
+            for second in [false, true].into_iter().take(1 + usize::from(stabilized)) {
+                if self.equations.nonholonomic(second).is_none() {
+                    // the equation is that the multiplier is zero
+                    let own = columns + if second { count } else { 0 };
+                    (own..own + count).for_each(|row| block[row + row * size] = 1.0);
+                }
+            }
+        }
         let (mut offset, mut first) = (0, 0);
         for (&node, segment) in part.nodes.iter().zip(&part.segments) {
             let seeds = node_seeds(self.system, self.bases, node);
             for (row, motion) in motion.chunks_exact(part.dofs).enumerate() {
                 for (dof, &entry) in motion[offset..offset + segment.len()].iter().enumerate() {
-                    let [towards_x, towards_y] = self.equations.row_entries(entry);
+                    let [towards_x, towards_y] = if physics.is_nonholonomic() {
+                        self.equations.nonholonomic_entries(entry)
+                    } else {
+                        self.equations.row_entries(entry)
+                    };
                     if entry == Taylor::default() {
                         continue;
                     }

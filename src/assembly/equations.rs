@@ -85,6 +85,17 @@ impl Equations {
         Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Velocity, metric: true }
     }
 
+    /// What a nonholonomic constraint h = 0 is asked for here, and the factor of its rows: h at every level but that of accelerations;
+    /// nothing (its multiplier is zero) where coordinates are projected, or as the second set.
+    pub(crate) fn nonholonomic(&self, second: bool) -> Option<(Level, f64)> {
+        match self.level {
+            Level::Position if self.metric => None,
+            Level::Stabilized if second => None,
+            Level::Acceleration => Some((Level::Acceleration, 1.0 / self.constraint.gamma)),
+            Level::Position | Level::Velocity | Level::Stabilized => Some((Level::Velocity, 1.0 / self.constraint.beta)),
+        }
+    }
+
     /// Scaled rows of the one or two sets of constraints towards an unknown x that moves one coordinate, and towards y, from the
     /// entry of A and its derivatives along the motion.
     pub(crate) fn row_entries(&self, a: Taylor<f64>) -> [[f64; 2]; 2] {
@@ -94,6 +105,16 @@ impl Equations {
             Level::Velocity => [[a.value + alpha / beta * a.first, 0.0], [0.0; 2]],
             Level::Acceleration => [[a.value + (2.0 * beta * a.first + alpha * a.second) / gamma, 0.0], [0.0; 2]],
             Level::Stabilized => [[a.value, a.value + alpha / beta * a.first], [a.value, alpha / beta * a.first]],
+        }
+    }
+
+    /// The same for a nonholonomic constraint, from B and its companions.
+    pub(crate) fn nonholonomic_entries(&self, b: Taylor<f64>) -> [[f64; 2]; 2] {
+        let Shift { beta, alpha, .. } = self.constraint;
+        match self.nonholonomic(false) {
+            None => [[0.0; 2]; 2],
+            Some((Level::Acceleration, _)) => self.row_entries(b),
+            Some(_) => [[b.value + alpha / beta * b.first, 0.0], [alpha / beta * b.first, 0.0]],
         }
     }
 

@@ -151,8 +151,11 @@ impl<'m> System<'m> {
             }
             unknowns
         };
-        let elements: Vec<_> =
-            model.elements.iter().map(|e| Coupled { unknowns: node_columns(&e.nodes), nodes: Vec::new() }).collect();
+        let elements: Vec<_> = model
+            .elements
+            .iter()
+            .map(|e| Coupled { unknowns: node_columns(&e.nodes), nodes: Vec::new(), diagonal: false })
+            .collect();
         let mut constraints = Vec::new();
         for constraint in &model.constraints {
             let own = node_columns(&constraint.nodes);
@@ -161,17 +164,19 @@ impl<'m> System<'m> {
             } else {
                 vec![None; own.len()]
             };
-            constraints.push(Coupled { unknowns: with_multipliers(own, constraint.equations.clone()), nodes });
+            let unknowns = with_multipliers(own, constraint.equations.clone());
+            constraints.push(Coupled { unknowns, nodes, diagonal: constraint.physics.is_nonholonomic() });
         }
         for local in locals.iter().filter(|_| options.unreduced) {
             let own = node_columns(&[NodeId(local.node)]);
             let nodes = vec![None; own.len()];
             let equations = local.equations.start + model.equations..local.equations.end + model.equations;
-            constraints.push(Coupled { unknowns: with_multipliers(own, equations), nodes });
+            constraints.push(Coupled { unknowns: with_multipliers(own, equations), nodes, diagonal: false });
         }
         let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || options.stabilized);
         let block_nodes: Vec<usize> = (0..nodes.len()).filter(|&node| with_block(&nodes[node])).collect();
-        let node_block = |&node: &usize| Coupled { unknowns: node_columns(&[NodeId(node)]), nodes: Vec::new() };
+        let node_block =
+            |&node: &usize| Coupled { unknowns: node_columns(&[NodeId(node)]), nodes: Vec::new(), diagonal: false };
         let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
 
         let mut entries = Vec::new();
@@ -284,15 +289,17 @@ struct Coupled {
     /// For a constraint: one entry for each unknown of its nodes, naming the node where it is coupled with no other; multipliers
     /// follow. Empty for a part whose unknowns all meet.
     nodes: Vec<Option<usize>>,
+    /// Multipliers meet themselves: in some systems the equation is that they are zero.
+    diagonal: bool,
 }
 
 impl Coupled {
-    /// Calls `f(local index, row, column)` for each entry; multipliers do not meet multipliers.
+    /// Calls `f(local index, row, column)` for each entry; multipliers do not meet other multipliers.
     fn for_each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
         let all = self.nodes.is_empty();
         let meet = |i: usize, j: usize| match (self.nodes.get(i), self.nodes.get(j)) {
             (Some(a), Some(b)) => a == b,
-            (None, None) => all,
+            (None, None) => all || (self.diagonal && i == j),
             _ => true,
         };
         for (j, column) in self.unknowns.iter().enumerate() {

@@ -255,11 +255,19 @@ impl System<'_> {
         rows.clear();
         rows.resize(joint.equations.len() * part.dofs, Taylor::default());
         let own = state.state(part, point.at);
-        joint.physics.rows(own, &point.p[part.parameters.clone()], point.t, rows);
+        let nonholonomic = joint.physics.is_nonholonomic();
+        let wanted = if nonholonomic { equations.nonholonomic(false) } else { Some((equations.level, 1.0)) };
+        let Some((level, _)) = wanted else { return };
+        let accelerations = level == Level::Acceleration;
+        joint.physics.rows(own, &point.p[part.parameters.clone()], point.t, accelerations, rows);
+        let scales = match wanted {
+            Some((_, scale)) if nonholonomic => [scale, 0.0],
+            _ => equations.row_scales(),
+        };
         for (adjoint, bar) in adjoints.iter().zip(bars) {
             for (row, equation) in rows.chunks_exact(part.dofs).zip(joint.equations.clone()) {
                 let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
-                add_row(equations, row, [adjoint.g[equation], second], &part.segments, bar.at);
+                add_row(level, row, [adjoint.g[equation] * scales[0], second * scales[1]], &part.segments, bar.at);
             }
         }
     }
@@ -300,7 +308,7 @@ impl System<'_> {
         reaction_rows.resize(multipliers.len() * n, 0.0);
         let q = state.state(part, point.at).q;
         let at = (q, &point.p[part.parameters.clone()], point.t);
-        joint.physics.linearize_reaction(at, signed, directions, reaction_rows, curvature);
+        joint.physics.pull_back(at, signed, directions, reaction_rows, curvature);
         for (k, bar) in bars.iter_mut().enumerate() {
             weights.clear();
             weights.extend(curvature[k / LANES * n..].iter().take(n).map(|product| product[k % LANES]));
@@ -329,7 +337,13 @@ impl System<'_> {
         load(q, own.q);
         load(p, &point.p[part.parameters.clone()]);
         let physics = Lanes::constraint(joint.physics);
-        let (scales, time) = (equations.row_scales(), Lanes::from(point.t));
+        let time = Lanes::from(point.t);
+        let nonholonomic = joint.physics.is_nonholonomic();
+        let (level, scales) = match equations.nonholonomic(false).filter(|_| nonholonomic) {
+            Some((level, scale)) => (level, [scale, 0.0]),
+            None if nonholonomic => (Level::Position, [0.0; 2]),
+            None => (equations.level, equations.row_scales()),
+        };
         let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), joint.equations.len());
         let stabilized = equations.level == Level::Stabilized;
         for first in (0..p.len()).step_by(LANES) {
@@ -337,11 +351,11 @@ impl System<'_> {
             for lane in 0..width {
                 p[first + lane].eps[lane] = 1.0;
             }
-            write_level(physics, equations.level, State { a, v, q }, p, time, &mut g);
+            write_level(physics, level, State { a, v, q }, p, time, &mut g);
             for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
                 let target = &mut bar.p[part.parameters.clone()][first..first + width];
                 for (equation, g) in joint.equations.clone().zip(&g) {
-                    let (value, rate) = select(equations.level, *g);
+                    let (value, rate) = select(level, *g);
                     let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
                     let weights = [adjoint.g[equation] * scales[0], second * scales[1]];
                     for (target, (value, rate)) in target.iter_mut().zip(value.eps.iter().zip(rate.eps)) {
@@ -379,7 +393,7 @@ impl System<'_> {
         at: &VectorsAvq<f64>,
         bar: &mut VectorsAvq<f64>,
     ) {
-        let mut rows = Vec::new();
+        let (scales, mut rows) = (equations.row_scales(), Vec::new());
         for local in self.eliminated() {
             let dofs = self.model.nodes[local.node].dofs.clone();
             let own = local.equations.clone();
@@ -397,7 +411,8 @@ impl System<'_> {
             local.form.moving_rows(state, &mut rows);
             for (row, equation) in rows.chunks_exact(dofs.len()).zip(own) {
                 let second = adjoint.local.get(equation + self.local_equations).copied().unwrap_or(0.0);
-                add_row(equations, row, [adjoint.local[equation], second], std::slice::from_ref(&dofs), bar);
+                let weights = [adjoint.local[equation] * scales[0], second * scales[1]];
+                add_row(equations.level, row, weights, std::slice::from_ref(&dofs), bar);
             }
         }
     }
@@ -432,21 +447,19 @@ impl System<'_> {
     }
 }
 
-/// Adds the weights of the one or two equations of a level times their gradients, given the row A along the motion.
+/// Adds the scaled weights of the one or two equations of a level times their gradients, given the row A along the motion.
 fn add_row(
-    equations: &Equations,
+    level: Level,
     row: &[Taylor<f64>],
-    weights: [f64; 2],
+    [first, second]: [f64; 2],
     segments: &[Range<usize>],
     bar: &mut VectorsAvq<f64>,
 ) {
-    if weights == [0.0; 2] {
+    if [first, second] == [0.0; 2] {
         return;
     }
-    let scales = equations.row_scales();
-    let [first, second] = [weights[0] * scales[0], weights[1] * scales[1]];
     for (dof, a) in segments.iter().cloned().flatten().zip(row) {
-        match equations.level {
+        match level {
             Level::Position => bar.q[dof] += first * a.value,
             Level::Velocity => {
                 bar.v[dof] += first * a.value;

@@ -188,7 +188,7 @@ mod tests {
         assert!((0.5 * unit.second * length + unit.constant - g[0].value).abs() < 1e-14);
         let (mut rows, mut expected) = ([Taylor::default(); 7], [Taylor::default(); 7]);
         own.moving_rows(state, &mut rows);
-        physics.rows(state, &[], 0.0, &mut expected);
+        physics.rows(state, &[], 0.0, true, &mut expected);
         assert!(rows.iter().zip(&expected).all(|(&a, &b)| close(a, b)), "{rows:?} {expected:?}");
         let mut values = [0.0; 7];
         own.rows(&q, &mut values);

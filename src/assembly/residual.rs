@@ -321,6 +321,22 @@ impl<S: RunScalar> Residual<S> {
             }
             g.clear();
             g.resize(joint.equations.len(), Taylor::default());
+            if joint.physics.is_nonholonomic() {
+                physics.derivatives(own, p, time, 1.0, g);
+                let wanted = [equations.nonholonomic(false), equations.nonholonomic(true)];
+                let rows = [(&mut self.g, &unknowns.mu), (&mut self.g_second, &unknowns.eta)];
+                for (wanted, (target, multipliers)) in wanted.into_iter().zip(rows) {
+                    for (row, g) in joint.equations.clone().zip(&*g) {
+                        if row < target.len() && system.multiplier_columns[row].is_some() {
+                            target[row] = match wanted {
+                                Some((level, scale)) => select(level, *g).0 * scale,
+                                None => multipliers[row],
+                            };
+                        }
+                    }
+                }
+                continue;
+            }
             write_level(physics, equations.level, own, p, time, g);
             for (row, g) in joint.equations.clone().zip(&*g) {
                 if system.multiplier_columns[row].is_some() {

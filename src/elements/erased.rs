@@ -184,12 +184,17 @@ pub trait AnyConstraint:
     fn equation_count(&self) -> usize;
     /// Whether the reaction on one node depends on no other.
     fn is_separable(&self) -> bool;
+    /// Whether it restricts velocities only.
+    fn is_nonholonomic(&self) -> bool {
+        false
+    }
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Writes A (equations by coordinates) with its first and second derivative along q(s) = (q, v, a), t(s) = (t, 1, 0).
     ///
     /// These are all rows that any constraint level needs: d(dg/dt)/dq = dA/dt, d(d2g/dt2)/dv = 2 dA/dt, d(d2g/dt2)/dq = d2A/dt2.
-    fn rows(&self, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]);
+    /// Those of a nonholonomic constraint differ for velocities and `accelerations`.
+    fn rows(&self, s: State<f64>, p: &[f64], t: f64, accelerations: bool, rows: &mut [Taylor<f64>]);
     /// Writes A (equations by coordinates) and, for groups of eight directions of q, the derivative of A^T mu along them.
     fn linearize_reaction(
         &self,
@@ -199,6 +204,18 @@ pub trait AnyConstraint:
         gradients: &mut [f64],
         products: &mut [Direction],
     );
+    /// Writes, for groups of eight lambdas, the gradient of lambda . A^T mu with respect to q; A goes to `gradients`.
+    fn pull_back(
+        &self,
+        at: (&[f64], &[f64], f64),
+        mu: &[f64],
+        lambdas: &[Direction],
+        gradients: &mut [f64],
+        products: &mut [Direction],
+    ) {
+        // the curvature of mu . g is symmetric
+        self.linearize_reaction(at, mu, lambdas, gradients, products);
+    }
     /// Times at which the prescribed motion is not smooth.
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
 }
@@ -242,7 +259,7 @@ impl<C: Constraint> AnyConstraint for C {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn rows(&self, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]) {
+    fn rows(&self, s: State<f64>, p: &[f64], t: f64, _accelerations: bool, rows: &mut [Taylor<f64>]) {
         let n = s.q.len();
         if !C::REACTION {
             return rows_of_lanes(self, s, p, t, rows);
@@ -339,7 +356,7 @@ fn rows_of_lanes<C: Constraint>(constraint: &C, s: State<f64>, p: &[f64], t: f64
 
 /// q(s) = q + v s + a s^2 / 2, filled in place: moving or pushing costs as much as the evaluation.
 #[inline(always)]
-fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 16]> {
+pub(super) fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 16]> {
     let mut q: SmallVec<[Taylor<S>; 16]> = SmallVec::from_elem(Taylor::default(), s.q.len());
     for (i, q) in q.iter_mut().enumerate() {
         *q = Taylor::new(s.q[i], s.v[i], s.a[i]);
@@ -349,7 +366,7 @@ fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 16]> {
 
 /// Numbers that don't move.
 #[inline(always)]
-fn along_motion<S: Scalar>(p: &[S]) -> SmallVec<[Taylor<S>; 16]> {
+pub(super) fn along_motion<S: Scalar>(p: &[S]) -> SmallVec<[Taylor<S>; 16]> {
     let mut constants: SmallVec<[Taylor<S>; 16]> = SmallVec::from_elem(Taylor::default(), p.len());
     for (constant, &p) in constants.iter_mut().zip(p) {
         constant.value = p;

@@ -2,6 +2,7 @@
 //!
 //! * [`Element`]: residual R(a, v, q, p, t), or the energies and forces from which it follows
 //! * [`Constraint`]: g(q, p, t) = 0 and nothing else
+//! * [`NonholonomicConstraint`]: h(v, q, p, t) = 0, linear in v, and nothing else
 //!
 //! Sign: the residual is inertia + internal - applied = 0; a constraint adds A^T mu with A = dg/dq, so the force of the
 //! constraint on the bodies is -A^T mu.
@@ -11,6 +12,7 @@ mod constraint;
 mod element;
 mod erased;
 mod lagrangian;
+mod nonholonomic;
 mod parameter;
 mod time_function;
 
@@ -23,5 +25,6 @@ pub use constraint::Constraint;
 pub use element::{Element, State};
 pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingConstraintIn, RunScalar};
 pub use lagrangian::lagrangian_residual;
+pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use time_function::TimeFunction;

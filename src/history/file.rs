@@ -351,14 +351,25 @@ mod tests {
         let base = VectorsAvq { a: vec![0.0], v: vec![1.0], q: vec![2.0] };
         let unknowns = Unknowns { x: vec![-9.81], ..Unknowns::default() };
         let acceleration = SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns };
-        StartRecord { position_projection: None, velocity_projection: None, acceleration }
+        StartRecord { dropped: Vec::new(), position_projection: None, velocity_projection: None, acceleration }
     }
 
     fn step(index: usize) -> StepRecord<f64> {
         let (t, h) = (index as f64 * 0.1, 0.1);
         let (q, v) = (vec![t, -0.0, f64::NAN], vec![1.0 / 3.0, f64::MIN_POSITIVE]);
         let (scheme, stages) = (Scheme::Main, Vec::new());
-        StepRecord { t, h, scheme, restart: None, stages, position_projection: None, velocity_projection: None, q, v }
+        StepRecord {
+            t,
+            h,
+            scheme,
+            dropped: vec![3],
+            restart: None,
+            stages,
+            position_projection: None,
+            velocity_projection: None,
+            q,
+            v,
+        }
     }
 
     /// A disk with room for some bytes.

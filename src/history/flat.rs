@@ -156,11 +156,11 @@ flat! {
     Unknowns<f64> { x, y, mu, eta, local_mu, local_eta }
     SolveRecord<f64> { t, equations, base, unknowns }
     StageRecord<f64> { solve, known, rate }
-    StepRecord<f64> { t, h, scheme, restart, stages, position_projection, velocity_projection, q, v }
-    StartRecord<f64> { position_projection, velocity_projection, acceleration }
+    StepRecord<f64> { t, h, scheme, dropped, restart, stages, position_projection, velocity_projection, q, v }
+    StartRecord<f64> { dropped, position_projection, velocity_projection, acceleration }
     Track<f64> { times, rates, used }
     Prediction<f64> { tracks }
-    Between<f64> { step, scheme, carried, rate, last, prediction }
+    Between<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction }
     FactoredAt<f64> { t, base, unknowns }
     KeptFactorization<f64> { factored, at, pivots, floors, measured, measured_for }
     Checkpoint<f64> { between, kept }

@@ -22,7 +22,7 @@ impl<'r> Rerun<'r> {
 
     /// Its numbered equations.
     pub fn systems(&self) -> &Systems<'r> {
-        self.systems.get_or_init(|| Systems::new(self.problem.model, self.method, self.plan))
+        self.systems.get_or_init(|| Systems::new(self.problem.model, self.method, &self.plan.dropped))
     }
 
     /// Workspace to go through it once more.

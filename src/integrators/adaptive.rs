@@ -104,7 +104,7 @@ fn march_choosing(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     control.check(&method.table)?;
-    let systems = Systems::new(problem.model, method, plan);
+    let systems = Systems::new(problem.model, method, &plan.dropped);
     let mut marcher = Marcher::new(problem, method, &systems)?;
     recorder.start(marcher.start(stretches.times[0], plan, None)?)?;
     let mut choice = Choice::new(&marcher, control, stretches, grid);

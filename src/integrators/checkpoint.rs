@@ -10,6 +10,10 @@ pub struct Between<S> {
     pub step: usize,
     /// Which table made the increments.
     pub scheme: Scheme,
+    /// Redundant constraint equations that are left out.
+    pub dropped: Vec<usize>,
+    /// They were chosen anew after the last step: the acceleration is solved for once more.
+    pub chosen_anew: bool,
     /// The table's carried vectors, q and v first.
     pub carried: Vec<Vec<S>>,
     /// Rate correction of the last stage; empty unless stabilized.
@@ -68,7 +72,7 @@ impl<S> FactoredAt<S> {
 }
 
 clone_fields!(FactoredAt { t, base, unknowns });
-clone_fields!(Between { step, scheme, carried, rate, last, prediction });
+clone_fields!(Between { step, scheme, dropped, chosen_anew, carried, rate, last, prediction });
 
 /// What a Newton's method keeps from one system to the next.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -31,6 +31,15 @@ pub enum RunError {
         /// Its residual.
         residual: f64,
     },
+    /// A constraint equation that was left out as redundant does not follow from the others.
+    Redundant {
+        /// Where in the run.
+        place: String,
+        /// The equation.
+        equation: String,
+        /// By how much it is violated [m or rad].
+        violation: f64,
+    },
     /// A chosen step became too small to advance.
     StepSize {
         /// Number of the step.
@@ -67,6 +76,11 @@ impl fmt::Display for RunError {
                 f,
                 "{place}: Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
                  largest row: {row} ({residual:.1e}); try a smaller step"
+            ),
+            RunError::Redundant { place, equation, violation } => write!(
+                f,
+                "{place}: {equation} was left out as redundant, but is violated by {violation:.1e}: the constraints depend on each other \
+                 at the start only, and the mechanism is locked or singular here; check the directions of axes and the closing of loops"
             ),
             RunError::StepSize { step, t, h } => write!(
                 f,

@@ -134,7 +134,7 @@ pub fn march_along<S: RunScalar>(
     guide: Option<Guide>,
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
-    let systems = Systems::new(problem.model, method, plan);
+    let systems = Systems::new(problem.model, method, &plan.dropped);
     let mut marcher = Marcher::new(problem, method, &systems)?;
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     recorder.start(marcher.start(grid.times[0], plan, guided_start)?)?;

@@ -14,6 +14,7 @@ mod march;
 mod newton;
 mod prediction;
 mod record;
+mod redundancy;
 mod round_off;
 mod start;
 mod step;

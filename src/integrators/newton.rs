@@ -4,6 +4,7 @@ use super::failure::{Failure, FailureKind};
 use crate::assembly::{Equations, Jacobian, Level, NodeKind, Residual, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::linalg::{Backend, Factorization, Singular};
+use std::sync::Arc;
 
 /// When Newton's method is content.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -52,7 +53,7 @@ const GUIDED: f64 = 1e-6;
 /// Newton's method for the systems of one run, keeping its factorization while it converges fast.
 pub struct Newton<'m, S> {
     /// The numbered equations.
-    pub system: &'m System<'m>,
+    pub system: Arc<System<'m>>,
     /// Evaluations, with their workspace.
     pub residual: Residual<S>,
     /// The matrix.
@@ -79,6 +80,8 @@ pub struct Newton<'m, S> {
     measured_for: usize,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
+    /// Whether any constraint restricts velocities only.
+    nonholonomic: bool,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
     pub(super) levers: Vec<f64>,
 }
@@ -88,11 +91,11 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ///
     /// # Errors
     /// A pattern that no numbers could make regular.
-    pub fn new(system: &'m System<'m>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
+    pub fn new(system: Arc<System<'m>>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
         let factorization = Factorization::new(&system.pattern, backend)?;
         Ok(Newton {
-            residual: Residual::new(system),
-            jacobian: Jacobian::new(system),
+            residual: Residual::new(&system),
+            jacobian: Jacobian::new(&system),
             rhs: vec![0.0; system.size()],
             exact: vec![0.0; system.size()],
             p: Vec::new(),
@@ -100,6 +103,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             counters: Counters::default(),
             factored: None,
             levers: vec![1.0; system.model.dofs],
+            nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
             factored_at: FactoredAt::default(),
             floors: [None; 3],
             measured: None,
@@ -124,14 +128,14 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         t: f64,
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
-        self.residual.start(self.system, equations, base, p, t);
+        self.residual.start(&self.system, equations, base, p, t);
         self.set_levers(base);
         // a matrix for other coefficients converges slowly or not at all
-        if self.factored.is_none_or(|old| !resembles(&old, equations)) {
+        if self.factored.is_none_or(|old| !self.resembles(&old, equations)) {
             self.factored = None;
         }
         self.solve_value(equations, base, unknowns, p, t)?;
-        self.residual.restore(self.system, equations, base, unknowns);
+        self.residual.restore(&self.system, equations, base, unknowns);
         if S::PARTS > 0 {
             self.solve_parts(equations, base, unknowns, p, t)?;
         }
@@ -151,7 +155,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         t: f64,
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
-        self.residual.start(self.system, equations, base, p, t);
+        self.residual.start(&self.system, equations, base, p, t);
         self.set_levers(base);
         self.residual.keep_values = true;
         self.solve_parts(equations, base, unknowns, p, t)?;
@@ -295,16 +299,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         p: &[S],
         t: f64,
     ) -> f64 {
-        self.jacobian.reduce(self.system, &self.residual, None, &mut self.exact);
+        self.jacobian.reduce(&self.system, &self.residual, None, &mut self.exact);
         self.residual.last_bits = true;
         self.evaluate(equations, base, unknowns, p, t);
         self.residual.last_bits = false;
-        self.jacobian.reduce(self.system, &self.residual, None, &mut self.rhs);
+        self.jacobian.reduce(&self.system, &self.residual, None, &mut self.rhs);
         self.rhs.iter_mut().zip(&self.exact).for_each(|(other, exact)| *other -= exact);
         self.factorization.solve(&mut self.rhs);
         self.counters.solves += 1;
         self.work.clone_from(unknowns);
-        self.jacobian.add_step(self.system, &self.rhs, None, &mut self.work, &self.levers)
+        self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.levers)
     }
 
     /// Corrections no longer shrink: is that round-off, or a system that does not converge?
@@ -327,7 +331,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             Level::Velocity | Level::Acceleration => 0.0,
         };
         let largest_gap = self.residual.g.iter().fold(0.0, |s: f64, g| s.max(g.value().abs())) * gap;
-        let small_force = force <= self.residual.force_floor(self.system, unknowns, p, t);
+        let small_force = force <= self.residual.force_floor(&self.system, unknowns, p, t);
         let small_gap = largest_gap <= 1e-12 * length.max(f64::MIN_POSITIVE);
         small_force && small_gap
     }
@@ -386,7 +390,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.factored_at.base.clone_from(base);
             self.factored_at.unknowns.clone_from(unknowns);
         }
-        self.residual.evaluate(self.system, equations, base, unknowns, p, t);
+        self.residual.evaluate(&self.system, equations, base, unknowns, p, t);
     }
 
     /// What later systems depend on beside their own numbers.
@@ -409,7 +413,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.factorization.keep_pivots(&kept.pivots);
         let FactoredAt { t, base, unknowns } = &kept.at;
         if let Some(equations) = &kept.factored {
-            self.residual.start(self.system, equations, base, p, *t);
+            self.residual.start(&self.system, equations, base, p, *t);
             let mut unknowns = unknowns.clone();
             self.evaluate(equations, base, &mut unknowns, p, *t);
             self.factorize(equations, &unknowns, p, *t)?;
@@ -423,10 +427,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let before = self.jacobian.evaluated;
         self.p.clear();
         self.p.extend(p.iter().map(|p| p.value()));
-        self.jacobian.assemble(self.system, equations, &self.residual, unknowns, &self.p, t);
+        self.jacobian.assemble(&self.system, equations, &self.residual, unknowns, &self.p, t);
         self.counters.blocks += self.jacobian.evaluated - before;
         self.factorization.factor(&self.jacobian.values)?;
-        let resembles_last = self.measured.is_some_and(|old| resembles(&old, equations));
+        let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
         self.measured_for += 1;
         if !resembles_last || self.measured_for > MEASURED_FOR {
             (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
@@ -437,25 +441,55 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     fn step(&mut self, part: Option<usize>, unknowns: &mut Unknowns<S>) -> f64 {
         self.counters.solves += 1;
-        self.jacobian.reduce(self.system, &self.residual, part, &mut self.rhs);
+        self.jacobian.reduce(&self.system, &self.residual, part, &mut self.rhs);
         self.factorization.solve(&mut self.rhs);
-        self.jacobian.add_step(self.system, &self.rhs, part, unknowns, &self.levers)
+        self.jacobian.add_step(&self.system, &self.rhs, part, unknowns, &self.levers)
     }
 
-    /// Rows of the constraint equations in the matrix assembled last, towards the unknowns of nodes.
-    pub(super) fn constraint_rows(&self) -> Vec<Vec<f64>> {
-        let pattern = &self.system.pattern;
-        let places = self.system.multiplier_places();
-        let nodes = places.iter().flatten().min().copied().unwrap_or(pattern.size);
-        let mut rows = vec![vec![0.0; nodes]; places.len()];
-        for column in 0..nodes {
-            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if let Some(row) = places.iter().position(|&own| own == Some(pattern.rows[place])) {
-                    rows[row][column] = self.jacobian.values[place];
-                }
-            }
-        }
-        rows
+    /// True if a matrix factored for one kind of equations serves the other: same coefficients of inertia, damping and stiffness. Stages
+    /// at acceleration level and projections differ by the change of A within a step and by the curvature of the reactions; projections
+    /// of coordinates alone are without nonholonomic constraints.
+    fn resembles(&self, old: &Equations, new: &Equations) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+        let rows = |e: &Equations| if e.metric { Level::Acceleration } else { e.level };
+        let (own, other) = (old.residual, new.residual);
+        let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);
+        let free = |e: &Equations| self.nonholonomic && e.nonholonomic(false).is_none();
+        rows(old) == rows(new) && same && free(old) == free(new)
+    }
+
+    /// Factors the matrix of accelerations at a state: rows A of the kept constraint equations beside inertia.
+    pub(super) fn factor_accelerations(&mut self, (q, v): (&[S], &[S]), p: &[S], t: f64) -> Result<(), Singular> {
+        let equations = Equations::acceleration();
+        let base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
+        let mut unknowns = Residual::unknowns(&self.system);
+        self.residual.start(&self.system, &equations, &base, p, t);
+        self.evaluate(&equations, &base, &mut unknowns, p, t);
+        self.factorize(&equations, &unknowns, p, t)
+    }
+
+    /// The kept constraint equation with the largest coefficient c in a_d = sum c_i a_i, where a_d is the row of a dropped one, and
+    /// that coefficient: after [`Newton::factor_accelerations`].
+    ///
+    /// From M y + A^T c = a_d, A y = 0, where y = 0 because a_d depends on A.
+    pub(super) fn largest_coefficient(&mut self, dropped: usize, q: &[S], p: &[S], t: f64) -> Option<(usize, f64)> {
+        let model = self.system.model;
+        let joint = model.constraints.iter().find(|joint| joint.equations.contains(&dropped))?;
+        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+        let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+        let own: Vec<f64> = dofs.iter().map(|&dof| q[dof].value()).collect();
+        let mut unit = vec![0.0; joint.equations.len()];
+        unit[dropped - joint.equations.start] = 1.0;
+        let (mut row, mut all) = (vec![0.0; dofs.len()], vec![0.0; model.dofs]);
+        let physics = f64::constraint(&*joint.physics);
+        physics.add_reaction(&own, &unit, &real(&p[joint.parameters.clone()]), t, &mut row);
+        dofs.iter().zip(&row).for_each(|(&dof, &entry)| all[dof] = entry);
+        self.rhs.fill(0.0);
+        self.jacobian.restrict_right(&self.system, &all, &[], &mut self.rhs);
+        self.factorization.solve_transposed(&mut self.rhs);
+        let kept = self.system.multiplier_places().iter().enumerate();
+        let coefficients = kept.filter_map(|(equation, place)| Some((equation, self.rhs[(*place)?])));
+        coefficients.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
     }
 
     fn residual_size(&self) -> f64 {
@@ -472,14 +506,4 @@ fn kind(equations: &Equations) -> usize {
         (true, _) => 1,
         (false, _) => 2,
     }
-}
-
-/// True if a matrix factored for one kind of equations serves the other: same coefficients of inertia, damping and stiffness. Stages
-/// at acceleration level and projections differ by the change of A within a step and by the curvature of the reactions.
-fn resembles(old: &Equations, new: &Equations) -> bool {
-    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
-    let rows = |e: &Equations| if e.metric { Level::Acceleration } else { e.level };
-    let (own, other) = (old.residual, new.residual);
-    let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);
-    rows(old) == rows(new) && same
 }

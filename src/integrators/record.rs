@@ -48,7 +48,9 @@ pub struct StepRecord<S> {
     pub h: f64,
     /// Which of the method's tables made it.
     pub scheme: Scheme,
-    /// Acceleration solved anew at the start, at a kink.
+    /// Redundant constraint equations that are left out.
+    pub dropped: Vec<usize>,
+    /// Acceleration solved anew at the start: at a kink, or because other redundant equations are left out from here on.
     pub restart: Option<SolveRecord<S>>,
     /// Stages.
     pub stages: Vec<StageRecord<S>>,
@@ -69,6 +71,7 @@ impl<S: Scalar> StepRecord<S> {
             t: 0.0,
             h: 0.0,
             scheme: Scheme::Main,
+            dropped: Vec::new(),
             restart: None,
             stages: Vec::new(),
             position_projection: None,
@@ -82,6 +85,8 @@ impl<S: Scalar> StepRecord<S> {
 /// What happens before the first step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartRecord<S> {
+    /// Redundant constraint equations that are left out.
+    pub dropped: Vec<usize>,
     /// Projection of the given coordinates, if asked for.
     pub position_projection: Option<SolveRecord<S>>,
     /// Projection of the given velocities, if asked for.

@@ -1,9 +1,11 @@
 use super::newton::Newton;
+use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError};
 use crate::assembly::{Equations, Model, NodeKind, Residual, System, SystemOptions, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::linalg::{Backend, independent_rows};
 use crate::scalar::{Quaternion, Taylor};
+use std::sync::Arc;
 
 /// Coordinates and velocities at t = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +30,8 @@ pub struct ConstraintPolicy {
 pub struct StartPlan {
     /// Constraint equations that are left out.
     pub dropped: Vec<usize>,
+    /// Choose others where these no longer do.
+    pub choose_again: bool,
     /// Project the start.
     pub project: bool,
 }
@@ -47,7 +51,7 @@ impl StartPlan {
         check_euler_parameters(problem, policy)?;
         check_consistency(problem, policy)?;
         let dropped = find_dependent(problem, policy)?;
-        Ok(StartPlan { dropped, project: policy.project_start })
+        Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start })
     }
 }
 
@@ -149,29 +153,29 @@ fn check_consistency(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result
 fn find_dependent(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
     let model = problem.model;
     let place = "start (t = 0 s)";
-    let system = System::new(model, SystemOptions::default());
+    if policy.drop_redundant {
+        return Ok(dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None));
+    }
+    let system = Arc::new(System::new(model, SystemOptions::default()));
     let singular = |newton: Option<&Newton<f64>>, unknown: usize| RunError::Singular {
         place: place.into(),
         unknown: newton.map_or("an unknown".into(), |n| n.system.unknown_name(unknown, &n.jacobian)),
         hint: "it has no inertia, or nothing holds it: give it a mass or a constraint".into(),
     };
-    let mut newton =
-        Newton::<f64>::new(&system, NewtonTolerance::RoundOff, Backend::Automatic).map_err(|s| singular(None, s.unknown))?;
+    let mut newton = Newton::<f64>::new(system.clone(), NewtonTolerance::RoundOff, Backend::Automatic)
+        .map_err(|s| singular(None, s.unknown))?;
     let mut unknowns = Residual::unknowns(&system);
     // the point of the analysis: the constraints at their own start, whatever its consistency
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
     let Err(failure) = newton.solve(&Equations::acceleration(), &base, &mut unknowns, &problem.p, 0.0) else {
         return Ok(Vec::new());
     };
-    let rows = newton.constraint_rows();
-    let kept = independent_rows(&rows);
+    let rows = constraint_rows(&system, &newton.jacobian);
+    let kept = independent_rows(&rows, None);
     if kept.len() == rows.len() {
         return Err(newton.describe(&failure, place));
     }
     let dependent: Vec<usize> = (0..rows.len()).filter(|row| !kept.contains(row)).collect();
-    if policy.drop_redundant {
-        return Ok(dependent);
-    }
     let names = |list: &[usize]| list.iter().map(|&row| model.equation_name(row)).collect::<Vec<_>>().join("; ");
     Err(RunError::Input(format!(
         "the constraints are redundant: {} of {} equations depend on the others: {}. An independent subset is: {}. \

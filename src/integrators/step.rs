@@ -5,9 +5,11 @@ use super::checkpoint::{Between, Checkpoint};
 use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::newton::Newton;
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
+use super::redundancy::{Watch, dependent_equations, violated};
 use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Residual, Shift, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Residual, Shift, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
+use std::sync::Arc;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
 pub struct Marcher<'m, S> {
@@ -17,11 +19,23 @@ pub struct Marcher<'m, S> {
     acceleration: Newton<'m, S>,
     stage: Newton<'m, S>,
     start: Newton<'m, S>,
+    /// Whether other redundant equations may be chosen.
+    chooses: bool,
+    /// Before the step, where that may happen.
+    before: Between<S>,
+    watch: Watch<S>,
+    /// Work done with other choices of redundant equations.
+    earlier: Counters,
     pub(super) between: Between<S>,
     record: StepRecord<S>,
     /// Carried vectors after the step.
     updated: Vec<Vec<S>>,
 }
+
+/// Steps from one look at the choice of redundant equations to the next.
+const WATCHED_EVERY: usize = 5;
+/// Largest coefficient with which dropped equations may follow from the kept ones.
+const WEAK: f64 = 10.0;
 
 /// Where the search for a solution starts.
 #[derive(Clone, Copy)]
@@ -50,8 +64,8 @@ fn solve<S: RunScalar>(
 ) -> Result<(), RunError> {
     let SolveRecord { t, equations, base, unknowns } = record;
     match first {
-        First::Zero => Residual::shape(newton.system, unknowns, true),
-        First::Given => Residual::shape(newton.system, unknowns, false),
+        First::Zero => Residual::shape(&newton.system, unknowns, true),
+        First::Given => Residual::shape(&newton.system, unknowns, false),
         First::Solved(real) => *unknowns = lifted(real),
     }
     let solved = match first {
@@ -59,6 +73,20 @@ fn solve<S: RunScalar>(
         _ => newton.solve(equations, base, unknowns, p, *t),
     };
     solved.map_err(|failure| newton.describe(&failure, &place()))
+}
+
+/// Solvers of accelerations, of stages with projections, and of the start.
+fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[Newton<'m, S>; 3], RunError> {
+    let of = |system| newton(method, system);
+    Ok([of(&systems.plain)?, of(&systems.stage)?, of(&systems.plain)?])
+}
+
+fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
+    Newton::new(system.clone(), method.tolerance, method.backend).map_err(|singular| RunError::Singular {
+        place: "start".into(),
+        unknown: format!("unknown {}", singular.unknown),
+        hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
+    })
 }
 
 /// Real unknowns without derivative parts.
@@ -79,22 +107,21 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     ///
     /// # Errors
     /// [`RunError::Singular`] if no numbers could make the equations regular.
-    pub fn new(problem: &'m Problem<'m, S>, method: &'m Method, systems: &'m Systems<'m>) -> Result<Self, RunError> {
-        let newton = |system| {
-            Newton::new(system, method.tolerance, method.backend).map_err(|singular| RunError::Singular {
-                place: "start".into(),
-                unknown: format!("unknown {}", singular.unknown),
-                hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
-            })
-        };
+    pub fn new(problem: &'m Problem<'m, S>, method: &'m Method, systems: &Systems<'m>) -> Result<Self, RunError> {
+        let [acceleration, stage, start] = solvers(method, systems)?;
+        let dropped = systems.plain.options.dropped.clone();
         Ok(Marcher {
             problem,
             method,
             constrained: systems.plain.is_constrained(),
-            acceleration: newton(&systems.plain)?,
-            stage: newton(systems.stage())?,
-            start: newton(&systems.plain)?,
-            between: Between::default(),
+            acceleration,
+            stage,
+            start,
+            chooses: false,
+            before: Between::default(),
+            watch: Watch::default(),
+            earlier: Counters::default(),
+            between: Between { dropped, ..Between::default() },
             record: StepRecord::empty(),
             updated: Vec::new(),
         })
@@ -102,7 +129,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
 
     /// Work done.
     pub fn counters(&self) -> Counters {
-        let mut counters = Counters::default();
+        let mut counters = self.earlier;
         for newton in [&self.acceleration, &self.stage, &self.start] {
             counters += newton.counters;
         }
@@ -134,7 +161,11 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// # Errors
     /// [`RunError::Singular`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
+        self.select(&checkpoint.between.dropped)?;
         self.between.clone_from(&checkpoint.between);
+        if self.between.chosen_anew {
+            return Ok(());
+        }
         let newtons = [&mut self.acceleration, &mut self.stage];
         for (newton, kept) in newtons.into_iter().zip(&checkpoint.kept) {
             newton.resume(kept, &self.problem.p).map_err(|singular| RunError::Singular {
@@ -181,12 +212,15 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         let mut carried = vec![q, v];
         carried.resize_with(kinds.len(), || vec![S::zero(); model.dofs]);
         let mut last = Unknowns::default();
-        Residual::shape(self.stage.system, &mut last, true);
+        Residual::shape(&self.stage.system, &mut last, true);
         let (rate, prediction) = (vec![S::zero(); rates], Prediction::default());
-        self.between = Between { step: 0, scheme: Scheme::Main, carried, rate, last, prediction };
+        let dropped = plan.dropped.clone();
+        self.chooses = plan.choose_again;
+        self.between =
+            Between { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
         let [position_projection, velocity_projection] = start_projections;
-        Ok(StartRecord { position_projection, velocity_projection, acceleration: first })
+        Ok(StartRecord { dropped: plan.dropped.clone(), position_projection, velocity_projection, acceleration: first })
     }
 
     /// The end of a run.
@@ -208,15 +242,103 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// [`RunError`] with step and time.
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
-        let (scheme, kink) = (self.method.table.scheme_at(grid, index), grid.kinks.contains(&index));
+        let scheme = self.method.table.scheme_at(grid, index);
+        let kink = grid.kinks.contains(&index) || guided.is_some_and(|step| step.restart.is_some());
         self.step_over(scheme, grid.span(index), kink, guided)?;
         Ok(&self.record)
     }
 
     /// Makes the next step from the first to the second time; at a kink the acceleration is solved anew before it.
     ///
-    /// After an error only [`Marcher::resume`] is of use.
+    /// Where redundant equations are left out and the step fails, or those equations are violated after it, others are left out from
+    /// its beginning on. After an error only [`Marcher::resume`] is of use.
     pub(super) fn step_over(
+        &mut self,
+        scheme: Scheme,
+        span: (f64, f64),
+        kink: bool,
+        guided: Option<&StepRecord<f64>>,
+    ) -> Result<(), RunError> {
+        if let Some(step) = guided {
+            self.select(&step.dropped)?;
+            self.between.dropped.clone_from(&step.dropped);
+        }
+        let kink = kink || self.between.chosen_anew;
+        if std::mem::take(&mut self.between.chosen_anew) {
+            let dropped = self.between.dropped.clone();
+            self.select(&dropped)?;
+        }
+        if guided.is_some() || !self.chooses || self.between.dropped.is_empty() {
+            return self.try_step(scheme, span, kink, guided);
+        }
+        let mut before = std::mem::take(&mut self.before);
+        before.clone_from(&self.between);
+        let mut result = self.try_step(scheme, span, kink, None).and_then(|()| self.check_dropped(span.1));
+        if result.is_err() {
+            let (q, v, count) = (&before.carried[0], &before.carried[1], before.dropped.len());
+            let dropped = dependent_equations(self.problem, (q, v), span.0, Some(count));
+            if dropped != before.dropped {
+                self.select(&dropped)?;
+                self.between.clone_from(&before);
+                self.between.dropped = dropped;
+                result = self.try_step(scheme, span, true, None).and_then(|()| self.check_dropped(span.1));
+            }
+        }
+        self.before = before;
+        result.and_then(|()| self.exchange(span.1))
+    }
+
+    /// Leaves out another equation where a dropped one follows from the kept ones with a coefficient above [`WEAK`]: these are then
+    /// nearly dependent, and errors of the stages grow by it. Exchanging the two makes them more independent by this factor.
+    fn exchange(&mut self, t: f64) -> Result<(), RunError> {
+        let Between { step, dropped, carried, chosen_anew, .. } = &mut self.between;
+        if !step.is_multiple_of(WATCHED_EVERY) {
+            return Ok(());
+        }
+        if self.start.system.options.dropped != *dropped {
+            self.start = newton(self.method, &Systems::new(self.problem.model, self.method, dropped).plain)?;
+        }
+        let (q, v) = (&carried[0], &carried[1]);
+        let p = &self.problem.p;
+        if self.start.factor_accelerations((q, v), p, t).is_err() {
+            let others = dependent_equations(self.problem, (q, v), t, Some(dropped.len()));
+            (*chosen_anew, *dropped) = (others != *dropped, others);
+            return Ok(());
+        }
+        let start = &mut self.start;
+        let weakest = dropped.iter().enumerate().filter_map(|(place, &equation)| {
+            let (kept, coefficient) = start.largest_coefficient(equation, q, p, t)?;
+            Some((place, kept, coefficient.abs()))
+        });
+        if let Some((place, kept, coefficient)) = weakest.max_by(|a, b| a.2.total_cmp(&b.2))
+            && coefficient > WEAK
+        {
+            dropped[place] = kept;
+            dropped.sort_unstable();
+            *chosen_anew = true;
+        }
+        Ok(())
+    }
+
+    /// Are the equations that were left out violated?
+    fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
+        let Between { step, dropped, carried, .. } = &self.between;
+        let worst = self.watch.worst(self.problem.model, &self.problem.p, dropped, &carried[0], t);
+        worst.map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {t} s)"), worst)))
+    }
+
+    /// Leaves out other redundant equations.
+    fn select(&mut self, dropped: &[usize]) -> Result<(), RunError> {
+        if self.acceleration.system.options.dropped != dropped {
+            self.earlier = self.counters();
+            [self.acceleration, self.stage, self.start] =
+                solvers(self.method, &Systems::new(self.problem.model, self.method, dropped))?;
+        }
+        Ok(())
+    }
+
+    /// Makes a step with the equations that are kept now.
+    fn try_step(
         &mut self,
         scheme: Scheme,
         (t, end): (f64, f64),
@@ -230,6 +352,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         let table = method.table.scheme(scheme);
         let h = end - t;
         (record.t, record.h, record.scheme) = (t, h, scheme);
+        record.dropped.clone_from(&state.dropped);
         record.restart = None;
         if kink {
             let first = First::guided(guided.and_then(|step| step.restart.as_ref()));
@@ -365,7 +488,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             let first = if let Some(guides) = guides {
                 First::guided(guides[index].as_ref())
             } else {
-                Residual::shape(self.stage.system, &mut own.unknowns, true);
+                Residual::shape(&self.stage.system, &mut own.unknowns, true);
                 track.add_expected(record.t, 1.0, &mut own.unknowns);
                 First::Given
             };

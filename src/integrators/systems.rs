@@ -1,25 +1,22 @@
-use super::{ConstraintLevel, Method, StartPlan};
+use super::{ConstraintLevel, Method};
 use crate::assembly::{Model, System};
+use std::sync::Arc;
 
-/// The numbered equations of a run.
+/// The numbered equations of a run, for one choice of redundant equations.
 pub struct Systems<'m> {
-    /// Accelerations and projections; also stages, unless these have rate corrections.
-    pub plain: System<'m>,
-    /// Stages with rate corrections.
-    pub with_rates: Option<System<'m>>,
+    /// Accelerations and projections.
+    pub plain: Arc<System<'m>>,
+    /// Stages: the same, unless these have rate corrections.
+    pub stage: Arc<System<'m>>,
 }
 
 impl<'m> Systems<'m> {
-    /// Numbers the equations of a model for a method.
-    pub fn new(model: &'m Model, method: &Method, plan: &StartPlan) -> Self {
-        let plain = System::new(model, method.system_options(&plan.dropped, false));
+    /// Numbers the equations of a model for a method, without the constraint equations `dropped`.
+    pub fn new(model: &'m Model, method: &Method, dropped: &[usize]) -> Self {
+        let plain = Arc::new(System::new(model, method.system_options(dropped, false)));
         let stabilized = method.level == ConstraintLevel::Velocity && plain.is_constrained();
-        let with_rates = stabilized.then(|| System::new(model, method.system_options(&plan.dropped, true)));
-        Systems { plain, with_rates }
-    }
-
-    /// The equations of stages.
-    pub fn stage(&self) -> &System<'m> {
-        self.with_rates.as_ref().unwrap_or(&self.plain)
+        let stage =
+            if stabilized { Arc::new(System::new(model, method.system_options(dropped, true))) } else { plain.clone() };
+        Systems { plain, stage }
     }
 }

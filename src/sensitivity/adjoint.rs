@@ -9,7 +9,7 @@ use crate::design::ModelNumbers;
 use crate::functionals::{Functional, Over, QuadratureWeights, Sample};
 use crate::history::{History, Rerun};
 use crate::integrators::{
-    Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Table,
+    Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
 };
 
 /// Gradients with respect to parameters and initial state, one for each functional, and the work done.
@@ -65,8 +65,9 @@ pub fn adjoint(
         functionals,
         values,
         duration: rerun.grid.duration(history.steps()),
-        stage: TransposedSolver::new(systems.stage(), method, active)?,
-        other: TransposedSolver::new(&systems.plain, method, active)?,
+        active,
+        stage: TransposedSolver::new(systems.stage.clone(), method, active)?,
+        other: TransposedSolver::new(systems.plain.clone(), method, active)?,
         counters: Counters::default(),
     };
     sweep.run(rerun, history)
@@ -78,6 +79,7 @@ struct Sweep<'m> {
     functionals: &'m [Functional],
     values: &'m [f64],
     duration: f64,
+    active: &'m [bool],
     stage: TransposedSolver<'m>,
     other: TransposedSolver<'m>,
     counters: Counters,
@@ -103,12 +105,14 @@ impl Sweep<'_> {
         let mut last = true;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         while let Some(step) = steps.next()? {
+            self.select(&step.dropped)?;
             self.step(step, last, &weights.back_through(step), &mut back)?;
             last = false;
         }
         drop(steps);
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
+        self.select(&start.dropped)?;
         let bars = self.start_bars(start, &mut back);
         self.acceleration(&start.acceleration, bars, &mut back)?;
         for (solve, place) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
@@ -132,6 +136,16 @@ impl Sweep<'_> {
             })
             .collect();
         Ok(AdjointRun { gradients, counters: self.counters })
+    }
+
+    /// Leaves out the redundant equations that a step left out.
+    fn select(&mut self, dropped: &[usize]) -> Result<(), RunError> {
+        if self.other.system.options.dropped != dropped {
+            let Systems { plain, stage } = Systems::new(self.problem.model, self.method, dropped);
+            self.stage = TransposedSolver::new(stage, self.method, self.active)?;
+            self.other = TransposedSolver::new(plain, self.method, self.active)?;
+        }
+        Ok(())
     }
 
     /// Adds the gradient of functional `k` at a sample; returns the adjoints of (a, v, q) and mu.

@@ -3,6 +3,7 @@
 use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, VectorsAvq};
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
 use crate::linalg::Factorization;
+use std::sync::Arc;
 
 /// Adjoint of the solution of one system, for one functional.
 #[derive(Clone, Debug)]
@@ -34,7 +35,7 @@ pub(super) struct Backward {
 
 /// Solves transposed systems of one numbering; several functionals share each factorization.
 pub(super) struct TransposedSolver<'m> {
-    pub system: &'m System<'m>,
+    pub system: Arc<System<'m>>,
     residual: Residual<f64>,
     jacobian: Jacobian,
     factorization: Factorization,
@@ -43,13 +44,13 @@ pub(super) struct TransposedSolver<'m> {
 }
 
 impl<'m> TransposedSolver<'m> {
-    pub fn new(system: &'m System<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
+    pub fn new(system: Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let factorization =
             Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
         Ok(TransposedSolver {
+            residual: Residual::new(&system),
+            jacobian: Jacobian::new(&system),
             system,
-            residual: Residual::new(system),
-            jacobian: Jacobian::new(system),
             factorization,
             active,
         })
@@ -64,7 +65,7 @@ impl<'m> TransposedSolver<'m> {
         back: &mut [Backward],
         counters: &mut Counters,
     ) -> Result<Vec<VectorsAvq<f64>>, RunError> {
-        let system = self.system;
+        let system = &*self.system.clone();
         let dofs = system.model.dofs;
         let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
         if bars.iter().all(SolutionBar::is_zero) {
@@ -142,7 +143,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// lambda with J^T lambda = -x_bar, for the matrix factored last.
     fn solve(&mut self, bar: &SolutionBar) -> Adjoints {
-        let system = self.system;
+        let system = &*self.system.clone();
         let mut reduced = vec![0.0; system.size()];
         self.jacobian.restrict_right(system, &bar.x, &bar.rate, &mut reduced);
         for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {

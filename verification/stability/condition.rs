@@ -8,8 +8,8 @@ use costate::scenes::Prepared;
 /// Condition in the 1-norm of the first step's last stage matrix at the start, rows and columns scaled to a largest entry of 1.
 pub fn condition(prepared: &Prepared) -> Result<f64, String> {
     let (problem, table) = (prepared.problem(), &prepared.method.table);
-    let systems = Systems::new(problem.model, &prepared.method, &prepared.plan);
-    let system = systems.stage();
+    let systems = Systems::new(problem.model, &prepared.method, &prepared.plan.dropped);
+    let system = &systems.stage;
     let (t, end) = prepared.grid.span(0);
     let (h, last) = (end - t, table.stages.len() - 1);
     let stage = &table.stages[last];

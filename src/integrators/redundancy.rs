@@ -1,0 +1,92 @@
+//! Redundant constraints: which equations are kept, and a watch over those that are left out.
+
+use super::{Problem, RunError};
+use crate::assembly::{Equations, Jacobian, Model, Residual, System, SystemOptions, VectorsAvq};
+use crate::elements::RunScalar;
+use crate::linalg::independent_rows;
+
+/// A dropped equation may be violated by this share of the largest coordinate ...
+const VIOLATED: f64 = 1e-8;
+/// ... or by so many times the violation of the kept ones: at stages' ends these are as large as the method's error.
+const WORSE: f64 = 1e3;
+
+/// Rows of the constraint equations in an assembled matrix, towards the unknowns of nodes.
+pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Vec<f64>> {
+    let pattern = &system.pattern;
+    let places = system.multiplier_places();
+    let nodes = places.iter().flatten().min().copied().unwrap_or(pattern.size);
+    let mut row_of = vec![None; pattern.size];
+    for (row, place) in places.iter().enumerate() {
+        if let Some(place) = *place {
+            row_of[place] = Some(row);
+        }
+    }
+    let mut rows = vec![vec![0.0; nodes]; places.len()];
+    for column in 0..nodes {
+        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+            if let Some(row) = row_of[pattern.rows[place]] {
+                rows[row][column] = jacobian.values[place];
+            }
+        }
+    }
+    rows
+}
+
+/// The equations to leave out at a state (q, v), so that an independent subset is kept; with `count` exactly so many: those that
+/// depend most on the kept ones.
+pub(super) fn dependent_equations<S: RunScalar>(
+    problem: &Problem<S>,
+    (q, v): (&[S], &[S]),
+    t: f64,
+    count: Option<usize>,
+) -> Vec<usize> {
+    let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+    let (model, p) = (problem.model, real(&problem.p));
+    let system = System::new(model, SystemOptions::default());
+    let (mut residual, mut jacobian) = (Residual::<f64>::new(&system), Jacobian::new(&system));
+    let mut unknowns = Residual::unknowns(&system);
+    let base = VectorsAvq { a: vec![0.0; model.dofs], v: real(v), q: real(q) };
+    let equations = Equations::acceleration();
+    residual.evaluate(&system, &equations, &base, &mut unknowns, &p, t);
+    jacobian.assemble(&system, &equations, &residual, &unknowns, &p, t);
+    let rows = constraint_rows(&system, &jacobian);
+    let kept = independent_rows(&rows, count.map(|count| rows.len() - count));
+    (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect()
+}
+
+/// Workspace of the watch over dropped equations.
+#[derive(Default)]
+pub(super) struct Watch<S> {
+    q: Vec<S>,
+    g: Vec<S>,
+}
+
+impl<S: RunScalar> Watch<S> {
+    /// The dropped equation that is violated most at a state, if it is violated more than round-off and the kept equations explain, and
+    /// by how much.
+    pub fn worst(&mut self, model: &Model, p: &[S], dropped: &[usize], q: &[S], t: f64) -> Option<(usize, f64)> {
+        let (mut worst, mut kept) = ((0, 0.0), 0.0_f64);
+        for joint in &model.constraints {
+            self.q.clear();
+            joint.nodes.iter().for_each(|node| self.q.extend_from_slice(&q[model.nodes[node.0].dofs.clone()]));
+            self.g.clear();
+            self.g.resize(joint.equations.len(), S::zero());
+            S::constraint(&*joint.physics).value(&self.q, &p[joint.parameters.clone()], S::from(t), &mut self.g);
+            for (row, g) in joint.equations.clone().zip(&self.g) {
+                let g = g.value().abs();
+                if dropped.binary_search(&row).is_err() {
+                    kept = kept.max(g);
+                } else if !(g <= worst.1) {
+                    worst = (row, g);
+                }
+            }
+        }
+        let length = q.iter().fold(1.0, |length: f64, q| length.max(q.value().abs()));
+        (!(worst.1 <= (VIOLATED * length).max(WORSE * kept))).then_some(worst)
+    }
+}
+
+/// The error of a dropped equation that is violated.
+pub(super) fn violated(model: &Model, place: String, (row, g): (usize, f64)) -> RunError {
+    RunError::Redundant { place, equation: model.equation_name(row), violation: g }
+}
