@@ -63,7 +63,9 @@ pub mod io;
 /// What a file with a user's own element or scene needs.
 pub mod prelude {
     pub use crate::design::DesignVariable;
-    pub use crate::elements::{Admissible, Anchor, Constraint, Element, Parameter, State, TimeFunction};
+    pub use crate::elements::{
+        Admissible, Anchor, Constraint, Element, NonholonomicConstraint, Parameter, State, TimeFunction,
+    };
     pub use crate::functionals::{Over, Quantity};
     pub use crate::integrators::{ConstraintLevel, Method, RunError, table_by_name};
     pub use crate::scalar::{Quaternion, Scalar, Vec3};

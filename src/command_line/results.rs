@@ -2,11 +2,12 @@
 
 use super::failure::Failure;
 use costate::assembly::{Model, Node, NodeKind, VectorsAvq};
-use costate::functionals::{Measured, Sample};
+use costate::functionals::{Measured, Sample, least_multipliers};
 use costate::history::{Dense, Observer};
 use costate::integrators::{RunError, StartRecord, StepRecord};
 use costate::io::{Chart, CsvFile, Frame, Motion, Polyline, Progress, Series, Style, Trail, View, write_file, write_panels};
 use costate::scenes::{Drawn, NodePoint, Prepared};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Name of the table of states.
@@ -49,7 +50,9 @@ pub struct Results<'p> {
     csv: CsvFile,
     /// Coordinates and equations that have a column.
     dofs: Vec<usize>,
-    equations: Vec<usize>,
+    equations: Range<usize>,
+    /// Redundant constraint equations that were left out last.
+    dropped: Vec<usize>,
     energies: bool,
     output: Output,
     row: Vec<f64>,
@@ -80,13 +83,13 @@ impl<'p> Results<'p> {
         let energies = model.elements.iter().all(|element| element.physics.has_energies());
         let csv = CsvFile::create(&folder.join(HISTORIES), &header(prepared, energies))?;
         let dofs = moving(model).flat_map(|node| node.dofs.clone()).collect();
-        let equations = (0..model.equations).filter(|row| !prepared.plan.dropped.contains(row)).collect();
         Ok(Results {
             prepared,
             folder: folder.to_path_buf(),
             csv,
             dofs,
-            equations,
+            equations: 0..model.equations,
+            dropped: Vec::new(),
             energies,
             output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
             row: Vec::new(),
@@ -101,7 +104,7 @@ impl<'p> Results<'p> {
     fn add(&mut self, t: f64, q: &[f64], v: &[f64], mu: &[f64]) -> Result<(), RunError> {
         let energy = self.energies.then(|| {
             let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
-            let sample = Sample { t, weight: 0.0, at, mu: Vec::new() };
+            let sample = Sample { t, at, ..Sample::empty() };
             Measured::Energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
         });
         self.row.clear();
@@ -109,7 +112,13 @@ impl<'p> Results<'p> {
         self.row.extend(self.dofs.iter().map(|&dof| q[dof]));
         self.row.extend(self.dofs.iter().map(|&dof| v[dof]));
         self.row.extend(energy);
-        self.row.extend(self.equations.iter().map(|&equation| mu[equation]));
+        let model = self.prepared.model();
+        if self.dropped.is_empty() {
+            self.row.extend(&mu[self.equations.clone()]);
+        } else {
+            let p = &self.prepared.mechanism.numbers.p;
+            self.row.extend(least_multipliers(model, &self.dropped, p, q, &mu[self.equations.clone()], t));
+        }
         self.csv.row(&self.row).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
@@ -190,6 +199,7 @@ impl<'p> Results<'p> {
 
 impl Observer for Results<'_> {
     fn start(&mut self, start: &StartRecord<f64>) -> Result<(), RunError> {
+        self.dropped.clone_from(&start.dropped);
         if let Output::Multiples { dense, .. } = &mut self.output {
             *dense = Some(Box::new(Dense::new(start)));
             return Ok(());
@@ -199,6 +209,7 @@ impl Observer for Results<'_> {
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.steps += 1;
+        self.dropped.clone_from(&step.dropped);
         if let Output::Multiples { dense: Some(dense), .. } = &mut self.output {
             dense.step(step);
             self.add_multiples()?;
@@ -234,8 +245,7 @@ fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
         names.push("energy [J]".into());
     }
     for joint in &model.constraints {
-        let rows = joint.equations.clone().filter(|row| !prepared.plan.dropped.contains(row));
-        names.extend(rows.map(|row| format!("{}.mu{}", joint.name, row - joint.equations.start + 1)));
+        names.extend(joint.equations.clone().map(|row| format!("{}.mu{}", joint.name, row - joint.equations.start + 1)));
     }
     names
 }

@@ -1,3 +1,5 @@
+use super::load::JointLoad;
+use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
 use super::{AnyQuantity, FunctionalScalar};
 use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::{RunScalar as _, State};
@@ -18,6 +20,15 @@ pub enum Measured {
         parameters: Range<usize>,
         /// The formula.
         quantity: Box<dyn AnyQuantity>,
+    },
+    /// A force or moment with which a joint acts on one of its nodes.
+    Load {
+        /// The joint.
+        joint: ConstraintId,
+        /// Place of the load's parameters in p.
+        parameters: Range<usize>,
+        /// Which one.
+        load: JointLoad,
     },
     /// Kinetic and potential energy of all elements [J].
     Energy,
@@ -67,20 +78,25 @@ pub struct Sample<S> {
     pub weight: f64,
     /// Accelerations, velocities, coordinates.
     pub at: VectorsAvq<S>,
-    /// Multipliers.
+    /// Multipliers: of least norm where constraints are redundant.
     pub mu: Vec<S>,
+    /// Multipliers as solved, where constraints are redundant; empty otherwise.
+    pub solved_mu: Vec<S>,
+    /// Redundant constraint equations that were left out.
+    pub dropped: Vec<usize>,
 }
 
 impl<S: FunctionalScalar> Sample<S> {
     /// At the start: projected state, first acceleration.
     pub fn initial(start: &StartRecord<S>) -> Self {
-        let start = &start.acceleration;
-        Sample { t: start.t, weight: 0.0, at: start.point(), mu: start.unknowns.mu.clone() }
+        let (dropped, start) = (start.dropped.clone(), &start.acceleration);
+        let mu = start.unknowns.mu.clone();
+        Sample { t: start.t, weight: 0.0, at: start.point(), mu, solved_mu: Vec::new(), dropped }
     }
 
     /// Room for a sample.
     pub fn empty() -> Self {
-        Sample { t: 0.0, weight: 0.0, at: VectorsAvq::default(), mu: Vec::new() }
+        Sample { t: 0.0, weight: 0.0, at: VectorsAvq::default(), mu: Vec::new(), solved_mu: Vec::new(), dropped: Vec::new() }
     }
 
     /// Moves to the end of a step: its state, with acceleration and multipliers of the last stage (none without stages).
@@ -88,6 +104,8 @@ impl<S: FunctionalScalar> Sample<S> {
         (self.t, self.weight) = (step.t + step.h, 0.0);
         self.at.v.clone_from(&step.v);
         self.at.q.clone_from(&step.q);
+        self.solved_mu.clear();
+        self.dropped.clone_from(&step.dropped);
         if let Some(last) = step.stages.last() {
             self.at.a.clone_from(&last.solve.unknowns.x);
             self.mu.clone_from(&last.solve.unknowns.mu);
@@ -103,10 +121,42 @@ impl<S: FunctionalScalar> Sample<S> {
         self.at.q.resize(solve.base.q.len(), S::zero());
         self.at.set_shifted(&solve.base, solve.equations.residual, &solve.unknowns);
         self.mu.clone_from(&solve.unknowns.mu);
+        self.solved_mu.clear();
+        self.dropped.clone_from(&step.dropped);
+    }
+
+    /// Shares the forces of redundant constraints among all of them, if equations were dropped.
+    pub fn share(&mut self, model: &Model, p: &[S]) {
+        if !self.dropped.is_empty() && !self.mu.is_empty() {
+            let shared = least_multipliers(model, &self.dropped, p, &self.at.q, &self.mu, self.t);
+            self.solved_mu = std::mem::replace(&mut self.mu, shared);
+        }
+    }
+}
+
+impl Sample<f64> {
+    /// Goes back through [`Sample::share`]: from the adjoints of shared multipliers to those of solved ones, of coordinates and of
+    /// parameters.
+    pub fn share_transposed(&self, model: &Model, p: &[f64], mu_bar: &mut [f64], q_bar: &mut [f64], p_bar: &mut [f64]) {
+        if !self.solved_mu.is_empty() && mu_bar.iter().any(|&bar| bar != 0.0) {
+            let shared = mu_bar.to_vec();
+            mu_bar.fill(0.0);
+            let bars = Bars { q: q_bar, mu: mu_bar, p: p_bar };
+            add_least_multipliers_transposed(model, &self.dropped, (p, &self.at.q, &self.solved_mu), self.t, &shared, bars);
+        }
     }
 }
 
 impl Functional {
+    /// Whether it reads multipliers.
+    pub fn reads_multipliers(&self) -> bool {
+        match &self.measured {
+            Measured::Local { constraints, .. } => !constraints.is_empty(),
+            Measured::Load { .. } => true,
+            Measured::Energy | Measured::Mass => false,
+        }
+    }
+
     /// Factor with which the gradient of the measured quantity at a stage enters df.
     pub fn stage_factor(&self, model: &Model, sample: &Sample<f64>, p: &[f64], value: f64, duration: f64) -> f64 {
         match self.over {
@@ -139,6 +189,12 @@ impl Measured {
                 let mu: Few<S> = rows.map(|row| sample.mu[row]).collect();
                 let state = State { a: &a, v: &v, q: &q };
                 S::quantity(&**quantity).value_in(state, &mu, &p[parameters.clone()], S::from(sample.t))
+            }
+            Measured::Load { joint, parameters, load } => {
+                let joint = &model.constraints[joint.0];
+                let q = gather(model, &joint.nodes, &sample.at.q);
+                let (mu, own) = (&sample.mu[joint.equations.clone()], &p[joint.parameters.clone()]);
+                load.value(&*joint.physics, &q, mu, own, &p[parameters.clone()], S::from(sample.t))
             }
             Measured::Energy => {
                 let own = |element: &crate::assembly::Attached<dyn crate::elements::AnyElement>| {
@@ -195,6 +251,29 @@ impl Measured {
                 }
                 for (i, place) in parameters.clone().enumerate() {
                     p_bar[place] += factor * gradient[3 * n + rows.len() + i];
+                }
+            }
+            Measured::Load { joint, parameters, load } => {
+                let joint = &model.constraints[joint.0];
+                let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+                let places: Vec<f64> = (dofs.iter().map(|&dof| sample.at.q[dof]))
+                    .chain(joint.equations.clone().map(|row| sample.mu[row]))
+                    .chain(p[joint.parameters.clone()].iter().copied())
+                    .chain(p[parameters.clone()].iter().copied())
+                    .collect();
+                let (n, m) = (dofs.len(), joint.equations.len());
+                let own = n + m + joint.parameters.len();
+                let gradient = lanes_gradient(&places, |x| {
+                    load.value(&*joint.physics, &x[..n], &x[n..n + m], &x[n + m..own], &x[own..], t)
+                });
+                for (&dof, g) in dofs.iter().zip(&gradient) {
+                    at_bar.q[dof] += factor * g;
+                }
+                for (row, g) in joint.equations.clone().zip(&gradient[n..]) {
+                    mu_bar[row] += factor * g;
+                }
+                for (place, g) in joint.parameters.clone().chain(parameters.clone()).zip(&gradient[n + m..]) {
+                    p_bar[place] += factor * g;
                 }
             }
             Measured::Energy => {

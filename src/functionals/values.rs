@@ -23,6 +23,8 @@ pub struct Values<'f, S> {
     /// The end of the last step.
     last: Option<Sample<S>>,
     sample: Sample<S>,
+    /// Whether any functional reads multipliers.
+    reading: bool,
 }
 
 impl<'f, S: FunctionalScalar> Values<'f, S> {
@@ -48,6 +50,7 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
             duration: 0.0,
             last: None,
             sample: Sample::empty(),
+            reading: functionals.iter().any(Functional::reads_multipliers),
         }
     }
 
@@ -66,7 +69,11 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
     pub fn start(&mut self, start: &StartRecord<S>) {
         for (functional, sum) in self.functionals.iter().zip(&mut self.sums) {
             if functional.over == Over::Initial {
-                sum[0] = functional.measured.value(self.model, &Sample::initial(start), self.p);
+                let mut sample = Sample::initial(start);
+                if functional.reads_multipliers() {
+                    sample.share(self.model, self.p);
+                }
+                sum[0] = functional.measured.value(self.model, &sample, self.p);
             }
         }
     }
@@ -90,6 +97,9 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
         }
         for (stage, weight) in stages.iter().enumerate() {
             self.sample.set_stage(step, stage, step.h * weight);
+            if self.reading {
+                self.sample.share(self.model, self.p);
+            }
             let sample = &self.sample;
             for ((functional, sums), offset) in self.functionals.iter().zip(&mut self.sums).zip(&mut self.offsets) {
                 let value = || functional.measured.value(self.model, sample, self.p);
@@ -113,7 +123,10 @@ impl<'f, S: FunctionalScalar> Values<'f, S> {
     }
 
     /// The values at the end of the last step, and the offsets of smooth maxima.
-    pub fn finish(self) -> (Vec<S>, Vec<Option<f64>>) {
+    pub fn finish(mut self) -> (Vec<S>, Vec<Option<f64>>) {
+        if let Some(last) = self.last.as_mut().filter(|_| self.reading) {
+            last.share(self.model, self.p);
+        }
         let value = |((functional, sums), offset): ((&Functional, &Vec<S>), &Option<f64>)| match functional.over {
             Over::Initial | Over::Integral => sums[0],
             Over::Terminal => self.last.as_ref().map_or(sums[0], |last| functional.measured.value(self.model, last, self.p)),

@@ -1,11 +1,13 @@
 mod forces;
 mod functionals;
 mod joints;
+mod loads;
+mod rolling;
 
 use crate::assembly::{ConstraintId, ElementId, Model, NodeId, NodeKind};
 use crate::design::ModelNumbers;
 use crate::elements::bodies::{PointMass, RigidBody};
-use crate::elements::{Anchor, AnyConstraint, AnyElement};
+use crate::elements::{Anchor, AnyConstraint, AnyElement, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, Over};
 use crate::scalar::{Quaternion, Scalar, Vec3};
 
@@ -166,6 +168,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         self.numbers.p.extend_from_slice(p);
         self.model.add_constraint(name, nodes, Box::new(constraint))
+    }
+
+    /// Adds any nonholonomic constraint with its parameters.
+    pub fn nonholonomic(
+        &mut self,
+        name: &str,
+        nodes: &[NodeId],
+        constraint: impl NonholonomicConstraint,
+        p: &[S],
+    ) -> ConstraintId {
+        self.constraint(name, nodes, Nonholonomic(constraint), p)
     }
 
     /// Inertia of a body: mass [kg], mass centre in the body frame [m], tensor about it (xx, yy, zz, xy, xz, yz) [kg m2].

@@ -156,14 +156,23 @@ impl Sweep<'_> {
         if factor != 0.0 {
             let measured = &self.functionals[k].measured;
             measured.add_gradient(model, sample, &self.problem.p, factor, &mut at_bar, &mut mu_bar, p_bar);
+            sample.share_transposed(model, &self.problem.p, &mut mu_bar, &mut at_bar.q, p_bar);
         }
         (at_bar, mu_bar)
+    }
+
+    /// Shares the forces of redundant constraints, if a functional reads them.
+    fn share(&self, sample: &mut Sample<f64>) {
+        if self.functionals.iter().any(Functional::reads_multipliers) {
+            sample.share(self.problem.model, &self.problem.p);
+        }
     }
 
     /// Adjoint of the first acceleration: what the first step carried over, and initial functionals.
     fn start_bars(&self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionBar> {
         let mut bars = take_carried_acceleration(&self.method.table, back);
-        let sample = Sample::initial(start);
+        let mut sample = Sample::initial(start);
+        self.share(&mut sample);
         for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
             if self.functionals[k].over == Over::Initial {
                 let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
@@ -214,6 +223,7 @@ impl Sweep<'_> {
         if last_step {
             let mut sample = Sample::empty();
             sample.set_terminal(step);
+            self.share(&mut sample);
             for (k, (stages, back)) in stages.iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.functionals[k].over == Over::Terminal {
                     let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
@@ -289,6 +299,7 @@ impl Sweep<'_> {
         let shift = record.solve.equations.residual;
         let mut sample = Sample::empty();
         sample.set_stage(step, stage, weight);
+        self.share(&mut sample);
         let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
         let mut base_bars = Vec::with_capacity(back.len());

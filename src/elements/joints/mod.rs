@@ -5,6 +5,7 @@ mod fixed;
 mod prescribed_rotation;
 mod prescribed_translation;
 mod revolute;
+mod rolling;
 mod spherical;
 
 pub use distance::DistanceJoint;
@@ -12,6 +13,7 @@ pub use fixed::FixedJoint;
 pub use prescribed_rotation::PrescribedRotation;
 pub use prescribed_translation::PrescribedTranslation;
 pub use revolute::RevoluteJoint;
+pub use rolling::{DiscOnPlane, RollingDisc, RollingSphere};
 pub use spherical::SphericalJoint;
 
 use super::{Anchor, Parameter};

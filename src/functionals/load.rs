@@ -1,0 +1,79 @@
+use super::FunctionalScalar;
+use crate::elements::forces::LoadFrame;
+use crate::elements::{AnyConstraint, Parameter};
+use crate::scalar::{Quaternion, Vec3};
+use std::ops::Range;
+
+/// Which load of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadKind {
+    /// d . F [N].
+    Force,
+    /// d . M [N m].
+    Moment,
+    /// |F| [N].
+    ForceNorm,
+    /// |M| [N m].
+    MomentNorm,
+}
+
+/// Force F or moment M about a point, with which a joint or driver acts on one of its nodes, from -A^T mu whatever the joint.
+///
+/// For a body with generalized forces (f, f_e): F = f, and M = R(e) G(e) f_e / 2 - (x - r) x F about the point x.
+///
+/// * `direction x, y, z`  d, in the world or in the frame of the body [-]; ignored by norms
+/// * `point x, y, z`  in the frame of the body [m]; read by moments
+pub struct JointLoad {
+    /// Which one.
+    pub kind: LoadKind,
+    /// The frame of the direction.
+    pub frame: LoadFrame,
+    /// Coordinates of the node among those of the joint; three for a point, seven for a body.
+    pub node: Range<usize>,
+}
+
+impl JointLoad {
+    /// Its parameters.
+    pub const PARAMETERS: [Parameter; 6] = [
+        Parameter::new("direction x", "-"),
+        Parameter::new("direction y", "-"),
+        Parameter::new("direction z", "-"),
+        Parameter::new("point x", "m"),
+        Parameter::new("point y", "m"),
+        Parameter::new("point z", "m"),
+    ];
+
+    /// The load, from the coordinates of the joint's nodes, its multipliers and parameters, and the parameters of the load.
+    pub fn value<S: FunctionalScalar>(
+        &self,
+        joint: &dyn AnyConstraint,
+        q: &[S],
+        mu: &[S],
+        joint_p: &[S],
+        p: &[S],
+        t: S,
+    ) -> S {
+        let mut reaction = vec![S::zero(); q.len()];
+        S::constraint(joint).add_reaction(q, mu, joint_p, t, &mut reaction);
+        let (q, generalized) = (&q[self.node.clone()], &reaction[self.node.clone()]);
+        let mut load = -Vec3::from_slice(generalized);
+        let mut direction = Vec3::from_slice(p);
+        if let [_, _, _, e @ ..] = q
+            && e.len() == 4
+        {
+            let e = Quaternion::from_slice(e);
+            if matches!(self.kind, LoadKind::Moment | LoadKind::MomentNorm) {
+                let moment = e.g_times(Quaternion::from_slice(&generalized[3..])) * S::from(-0.5);
+                let arm = e.rotate(Vec3::from_slice(&p[3..]));
+                load = e.rotate(moment) - arm.cross(load);
+            }
+            if self.frame == LoadFrame::Body {
+                direction = e.rotate(direction);
+            }
+        }
+        match self.kind {
+            LoadKind::Force | LoadKind::Moment => load.dot(direction),
+            LoadKind::ForceNorm | LoadKind::MomentNorm => load.norm(),
+        }
+    }
+}

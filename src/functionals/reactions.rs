@@ -1,0 +1,268 @@
+//! Reactions where constraints are redundant: of all multipliers with the same forces, those of least norm.
+//!
+//! With A the rows of all equations towards translations and rotations, K those that are kept, and F = A^T mu the forces of the
+//! solved multipliers: mu* = argmin |mu*| subject to A^T mu* = F. Rows of K, orthonormalized, are Q; then A = M Q with M = A Q^T,
+//! and mu* = M (M^T M)^-1 Q F, a smooth function of the state that depends on the choice K only by round-off.
+
+use crate::assembly::{Model, NodeKind};
+use crate::elements::RunScalar;
+use crate::scalar::{Direction, LANES, Lanes, Quaternion, Scalar, Vec3};
+
+type Matrix<S> = Vec<Vec<S>>;
+
+fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
+    a.iter().zip(b).map(|(&a, &b)| a * b).sum()
+}
+
+fn combination<S: Scalar>(rows: &[Vec<S>], weights: &[S], length: usize) -> Vec<S> {
+    let mut sum = vec![S::zero(); length];
+    for (row, &weight) in rows.iter().zip(weights) {
+        sum.iter_mut().zip(row).for_each(|(sum, &x)| *sum += x * weight);
+    }
+    sum
+}
+
+/// Orthonormalizes independent rows; twice, because once leaves parts of the size of round-off times their dependence.
+fn orthonormal<S: Scalar>(mut rows: Matrix<S>) -> Matrix<S> {
+    for i in 0..rows.len() {
+        let (done, rest) = rows.split_at_mut(i);
+        let own = &mut rest[0];
+        for _ in 0..2 {
+            for unit in &*done {
+                let share = dot(own, unit);
+                own.iter_mut().zip(unit).for_each(|(x, &u)| *x -= u * share);
+            }
+        }
+        let norm = dot(own, own).sqrt();
+        own.iter_mut().for_each(|x| *x /= norm);
+    }
+    rows
+}
+
+/// Columns of the generalized forces on the moving nodes: force and moment of a body, the coordinates of others.
+struct Columns {
+    first: Vec<Option<usize>>,
+    count: usize,
+}
+
+impl Columns {
+    fn of(model: &Model) -> Self {
+        let mut count = 0;
+        let first = model.nodes.iter().map(|node| {
+            (!node.fixed).then(|| {
+                let first = count;
+                count += if node.kind == NodeKind::Body { 6 } else { node.dofs.len() };
+                first
+            })
+        });
+        Columns { first: first.collect(), count }
+    }
+}
+
+/// Rows A of all constraint equations towards `columns`; the moment on a body is G(e) f / 2 in its frame.
+fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64) -> Matrix<S> {
+    let mut all = vec![vec![S::zero(); columns.count]; model.equations];
+    for joint in &model.constraints {
+        let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+        let own: Vec<S> = dofs.iter().map(|&dof| q[dof]).collect();
+        let mut unit = vec![S::zero(); joint.equations.len()];
+        for (place, equation) in joint.equations.clone().enumerate() {
+            unit[place] = S::one();
+            let mut force = vec![S::zero(); own.len()];
+            let physics = S::constraint(&*joint.physics);
+            physics.add_reaction(&own, &unit, &p[joint.parameters.clone()], S::from(t), &mut force);
+            unit[place] = S::zero();
+            let mut local = 0;
+            for node in &joint.nodes {
+                let (kind, count) = (model.nodes[node.0].kind, model.nodes[node.0].dofs.len());
+                let (force, place) = (&force[local..local + count], &own[local..local + count]);
+                local += count;
+                let Some(first) = columns.first[node.0] else { continue };
+                let target = &mut all[equation][first..];
+                if kind == NodeKind::Body {
+                    let e = Quaternion::from_slice(&place[3..]);
+                    let moment = e.g_times(Quaternion::from_slice(&force[3..])) * S::from(0.5);
+                    target.iter_mut().zip(force[..3].iter().chain(&moment.0)).for_each(|(target, &f)| *target += f);
+                } else {
+                    target.iter_mut().zip(force).for_each(|(target, &f)| *target += f);
+                }
+            }
+        }
+    }
+    all
+}
+
+/// What stands between multipliers as solved and those of least norm.
+struct Sharing<S> {
+    columns: Columns,
+    /// A.
+    rows: Matrix<S>,
+    /// Kept rows.
+    kept: Vec<usize>,
+    /// Q: an orthonormal basis of the kept rows.
+    basis: Matrix<S>,
+    /// M^T, and its orthonormalized rows.
+    shares: Matrix<S>,
+    units: Matrix<S>,
+}
+
+impl<S: RunScalar> Sharing<S> {
+    fn new(model: &Model, dropped: &[usize], p: &[S], q: &[S], t: f64) -> Self {
+        let columns = Columns::of(model);
+        let rows = rows(model, &columns, p, q, t);
+        let kept: Vec<usize> = (0..rows.len()).filter(|row| !dropped.contains(row)).collect();
+        let basis = orthonormal(kept.iter().map(|&row| rows[row].clone()).collect());
+        let shares: Matrix<S> = basis.iter().map(|unit| rows.iter().map(|row| dot(row, unit)).collect()).collect();
+        let units = orthonormal(shares.clone());
+        Sharing { columns, rows, kept, basis, shares, units }
+    }
+
+    /// Entry of R in M = P R.
+    fn triangle(&self, k: usize, j: usize) -> S {
+        dot(&self.units[k], &self.shares[j])
+    }
+
+    /// mu* = P R^-T Q A^T mu.
+    fn least(&self, mu: &[S]) -> Vec<S> {
+        let force = combination(&self.rows, mu, self.columns.count);
+        let mut solved: Vec<S> = Vec::with_capacity(self.basis.len());
+        for (j, unit) in self.basis.iter().enumerate() {
+            let known: S = (0..j).map(|k| self.triangle(k, j) * solved[k]).sum();
+            solved.push((dot(unit, &force) - known) / self.triangle(j, j));
+        }
+        combination(&self.units, &solved, self.rows.len())
+    }
+
+    /// y = A^+ b = Q^T R^-1 P^T b, and the weights of all equations (zero for dropped ones) with y = sum of weights times rows.
+    fn pseudoinverse_times(&self, b: &[S]) -> (Vec<S>, Vec<S>) {
+        let count = self.basis.len();
+        let mut solved = vec![S::zero(); count];
+        for k in (0..count).rev() {
+            let known: S = (k + 1..count).map(|j| self.triangle(k, j) * solved[j]).sum();
+            solved[k] = (dot(&self.units[k], b) - known) / self.triangle(k, k);
+        }
+        let y = combination(&self.basis, &solved, self.columns.count);
+        // the kept rows are L Q with a lower triangle L: L^T weights = the solution
+        let mut weights = vec![S::zero(); self.rows.len()];
+        for k in (0..count).rev() {
+            let unit = &self.basis[k];
+            let known: S = (k + 1..count).map(|j| dot(&self.rows[self.kept[j]], unit) * weights[self.kept[j]]).sum();
+            weights[self.kept[k]] = (solved[k] - known) / dot(&self.rows[self.kept[k]], unit);
+        }
+        (y, weights)
+    }
+
+    /// What of A^T alpha is not in the span of the kept rows: zero on the constraints, where the dropped rows depend on them.
+    fn outside(&self, alpha: &[S]) -> Vec<S> {
+        let mut rest = combination(&self.rows, alpha, self.columns.count);
+        for unit in &self.basis {
+            let share = dot(&rest, unit);
+            rest.iter_mut().zip(unit).for_each(|(x, &u)| *x -= u * share);
+        }
+        rest
+    }
+}
+
+/// The multipliers of least norm with the same forces as `mu`, which are zero for `dropped` equations.
+pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: f64) -> Vec<S> {
+    Sharing::new(model, dropped, p, q, t).least(mu)
+}
+
+/// Where the adjoints of [`least_multipliers`] go.
+pub(super) struct Bars<'b> {
+    pub q: &'b mut [f64],
+    pub mu: &'b mut [f64],
+    pub p: &'b mut [f64],
+}
+
+/// Adds (d mu*/d(q, mu, p))^T mu*_bar to `bars`.
+///
+/// With eta = A^+ mu*_bar = K^T kappa, zeta = A^+ mu* = K^T theta, alpha = mu - mu*, beta = mu*_bar - A eta and W = (I - Q^T Q) A^T:
+///
+/// d f = alpha . dA eta + beta . dA zeta + kappa . dK W alpha + theta . dK W beta + (A eta) . d mu
+///
+/// from the derivative of the pseudoinverse of A Q^T Q, whose rank is constant (Golub & Pereyra 1973). W vanishes on the constraints,
+/// where dropped rows depend on the kept ones; stages at acceleration level lie beside them.
+pub(super) fn add_least_multipliers_transposed(
+    model: &Model,
+    dropped: &[usize],
+    (p, q, mu): (&[f64], &[f64], &[f64]),
+    t: f64,
+    least_bar: &[f64],
+    bars: Bars,
+) {
+    let sharing = Sharing::new(model, dropped, p, q, t);
+    let least = sharing.least(mu);
+    let [(eta, kappa), (zeta, theta)] = [least_bar, &least[..]].map(|b| sharing.pseudoinverse_times(b));
+    let moved: Vec<f64> = sharing.rows.iter().map(|row| dot(row, &eta)).collect();
+    let first: Vec<f64> = mu.iter().zip(&least).map(|(mu, least)| mu - least).collect();
+    let second: Vec<f64> = least_bar.iter().zip(&moved).map(|(bar, moved)| bar - moved).collect();
+    bars.mu.iter_mut().zip(&moved).for_each(|(bar, moved)| *bar += moved);
+    let [first_outside, second_outside] = [&first, &second].map(|alpha| sharing.outside(alpha));
+    let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &first_outside), (&theta, &second_outside)];
+    for (alpha, beta) in pairs {
+        add_row_gradient(model, &sharing, (p, q), t, (alpha, beta), (bars.q, bars.p));
+    }
+}
+
+/// Adds the gradient of alpha . A(q, p) beta.
+fn add_row_gradient(
+    model: &Model,
+    sharing: &Sharing<f64>,
+    (p, q): (&[f64], &[f64]),
+    t: f64,
+    (alpha, beta): (&[f64], &[f64]),
+    (q_bar, p_bar): (&mut [f64], &mut [f64]),
+) {
+    for joint in &model.constraints {
+        let alpha = &alpha[joint.equations.clone()];
+        let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
+        let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
+        let own_p = &p[joint.parameters.clone()];
+        let n = own.len();
+        let mut force = vec![0.0; n];
+        f64::constraint(&*joint.physics).add_reaction(&own, alpha, own_p, t, &mut force);
+        // beta as a movement of the coordinates: forces on bodies are (f, G f_e / 2)
+        let mut along = vec![0.0; n];
+        let mut local = 0;
+        for node in &joint.nodes {
+            let count = model.nodes[node.0].dofs.len();
+            let places = local..local + count;
+            local += count;
+            let Some(first) = sharing.columns.first[node.0] else { continue };
+            if model.nodes[node.0].kind == NodeKind::Body {
+                let e = Quaternion::from_slice(&own[places.start + 3..]);
+                let half = Vec3::from_slice(&beta[first + 3..]) * 0.5;
+                along[places.start..places.start + 3].copy_from_slice(&beta[first..first + 3]);
+                along[places.start + 3..places.end].copy_from_slice(&e.g_transposed_times(half));
+                // G(e) f = -G(f) e
+                let of_e = Quaternion::from_slice(&force[places.start + 3..]).g_transposed_times(half);
+                let target = &mut q_bar[dofs[places.start] + 3..];
+                target.iter_mut().zip(of_e).for_each(|(bar, g)| *bar -= g);
+            } else {
+                along[places].copy_from_slice(&beta[first..first + count]);
+            }
+        }
+        let lambdas: Vec<Direction> =
+            along.iter().map(|&x| std::array::from_fn(|lane| if lane == 0 { x } else { 0.0 })).collect();
+        let mut products = vec![[0.0; LANES]; n];
+        let mut gradients = vec![0.0; n * alpha.len()];
+        joint.physics.pull_back((&own, own_p, t), alpha, &lambdas, &mut gradients, &mut products);
+        dofs.iter().zip(&products).for_each(|(&dof, product)| q_bar[dof] += product[0]);
+
+        let lift = |values: &[f64]| values.iter().map(|&value| Lanes::constant(value)).collect::<Vec<_>>();
+        let (lanes_q, lanes_alpha, mut lanes_p) = (lift(&own), lift(alpha), lift(own_p));
+        for first in (0..own_p.len()).step_by(LANES) {
+            let width = LANES.min(own_p.len() - first);
+            (0..width).for_each(|lane| lanes_p[first + lane].eps[lane] = 1.0);
+            let mut force = vec![Lanes::default(); n];
+            let physics = Lanes::constraint(&*joint.physics);
+            physics.add_reaction(&lanes_q, &lanes_alpha, &lanes_p, Lanes::from(t), &mut force);
+            for lane in 0..width {
+                let gradient: f64 = force.iter().zip(&along).map(|(force, along)| force.eps[lane] * along).sum();
+                p_bar[joint.parameters.start + first + lane] += gradient;
+                lanes_p[first + lane].eps[lane] = 0.0;
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Forces and moments of joints.
+
+use super::MechanismBuilder;
+use crate::assembly::{ConstraintId, NodeId, NodeKind};
+use crate::elements::forces::LoadFrame;
+use crate::functionals::{Functional, JointLoad, LoadKind, Measured, Over};
+use crate::scalar::{Scalar, Vec3};
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// A functional of the force [N] or moment [N m] with which a joint or driver acts on one of its nodes, along a world direction
+    /// that stays in the world or turns with the node; moments about a world point of the node. Norms ignore the direction.
+    pub fn joint_load_functional(
+        &mut self,
+        name: &str,
+        over: Over,
+        (joint, on): (ConstraintId, NodeId),
+        (kind, frame): (LoadKind, LoadFrame),
+        direction: Vec3<S>,
+        point: Vec3<S>,
+    ) {
+        // a joint that was refused has been reported already
+        let Some(constraint) = self.model.constraints.get(joint.0) else { return };
+        let Some(place) = constraint.nodes.iter().position(|&node| node == on) else {
+            let (joint, node) = (&constraint.name, &self.model.nodes[on.0].name);
+            self.mistakes.push(format!("\"{name}\" asks for the load of \"{joint}\" on \"{node}\", which it does not hold"));
+            return;
+        };
+        let first = self.model.dof_count(&constraint.nodes[..place]);
+        let node = first..first + self.model.dof_count(&[on]);
+        let body = self.model.nodes[on.0].kind == NodeKind::Body;
+        let moment = matches!(kind, LoadKind::Moment | LoadKind::MomentNorm);
+        if matches!(self.model.nodes[on.0].kind, NodeKind::Coordinates(_)) || (moment && !body) {
+            let (node, what) = (&self.model.nodes[on.0].name, if moment { "moment" } else { "force" });
+            self.mistakes.push(format!("\"{name}\" asks for a {what} on \"{node}\", which takes none"));
+            return;
+        }
+        let turns = body && frame == LoadFrame::Body;
+        let direction = if turns { self.local_direction(on, direction) } else { direction };
+        let p = [direction.0, self.local_point(on, point).0].concat();
+        let parameters = self.model.add_parameters(p.len());
+        self.numbers.p.extend(p);
+        let measured = Measured::Load { joint, parameters, load: JointLoad { kind, frame, node } };
+        let unit = if moment { "N m" } else { "N" };
+        self.functionals.push(Functional { name: name.into(), unit, measured, over });
+    }
+}

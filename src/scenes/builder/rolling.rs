@@ -1,0 +1,59 @@
+//! Rolling contacts.
+
+use super::MechanismBuilder;
+use crate::assembly::{ConstraintId, NodeId};
+use crate::elements::joints::{DiscOnPlane, RollingDisc, RollingSphere};
+use crate::scalar::{Scalar, Vec3};
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// A sphere rolls without sliding on a plane of another body: nodes (plane, sphere), world centre [m], world normal of the plane
+    /// towards the sphere, radius [m]. The joints `NAME contact` and `NAME`; returns both.
+    pub fn rolling_sphere(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        centre: Vec3<S>,
+        normal: Vec3<S>,
+        radius: S,
+    ) -> [ConstraintId; 2] {
+        let normal = normal.normalized();
+        let contact = self.prescribed_translation(
+            &format!("{name} contact"),
+            nodes,
+            [centre, centre],
+            normal,
+            crate::elements::TimeFunction::Constant,
+            &[S::zero()],
+        );
+        let [u, w] = normal.perpendiculars();
+        let mut p = self.local_point(nodes[1], centre).0.to_vec();
+        p.extend([u, w, normal].into_iter().flat_map(|vector| self.local_direction(nodes[0], vector).0));
+        p.push(radius);
+        [contact, self.nonholonomic(name, &nodes, RollingSphere, &p)]
+    }
+
+    /// A thin disc rolls on its edge without sliding on a plane of another body: nodes (plane, disc), world centre [m] and axis of the
+    /// disc, world point [m] and normal of the plane, radius [m]. The joints `NAME contact` and `NAME`; returns both.
+    pub fn rolling_disc(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        (centre, axis): (Vec3<S>, Vec3<S>),
+        (point, normal): (Vec3<S>, Vec3<S>),
+        radius: S,
+    ) -> [ConstraintId; 2] {
+        let [plane, disc] = nodes;
+        let normal = normal.normalized();
+        let [u, w] = normal.perpendiculars();
+        let mut p = self.local_point(disc, centre).0.to_vec();
+        p.extend(self.local_direction(disc, axis.normalized()).0);
+        p.extend(self.local_direction(plane, normal).0);
+        p.push(radius);
+        let contact = [&p[..], &self.local_point(plane, point).0].concat();
+        p.extend([u, w].into_iter().flat_map(|vector| self.local_direction(plane, vector).0));
+        [
+            self.constraint(&format!("{name} contact"), &nodes, DiscOnPlane, &contact),
+            self.nonholonomic(name, &nodes, RollingDisc, &p),
+        ]
+    }
+}
