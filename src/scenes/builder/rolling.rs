@@ -17,14 +17,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         radius: S,
     ) -> [ConstraintId; 2] {
         let normal = normal.normalized();
-        let contact = self.prescribed_translation(
-            &format!("{name} contact"),
-            nodes,
-            [centre, centre],
-            normal,
-            crate::elements::TimeFunction::Constant,
-            &[S::zero()],
-        );
+        let contact = self.point_in_plane(&format!("{name} contact"), nodes, centre, normal);
         let [u, w] = normal.perpendiculars();
         let mut p = self.local_point(nodes[1], centre).0.to_vec();
         p.extend([u, w, normal].into_iter().flat_map(|vector| self.local_direction(nodes[0], vector).0));
