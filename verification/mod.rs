@@ -1,5 +1,6 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
+mod andrews;
 #[path = "chain/study.rs"]
 mod chain;
 mod clock;

@@ -1,16 +1,16 @@
 use super::{LinearSolver, Singular};
 use crate::assembly::SparsePattern;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::lu::partial_pivoting::{factor, solve};
-use faer::perm::PermRef;
-use faer::{Conj, Mat, Par};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor;
+use faer::{Mat, Par};
 
-/// Dense LU with partial pivoting: for up to about a hundred unknowns.
+/// Dense LU with partial pivoting: for up to about a hundred unknowns, where plain loops solve faster than blocked kernels.
 pub struct DenseLu {
     pattern: SparsePattern,
     lu: Mat<f64>,
     rows: Vec<usize>,
     rows_inverse: Vec<usize>,
+    permuted: Vec<f64>,
     memory: MemBuffer,
 }
 
@@ -21,16 +21,13 @@ impl DenseLu {
     /// Workspace for a pattern.
     pub fn new(pattern: &SparsePattern) -> Self {
         let n = pattern.size;
-        let memory = StackReq::any_of(&[
-            factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default()),
-            solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
-            solve::solve_transpose_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
-        ]);
+        let memory = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default());
         DenseLu {
             pattern: pattern.clone(),
             lu: Mat::zeros(n, n),
             rows: vec![0; n],
             rows_inverse: vec![0; n],
+            permuted: vec![0.0; n],
             memory: MemBuffer::new(memory),
         }
     }
@@ -77,17 +74,34 @@ impl LinearSolver for DenseLu {
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
-        let rows = PermRef::new_checked(&self.rows, &self.rows_inverse, self.pattern.size);
-        let rhs = faer::ColMut::from_slice_mut(rhs).as_mat_mut();
-        let memory = MemStack::new(&mut self.memory);
-        solve::solve_in_place_with_conj(self.lu.as_ref(), self.lu.as_ref(), rows, Conj::No, rhs, Par::Seq, memory);
+        let n = self.pattern.size;
+        let x = &mut self.permuted;
+        x.iter_mut().zip(&self.rows).for_each(|(x, &row)| *x = rhs[row]);
+        for k in 0..n {
+            let (column, known) = (self.lu.col_as_slice(k), x[k]);
+            x[k + 1..].iter_mut().zip(&column[k + 1..]).for_each(|(x, l)| *x -= l * known);
+        }
+        for k in (0..n).rev() {
+            let column = self.lu.col_as_slice(k);
+            x[k] /= column[k];
+            let known = x[k];
+            x[..k].iter_mut().zip(column).for_each(|(x, u)| *x -= u * known);
+        }
+        rhs.copy_from_slice(x);
     }
 
     fn solve_transposed(&mut self, rhs: &mut [f64]) {
-        let rows = PermRef::new_checked(&self.rows, &self.rows_inverse, self.pattern.size);
-        let rhs = faer::ColMut::from_slice_mut(rhs).as_mat_mut();
-        let memory = MemStack::new(&mut self.memory);
-        let lu = self.lu.as_ref();
-        solve::solve_transpose_in_place_with_conj(lu, lu, rows, Conj::No, rhs, Par::Seq, memory);
+        let n = self.pattern.size;
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for k in 0..n {
+            let column = self.lu.col_as_slice(k);
+            rhs[k] = (rhs[k] - dot(&column[..k], &rhs[..k])) / column[k];
+        }
+        for k in (0..n).rev() {
+            let column = self.lu.col_as_slice(k);
+            rhs[k] -= dot(&column[k + 1..], &rhs[k + 1..]);
+        }
+        self.permuted.copy_from_slice(rhs);
+        self.permuted.iter().zip(&self.rows).for_each(|(&x, &row)| rhs[row] = x);
     }
 }

@@ -1,3 +1,5 @@
+mod andrews;
+
 use crate::verification::{Report, Study};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, march, table_by_name};
@@ -16,13 +18,14 @@ impl Study for RigidBenchmarks {
         "rigid mechanisms against closed forms, published values and gradients; constraints over 100,000 steps"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let parts: [(&str, Part); 7] = [
+        let parts: [(&str, Part); 8] = [
             ("pendulum, IFToMM A01", pendulum),
             ("two four-bar linkages, IFToMM A02", two_four_bar),
             ("car axis", car_axis),
             ("torque-free body", free_body),
             ("heavy top", heavy_top),
             ("five-bar gradient", five_bar),
+            ("Andrews' squeezer", andrews::andrews),
             ("constraints over 100,000 steps", constraint_drift),
         ];
         for (index, (title, part)) in parts.iter().enumerate() {

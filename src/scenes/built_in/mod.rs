@@ -1,5 +1,6 @@
 //! The scenes of the command line. A new one is a file here and a line in [`all`].
 
+mod andrews;
 mod car_axis;
 mod chain;
 mod double_pendulum;
@@ -10,6 +11,7 @@ mod pendulum;
 mod slider_crank;
 mod two_four_bar;
 
+pub use andrews::Andrews;
 pub use car_axis::CarAxis;
 pub use chain::{Chain, ChainVariables};
 pub use double_pendulum::DoublePendulum;
@@ -33,6 +35,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(SliderCrank),
         Box::new(CarAxis),
         Box::new(TwoFourBar),
+        Box::new(Andrews),
         Box::new(Chain::common()),
         Box::new(Chain::separate()),
     ]
