@@ -55,7 +55,10 @@ impl Element for SevenBodies {
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let rates = [v[0], v[0] + v[1], v[2], v[4] + v[3], v[4], v[6] + v[5], v[6]];
-        let alone: S = rates.iter().zip(p).map(|(&rate, &inertia)| inertia * rate * rate * 0.5).sum();
+        let mut alone = S::zero();
+        for (&rate, &inertia) in rates.iter().zip(p) {
+            alone += inertia * rate * rate * 0.5;
+        }
         let [w1, w2, _, w4, w5, w6, w7] = rates;
         alone + p[7] * q[1].cos() * w1 * w2 + p[8] * q[3].sin() * w5 * w4 + p[9] * q[5].sin() * w7 * w6
     }

@@ -1,6 +1,6 @@
 use super::{Constraint, Element, Parameter, State};
 use crate::scalar::{
-    Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
+    Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature, widest,
 };
 use smallvec::SmallVec;
 
@@ -130,6 +130,33 @@ impl<C: Constraint, S: Scalar> Job for Reaction<'_, C, S> {
     }
 }
 
+/// Coordinates up to which differentiating g along all of them is faster than recording it.
+const FEW: usize = 4 * LANES;
+
+/// A reaction in real numbers from g, eight coordinates at a time: (q, mu, p, t).
+struct ReactionOfLanes<'j, C>(&'j C, [&'j [f64]; 3], f64, &'j mut [f64]);
+
+impl<C: Constraint> Job for ReactionOfLanes<'_, C> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let ReactionOfLanes(constraint, [q, mu, p], t, r) = self;
+        let (mut lanes_q, mut lanes_p) = (SmallVec::<[Lanes; 16]>::new(), SmallVec::<[Lanes; 16]>::new());
+        lanes_q.extend(q.iter().map(|&q| Lanes::constant(q)));
+        lanes_p.extend(p.iter().map(|&p| Lanes::constant(p)));
+        let mut g: SmallVec<[Lanes; 6]> = SmallVec::from_elem(Lanes::default(), mu.len());
+        for first in (0..q.len()).step_by(LANES) {
+            let lanes = LANES.min(q.len() - first);
+            (0..lanes).for_each(|lane| lanes_q[first + lane].eps[lane] = 1.0);
+            constraint.g(&lanes_q, &lanes_p, Lanes::from(t), &mut g);
+            for (g, mu) in g.iter().zip(mu) {
+                r[first..first + lanes].iter_mut().zip(g.eps).for_each(|(r, g)| *r += g * mu);
+            }
+            (0..lanes).for_each(|lane| lanes_q[first + lane].eps[lane] = 0.0);
+        }
+    }
+}
+
 impl<E: Element, S: Scalar> ElementIn<S> for E {
     fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         S::run(Residual(self, s, p, t, r));
@@ -235,6 +262,12 @@ impl<C: Constraint, S: Recordable> ReactingConstraintIn<S> for C {
     fn add_reaction(&self, q: &[S], mu: &[S], p: &[S], t: S, r: &mut [S]) {
         if C::REACTION {
             return S::run(Reaction(self, [q, mu, p], t, r));
+        }
+        if q.len() <= FEW
+            && let (Some(q), Some(mu), Some(p)) = (S::reals(q), S::reals(mu), S::reals(p))
+            && let Some(r) = S::reals_mut(r)
+        {
+            return widest(ReactionOfLanes(self, [q, mu, p], t.value(), r));
         }
         let p: SmallVec<[Reverse<S>; 16]> = p.iter().map(|&p| Reverse::constant(p)).collect();
         let work = |q: &[Reverse<S>]| {

@@ -1,43 +1,69 @@
 use super::{Element, State};
-use crate::scalar::{Dual, LANES, Scalar};
+use crate::scalar::{Dual, Job, LANES, Scalar, widest};
 use smallvec::SmallVec;
 
 /// Local values of one element: on the stack for up to 16 coordinates or parameters.
 type Local<S> = SmallVec<[S; 16]>;
+/// With derivatives along eight coordinates or velocities.
+type Lanes<S> = Dual<S, LANES>;
+/// These, and their derivative along the motion; in this order all lanes of a number lie side by side.
+type Moving<S> = Dual<Lanes<S>, 1>;
 
 /// Adds d/dt (dT/dv) - dT/dq + dV/dq - Q to `r`, from the energies of an element.
 ///
-/// With one dual direction along the motion (dq, dv) = (v, a) inside N lanes along the unit vectors of v, the mixed
+/// With one dual direction along the motion (dq, dv) = (v, a) around N lanes along the unit vectors of v, the mixed
 /// part is d/dt (dT/dv_i); lanes along q give dT/dq_i and dV/dq_i.
 pub fn lagrangian_residual<E: Element + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-    type Along<S> = Dual<S, 1>;
-    type Mixed<S> = Dual<Along<S>, LANES>;
-    let n = s.q.len();
-    let along = |value: S, rate: S| Along { re: value, eps: [rate] };
-    let q: Local<Mixed<S>> = s.q.iter().zip(s.v).map(|(&q, &v)| Mixed::constant(along(q, v))).collect();
-    let mut v: Local<Mixed<S>> = s.v.iter().zip(s.a).map(|(&v, &a)| Mixed::constant(along(v, a))).collect();
-    let p_mixed: Local<Mixed<S>> = p.iter().map(|&p| Mixed::constant(Along::constant(p))).collect();
-    let mut q_lanes: Local<Dual<S, LANES>> = s.q.iter().map(|&q| Dual::constant(q)).collect();
-    let v_lanes: Local<Dual<S, LANES>> = s.v.iter().map(|&v| Dual::constant(v)).collect();
-    let p_lanes: Local<Dual<S, LANES>> = p.iter().map(|&p| Dual::constant(p)).collect();
-
-    for first in (0..n).step_by(LANES) {
-        let lanes = LANES.min(n - first);
-        for lane in 0..lanes {
-            v[first + lane].eps[lane] = Along::one();
-            q_lanes[first + lane].eps[lane] = S::one();
-        }
-        let kinetic = element.kinetic(&v, &q, &p_mixed);
-        let lagrangian = element.kinetic(&v_lanes, &q_lanes, &p_lanes) - element.potential(&q_lanes, &p_lanes);
-        for lane in 0..lanes {
-            r[first + lane] += kinetic.eps[lane].eps[0] - lagrangian.eps[lane];
-            v[first + lane].eps[lane] = Along::zero();
-            q_lanes[first + lane].eps[lane] = S::zero();
-        }
-    }
-    let mut force: Local<S> = SmallVec::from_elem(S::zero(), n);
+    widest(FromEnergies(element, s, p, r));
+    let mut force: Local<S> = SmallVec::from_elem(S::zero(), s.q.len());
     element.add_force(s.v, s.q, p, t, &mut force);
     for (r, f) in r.iter_mut().zip(force) {
         *r -= f;
     }
+}
+
+/// The part of the residual that comes from the energies.
+struct FromEnergies<'j, E: ?Sized, S>(&'j E, State<'j, S>, &'j [S], &'j mut [S]);
+
+impl<E: Element + ?Sized, S: Scalar> Job for FromEnergies<'_, E, S> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let FromEnergies(element, s, p, r) = self;
+        let n = s.q.len();
+        // filled where they are: moving such a list costs as much as the energies
+        let (mut q, mut v, mut numbers) = (Local::<Moving<S>>::new(), Local::<Moving<S>>::new(), Local::<Moving<S>>::new());
+        let (mut q_lanes, mut v_lanes, mut p_lanes) =
+            (Local::<Lanes<S>>::new(), Local::<Lanes<S>>::new(), Local::<Lanes<S>>::new());
+        for i in 0..n {
+            q.push(moving(s.q[i], s.v[i]));
+            v.push(moving(s.v[i], s.a[i]));
+            q_lanes.push(Dual::constant(s.q[i]));
+            v_lanes.push(Dual::constant(s.v[i]));
+        }
+        for &p in p {
+            numbers.push(Dual::constant(Dual::constant(p)));
+            p_lanes.push(Dual::constant(p));
+        }
+        for first in (0..n).step_by(LANES) {
+            let lanes = LANES.min(n - first);
+            for lane in 0..lanes {
+                v[first + lane].re.eps[lane] = S::one();
+                q_lanes[first + lane].eps[lane] = S::one();
+            }
+            let kinetic = element.kinetic(&v, &q, &numbers);
+            let lagrangian = element.kinetic(&v_lanes, &q_lanes, &p_lanes) - element.potential(&q_lanes, &p_lanes);
+            for lane in 0..lanes {
+                r[first + lane] += kinetic.eps[0].eps[lane] - lagrangian.eps[lane];
+                v[first + lane].re.eps[lane] = S::zero();
+                q_lanes[first + lane].eps[lane] = S::zero();
+            }
+        }
+    }
+}
+
+/// A number with its rate along the motion.
+#[inline(always)]
+fn moving<S: Scalar>(value: S, rate: S) -> Moving<S> {
+    Dual { re: Dual::constant(value), eps: [Dual::constant(rate)] }
 }

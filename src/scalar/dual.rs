@@ -27,16 +27,26 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     }
 
     /// f(x) with the derivatives f' eps; a zero perturbation stays zero where f' is infinite.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn chain(self, [f, first, _]: Jet<S>) -> Self {
         // true if every part of f' is finite: an inner derivative may be infinite where the value is not (x^1.5 at 0)
         let vanishing = first * 0.0;
         if vanishing.value() == 0.0 && vanishing.is_constant() {
-            Dual { re: f, eps: self.eps.map(|e| first * e) }
+            self.each(f, |e| first * e)
         } else {
             let guarded = |e: S| if e.value() == 0.0 && e.is_constant() { S::zero() } else { first * e };
-            Dual { re: f, eps: self.eps.map(guarded) }
+            self.each(f, guarded)
         }
+    }
+
+    /// Derivatives one by one: a plain loop is inlined and vectorized where arrays' `map` is not.
+    #[inline(always)]
+    fn each(mut self, re: S, f: impl Fn(S) -> S) -> Self {
+        for e in &mut self.eps {
+            *e = f(*e);
+        }
+        self.re = re;
+        self
     }
 
     #[inline(always)]
@@ -64,7 +74,7 @@ impl<S: Scalar, const N: usize> Neg for Dual<S, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Dual { re: -self.re, eps: self.eps.map(|e| -e) }
+        self.each(-self.re, |e| -e)
     }
 }
 impl<S: Scalar, const N: usize> Add for Dual<S, N> {
@@ -115,14 +125,14 @@ impl<S: Scalar, const N: usize> Mul<f64> for Dual<S, N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        Dual { re: self.re * other, eps: self.eps.map(|e| e * other) }
+        self.each(self.re * other, |e| e * other)
     }
 }
 impl<S: Scalar, const N: usize> Div<f64> for Dual<S, N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: f64) -> Self {
-        Dual { re: self.re / other, eps: self.eps.map(|e| e / other) }
+        self.each(self.re / other, |e| e / other)
     }
 }
 assign_operators!([S: Scalar, const N: usize] Dual<S, N>);

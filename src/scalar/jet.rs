@@ -108,6 +108,11 @@ pub(crate) fn powf<S: Scalar>(x: S, exponent: f64) -> Jet<S> {
 macro_rules! functions_by_chain {
     ($inner:ident: $($name:ident),*) => {
         $(#[inline] fn $name(self) -> Self { self.chain($crate::scalar::jet::$name(self.$inner)) })*
+        #[inline(always)]
+        fn sin_cos(self) -> (Self, Self) {
+            let (s, c) = self.$inner.sin_cos();
+            (self.chain([s, c, -s]), self.chain([c, -s, -c]))
+        }
         #[inline]
         fn powi(self, exponent: i32) -> Self { self.chain($crate::scalar::jet::powi(self.$inner, exponent)) }
         #[inline]

@@ -34,7 +34,7 @@ pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gra
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed};
 pub use taylor::Taylor;
 pub use vector::Vec3;
-pub(crate) use wide::Job;
+pub(crate) use wide::{Job, widest};
 
 use std::fmt::Debug;
 use std::iter::Sum;
@@ -118,6 +118,16 @@ pub trait Scalar:
     fn run<J: Job>(job: J) -> J::Output {
         job.run()
     }
+    /// Numbers of this type as real ones, if that is what they are.
+    #[doc(hidden)]
+    fn reals(_values: &[Self]) -> Option<&[f64]> {
+        None
+    }
+    /// The same to write to.
+    #[doc(hidden)]
+    fn reals_mut(_values: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
     /// Zero of this type.
     fn zero() -> Self {
         Self::from(0.0)
@@ -148,8 +158,13 @@ macro_rules! assign_operators {
             fn div_assign(&mut self, other: Self) { *self = *self / other; }
         }
         impl<$($generics)*> std::iter::Sum for $type {
+            #[inline(always)]
             fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
-                terms.fold(<$type>::from(0.0), |total, term| total + term)
+                let mut total = <$type>::from(0.0);
+                for term in terms {
+                    total = total + term;
+                }
+                total
             }
         }
     };

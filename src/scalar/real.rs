@@ -14,6 +14,14 @@ impl Scalar for f64 {
     fn is_constant(self) -> bool {
         true
     }
+    #[inline(always)]
+    fn reals(values: &[f64]) -> Option<&[f64]> {
+        Some(values)
+    }
+    #[inline(always)]
+    fn reals_mut(values: &mut [f64]) -> Option<&mut [f64]> {
+        Some(values)
+    }
     forward!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
     #[inline]
     fn powi(self, exponent: i32) -> Self {
