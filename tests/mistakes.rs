@@ -18,6 +18,12 @@ enum Mistake {
     EnergyWithoutEnergies,
     TopologyFromDesign,
     JumpingDriver,
+    ZeroPitch,
+    SkewPins,
+    PointForBody,
+    NoAxis,
+    BodyForAngle,
+    LooseCoordinate,
 }
 struct Mistaken(Option<Mistake>);
 
@@ -89,6 +95,23 @@ impl Scene for Mistaken {
             Some(JumpingDriver) => {
                 let jump = TimeFunction::Step { switch: 0.5 };
                 m.prescribed_rotation("motor", [ground, rod], hinge, jump, &[S::zero(), S::one()]);
+            }
+            Some(ZeroPitch) => drop(m.helical("screw", [ground, rod], hinge, hinge, S::zero())),
+            Some(SkewPins) => drop(m.universal("cross", [ground, rod], hinge, [axis, axis + hinge])),
+            Some(NoAxis) => drop(m.prismatic("slide", [ground, rod], hinge, Vec3::zero())),
+            Some(PointForBody) => {
+                let bob = m.point("bob", axis * x[0]);
+                m.point_mass("bob", bob, S::one());
+                m.cylindrical("sleeve", [rod, bob], axis * x[0], axis);
+            }
+            Some(BodyForAngle) => {
+                let angle = m.joint_angle("count", [ground, rod], hinge);
+                m.gear("teeth", [angle, rod], [S::one(); 2]);
+            }
+            // one equation holds one of two coordinates without inertia
+            Some(LooseCoordinate) => {
+                let loose = ["first", "second"].map(|name| m.coordinates(name, &[S::zero()], &[S::zero()]));
+                m.gear("teeth", loose, [S::one(); 2]);
             }
             Some(TopologyFromDesign) if !x[0].is_constant() => {
                 m.line_damper("appears", [ground, rod], [hinge, axis * x[0]], S::one());
@@ -190,6 +213,36 @@ fn a_wrong_number_of_parameters_shows_both_numbers() {
 #[test]
 fn a_driver_that_jumps_is_refused() {
     assert_says(&refused(Mistake::JumpingDriver), &["\"motor\"", "jump at t = 0.5 s", "smooth ramp"]);
+}
+
+#[test]
+fn a_screw_without_pitch_is_refused() {
+    assert_says(&refused(Mistake::ZeroPitch), &["\"screw\"", "pitch is 0 m", "other than 0"]);
+}
+
+#[test]
+fn pins_of_a_universal_joint_that_are_not_at_right_angles_are_shown_with_their_angle() {
+    assert_says(&refused(Mistake::SkewPins), &["\"cross\"", "45.000000 degrees", "must be at 90"]);
+}
+
+#[test]
+fn a_point_where_a_joint_needs_a_body_is_named() {
+    assert_says(&refused(Mistake::PointForBody), &["\"sleeve\" needs a body", "\"bob\"", "joint for points"]);
+}
+
+#[test]
+fn an_axis_of_no_length_is_shown() {
+    assert_says(&refused(Mistake::NoAxis), &["\"slide\"", "[0.0, 0.0, 0.0]", "any length but zero"]);
+}
+
+#[test]
+fn a_gear_on_a_body_asks_for_a_joint_angle() {
+    assert_says(&refused(Mistake::BodyForAngle), &["gear \"teeth\"", "\"rod\"", "joint_angle"]);
+}
+
+#[test]
+fn coordinates_without_inertia_that_joints_leave_free_are_named() {
+    assert_says(&refused(Mistake::LooseCoordinate), &["coordinate 0", "no inertia", "give it a mass or a constraint"]);
 }
 
 #[test]

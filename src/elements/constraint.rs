@@ -15,6 +15,8 @@ pub trait Constraint: Send + Sync + 'static {
     /// True if g is a sum of functions of one node each (and p, t): then the reaction on one node does not depend on the others,
     /// and the matrix has no entries between them. The contract tests hold it against g.
     const SEPARABLE: bool = false;
+    /// True if g does not depend on time: a soft version of it then has an energy. The contract tests hold it against g.
+    const STEADY: bool = false;
     /// True if [`reaction`](Constraint::reaction) is written out as well.
     const REACTION: bool = false;
 

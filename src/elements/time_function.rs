@@ -19,6 +19,10 @@ pub enum TimeFunction {
         /// Time of the jump [s].
         switch: f64,
     },
+    /// Any of the others, started from rest: f(s(t)), with ds/dt going from 0 to 1 along 10 x^3 - 15 x^4 + 6 x^5, x = t / T.
+    ///
+    /// s = T (5/2 x^4 - 3 x^5 + x^6) until T, t - T/2 from there on, 0 before 0. Parameters: those of f, start duration T.
+    SmoothStart(Arc<TimeFunction>),
     /// Natural cubic spline through (t_i, f_i), constant slope outside. Parameters: the values f_i; the times are topology.
     Table(Arc<CubicTable>),
 }
@@ -63,6 +67,9 @@ impl TimeFunction {
                 vec![new("from", unit), new("to", unit), new("start", "s"), Parameter::positive("duration", "s")]
             }
             TimeFunction::Step { .. } => vec![new("before", unit), new("after", unit)],
+            TimeFunction::SmoothStart(inner) => {
+                inner.parameters(unit).into_iter().chain([Parameter::positive("start duration", "s")]).collect()
+            }
             TimeFunction::Table(table) => {
                 (0..table.times.len()).map(|i| Parameter::named(format!("value {i}"), unit)).collect()
             }
@@ -86,6 +93,10 @@ impl TimeFunction {
                 }
             }
             TimeFunction::Step { switch } => p[usize::from(t.value() >= *switch)],
+            TimeFunction::SmoothStart(inner) => match p {
+                [own @ .., duration] => inner.value(started_time(t, *duration), own),
+                [] => unreachable!("the start duration is the last parameter"),
+            },
             TimeFunction::Table(table) => table.value(t, p),
         }
     }
@@ -95,7 +106,48 @@ impl TimeFunction {
         match self {
             TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
             TimeFunction::Step { switch } => vec![*switch],
+            TimeFunction::SmoothStart(inner) => match p {
+                [own @ .., duration] => {
+                    let mapped = inner.kinks(own).into_iter().filter(|kink| *kink > 0.0);
+                    mapped.map(|kink| time_started_at(kink, *duration)).chain([*duration]).collect()
+                }
+                [] => unreachable!("the start duration is the last parameter"),
+            },
             _ => Vec::new(),
+        }
+    }
+
+    /// Time of a jump of the value, if there is one.
+    pub fn jump(&self) -> Option<f64> {
+        match self {
+            TimeFunction::Step { switch } => Some(*switch),
+            TimeFunction::SmoothStart(inner) => inner.jump(),
+            _ => None,
+        }
+    }
+}
+
+/// s(t) of a smooth start [s].
+fn started_time<S: Scalar>(t: S, duration: S) -> S {
+    if t.value() <= 0.0 {
+        return S::zero();
+    }
+    let x = t / duration;
+    if x.value() >= 1.0 { t - duration * 0.5 } else { duration * (x.powi(4) * ((x - 3.0) * x + 2.5)) }
+}
+
+/// The first time at which s(t) has reached `s` > 0, to the last bit: s grows from 0 on, so halving finds it.
+fn time_started_at(s: f64, duration: f64) -> f64 {
+    let (mut before, mut after) = (0.0, s + duration);
+    loop {
+        let middle = 0.5 * (before + after);
+        if !(before < middle && middle < after) {
+            return after;
+        }
+        if started_time(middle, duration) < s {
+            before = middle;
+        } else {
+            after = middle;
         }
     }
 }

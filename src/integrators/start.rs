@@ -1,6 +1,6 @@
 use super::newton::Newton;
 use super::{NewtonTolerance, Problem, RunError};
-use crate::assembly::{Equations, Model, NodeKind, Residual, System, SystemOptions, VectorsAvq};
+use crate::assembly::{Equations, Model, NodeId, NodeKind, Residual, System, SystemOptions, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::linalg::{Backend, independent_rows};
 use crate::scalar::{Quaternion, Taylor};
@@ -80,9 +80,13 @@ fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
 
 fn check_nodes(model: &Model) -> Result<(), RunError> {
     for (index, node) in model.nodes.iter().enumerate().filter(|(_, node)| !node.fixed) {
-        if !model.elements.iter().any(|element| element.nodes.iter().any(|id| id.0 == index)) {
+        // without inertia, constraints may determine it still: the first accelerations tell
+        let has = |nodes: &[NodeId]| nodes.iter().any(|id| id.0 == index);
+        let held = model.constraints.iter().any(|joint| has(&joint.nodes));
+        if !held && !model.elements.iter().any(|element| has(&element.nodes)) {
             return Err(RunError::Input(format!(
-                "node \"{}\" is not connected: no element acts on it, so it has no inertia; add a body or mass to it, or remove it",
+                "node \"{}\" is not connected: no element acts on it, so it has no inertia, and no joint holds it; \
+                 add a body or mass to it, or remove it",
                 node.name
             )));
         }

@@ -2,7 +2,7 @@ mod forces;
 mod functionals;
 mod joints;
 
-use crate::assembly::{ConstraintId, ElementId, Model, NodeId, NodeKind};
+use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 use crate::design::ModelNumbers;
 use crate::elements::bodies::{PointMass, RigidBody};
 use crate::elements::{Anchor, AnyConstraint, AnyElement};
@@ -34,6 +34,8 @@ pub struct MechanismBuilder<S> {
     pub drawings: Vec<Drawing>,
     ground: Option<NodeId>,
     masses: Vec<(NodeId, S, Vec3<S>)>,
+    /// Joint angles with their bodies and axes.
+    angles: Vec<(NodeId, [NodeId; 2], Vec3<S>)>,
     mistakes: Vec<String>,
 }
 
@@ -93,7 +95,18 @@ impl<S: Scalar> MechanismBuilder<S> {
             for (place, rate) in (first + 3..).zip(e.rate_of_body_velocity(e.rotate_back(omega_world))) {
                 self.numbers.v[place] = rate;
             }
+            self.set_angle_rates();
         }
+    }
+
+    /// Initial angular velocity of a body in world components [rad/s].
+    pub fn angular_velocity(&self, node: NodeId) -> Vec3<S> {
+        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        if *kind != NodeKind::Body {
+            return Vec3::zero();
+        }
+        let e = self.rotation(node);
+        e.rotate(e.g_times(Quaternion::from_slice(&self.numbers.v[dofs.start + 3..])) * S::from(2.0))
     }
 
     /// Initial position of a node's frame [m].
@@ -101,9 +114,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         Vec3::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start..])
     }
 
-    /// Initial Euler parameters of a body.
+    /// Initial Euler parameters of a body; other nodes have the axes of the world.
     pub fn rotation(&self, node: NodeId) -> Quaternion<S> {
-        Quaternion::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..])
+        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        match kind {
+            NodeKind::Body => Quaternion::from_slice(&self.numbers.q[dofs.start + 3..]),
+            _ => Quaternion::identity(),
+        }
     }
 
     /// A world point [m] in the frame of a node; zero for a point node, whose own position it is.
@@ -129,6 +146,28 @@ impl<S: Scalar> MechanismBuilder<S> {
                 Anchor::Point
             }
         }
+    }
+
+    /// Axes and angles need bodies.
+    fn check_bodies(&mut self, owner: &str, nodes: &[NodeId]) {
+        for node in nodes.iter().map(|node| &self.model.nodes[node.0]).filter(|node| node.kind != NodeKind::Body) {
+            self.mistakes.push(format!(
+                "\"{owner}\" needs a body, which has axes, but node \"{}\" is none: make it a body, or take a joint for points",
+                node.name
+            ));
+        }
+    }
+
+    /// A vector of length one along an axis or normal.
+    fn unit(&mut self, owner: &str, direction: Vec3<S>) -> Vec3<S> {
+        let length = direction.norm().value();
+        if length > 0.0 && length.is_finite() {
+            return direction.normalized();
+        }
+        let components = direction.0.map(Scalar::value);
+        self.mistakes
+            .push(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"));
+        Vec3::from_f64([1.0, 0.0, 0.0])
     }
 
     fn check_sizes(&mut self, name: &str, nodes: &[NodeId], dofs: usize, parameters: usize, given: usize) -> bool {

@@ -1,6 +1,8 @@
 //! Adjoint and tangent gradients against complex step and difference quotients, over the lists of everything.
 
 mod measures;
+mod mechanism;
+mod reaches;
 mod scenes;
 
 use crate::verification::{Report, Study};

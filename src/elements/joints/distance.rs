@@ -19,12 +19,13 @@ impl Constraint for DistanceJoint {
     const DOFS: usize = 14;
     const EQUATIONS: usize = 1;
     const REACTION: bool = true;
+    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.iter().cloned().chain([Parameter::positive("length", "m")]).collect()
+        POINTS.into_iter().chain([Parameter::positive("length", "m")]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

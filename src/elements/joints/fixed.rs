@@ -1,6 +1,6 @@
-use super::{POINTS, gap};
+use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar};
+use crate::scalar::Scalar;
 
 /// Two bodies welded together: points held together [m], and twice the vector part of the remaining rotation is zero [rad].
 ///
@@ -13,15 +13,14 @@ pub struct FixedJoint;
 impl Constraint for FixedJoint {
     const DOFS: usize = 14;
     const EQUATIONS: usize = 6;
+    const STEADY: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
-        POINTS.iter().cloned().chain(["e0", "e1", "e2", "e3"].map(|name| Parameter::new(name, "-"))).collect()
+        POINTS.into_iter().chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-        let remaining = ea.conjugate().times(eb).times(Quaternion::from_slice(&p[6..]).conjugate());
         g[..3].copy_from_slice(&gap([Anchor::Body; 2], q, p).0);
-        g[3..].copy_from_slice(&(remaining.parts().1 * S::from(2.0)).0);
+        g[3..].copy_from_slice(&remaining_rotation(q, &p[6..]).0);
     }
 }

@@ -1,24 +1,47 @@
 //! Joints and motion drivers: each file holds g(q, p, t) and nothing else.
 
+mod angle_coordinate;
+mod cylindrical;
 mod distance;
 mod fixed;
+mod gear;
+mod helical;
+mod planar;
+mod point_in_plane;
+mod point_on_line;
 mod prescribed_rotation;
 mod prescribed_translation;
+mod prismatic;
+mod rack_and_pinion;
 mod revolute;
+mod rigid_link;
 mod spherical;
+mod universal;
 
+pub use angle_coordinate::AngleCoordinate;
+pub use cylindrical::CylindricalJoint;
 pub use distance::DistanceJoint;
 pub use fixed::FixedJoint;
+pub use gear::GearJoint;
+pub use helical::HelicalJoint;
+pub use planar::PlanarJoint;
+pub use point_in_plane::PointInPlane;
+pub use point_on_line::PointOnLine;
 pub use prescribed_rotation::PrescribedRotation;
 pub use prescribed_translation::PrescribedTranslation;
+pub use prismatic::PrismaticJoint;
+pub use rack_and_pinion::RackAndPinion;
 pub use revolute::RevoluteJoint;
+pub use rigid_link::RigidLink;
 pub use spherical::SphericalJoint;
+pub use universal::UniversalJoint;
 
 use super::{Anchor, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
+use std::f64::consts::TAU;
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
-const POINTS: [Parameter; 6] = [
+pub(crate) const POINTS: [Parameter; 6] = [
     Parameter::new("point a x", "m"),
     Parameter::new("point a y", "m"),
     Parameter::new("point a z", "m"),
@@ -27,8 +50,31 @@ const POINTS: [Parameter; 6] = [
     Parameter::new("point b z", "m"),
 ];
 
+/// Euler parameters of b relative to a.
+const RELATIVE_ROTATION: [Parameter; 4] =
+    [Parameter::new("e0", "-"), Parameter::new("e1", "-"), Parameter::new("e2", "-"), Parameter::new("e3", "-")];
+
+/// What an angle between two bodies is measured with: the axis and the zero mark of a, and the mark of b.
+pub(crate) const ANGLE: [Parameter; 9] = [
+    Parameter::new("axis x", "-"),
+    Parameter::new("axis y", "-"),
+    Parameter::new("axis z", "-"),
+    Parameter::new("reference a x", "-"),
+    Parameter::new("reference a y", "-"),
+    Parameter::new("reference a z", "-"),
+    Parameter::new("reference b x", "-"),
+    Parameter::new("reference b y", "-"),
+    Parameter::new("reference b z", "-"),
+];
+
+/// The components of unit vectors, by the names of the vectors.
+pub(crate) fn vectors(names: &[&str]) -> Vec<Parameter> {
+    let components = |name| ["x", "y", "z"].map(|axis| Parameter::named(format!("{name} {axis}"), "-"));
+    names.iter().flat_map(components).collect()
+}
+
 /// x_b - x_a for the points of the first six parameters [m].
-fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vec3<S> {
+pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vec3<S> {
     let (qa, qb) = q.split_at(a.dofs());
     b.position(qb, Vec3::from_slice(&p[3..])) - a.position(qa, Vec3::from_slice(p))
 }
@@ -40,4 +86,35 @@ fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vec3<S>, r:
     let (ra, rb) = r.split_at_mut(a.dofs());
     a.add_force(qa, Vec3::from_slice(p), -force, ra);
     b.add_force(qb, Vec3::from_slice(&p[3..]), force, rb);
+}
+
+/// Components of a world vector along vectors of body a, which `vectors` gives in its frame, one after the other.
+#[inline(always)]
+pub(crate) fn components<S: Scalar>(a: &[S], vectors: &[S], world: Vec3<S>, g: &mut [S]) {
+    let seen_from_a = Quaternion::from_slice(&a[3..]).rotate_back(world);
+    for (g, vector) in g.iter_mut().zip(vectors.chunks_exact(3)) {
+        *g = seen_from_a.dot(Vec3::from_slice(vector));
+    }
+}
+
+/// 2 vec(e_a* e_b e_ab*): for small angles the rotation that b has beyond `relative`, in the frame of a [rad].
+#[inline(always)]
+fn remaining_rotation<S: Scalar>(q: &[S], relative: &[S]) -> Vec3<S> {
+    let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
+    ea.conjugate().times(eb).times(Quaternion::from_slice(relative).conjugate()).parts().1 * S::from(2.0)
+}
+
+/// The angle about `axis` from `from` to `to` less `turn`, in [-pi, pi] [rad]: any number of whole turns is left out of it.
+#[inline(always)]
+fn angle_beyond<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>, turn: S) -> S {
+    let beyond = angle_about(axis, from, to) - turn;
+    beyond - (beyond.value() / TAU).round() * TAU
+}
+
+/// The same between two bodies with the parameters [`ANGLE`].
+#[inline(always)]
+pub(crate) fn angle_between<S: Scalar>(q: &[S], p: &[S], turn: S) -> S {
+    let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
+    let vector = |i: usize| Vec3::from_slice(&p[i..]);
+    angle_beyond(ea.rotate(vector(0)), ea.rotate(vector(3)), eb.rotate(vector(6)), turn)
 }

@@ -1,4 +1,4 @@
-use super::{POINTS, gap};
+use super::{POINTS, gap, vectors};
 use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, Vec3};
 
@@ -24,8 +24,7 @@ impl Constraint for PrescribedTranslation {
         Anchor::Body.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
-        let axis = ["axis x", "axis y", "axis z"].map(|name| Parameter::new(name, "-"));
-        POINTS.iter().cloned().chain(axis).chain(self.displacement.parameters("m")).collect()
+        POINTS.into_iter().chain(vectors(&["axis"])).chain(self.displacement.parameters("m")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {

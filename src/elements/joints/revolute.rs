@@ -1,4 +1,4 @@
-use super::POINTS;
+use super::{POINTS, add_pair, vectors};
 use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::{Quaternion, Scalar, Vec3, combine_columns, rotation_gradient_transposed};
 
@@ -15,10 +15,10 @@ impl Constraint for RevoluteJoint {
     const DOFS: usize = 14;
     const EQUATIONS: usize = 5;
     const REACTION: bool = true;
+    const STEADY: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
-        let vectors = ["u x", "u y", "u z", "w x", "w y", "w z", "axis x", "axis y", "axis z"];
-        POINTS.iter().cloned().chain(vectors.map(|name| Parameter::new(name, "-"))).collect()
+        POINTS.into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
@@ -35,7 +35,7 @@ impl Constraint for RevoluteJoint {
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        super::add_pair([Anchor::Body, Anchor::Body], q, p, Vec3::from_slice(mu), r);
+        add_pair([Anchor::Body, Anchor::Body], q, p, Vec3::from_slice(mu), r);
         let (a, b) = q.split_at(7);
         let (ea, eb) = (Quaternion::from_slice(&a[3..]), Quaternion::from_slice(&b[3..]));
         let vector = |i: usize| Vec3::from_slice(&p[i..]);

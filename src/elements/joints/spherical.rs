@@ -18,6 +18,7 @@ impl Constraint for SphericalJoint {
     const PARAMETERS: &'static [Parameter] = &POINTS;
     const SEPARABLE: bool = true;
     const REACTION: bool = true;
+    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()

@@ -45,8 +45,8 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Axis and reference directions of an angle between two bodies that is zero at the start.
-    pub(super) fn angle_frame(&self, [a, b]: [NodeId; 2], axis: Vec3<S>) -> Vec<S> {
-        let axis = axis.normalized();
+    pub(super) fn angle_frame(&mut self, name: &str, [a, b]: [NodeId; 2], axis: Vec3<S>) -> Vec<S> {
+        let axis = self.unit(name, axis);
         let [reference, _] = axis.perpendiculars();
         [self.local_direction(a, axis), self.local_direction(a, reference), self.local_direction(b, reference)]
             .into_iter()
@@ -62,7 +62,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vec3<S>,
         [stiffness, damping, rest_angle]: [S; 3],
     ) -> ElementId {
-        let p = [vec![stiffness, damping, rest_angle], self.angle_frame(nodes, axis)].concat();
+        self.check_bodies(name, &nodes);
+        let p = [vec![stiffness, damping, rest_angle], self.angle_frame(name, nodes, axis)].concat();
         self.element(name, &nodes, TorsionSpringDamper, &p)
     }
 }

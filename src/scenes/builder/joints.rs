@@ -1,12 +1,17 @@
 //! Joints and motion drivers.
 
 use super::MechanismBuilder;
-use crate::assembly::{ConstraintId, NodeId};
-use crate::elements::TimeFunction;
+use crate::assembly::{ConstraintId, Node, NodeId, NodeKind};
 use crate::elements::joints::{
-    DistanceJoint, FixedJoint, PrescribedRotation, PrescribedTranslation, RevoluteJoint, SphericalJoint,
+    AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
+    PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
+    SphericalJoint, UniversalJoint,
 };
-use crate::scalar::{Scalar, Vec3};
+use crate::elements::{Anchor, TimeFunction};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// How far from a right angle the pins of a universal joint may be.
+const RIGHT_ANGLE: f64 = 1e-9;
 
 impl<S: Scalar> MechanismBuilder<S> {
     pub(super) fn points_between(&self, [a, b]: [NodeId; 2], [on_a, on_b]: [Vec3<S>; 2]) -> Vec<S> {
@@ -28,28 +33,177 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.constraint(name, &nodes, DistanceJoint { a, b }, &p)
     }
 
+    /// Two unit vectors of a at right angles to the axis, and the axis in b: what guides along or about an axis.
+    fn guide(&self, [a, b]: [NodeId; 2], axis: Vec3<S>) -> Vec<S> {
+        let [u, w] = axis.perpendiculars();
+        [self.local_direction(a, u), self.local_direction(a, w), self.local_direction(b, axis)].map(|v| v.0).concat()
+    }
+
+    /// Euler parameters of b relative to a.
+    fn relative_rotation(&self, [a, b]: [NodeId; 2]) -> Quaternion<S> {
+        self.rotation(a).conjugate().times(self.rotation(b))
+    }
+
     /// A revolute joint at a world point [m] about a world axis.
     pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
-        let axis = axis.normalized();
-        let [u, w] = axis.perpendiculars();
-        let mut p = self.points_between(nodes, [point, point]);
-        let [a, b] = nodes;
-        for vector in [self.local_direction(a, u), self.local_direction(a, w), self.local_direction(b, axis)] {
-            p.extend(vector.0);
-        }
+        self.check_bodies(name, &nodes);
+        let axis = self.unit(name, axis);
+        let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
         self.constraint(name, &nodes, RevoluteJoint, &p)
     }
 
     /// Two bodies welded together at a world point [m].
     pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
-        let relative = self.rotation(nodes[0]).conjugate().times(self.rotation(nodes[1]));
-        let p = [self.points_between(nodes, [point, point]), relative.0.to_vec()].concat();
+        self.check_bodies(name, &nodes);
+        let p = [self.points_between(nodes, [point; 2]), self.relative_rotation(nodes).0.to_vec()].concat();
         self.constraint(name, &nodes, FixedJoint, &p)
+    }
+
+    /// Node b, a point or a body, carried along by body a as it stands at the start.
+    pub fn rigid_link(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
+        self.check_bodies(name, &nodes[..1]);
+        let b = self.anchor(name, nodes[1]);
+        let mut p = self.local_point(nodes[0], self.position(nodes[1])).0.to_vec();
+        if b == Anchor::Body {
+            p.extend(self.relative_rotation(nodes).0);
+        }
+        self.constraint(name, &nodes, RigidLink { b }, &p)
+    }
+
+    /// A prismatic joint: b slides along a world axis of a without turning; the world point [m] is where forces are measured.
+    pub fn prismatic(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
+        self.check_bodies(name, &nodes);
+        let axis = self.unit(name, axis);
+        let normals = &self.guide(nodes, axis)[..6];
+        let p = [&self.points_between(nodes, [point; 2])[..], normals, &self.relative_rotation(nodes).0].concat();
+        self.constraint(name, &nodes, PrismaticJoint, &p)
+    }
+
+    /// A cylindrical joint: b slides along and turns about a world axis through a world point [m].
+    pub fn cylindrical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
+        self.check_bodies(name, &nodes);
+        let axis = self.unit(name, axis);
+        let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
+        self.constraint(name, &nodes, CylindricalJoint, &p)
+    }
+
+    /// A planar joint: b slides on the plane of a through a world point [m] with a world normal, and turns about the normal.
+    pub fn planar(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, normal: Vec3<S>) -> ConstraintId {
+        self.check_bodies(name, &nodes);
+        let normal = self.unit(name, normal);
+        let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, normal)].concat();
+        self.constraint(name, &nodes, PlanarJoint, &p)
+    }
+
+    /// A universal joint at a world point [m]; its cross has one pin in a and one in b, at right angles.
+    pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, pins: [Vec3<S>; 2]) -> ConstraintId {
+        self.check_bodies(name, &nodes);
+        let [pin_a, pin_b] = pins.map(|pin| self.unit(name, pin));
+        let cosine = pin_a.dot(pin_b).value();
+        if cosine.abs() > RIGHT_ANGLE {
+            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            self.mistakes.push(format!(
+                "the pins of universal joint \"{name}\" are at {angle:.6} degrees; \
+                 they must be at 90: take from one of them its part along the other"
+            ));
+        }
+        let pins = [self.local_direction(nodes[0], pin_a).0, self.local_direction(nodes[1], pin_b).0].concat();
+        let p = [self.points_between(nodes, [point; 2]), pins].concat();
+        self.constraint(name, &nodes, UniversalJoint, &p)
+    }
+
+    /// A screw along a world axis through a world point [m]: b advances by the pitch [m per turn], negative for a left-handed thread.
+    pub fn helical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>, pitch: S) -> ConstraintId {
+        self.check_bodies(name, &nodes);
+        let axis = self.unit(name, axis);
+        let reference = self.local_direction(nodes[1], axis.perpendiculars()[0]).0;
+        let points = self.points_between(nodes, [point; 2]);
+        let p = [&points[..], &self.guide(nodes, axis), &reference, &[pitch]].concat();
+        self.constraint(name, &nodes, HelicalJoint, &p)
+    }
+
+    /// A world point [m] of b, a point or a body, on the line of a through it along a world direction.
+    pub fn point_on_line(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, along: Vec3<S>) -> ConstraintId {
+        self.check_bodies(name, &nodes[..1]);
+        let b = self.anchor(name, nodes[1]);
+        let normals = self.unit(name, along).perpendiculars().map(|normal| self.local_direction(nodes[0], normal).0);
+        let p = [self.points_between(nodes, [point; 2]), normals.concat()].concat();
+        self.constraint(name, &nodes, PointOnLine { b }, &p)
+    }
+
+    /// A world point [m] of b, a point or a body, in the plane of a through it with a world normal.
+    pub fn point_in_plane(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, normal: Vec3<S>) -> ConstraintId {
+        self.check_bodies(name, &nodes[..1]);
+        let b = self.anchor(name, nodes[1]);
+        let normal = self.unit(name, normal);
+        let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], normal).0].concat();
+        self.constraint(name, &nodes, PointInPlane { b }, &p)
+    }
+
+    /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
+    /// touches the rack at `contact` [m]. Radius and direction follow; guide both by joints to the carrier.
+    pub fn rack_and_pinion(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 3],
+        [centre, contact]: [Vec3<S>; 2],
+        axis: Vec3<S>,
+    ) -> ConstraintId {
+        self.check_bodies(name, &nodes);
+        let [carrier, pinion, rack] = nodes;
+        let axis = self.unit(name, axis);
+        let arm = contact - centre;
+        let arm = arm - axis * axis.dot(arm);
+        let radius = arm.norm();
+        let points = self.points_between([carrier, rack], [contact; 2]);
+        let direction = axis.cross(self.unit(name, arm));
+        let direction = self.local_direction(carrier, direction).0;
+        let p = [&points[..], &self.angle_frame(name, [carrier, pinion], axis), &direction, &[radius]].concat();
+        self.constraint(name, &nodes, RackAndPinion, &p)
+    }
+
+    /// A coordinate that counts the angle of b against a about a world axis over any number of turns [rad], zero at the start.
+    ///
+    /// It is a node: for gears, springs, drivers and functionals of the angle. A joint must hold the axis.
+    pub fn joint_angle(&mut self, name: &str, nodes: [NodeId; 2], axis: Vec3<S>) -> NodeId {
+        self.check_bodies(name, &nodes);
+        let angle = self.coordinates(name, &[S::zero()], &[S::zero()]);
+        let p = self.angle_frame(name, nodes, axis);
+        self.constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate, &p);
+        self.angles.push((angle, nodes, axis.normalized()));
+        self.set_angle_rates();
+        angle
+    }
+
+    /// Rates of all joint angles, from the angular velocities of their bodies.
+    pub(super) fn set_angle_rates(&mut self) {
+        for (angle, [a, b], axis) in &self.angles {
+            let rate = axis.dot(self.angular_velocity(*b) - self.angular_velocity(*a));
+            self.numbers.v[self.model.nodes[angle.0].dofs.start] = rate;
+        }
+    }
+
+    /// Gears on two joint angles with pitch radii [m], as they stand at the start: r1 phi1 + r2 phi2 stays.
+    ///
+    /// External gears on parallel axes have radii of one sign, internal ones of opposite signs.
+    pub fn gear(&mut self, name: &str, angles: [NodeId; 2], radii: [S; 2]) -> ConstraintId {
+        let mut offset = S::zero();
+        for (node, radius) in angles.into_iter().zip(radii) {
+            let Node { name: own, kind, dofs, .. } = &self.model.nodes[node.0];
+            if *kind != NodeKind::Coordinates(1) {
+                let text =
+                    format!("gear \"{name}\" needs two joint angles, but node \"{own}\" is none: add one by joint_angle");
+                self.mistakes.push(text);
+                return ConstraintId(usize::MAX);
+            }
+            offset += radius * self.numbers.q[dofs.start];
+        }
+        self.constraint(name, &angles, GearJoint, &[radii[0], radii[1], offset])
     }
 
     /// A motion driver needs a function with two derivatives.
     fn check_driver(&mut self, name: &str, function: &TimeFunction) {
-        if let TimeFunction::Step { switch } = function {
+        if let Some(switch) = function.jump() {
             self.mistakes.push(format!("driver \"{name}\" would jump at t = {switch} s; give it a smooth ramp or a table"));
         }
     }
@@ -64,7 +218,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         function_parameters: &[S],
     ) -> ConstraintId {
         self.check_driver(name, &angle);
-        let p = [self.angle_frame(nodes, axis), function_parameters.to_vec()].concat();
+        self.check_bodies(name, &nodes);
+        let p = [self.angle_frame(name, nodes, axis), function_parameters.to_vec()].concat();
         self.constraint(name, &nodes, PrescribedRotation { angle }, &p)
     }
 
@@ -79,8 +234,10 @@ impl<S: Scalar> MechanismBuilder<S> {
         function_parameters: &[S],
     ) -> ConstraintId {
         self.check_driver(name, &displacement);
+        self.check_bodies(name, &nodes[..1]);
         let b = self.anchor(name, nodes[1]);
-        let axis = self.local_direction(nodes[0], axis.normalized());
+        let axis = self.unit(name, axis);
+        let axis = self.local_direction(nodes[0], axis);
         let p = [self.points_between(nodes, [origin, point]), axis.0.to_vec(), function_parameters.to_vec()].concat();
         self.constraint(name, &nodes, PrescribedTranslation { b, displacement }, &p)
     }

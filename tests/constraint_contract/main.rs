@@ -1,164 +1,18 @@
 //! What every constraint owes, for every joint in every topology: one line in `cases` enters a new one.
 
+mod cases;
+#[path = "../support/mod.rs"]
 mod support;
 
+use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, drives};
+use costate::elements::Anchor::Body;
 use costate::elements::bodies::EulerParameterNorm;
-use costate::elements::joints::{
-    DistanceJoint, FixedJoint, PrescribedRotation, PrescribedTranslation, RevoluteJoint, SphericalJoint,
-};
-use costate::elements::{Anchor, AnyConstraint, Constraint, ConstraintIn, ReactingConstraintIn, State, TimeFunction};
+use costate::elements::joints::{PrescribedRotation, PrescribedTranslation};
+use costate::elements::{AnyConstraint, ConstraintIn, ReactingConstraintIn, State, TimeFunction};
 use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
+use std::f64::consts::TAU;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
-use support::time_functions::time_functions;
-
-use Anchor::{Body, Point};
-
-/// Where b stands relative to a: its turn, and the vector from the point of a to the point of b, both seen from a.
-#[derive(Clone, Copy)]
-struct Placement {
-    turn: Quaternion<f64>,
-    offset: Vec3<f64>,
-}
-
-impl Placement {
-    /// Turned on by `angle` [rad] about `axis` of a; the points stay where they are.
-    fn turned(self, axis: Vec3<f64>, angle: f64) -> Placement {
-        Placement { turn: Quaternion::about(axis, angle).times(self.turn), ..self }
-    }
-    /// Shifted by `by` [m] in the frame of a.
-    fn shifted(self, by: Vec3<f64>) -> Placement {
-        Placement { offset: self.offset + by, ..self }
-    }
-}
-
-/// A placement next to the consistent one, and the rows that must then be as large as the step away.
-struct Move {
-    what: &'static str,
-    to: Placement,
-    violated: Vec<usize>,
-}
-
-struct Case {
-    name: String,
-    constraint: Box<dyn AnyConstraint>,
-    nodes: Vec<Anchor>,
-    p: Vec<f64>,
-    /// Consistent at time [`NOW`].
-    placed: Placement,
-    moves: Vec<Move>,
-    /// Parameters that this topology takes and, as documented, does not read: the start of their names.
-    ignored: Vec<&'static str>,
-}
-
-impl Case {
-    fn new(name: impl Into<String>, constraint: impl Constraint, nodes: &[Anchor], p: &[f64], placed: Placement) -> Case {
-        let (name, constraint) = (name.into(), Box::new(constraint));
-        let mut ignored = vec![];
-        if let [a, b] = *nodes {
-            ignored.extend((a == Point).then_some("point a"));
-            ignored.extend((b == Point).then_some("point b"));
-        }
-        Case { name, constraint, nodes: nodes.to_vec(), p: p.to_vec(), placed, moves: vec![], ignored }
-    }
-    /// `to` violates the rows `violated` by [`STEP`] and no others.
-    fn shows(mut self, what: &'static str, violated: &[usize], to: impl Fn(Placement) -> Placement) -> Case {
-        self.moves.push(Move { what, to: to(self.placed), violated: violated.to_vec() });
-        self
-    }
-
-    /// Coordinates of both nodes for a body a at `position` with the Euler parameters `turn`.
-    fn coordinates(&self, position: Vec3<f64>, turn: Quaternion<f64>, placed: Placement) -> Vec<f64> {
-        let [a, b] = self.nodes[..] else {
-            return [position.0.to_vec(), turn.0.to_vec()].concat();
-        };
-        let in_world = |vector: Vec3<f64>| if a == Body { turn.rotate(vector) } else { vector };
-        let mut q = position.0.to_vec();
-        let mut point = position + in_world(placed.offset);
-        if a == Body {
-            q.extend(turn.0);
-            point += turn.rotate(POINT_A);
-        }
-        if b == Body {
-            let turn_b = if a == Body { turn.times(placed.turn) } else { placed.turn };
-            q.extend((point - turn_b.rotate(POINT_B)).0);
-            q.extend(turn_b.0);
-        } else {
-            q.extend(point.0);
-        }
-        q
-    }
-}
-
-const NOW: f64 = 0.3;
-const STEP: f64 = 1e-3;
-const POINT_A: Vec3<f64> = Vec3([0.3, -0.2, 0.5]);
-const POINT_B: Vec3<f64> = Vec3([-0.4, 0.1, 0.6]);
-/// A right-handed triad of a; the first is the axis of hinges and drives.
-const AXIS: Vec3<f64> = Vec3([0.6, 0.0, 0.8]);
-const NORMAL_U: Vec3<f64> = Vec3([0.8, 0.0, -0.6]);
-const NORMAL_W: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
-const X: Vec3<f64> = Vec3([1.0, 0.0, 0.0]);
-const Y: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
-const Z: Vec3<f64> = Vec3([0.0, 0.0, 1.0]);
-const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
-
-/// Drives of motion: everything but jumps, which no motion can follow.
-fn drives() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
-    time_functions().into_iter().filter(|(_, function, _)| !matches!(function, TimeFunction::Step { .. })).collect()
-}
-
-#[rustfmt::skip]
-fn cases() -> Vec<Case> {
-    let points = [POINT_A.0, POINT_B.0].concat();
-    let skew = Quaternion::about(Vec3([0.36, 0.48, 0.8]), 0.9);
-    let together = Placement { turn: skew, offset: Vec3::zero() };
-    let hinged = Placement { turn: Quaternion::about(AXIS, 0.7), offset: Vec3::zero() };
-    let mut list = vec![
-        Case::new("Euler parameter norm", EulerParameterNorm, &[Body], &[], together),
-        Case::new("fixed", FixedJoint, &[Body, Body], &[&points[..], &skew.0].concat(), together)
-            .shows("turn about x", &[3], |placed| placed.turned(X, STEP))
-            .shows("turn about y", &[4], |placed| placed.turned(Y, STEP))
-            .shows("turn about z", &[5], |placed| placed.turned(Z, STEP))
-            .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
-            .shows("Euler parameters of the other sign", &[], |placed| Placement { turn: Quaternion(placed.turn.0.map(|e| -e)), ..placed }),
-        Case::new("revolute", RevoluteJoint, &[Body, Body], &[&points[..], &NORMAL_U.0, &NORMAL_W.0, &AXIS.0].concat(), hinged)
-            .shows("turn about the axis", &[], |placed| placed.turned(AXIS, 2.0))
-            .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
-            .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
-            .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
-    ];
-    for [a, b] in PAIRS {
-        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint { a, b }, &[a, b], &points, together)
-            .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
-            .shows("shift along x", &[0], |placed| placed.shifted(X * STEP))
-            .shows("shift along z", &[2], |placed| placed.shifted(Z * -STEP)));
-        let length = 1.7;
-        let apart = Placement { offset: AXIS * length, ..together };
-        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[a, b], &[&points[..], &[length]].concat(), apart)
-            .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
-            .shows("another direction", &[], |placed| Placement { offset: Vec3([-1.7, 0.0, 0.0]), ..placed })
-            .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
-    }
-    for (of_time, function, own) in drives() {
-        let now = function.value(NOW, &own);
-        let driven = Placement { turn: Quaternion::about(AXIS, now), offset: Vec3::zero() };
-        let p = [&AXIS.0[..], &NORMAL_U.0, &NORMAL_U.0, &own].concat();
-        list.push(Case::new(format!("{of_time} rotation"), PrescribedRotation { angle: function.clone() }, &[Body, Body], &p, driven)
-            .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
-            .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
-            .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
-        for b in [Point, Body] {
-            let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
-            let drive = PrescribedTranslation { b, displacement: function.clone() };
-            list.push(Case::new(format!("{of_time} translation of {b:?}"), drive, &[Body, b], &[&points[..], &AXIS.0, &own].concat(), slid)
-                .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
-                .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))
-                .shows("shift along the axis", &[0], |placed| placed.shifted(AXIS * STEP)));
-        }
-    }
-    list
-}
 
 fn value<S: Scalar>(case: &Case, q: &[S], p: &[S], t: S) -> Vec<S>
 where
@@ -206,7 +60,8 @@ fn samples(case: &Case) -> Vec<Sample> {
     let mut random = Random::new(5);
     let n = case.constraint.dof_count();
     let sample = |_| {
-        let q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        q.extend(random.vector(case.scalars));
         let mu = random.vector(case.constraint.equation_count());
         Sample { a: random.vector(n), v: random.vector(n), q, mu, t: random.uniform(-1.0, 1.0) }
     };
@@ -234,7 +89,12 @@ fn sizes_fit_and_sample_parameters_are_admissible() {
     for case in cases() {
         let parameters = case.constraint.parameter_list();
         assert_eq!(parameters.len(), case.p.len(), "{}", case.name);
-        assert_eq!(case.nodes.iter().map(|node| node.dofs()).sum::<usize>(), case.constraint.dof_count(), "{}", case.name);
+        assert_eq!(
+            case.nodes.iter().map(|node| node.dofs()).sum::<usize>() + case.scalars,
+            case.constraint.dof_count(),
+            "{}",
+            case.name
+        );
         for (parameter, &value) in parameters.iter().zip(&case.p) {
             assert!(parameter.admissible.contains(value), "{}: {} = {value}", case.name, parameter.name);
         }
@@ -384,7 +244,9 @@ fn consistent_configuration_stays_consistent_when_moved_rigidly() {
         assert_close(&case.name, &value(&case, &q, &case.p, NOW), &vec![0.0; rows], 1e-14);
         for (k, translation) in [Vec3([0.4, -1.3, 2.1]), Vec3([-7.0, 3.0, 0.5])].into_iter().enumerate() {
             let rotation = Quaternion([0.5, -0.5, 0.7 - k as f64, 0.1]);
-            let moved = RigidMotion { rotation, translation }.of_coordinates(&case.nodes, &q);
+            // coordinates of no place stay as they are
+            let (places, scalars) = q.split_at(q.len() - case.scalars);
+            let moved = [&RigidMotion { rotation, translation }.of_coordinates(&case.nodes, places)[..], scalars].concat();
             assert_close(&case.name, &value(&case, &moved, &case.p, NOW), &vec![0.0; rows], 1e-13);
         }
     }
@@ -421,8 +283,7 @@ fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
     let drive = PrescribedRotation { angle: TimeFunction::ConstantRate };
     let (offset, rate) = (0.2, 9.0);
     let p = [&AXIS.0[..], &NORMAL_U.0, &NORMAL_U.0, &[offset, rate]].concat();
-    let case =
-        Case::new("driven", drive, &[Body, Body], &p, Placement { turn: Quaternion::identity(), offset: Vec3::zero() });
+    let case = Case::new("driven", drive, &[Body, Body], &p, Placement::default());
     let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
     // 4 seconds are almost 6 turns forwards, and as many backwards
     for k in -40..=40 {
@@ -438,6 +299,53 @@ fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
     }
 }
 
+/// For a joint that turns b about [`AXIS`] of a: what g[row] becomes when b stands `beyond` [rad] past where it should be.
+fn assert_counts_turns(case: &Case, row: usize, by: f64, place: impl Fn(f64) -> (Placement, f64)) {
+    let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    // more than six turns both ways
+    for k in -40..=40 {
+        for beyond in [0.0, 1e-6, -0.5, 2.0, -3.1, 3.1] {
+            let (placed, angle) = place(f64::from(k));
+            let placed = placed.turned(AXIS, angle + beyond);
+            let g = value(case, &case.coordinates(Vec3::zero(), of_a, placed), &case.p, NOW);
+            let mut expected = vec![0.0; g.len()];
+            expected[row] = by * beyond;
+            assert_close(&format!("{}: {angle} rad and {beyond}", case.name), &g, &expected, 1e-13);
+        }
+    }
+}
+
+#[test]
+fn a_screw_advances_by_its_pitch_with_every_turn() {
+    let case = cases().into_iter().find(|case| case.name == "helical").expect("listed");
+    let pitch = case.p[18];
+    assert_counts_turns(&case, 4, pitch / TAU, |k| {
+        let advance = k * 0.161 * pitch;
+        (Placement { offset: AXIS * advance, ..Placement::default() }, advance * TAU / pitch)
+    });
+}
+
+#[test]
+fn an_angle_coordinate_counts_turns() {
+    let case = cases().into_iter().find(|case| case.name == "angle coordinate").expect("listed");
+    assert_counts_turns(&case, 0, 1.0, |k| (Placement { scalars: [k, 0.0], ..Placement::default() }, k));
+}
+
+#[test]
+fn a_rack_moves_by_the_radius_times_the_angle_of_its_pinion() {
+    let case = cases().into_iter().find(|case| case.name == "rack and pinion").expect("listed");
+    let radius = case.p[18];
+    for k in -40..=40 {
+        let angle = f64::from(k);
+        for beyond in [0.0, 1e-6, -0.5, 2.0, -3.1, 3.1] {
+            let pinion = Quaternion::about(AXIS, angle + beyond);
+            let placed = Placement { offset: NORMAL_W * (radius * angle), pinion, ..Placement::default() };
+            let g = value(&case, &case.coordinates(Vec3::zero(), pinion, placed), &case.p, NOW);
+            assert_close(&format!("{angle} rad and {beyond}"), &g, &[radius * beyond], 1e-13);
+        }
+    }
+}
+
 /// Force of the constraint on the node of b [N]: the first three entries of -A^T mu there.
 fn force_on_b(case: &Case, q: &[f64], mu: &[f64]) -> [f64; 3] {
     let r = reaction(case, q, mu, &case.p, NOW);
@@ -447,7 +355,7 @@ fn force_on_b(case: &Case, q: &[f64], mu: &[f64]) -> [f64; 3] {
 
 #[test]
 fn multipliers_are_the_forces_that_the_joints_say() {
-    for case in cases().iter().filter(|case| case.nodes.len() == 2) {
+    for case in cases().iter().filter(|case| case.nodes.len() == 2 && case.scalars == 0) {
         let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), Quaternion::identity(), case.placed);
         let force = |mu: &[f64]| force_on_b(case, &q, mu);
         if case.name.starts_with("distance") {
@@ -509,7 +417,7 @@ fn separable_constraints_couple_no_two_nodes() {
     for case in cases().iter().filter(|case| case.constraint.is_separable()) {
         separable += 1;
         for sample in samples(case) {
-            let first = case.nodes[0].dofs();
+            let first = case.nodes.first().map_or(1, |node| node.dofs());
             for column in 0..sample.q.len() {
                 let mut q = complex(&sample.q);
                 q[column].im = Complex::STEP;

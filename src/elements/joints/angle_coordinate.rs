@@ -1,0 +1,26 @@
+use super::{ANGLE, angle_between};
+use crate::elements::{Constraint, Parameter};
+use crate::scalar::Scalar;
+
+/// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 [rad].
+///
+/// An angle read from two orientations is known up to whole turns, and so is g; phi itself goes on beyond them. The coordinate needs
+/// no inertia. A joint beside it holds the axis.
+///
+/// Nodes: a, b, and one coordinate.
+///
+/// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
+/// * `reference b`  unit vector in the frame of b
+pub struct AngleCoordinate;
+
+impl Constraint for AngleCoordinate {
+    const DOFS: usize = 15;
+    const EQUATIONS: usize = 1;
+    const PARAMETERS: &'static [Parameter] = &ANGLE;
+    const STEADY: bool = true;
+
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        g[0] = angle_between(q, p, q[14]);
+    }
+}

@@ -1,0 +1,29 @@
+use crate::elements::{Constraint, Parameter};
+use crate::scalar::Scalar;
+
+/// Two gears: r1 phi1 + r2 phi2 - c = 0 [m], for any ratio and any number of turns.
+///
+/// phi1 and phi2 are coordinates that count turns ([`AngleCoordinate`](super::AngleCoordinate)), usually of both gears against the
+/// body that carries their axes. With parallel axes radii of one sign are external gears, of opposite signs an internal gear or a
+/// belt. The multiplier is minus the tangential force at the pitch circles, positive where it turns both forwards [N].
+///
+/// * `pitch radius 1`, `pitch radius 2`  r1, r2 [m], not 0
+/// * `offset`  c [m]
+pub struct GearJoint;
+
+impl Constraint for GearJoint {
+    const DOFS: usize = 2;
+    const EQUATIONS: usize = 1;
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::non_zero("pitch radius 1", "m"),
+        Parameter::non_zero("pitch radius 2", "m"),
+        Parameter::new("offset", "m"),
+    ];
+    const SEPARABLE: bool = true;
+    const STEADY: bool = true;
+
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        g[0] = p[0] * q[0] + p[1] * q[1] - p[2];
+    }
+}

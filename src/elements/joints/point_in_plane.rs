@@ -1,0 +1,29 @@
+use super::{POINTS, components, gap, vectors};
+use crate::elements::{Anchor, Constraint, Parameter};
+use crate::scalar::Scalar;
+
+/// A point of b in a plane of a: g = n_a . (x_b - x_a) [m]. The multiplier is minus the force on b along the normal [N].
+///
+/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `normal`  n_a, unit vector in the frame of a
+pub struct PointInPlane {
+    /// What slides.
+    pub b: Anchor,
+}
+
+impl Constraint for PointInPlane {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 1;
+    const STEADY: bool = true;
+
+    fn dofs(&self) -> usize {
+        Anchor::Body.dofs() + self.b.dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        POINTS.into_iter().chain(vectors(&["normal"])).collect()
+    }
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        components(q, &p[6..], gap([Anchor::Body, self.b], q, p), g);
+    }
+}

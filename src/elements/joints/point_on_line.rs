@@ -1,0 +1,29 @@
+use super::{POINTS, components, gap, vectors};
+use crate::elements::{Anchor, Constraint, Parameter};
+use crate::scalar::Scalar;
+
+/// A point of b on a line of a: g = (u_a . d, w_a . d) with d = x_b - x_a [m].
+///
+/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
+pub struct PointOnLine {
+    /// What slides.
+    pub b: Anchor,
+}
+
+impl Constraint for PointOnLine {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 2;
+    const STEADY: bool = true;
+
+    fn dofs(&self) -> usize {
+        Anchor::Body.dofs() + self.b.dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        POINTS.into_iter().chain(vectors(&["normal u", "normal w"])).collect()
+    }
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        components(q, &p[6..], gap([Anchor::Body, self.b], q, p), g);
+    }
+}

@@ -1,0 +1,42 @@
+use super::{RELATIVE_ROTATION, remaining_rotation};
+use crate::elements::{Anchor, Constraint, Parameter};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// A rigid connection between two nodes: b keeps its place in the frame of a [m] and, if it is a body, its orientation [rad].
+///
+/// g = (r_b - r_a - R_a c, 2 vec(e_a* e_b e_ab*)), the second only for a body: 3 or 6 equations. The first three multipliers are
+/// the force of b on a, in world components [N].
+///
+/// * `offset`  c, place of the node b in the frame of a [m]
+/// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
+pub struct RigidLink {
+    /// What is carried along.
+    pub b: Anchor,
+}
+
+impl Constraint for RigidLink {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 6;
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("offset x", "m"), Parameter::new("offset y", "m"), Parameter::new("offset z", "m")];
+    const STEADY: bool = true;
+
+    fn dofs(&self) -> usize {
+        Anchor::Body.dofs() + self.b.dofs()
+    }
+    fn equations(&self) -> usize {
+        if self.b == Anchor::Body { 6 } else { 3 }
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let rotation = if self.b == Anchor::Body { &RELATIVE_ROTATION[..] } else { &[] };
+        [Self::PARAMETERS, rotation].concat()
+    }
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        let offset = Quaternion::from_slice(&q[3..]).rotate(Vec3::from_slice(p));
+        g[..3].copy_from_slice(&(Vec3::from_slice(&q[7..]) - Vec3::from_slice(q) - offset).0);
+        if self.b == Anchor::Body {
+            g[3..].copy_from_slice(&remaining_rotation(q, &p[3..]).0);
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The list of constraints and the configurations in which they are zero.
+
+use super::support::time_functions::time_functions;
+use costate::elements::bodies::EulerParameterNorm;
+use costate::elements::joints::{
+    AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
+    PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
+    SphericalJoint, UniversalJoint,
+};
+use costate::elements::{Anchor, AnyConstraint, Constraint, TimeFunction};
+use costate::scalar::{Quaternion, Vec3};
+use std::f64::consts::TAU;
+
+use Anchor::{Body, Point};
+
+/// Where the last body b stands relative to the first a: its turn, and the vector from the point of a to the point of b, both seen
+/// from a.
+#[derive(Clone, Copy)]
+pub struct Placement {
+    pub turn: Quaternion<f64>,
+    pub offset: Vec3<f64>,
+    /// Turn of a body between the two, seen from a, where there is one.
+    pub pinion: Quaternion<f64>,
+    /// Coordinates behind those of the bodies, as many as there are.
+    pub scalars: [f64; 2],
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        let together = Quaternion::identity();
+        Placement { turn: together, offset: Vec3::zero(), pinion: together, scalars: [0.0; 2] }
+    }
+}
+
+impl Placement {
+    /// Turned on by `angle` [rad] about `axis` of a; the points stay where they are.
+    pub fn turned(self, axis: Vec3<f64>, angle: f64) -> Placement {
+        Placement { turn: Quaternion::about(axis, angle).times(self.turn), ..self }
+    }
+    /// Shifted by `by` [m] in the frame of a.
+    pub fn shifted(self, by: Vec3<f64>) -> Placement {
+        Placement { offset: self.offset + by, ..self }
+    }
+    /// With the first of the scalars moved.
+    fn counted(self, by: f64) -> Placement {
+        Placement { scalars: [self.scalars[0] + by, self.scalars[1]], ..self }
+    }
+}
+
+/// A placement next to the consistent one, and the rows that must then be as large as the step away.
+pub struct Move {
+    pub what: &'static str,
+    pub to: Placement,
+    pub violated: Vec<usize>,
+}
+
+pub struct Case {
+    pub name: String,
+    pub constraint: Box<dyn AnyConstraint>,
+    pub nodes: Vec<Anchor>,
+    /// Nodes of one coordinate behind the others.
+    pub scalars: usize,
+    pub p: Vec<f64>,
+    /// Consistent at time [`NOW`].
+    pub placed: Placement,
+    pub moves: Vec<Move>,
+    /// Parameters that this topology takes and, as documented, does not read: the start of their names.
+    pub ignored: Vec<&'static str>,
+}
+
+impl Case {
+    pub fn new(
+        name: impl Into<String>,
+        constraint: impl Constraint,
+        nodes: &[Anchor],
+        p: &[f64],
+        placed: Placement,
+    ) -> Case {
+        let (name, constraint) = (name.into(), Box::new(constraint));
+        let places: usize = nodes.iter().map(|node| node.dofs()).sum();
+        let scalars = constraint.dofs() - places;
+        let mut ignored = vec![];
+        if let [a, b] = *nodes {
+            ignored.extend((a == Point).then_some("point a"));
+            ignored.extend((b == Point).then_some("point b"));
+        }
+        Case { name, constraint, nodes: nodes.to_vec(), scalars, p: p.to_vec(), placed, moves: vec![], ignored }
+    }
+    /// `to` violates the rows `violated` by [`STEP`] and no others.
+    fn shows(mut self, what: &'static str, violated: &[usize], to: impl Fn(Placement) -> Placement) -> Case {
+        self.moves.push(Move { what, to: to(self.placed), violated: violated.to_vec() });
+        self
+    }
+
+    /// Coordinates of all nodes for a body a at `position` with the Euler parameters `turn`.
+    pub fn coordinates(&self, position: Vec3<f64>, turn: Quaternion<f64>, placed: Placement) -> Vec<f64> {
+        let mut q = Vec::new();
+        if let Some(&a) = self.nodes.first() {
+            q.extend(position.0);
+            let mut point = position + placed.offset;
+            let mut turn_b = placed.turn;
+            if a == Body {
+                q.extend(turn.0);
+                point = position + turn.rotate(placed.offset + POINT_A);
+                turn_b = turn.times(placed.turn);
+            }
+            if let [_, _, _] = self.nodes[..] {
+                q.extend((position + turn.rotate(NORMAL_U)).0);
+                q.extend(turn.times(placed.pinion).0);
+            }
+            match self.nodes[1..].last() {
+                Some(Point) => q.extend(point.0),
+                Some(Body) => {
+                    q.extend((point - turn_b.rotate(POINT_B)).0);
+                    q.extend(turn_b.0);
+                }
+                None => {}
+            }
+        }
+        q.extend(&placed.scalars[..self.scalars]);
+        q
+    }
+}
+
+pub const NOW: f64 = 0.3;
+pub const STEP: f64 = 1e-3;
+const POINT_A: Vec3<f64> = Vec3([0.3, -0.2, 0.5]);
+const POINT_B: Vec3<f64> = Vec3([-0.4, 0.1, 0.6]);
+/// A right-handed triad of a; the first is the axis of hinges and drives.
+pub const AXIS: Vec3<f64> = Vec3([0.6, 0.0, 0.8]);
+pub const NORMAL_U: Vec3<f64> = Vec3([0.8, 0.0, -0.6]);
+pub const NORMAL_W: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
+const X: Vec3<f64> = Vec3([1.0, 0.0, 0.0]);
+const Y: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
+const Z: Vec3<f64> = Vec3([0.0, 0.0, 1.0]);
+const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
+
+/// Drives of motion: everything but jumps, which no motion can follow.
+pub fn drives() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
+    time_functions().into_iter().filter(|(_, function, _)| function.jump().is_none()).collect()
+}
+
+#[rustfmt::skip]
+pub fn cases() -> Vec<Case> {
+    let points = [POINT_A.0, POINT_B.0].concat();
+    let skew = Quaternion::about(Vec3([0.36, 0.48, 0.8]), 0.9);
+    let together = Placement { turn: skew, ..Placement::default() };
+    let hinged = Placement { turn: Quaternion::about(AXIS, 0.7), ..Placement::default() };
+    let slid = hinged.shifted(AXIS * 1.3);
+    let lying = hinged.shifted(NORMAL_U * 0.9 + NORMAL_W * -0.4);
+    let (across, along) = ([NORMAL_U.0, NORMAL_W.0].concat(), [NORMAL_U.0, NORMAL_W.0, AXIS.0].concat());
+    let angle = [AXIS.0, NORMAL_U.0, NORMAL_U.0].concat();
+    let (pitch, radius) = (0.35, 0.21);
+    let screwed = Placement { turn: Quaternion::about(AXIS, 1.3 * TAU / pitch), ..slid };
+    let rolled = Placement { offset: NORMAL_W * (radius * 2.9), pinion: Quaternion::about(AXIS, 2.9), ..together };
+    let mut list = vec![
+        Case::new("Euler parameter norm", EulerParameterNorm, &[Body], &[], together),
+        Case::new("fixed", FixedJoint, &[Body, Body], &[&points[..], &skew.0].concat(), together)
+            .shows("turn about x", &[3], |placed| placed.turned(X, STEP))
+            .shows("turn about y", &[4], |placed| placed.turned(Y, STEP))
+            .shows("turn about z", &[5], |placed| placed.turned(Z, STEP))
+            .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
+            .shows("Euler parameters of the other sign", &[], |placed| Placement { turn: Quaternion(placed.turn.0.map(|e| -e)), ..placed }),
+        Case::new("revolute", RevoluteJoint, &[Body, Body], &[&points[..], &along].concat(), hinged)
+            .shows("turn about the axis", &[], |placed| placed.turned(AXIS, 2.0))
+            .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
+            .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
+            .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
+        Case::new("prismatic", PrismaticJoint, &[Body, Body], &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
+            .shows("shift along the axis", &[], |placed| placed.shifted(AXIS * 0.8))
+            .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP))
+            .shows("turn about y", &[3], |placed| placed.turned(Y, STEP)),
+        Case::new("cylindrical", CylindricalJoint, &[Body, Body], &[&points[..], &along].concat(), slid)
+            .shows("turn about and shift along the axis", &[], |placed| placed.turned(AXIS, 2.0).shifted(AXIS * 0.8))
+            .shows("shift across", &[0], |placed| placed.shifted(NORMAL_U * STEP))
+            .shows("tilt about u", &[3], |placed| placed.turned(NORMAL_U, STEP))
+            .shows("tilt about w", &[2], |placed| placed.turned(NORMAL_W, STEP)),
+        Case::new("planar", PlanarJoint, &[Body, Body], &[&points[..], &along].concat(), lying)
+            .shows("turn about the normal and slide", &[], |placed| placed.turned(AXIS, 2.0).shifted(NORMAL_U * 0.8))
+            .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)),
+        Case::new("planar where the points meet", PlanarJoint, &[Body, Body], &[&points[..], &along].concat(), hinged)
+            .shows("tilt about u", &[2], |placed| placed.turned(NORMAL_U, STEP))
+            .shows("tilt about w", &[1], |placed| placed.turned(NORMAL_W, STEP)),
+        Case::new("universal", UniversalJoint, &[Body, Body], &[&points[..], &AXIS.0, &NORMAL_U.0].concat(), hinged)
+            .shows("turn about the pin of a", &[], |placed| placed.turned(AXIS, 0.5))
+            .shows("turn about the pin of b", &[], |placed| placed.turned(placed.turn.rotate(NORMAL_U), 0.5))
+            .shows("turn about neither", &[3], |placed| placed.turned(AXIS.cross(placed.turn.rotate(NORMAL_U)), STEP))
+            .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
+        Case::new("helical", HelicalJoint, &[Body, Body], &[&points[..], &along, &NORMAL_U.0, &[pitch]].concat(), screwed)
+            .shows("six turns on", &[], |placed| placed.turned(AXIS, 6.0 * TAU).shifted(AXIS * (6.0 * 0.35)))
+            .shows("shift along the axis", &[4], |placed| placed.shifted(AXIS * STEP))
+            .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP)),
+        Case::new("rack and pinion", RackAndPinion, &[Body, Body, Body], &[&points[..], &angle, &NORMAL_W.0, &[radius]].concat(), rolled)
+            .shows("turn and lift the rack", &[], |placed| placed.turned(NORMAL_U, 0.4).shifted(AXIS * 0.3))
+            .shows("shift the rack", &[0], |placed| placed.shifted(NORMAL_W * STEP)),
+        Case::new("angle coordinate", AngleCoordinate, &[Body, Body], &angle, hinged.counted(0.7))
+            .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
+            .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
+            .shows("count on", &[0], |placed| placed.counted(STEP)),
+        Case::new("gear", GearJoint, &[], &[0.5, -0.2, 0.31], Placement { scalars: [1.02, 1.0], ..together })
+            .shows("roll", &[], |placed| Placement { scalars: [3.02, 6.0], ..placed })
+            .shows("turn the first", &[0], |placed| placed.counted(2.0 * STEP)),
+    ];
+    for b in [Point, Body] {
+        let relative = if b == Body { &skew.0[..] } else { &[] };
+        let offset = POINT_A - if b == Body { skew.rotate(POINT_B) } else { Vec3::zero() };
+        let rows = if b == Body { vec![3] } else { vec![] };
+        list.push(Case::new(format!("rigid link to {b:?}"), RigidLink { b }, &[Body, b], &[&offset.0, relative].concat(), together)
+            .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
+            .shows("turn about x with the node in place", &rows, |placed| {
+                let turned = placed.turned(X, STEP);
+                let point = if b == Body { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vec3::zero() };
+                turned.shifted(point)
+            }));
+        list.push(Case::new(format!("{b:?} on line"), PointOnLine { b }, &[Body, b], &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
+            .shows("any turn and shift along the line", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(AXIS))
+            .shows("shift along u", &[0], |placed| placed.shifted(NORMAL_U * STEP))
+            .shows("shift along w", &[1], |placed| placed.shifted(NORMAL_W * STEP)));
+        list.push(Case::new(format!("{b:?} in plane"), PointInPlane { b }, &[Body, b], &[&points[..], &AXIS.0].concat(), together.shifted(NORMAL_W))
+            .shows("any turn and slide", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(NORMAL_U))
+            .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)));
+    }
+    for [a, b] in PAIRS {
+        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint { a, b }, &[a, b], &points, together)
+            .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
+            .shows("shift along x", &[0], |placed| placed.shifted(X * STEP))
+            .shows("shift along z", &[2], |placed| placed.shifted(Z * -STEP)));
+        let length = 1.7;
+        let apart = Placement { offset: AXIS * length, ..together };
+        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[a, b], &[&points[..], &[length]].concat(), apart)
+            .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
+            .shows("another direction", &[], |placed| Placement { offset: Vec3([-1.7, 0.0, 0.0]), ..placed })
+            .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
+    }
+    for (of_time, function, own) in drives() {
+        let now = function.value(NOW, &own);
+        let driven = Placement { turn: Quaternion::about(AXIS, now), ..Placement::default() };
+        let p = [&angle[..], &own].concat();
+        list.push(Case::new(format!("{of_time} rotation"), PrescribedRotation { angle: function.clone() }, &[Body, Body], &p, driven)
+            .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
+            .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
+            .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
+        for b in [Point, Body] {
+            let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
+            let drive = PrescribedTranslation { b, displacement: function.clone() };
+            list.push(Case::new(format!("{of_time} translation of {b:?}"), drive, &[Body, b], &[&points[..], &AXIS.0, &own].concat(), slid)
+                .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
+                .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))
+                .shows("shift along the axis", &[0], |placed| placed.shifted(AXIS * STEP)));
+        }
+    }
+    list
+}

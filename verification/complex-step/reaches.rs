@@ -1,0 +1,62 @@
+//! Which functionals the parameters of a subject can move.
+
+use super::measures::Reach;
+use super::scenes::{Case, Subject};
+use costate::elements::{Anchor, TimeFunction};
+
+impl Case {
+    /// What each design variable can reach.
+    pub fn reaches(&self) -> Vec<Reach> {
+        use Reach::*;
+        let own = |count: usize, reach: Reach| vec![reach; count];
+        let load = |function: &TimeFunction| match function {
+            TimeFunction::Sine => vec![Force, Force, Later, Force],
+            TimeFunction::Step { .. } | TimeFunction::ConstantRate => vec![Force, Later],
+            _ => vec![Force; self.function.len()],
+        };
+        let drive = |function: &TimeFunction| match function {
+            TimeFunction::Sine => vec![Geometry, Geometry, Rate, Geometry],
+            TimeFunction::ConstantRate => vec![Geometry, Rate],
+            TimeFunction::SmoothRamp if !self.one_sided.is_empty() => vec![Geometry, Later, Later, Later],
+            // at rest at the start, and without acceleration
+            TimeFunction::SmoothStart(inner) => match **inner {
+                TimeFunction::Sine => vec![Geometry, Geometry, Later, Geometry, Later],
+                _ => vec![Geometry, Later, Later],
+            },
+            _ => vec![Geometry; self.function.len()],
+        };
+        let with_point = |points: &Anchor, before: usize, after: usize| match points {
+            Anchor::Body => own(before + 3 + after, Geometry),
+            Anchor::Point => [own(before, Geometry), own(3, Nothing), own(after, Geometry)].concat(),
+        };
+        let inertia = if self.projected { ProjectedInertia } else { Inertia };
+        let of_subject = match &self.subject {
+            Subject::RigidBody => [vec![if self.projected { ProjectedMass } else { Mass }], own(9, inertia)].concat(),
+            Subject::PointMass => vec![Mass],
+            Subject::GravityOnBody => own(7, Stored),
+            Subject::GravityOnPoint => [own(4, Stored), own(3, Nothing)].concat(),
+            Subject::LineSpring => own(8, Stored),
+            Subject::LineDamper => own(7, Force),
+            Subject::VectorDamper => [own(4, Force), own(3, Nothing)].concat(),
+            Subject::TorsionSpringDamper => [vec![Stored, Force], own(10, Stored)].concat(),
+            Subject::Force(Anchor::Body, _, f) => [own(6, Force), load(f)].concat(),
+            Subject::Force(Anchor::Point, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
+            Subject::Torque(_, f) => [own(3, Force), load(f)].concat(),
+            Subject::Spherical(of) => with_point(of, 3, 0),
+            Subject::PointOnLine(of) => with_point(of, 3, 6),
+            Subject::PointInPlane(of) => with_point(of, 3, 3),
+            Subject::RigidLink(of) => own(if *of == Anchor::Body { 7 } else { 3 }, Geometry),
+            Subject::Revolute | Subject::Cylindrical | Subject::Planar => own(15, Geometry),
+            Subject::Prismatic => own(16, Geometry),
+            Subject::Universal => own(12, Geometry),
+            Subject::Helical | Subject::RackAndPinion => own(19, Geometry),
+            Subject::JointAngle => own(9, Geometry),
+            Subject::Gear => own(3, Geometry),
+            Subject::Fixed => own(10, Geometry),
+            Subject::Distance => own(7, Geometry),
+            Subject::Rotation(f) => [own(9, Geometry), drive(f)].concat(),
+            Subject::Translation(f) => [own(9, Geometry), drive(f)].concat(),
+        };
+        [of_subject, vec![StartPosition, StartVelocity, Sensor]].concat()
+    }
+}
