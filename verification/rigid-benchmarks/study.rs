@@ -1,4 +1,5 @@
 mod andrews;
+mod loops;
 
 use crate::verification::{Report, Study};
 use costate::history::Watch;
@@ -6,6 +7,8 @@ use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, Ste
 use costate::scalar::{Quaternion, Vec3};
 use costate::scenes::built_in::{CarAxis, DoublePendulum, FiveBar, FreeBody, HeavyTop, Pendulum, TwoFourBar};
 use costate::scenes::{AnyScene, Prepared, Settings, Violation};
+
+pub use andrews::{angles_of_turns, body_angles, places_of_bodies};
 
 /// Rigid mechanisms against closed forms, published end values and recomputed gradients.
 pub struct RigidBenchmarks;
@@ -18,7 +21,7 @@ impl Study for RigidBenchmarks {
         "rigid mechanisms against closed forms, published values and gradients; constraints over 100,000 steps"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let parts: [(&str, Part); 8] = [
+        let parts: [(&str, Part); 9] = [
             ("pendulum, IFToMM A01", pendulum),
             ("two four-bar linkages, IFToMM A02", two_four_bar),
             ("car axis", car_axis),
@@ -26,6 +29,7 @@ impl Study for RigidBenchmarks {
             ("heavy top", heavy_top),
             ("five-bar gradient", five_bar),
             ("Andrews' squeezer", andrews::andrews),
+            ("Bricard's mechanism, IFToMM A04", loops::bricard),
             ("constraints over 100,000 steps", constraint_drift),
         ];
         for (index, (title, part)) in parts.iter().enumerate() {

@@ -1,6 +1,8 @@
 //! Long runs, small steps, unequal masses, other units, and poses near a singular one.
 
 mod condition;
+mod four_bar;
+mod loops;
 mod scenes;
 
 use crate::verification::{Report, Study};
@@ -38,13 +40,16 @@ impl Study for Stability {
         "stability"
     }
     fn summary(&self) -> &'static str {
-        "a million steps, steps down to 1e-8 s, mass ratios to 1e8, other units, nearly singular poses"
+        "a million steps, steps down to 1e-8 s, mass ratios to 1e8, other units, nearly singular poses, loops and dead points"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         small_steps(report)?;
         mass_ratios(report)?;
         units(report)?;
         near_singular(report)?;
+        loops::dead_points(report)?;
+        loops::near_dead_point(report)?;
+        loops::redundant_loop(report)?;
         long_runs(report)
     }
 }

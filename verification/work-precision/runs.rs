@@ -5,7 +5,7 @@ use crate::verification::Clock;
 use costate::integrators::{ConstraintLevel, Counters, Method, StepControl, Table, tables};
 use costate::scenes::{AnyScene, Prepared, Settings};
 
-/// No finer run follows one whose error is below this.
+/// Error below which most motions are fine enough.
 pub const FINE: f64 = 1e-8;
 /// A run is repeated until this time is spent, so that short ones are measured too [s].
 const LEAST_TIME: f64 = 10e-3;
@@ -26,7 +26,14 @@ pub struct Motion {
     pub most_systems: usize,
     /// Force in a stiff member.
     pub member: Option<Member>,
+    /// What is compared, number by number, instead of the coordinates.
+    pub compared: Option<Compared>,
+    /// No finer run follows one whose error is below this.
+    pub fine: f64,
 }
+
+/// Numbers to be compared for the coordinates of the model.
+pub type Compared = fn(&Prepared, &[f64]) -> Vec<f64>;
 
 /// A motion to compare with.
 pub struct Reference {
@@ -83,11 +90,6 @@ pub fn difference(ours: &[f64], exact: &[f64]) -> f64 {
     differences.fold(0.0, |most: f64, x| if x <= most { most } else { x })
 }
 
-/// Largest difference of two vectors by the largest entry of the second.
-fn relative_error(ours: &[f64], exact: &[f64]) -> f64 {
-    difference(ours, exact) / exact.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
-}
-
 impl Motion {
     /// The scene without its functionals, which would take time too.
     pub fn prepared(&self, method: Method, steps: Steps) -> Result<Prepared<'static>, String> {
@@ -102,8 +104,22 @@ impl Motion {
         Ok(prepared)
     }
 
-    /// Moving coordinates among those of the model.
+    /// Largest difference by the largest coordinate, or of each number by itself where others are compared.
+    fn relative_error(&self, ours: &[f64], exact: &[f64]) -> f64 {
+        let share = |a: &f64, b: &f64| (a - b).abs() / b.abs();
+        match self.compared {
+            Some(_) => {
+                ours.iter().zip(exact).map(|(a, b)| share(a, b)).fold(0.0, |most: f64, x| if x <= most { most } else { x })
+            }
+            None => difference(ours, exact) / exact.iter().fold(0.0, |most: f64, x| most.max(x.abs())),
+        }
+    }
+
+    /// What is compared: moving coordinates among those of the model, unless there is something else.
     pub fn moving(&self, prepared: &Prepared, q: &[f64]) -> Vec<f64> {
+        if let Some(compared) = self.compared {
+            return compared(prepared, q);
+        }
         let moving = prepared.model().nodes.iter().filter(|node| !node.fixed).flat_map(|node| node.dofs.clone());
         moving.map(|index| q[index]).collect()
     }
@@ -120,11 +136,11 @@ impl Motion {
         };
         let steps = self.reference_steps;
         let ((coarse, coarse_forces), (end, forces)) = (motion(steps / 2)?, motion(steps)?);
-        let (error, force_error) = (relative_error(&coarse, &end), coarse_forces.error(&forces));
+        let (error, force_error) = (self.relative_error(&coarse, &end), coarse_forces.error(&forces));
         Ok(Reference { end, forces, error, force_error, steps })
     }
 
-    /// Runs with halved steps until the error is below [`FINE`] or the work is done.
+    /// Runs with halved steps until the error is fine enough or the work is done.
     pub fn ladder(&self, table: &Table, level: ConstraintLevel, reference: &Reference) -> Result<Ladder, String> {
         let implicit = table.stages.iter().filter(|stage| stage.known.is_none()).count();
         let projections = if level == ConstraintLevel::Acceleration { 2 } else { 0 };
@@ -172,10 +188,10 @@ impl Ladder {
             run(&prepared, None, None).map_err(|error| format!("{}, the second time: {error}", motion.name))?;
             seconds = seconds.min(clock.seconds());
         }
-        let error = relative_error(&motion.moving(&prepared, &end.q), &reference.end);
+        let error = motion.relative_error(&motion.moving(&prepared, &end.q), &reference.end);
         let force_error = forces.error(&reference.forces);
         self.runs.push(Run { laid: steps, steps: taken, error, force_error, seconds, counters: end.counters });
-        Ok(error < FINE)
+        Ok(error < motion.fine)
     }
 
     /// Time [s] from which on `error` of all runs is below a limit, between the last run above it and the next on logarithmic

@@ -1,5 +1,6 @@
 //! Error against time for every integrator at every constraint level.
 
+mod andrews;
 mod chain;
 mod comparison;
 mod course;
@@ -7,8 +8,9 @@ mod runs;
 mod scenes;
 
 use crate::verification::{Clock, Report, Study, on_one_thread};
+use andrews::report_andrews;
 use chain::report_chain;
-use comparison::{AIMS, Measured, cheapest, report_comparison, report_tolerances};
+use comparison::{AIMS, Aim, Measured, cheapest, report_comparison, report_tolerances};
 use costate::integrators::{ConstraintLevel, tables};
 use costate::io::{Chart, Series, Style};
 use costate::scenes::AnyScene;
@@ -32,7 +34,7 @@ const fn rigid(
     end: f64,
     [coarsest, reference_steps]: [usize; 2],
 ) -> Motion {
-    Motion { name, scene, end, coarsest, reference_steps, most_systems: 40_000, member: None }
+    Motion { name, scene, end, coarsest, reference_steps, most_systems: 40_000, member: None, compared: None, fine: FINE }
 }
 
 const MOTIONS: [Motion; 6] = [
@@ -84,14 +86,15 @@ fn measure(report: &mut Report) -> Result<(), String> {
         }
         let ladders = ladders(motion, &reference)?;
         report_reference(report, motion, &reference);
-        report_times(report, motion, &ladders);
-        tables_by_motion.push(times_table(motion, &ladders, &reference));
+        report_times(report, motion, &ladders, &AIMS);
+        tables_by_motion.push(times_table(motion, &ladders, &reference, &AIMS));
         charts.push(chart(motion, &ladders, "position", |run| run.error, reference.error, charts.is_empty()));
         if motion.member.is_some() {
             charts.push(chart(motion, &ladders, "force", |run| run.force_error, reference.force_error, false));
         }
         motions.push(Measured { name: motion.name, ladders });
     }
+    charts.extend(report_andrews(report)?);
     report_comparison(report, &motions);
     report_tolerances(report, &motions);
     tables_by_motion.into_iter().for_each(|table| report.note(table.trim_end()));
@@ -142,8 +145,8 @@ fn report_reference(report: &mut Report, motion: &Motion, reference: &Reference)
 }
 
 /// The fastest for each aim, as figures.
-fn report_times(report: &mut Report, motion: &Motion, ladders: &[Ladder]) {
-    for aim in &AIMS {
+fn report_times(report: &mut Report, motion: &Motion, ladders: &[Ladder], aims: &[Aim]) {
+    for aim in aims {
         let name = |what: &str| format!("{}/{}/{what}", motion.name, aim.name);
         if let Some((ladder, time)) = cheapest(ladders, aim) {
             report.inform(name(&format!("least time [ms]: {} at {} level", ladder.name, ladder.level.name())), 1e3 * time);
@@ -154,18 +157,18 @@ fn report_times(report: &mut Report, motion: &Motion, ladders: &[Ladder]) {
 }
 
 /// Time for each aim by table and level, the fastest in bold; work of the finest run; steps without a solution.
-fn times_table(motion: &Motion, ladders: &[Ladder], reference: &Reference) -> String {
+fn times_table(motion: &Motion, ladders: &[Ladder], reference: &Reference, aims: &[Aim]) -> String {
     let mut text = format!("Times [ms] for {} over {} s.\n\n", motion.name, motion.end);
-    let aims: Vec<&str> = AIMS.iter().map(|aim| aim.name).collect();
+    let names: Vec<&str> = aims.iter().map(|aim| aim.name).collect();
     let _ = writeln!(
         text,
         "| integrator | level | {} | finest: steps | error | error of forces | us per step | iterations per step | no solution with steps |",
-        aims.join(" | ")
+        names.join(" | ")
     );
     let _ = writeln!(text, "|---|---|{}---:|---:|---:|---:|---:|---|", "---:|".repeat(aims.len()));
     for ladder in ladders {
         let _ = write!(text, "| {} | {} |", ladder.name, ladder.level.name());
-        for aim in &AIMS {
+        for aim in aims {
             let fastest = cheapest(ladders, aim).is_some_and(|(best, _)| std::ptr::eq(best, ladder));
             let bold = if fastest { "**" } else { "" };
             let _ = match ladder.time_for(aim.error, aim.limit) {

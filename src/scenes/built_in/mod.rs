@@ -1,6 +1,7 @@
 //! The scenes of the command line. A new one is a file here and a line in [`all`].
 
 mod andrews;
+mod bricard;
 mod car_axis;
 mod chain;
 mod double_pendulum;
@@ -12,6 +13,7 @@ mod slider_crank;
 mod two_four_bar;
 
 pub use andrews::Andrews;
+pub use bricard::Bricard;
 pub use car_axis::CarAxis;
 pub use chain::{Chain, ChainVariables};
 pub use double_pendulum::DoublePendulum;
@@ -36,6 +38,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(CarAxis),
         Box::new(TwoFourBar),
         Box::new(Andrews),
+        Box::new(Bricard),
         Box::new(Chain::common()),
         Box::new(Chain::separate()),
     ]

@@ -1,0 +1,113 @@
+//! Loops: through dead points, with redundant equations over many steps, and driven away from poses near a singular one.
+
+use super::four_bar::{Drive, FourBar};
+use super::{WRONG, drift, prepare};
+use crate::verification::Report;
+use costate::history::Watch;
+use costate::integrators::{StepRecord, march};
+use costate::scalar::Quaternion;
+use costate::scenes::built_in::Bricard;
+use costate::scenes::{Prepared, Violation};
+use std::f64::consts::TAU;
+
+/// Turns of the crank through its dead points.
+const TURNS: f64 = 100.0;
+/// Steps over which a redundant loop runs.
+const MANY: usize = 100_000;
+/// Largest gap of a joint, dropped equations included.
+const GAP: f64 = 1e-14;
+
+/// Runs, and gives `each` the time and the coordinates after every step.
+fn follow(prepared: &Prepared, mut each: impl FnMut(f64, &[f64])) -> Result<Violation, String> {
+    let mut worst = Violation::default();
+    let mut watch = Watch(|step: &StepRecord<f64>| {
+        let end = step.t + step.h;
+        worst = worst.worse(prepared.violation(end, &step.q, &step.v));
+        each(end, &step.q);
+        true
+    });
+    march(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut watch).map_err(|e| e.to_string())?;
+    Ok(worst)
+}
+
+/// Angle by which a body has turned about z since the start [rad], in (-pi, pi].
+fn turned(prepared: &Prepared, q: &[f64], body: &str) -> f64 {
+    let node = prepared.model().nodes.iter().find(|node| node.name == body).expect("a body of this scene");
+    let of = |q: &[f64]| Quaternion::from_slice(&q[node.dofs.start + 3..]);
+    let [scalar, _, _, z] = of(&prepared.mechanism.numbers.q).conjugate().times(of(q)).0;
+    let angle = 2.0 * z.atan2(scalar);
+    angle - TAU * (angle / TAU).round()
+}
+
+/// The crank driven through 100 turns, the rocker held against its closed form; then a flywheel that carries the linkage through
+/// the dead points while a spring acts on the rocker, whose force has no moment on the crank there.
+pub fn dead_points(report: &mut Report) -> Result<(), String> {
+    let rate = 10.0;
+    let end = TURNS * TAU / rate;
+    let scene = FourBar { crank: 0.3, drive: Drive::Crank(rate) };
+    let prepared = prepare(&scene, Prepared::default_method(), end, 40 * TURNS as usize)?;
+    let start = FourBar::rocker_of_crank(scene.crank);
+    let mut apart = 0.0_f64;
+    let worst = follow(&prepared, |t, q| {
+        let exact = FourBar::rocker_of_crank(scene.crank + rate * t) - start;
+        let error = (turned(&prepared, q, "rocker") - exact).abs();
+        apart = if error <= apart { apart } else { error };
+    })?;
+    report.at_most("four-bar, driven crank, 100 turns/rocker against closed form [rad]", apart, 1e-11);
+    report.at_most("four-bar, driven crank, 100 turns/joint gap [m]", worst.position, 1e-13);
+
+    let scene = FourBar { crank: FourBar::dead_point(), drive: Drive::Flywheel(rate) };
+    let prepared = prepare(&scene, Prepared::default_method(), end, 400 * TURNS as usize)?;
+    let (mut turns, mut last) = (0.0, 0.0);
+    follow(&prepared, |_, q| {
+        let now = turned(&prepared, q, "crank");
+        turns += (now - last - TAU * ((now - last) / TAU).round()) / TAU;
+        last = now;
+    })?;
+    report.inform("four-bar, flywheel/turns through the dead points", turns);
+    let (energy, worst) = drift(&prepared)?;
+    report.at_most("four-bar, flywheel/largest change of energy, relative", energy, 1e-7);
+    report.at_most("four-bar, flywheel/joint gap [m]", worst.position, GAP);
+    Ok(())
+}
+
+/// Bricard's mechanism over 100,000 steps of 5 ms: one of its thirty equations is left out.
+pub fn redundant_loop(report: &mut Report) -> Result<(), String> {
+    let prepared = prepare(&Bricard, Prepared::default_method(), 5e-3 * MANY as f64, MANY)?;
+    let (energy, worst) = drift(&prepared)?;
+    let figure = |what: &str| format!("{MANY:e} steps/bricard/{what}");
+    report.compare(figure("equations left out"), prepared.plan.dropped.len() as f64, 1.0, 0.0);
+    report.at_most(figure("largest change of energy, relative"), energy, 1e-4);
+    report.at_most(figure("joint gap, the equation left out included [m]"), worst.position, GAP);
+    report.at_most(figure("Euler norm"), worst.norm, GAP);
+    Ok(())
+}
+
+/// The rocker driven by 0.3 rad, the crank 1e-1 to 1e-8 rad beyond the dead point at the start: the right motion, on the right side,
+/// or an error that names a joint. The rates of the crank grow with the inverse of that angle.
+pub fn near_dead_point(report: &mut Report) -> Result<(), String> {
+    const SWING: f64 = 0.3;
+    for digit in 1..=8 {
+        let figure = |what: &str| format!("rocker driven, crank 1e-{digit} rad beyond the dead point/{what}");
+        let scene = FourBar { crank: FourBar::dead_point() + f64::powi(10.0, -digit), drive: Drive::Rocker(SWING, 1.0) };
+        let exact = FourBar::crank_of_rocker(FourBar::rocker_of_crank(scene.crank) + SWING) - scene.crank;
+        let found = prepare(&scene, Prepared::default_method(), 1.0, 400).and_then(|prepared| {
+            let mut end = 0.0;
+            let worst = follow(&prepared, |_, q| end = turned(&prepared, q, "crank"))?;
+            Ok((end, worst.position))
+        });
+        match found {
+            Ok((end, gap)) => {
+                report.at_most(figure("crank against closed form [rad]"), (end - exact).abs(), WRONG);
+                report.at_most(figure("joint gap [m]"), gap, 1e-13);
+            }
+            Err(error) => {
+                report.inform(figure("refused"), 1.0);
+                let named = ["drive", "pin", "bearing"].iter().any(|joint| error.contains(joint));
+                report.at_most(figure("refused without a word of the joint"), f64::from(u8::from(!named)), 0.0);
+                report.note(format!("{}: {error}", figure("refused")));
+            }
+        }
+    }
+    Ok(())
+}

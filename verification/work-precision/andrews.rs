@@ -1,0 +1,77 @@
+//! Andrews' squeezer: largest relative error of the seven angles against time, in these angles and of rigid bodies.
+
+use super::comparison::Aim;
+use super::runs::{Ladder, Motion, Reference};
+use super::{REFERENCE, chart, report_times, times_table};
+use crate::verification::Report;
+use crate::verification::andrews::{self, PUBLISHED};
+use crate::verification::rigid_benchmarks::{angles_of_turns, body_angles, places_of_bodies};
+use costate::integrators::{ConstraintLevel, tables};
+use costate::io::Chart;
+use costate::scenes::Prepared;
+use costate::scenes::built_in::Andrews;
+use std::f64::consts::TAU;
+
+/// Accuracies for which others' times are known.
+const AIMS: [Aim; 3] = [
+    Aim { name: "angles 1e-4", error: |run| run.error, limit: 1e-4 },
+    Aim { name: "angles 1e-6", error: |run| run.error, limit: 1e-6 },
+    Aim { name: "angles 1e-9", error: |run| run.error, limit: 1e-9 },
+];
+
+const PLANAR: Motion = Motion {
+    name: "andrews",
+    scene: &andrews::WrittenAndrews,
+    end: 0.03,
+    coarsest: 50,
+    reference_steps: 8_000,
+    most_systems: 40_000,
+    member: None,
+    compared: Some(|_, q| q.to_vec()),
+    fine: 1e-10,
+};
+const MOTIONS: [Motion; 3] = [
+    PLANAR,
+    Motion { name: "andrews, energies", scene: &andrews::Andrews, most_systems: 20_000, ..PLANAR },
+    Motion { name: "andrews, rigid bodies", scene: &Andrews, most_systems: 20_000, compared: Some(angles), ..PLANAR },
+];
+
+/// The seven angles from the coordinates of rigid bodies: turns are whole ones from where the published angles are.
+fn angles(prepared: &Prepared, q: &[f64]) -> Vec<f64> {
+    let start = &prepared.mechanism.numbers.q;
+    let Ok(places) = places_of_bodies(prepared) else { return vec![f64::NAN; 7] };
+    let (first, last) = (body_angles(start, places), body_angles(q, places));
+    let angles = angles_of_turns(std::array::from_fn(|i| last[i] - first[i]));
+    let near = |(angle, published): (f64, f64)| angle + TAU * ((published - angle) / TAU).round();
+    angles.into_iter().zip(PUBLISHED).map(near).collect()
+}
+
+/// All tables at acceleration level, the planar angles at the other levels too, and chosen steps; a chart for each model.
+pub fn report_andrews(report: &mut Report) -> Result<Vec<Chart>, String> {
+    let mut charts = Vec::new();
+    for motion in &MOTIONS {
+        eprintln!("{}", motion.name);
+        let reference = motion.reference()?;
+        let ladders = ladders(motion, &reference)?;
+        report.at_most(format!("{}/error of the reference, estimated", motion.name), reference.error, REFERENCE);
+        report_times(report, motion, &ladders, &AIMS);
+        report.note(times_table(motion, &ladders, &reference, &AIMS).trim_end());
+        charts.push(chart(motion, &ladders, "angle", |run| run.error, reference.error, false));
+    }
+    Ok(charts)
+}
+
+fn ladders(motion: &Motion, reference: &Reference) -> Result<Vec<Ladder>, String> {
+    let levels: &[ConstraintLevel] =
+        if motion.name == PLANAR.name { &ConstraintLevel::ALL } else { &[ConstraintLevel::Acceleration] };
+    let mut ladders = Vec::new();
+    for table in tables() {
+        for &level in levels {
+            ladders.push(motion.ladder(&table, level, reference)?);
+        }
+        if table.embedded.is_some() && table.starter.is_none() {
+            ladders.push(motion.chosen(&table, reference)?);
+        }
+    }
+    Ok(ladders)
+}
