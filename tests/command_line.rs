@@ -125,7 +125,10 @@ fn a_run_writes_its_files_and_the_json_repeats_the_table() {
 
     let (header, rows) = csv(&folder.0.join("out/pendulum/histories.csv"));
     let expected = ["t [s]", "bob.x [m]", "bob.y [m]", "bob.z [m]", "bob.dx/dt [m/s]", "bob.dy/dt [m/s]", "bob.dz/dt [m/s]"];
-    assert_eq!(header, [&expected[..], &["energy [J]", "rod.mu1"]].concat());
+    assert_eq!(header[..9], [&expected[..], &["energy [J]", "rod.mu1"]].concat());
+    // what functionals measure: height, x, rod force
+    assert!(header.join(",").ends_with("\"measured for rod force, integral [N]\""), "{header:?}");
+    assert!(rows.iter().all(|row| row[9..] == [row[2], row[1], row[8]]), "{:?}", rows[3]);
     assert_eq!(rows.len(), 21);
     assert_eq!([rows[0][0], rows[20][0]], [0.0, 0.5]);
     // tension of a rod released from rest: m (g sin + v^2 / l) with v^2 = 2 g l sin; mu pulls at the bob

@@ -1,12 +1,16 @@
 //! Constraints on velocities: rolling against closed forms, conservation and complex steps.
 
+mod support;
+
 use costate::design::DesignVariable;
-use costate::elements::TimeFunction;
+use costate::elements::joints::{RollingDisc, RollingSphere};
+use costate::elements::{AnyConstraint, ConstraintIn, Nonholonomic, State, TimeFunction};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Complex, Quaternion, Scalar, Taylor, Vec3};
 use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
+use support::Random;
 
 const END: f64 = 4.0;
 const START: [f64; 2] = [0.7, -0.2];
@@ -95,6 +99,63 @@ fn differences(scene: &(impl Scene + Sync), level: ConstraintLevel, table: &str)
         let rows = gradient.rows.iter().zip(&stepped.rows);
         rows.map(|(own, stepped)| largest_difference(own, stepped)).fold(0.0, f64::max)
     })
+}
+
+/// Rolling constraints at random states: what the framework derives from h, held against h in complex numbers.
+#[test]
+fn rows_and_reactions_follow_from_h() {
+    let mut random = Random::new(3);
+    let constraints: [(&str, Box<dyn AnyConstraint>, usize); 2] =
+        [("sphere", Box::new(Nonholonomic(RollingSphere)), 13), ("disc", Box::new(Nonholonomic(RollingDisc)), 16)];
+    let complex = |x: &[f64]| x.iter().map(|&x| Complex::from(x)).collect::<Vec<_>>();
+    let stepped = |x: &[f64], place: usize| {
+        let mut x = complex(x);
+        x[place].im = Complex::STEP;
+        x
+    };
+    for (name, constraint, parameters) in &constraints {
+        for _ in 0..6 {
+            let [a, v, q] = [(); 3].map(|()| random.vector(14));
+            let p: Vec<f64> = (0..*parameters).map(|_| random.uniform(0.3, 1.3)).collect();
+            let h = |a: &[Complex], v: &[Complex], q: &[Complex]| {
+                let mut g = [Taylor::default(); 2];
+                let state = State { a, v, q };
+                ConstraintIn::<Complex>::derivatives(&**constraint, state, &complex(&p), 0.2.into(), 1.0, &mut g);
+                g
+            };
+            let derivative = |x: Complex| x.im / Complex::STEP;
+            let (mut rates, mut accelerations) = ([Taylor::default(); 28], [Taylor::default(); 28]);
+            let state = State { a: &a, v: &v, q: &q };
+            constraint.rows(state, &p, 0.2, false, &mut rates);
+            constraint.rows(state, &p, 0.2, true, &mut accelerations);
+            for dof in 0..14 {
+                let of_a = h(&stepped(&a, dof), &complex(&v), &complex(&q));
+                let of_v = h(&complex(&a), &stepped(&v, dof), &complex(&q));
+                let of_q = h(&complex(&a), &complex(&v), &stepped(&q, dof));
+                for row in 0..2 {
+                    let (rate, acceleration) = (rates[row * 14 + dof], accelerations[row * 14 + dof]);
+                    let pairs = [
+                        (rate.value, of_v[row].first),
+                        (rate.first, of_q[row].first),
+                        (acceleration.value, of_a[row].second),
+                        (2.0 * acceleration.first, of_v[row].second),
+                        (acceleration.second, of_q[row].second),
+                    ];
+                    for (k, (own, exact)) in pairs.into_iter().enumerate() {
+                        let exact = derivative(exact);
+                        assert!((own - exact).abs() < 1e-12 * exact.abs().max(10.0), "{name}, {k}: {own} {exact}");
+                    }
+                }
+            }
+            // h is linear in v: its difference from v = 0 is B v, and the reaction pulls along B^T
+            let (mu, mut reaction) = ([0.7, -1.3], [0.0; 14]);
+            constraint.add_reaction(&q, &mu, &p, 0.2, &mut reaction);
+            let work: f64 = reaction.iter().zip(&v).map(|(r, v)| r * v).sum();
+            let [moving, resting] = [&v, &vec![0.0; 14]].map(|v| h(&complex(&a), &complex(v), &complex(&q)));
+            let power: f64 = (0..2).map(|row| mu[row] * (moving[row].first.re - resting[row].first.re)).sum();
+            assert!((work - power).abs() < 1e-12 * power.abs().max(10.0), "{name}: {work} {power}");
+        }
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use costate::assembly::{Model, Node, NodeKind, VectorsAvq};
-use costate::functionals::{Measured, Sample, least_multipliers};
+use costate::functionals::{Functional, Measured, Sample};
 use costate::history::{Dense, Observer};
 use costate::integrators::{RunError, StartRecord, StepRecord};
 use costate::io::{Chart, CsvFile, Frame, Motion, Polyline, Progress, Series, Style, Trail, View, write_file, write_panels};
@@ -101,7 +101,7 @@ impl<'p> Results<'p> {
         })
     }
 
-    fn add(&mut self, t: f64, q: &[f64], v: &[f64], mu: &[f64]) -> Result<(), RunError> {
+    fn add(&mut self, t: f64, [a, v, q]: [&[f64]; 3], mu: &[f64]) -> Result<(), RunError> {
         let energy = self.energies.then(|| {
             let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
             let sample = Sample { t, at, ..Sample::empty() };
@@ -112,13 +112,13 @@ impl<'p> Results<'p> {
         self.row.extend(self.dofs.iter().map(|&dof| q[dof]));
         self.row.extend(self.dofs.iter().map(|&dof| v[dof]));
         self.row.extend(energy);
-        let model = self.prepared.model();
-        if self.dropped.is_empty() {
-            self.row.extend(&mu[self.equations.clone()]);
-        } else {
-            let p = &self.prepared.mechanism.numbers.p;
-            self.row.extend(least_multipliers(model, &self.dropped, p, q, &mu[self.equations.clone()], t));
-        }
+        let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
+        let at = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
+        let (mu, dropped) = (mu[self.equations.clone()].to_vec(), self.dropped.clone());
+        let mut sample = Sample { t, at, mu, dropped, ..Sample::empty() };
+        sample.share(model, p);
+        self.row.extend(&sample.mu);
+        self.row.extend(courses(self.prepared).map(|functional| functional.measured.value(model, &sample, p)));
         self.csv.row(&self.row).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
@@ -151,7 +151,7 @@ impl<'p> Results<'p> {
             }
             *next += 1;
             let moment = dense.at(t);
-            self.add(t, &moment.q, &moment.v, &moment.mu)?;
+            self.add(t, [&moment.a, &moment.v, &moment.q], &moment.mu)?;
         }
         Ok(())
     }
@@ -163,7 +163,7 @@ impl<'p> Results<'p> {
         {
             let end = dense.span().1;
             let moment = dense.at(end);
-            self.add(end, &moment.q, &moment.v, &moment.mu)?;
+            self.add(end, [&moment.a, &moment.v, &moment.q], &moment.mu)?;
         }
         Ok(())
     }
@@ -205,7 +205,7 @@ impl Observer for Results<'_> {
             return Ok(());
         }
         let record = &start.acceleration;
-        self.add(record.t, &record.base.q, &record.base.v, &record.unknowns.mu)
+        self.add(record.t, [&record.unknowns.x, &record.base.v, &record.base.q], &record.unknowns.mu)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.steps += 1;
@@ -215,8 +215,9 @@ impl Observer for Results<'_> {
             self.add_multiples()?;
             return Ok(true);
         }
-        let mu = step.stages.last().map_or(&[][..], |stage| &stage.solve.unknowns.mu);
-        self.add(step.t + step.h, &step.q, &step.v, mu)?;
+        let Some(last) = step.stages.last() else { return Ok(true) };
+        let unknowns = &last.solve.unknowns;
+        self.add(step.t + step.h, [&unknowns.x, &step.v, &step.q], &unknowns.mu)?;
         Ok(true)
     }
 }
@@ -225,7 +226,13 @@ fn moving(model: &Model) -> impl Iterator<Item = &Node> {
     model.nodes.iter().filter(|node| !node.fixed)
 }
 
-/// Column names: `bob.x [m]`, `bob.dx/dt [m/s]`, energy, `rod.mu1`.
+/// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
+fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
+    let has = |functional: &&Functional| !matches!(functional.measured, Measured::Energy | Measured::Mass);
+    prepared.functionals().iter().filter(has)
+}
+
+/// Column names: `bob.x [m]`, `bob.dx/dt [m/s]`, energy, `rod.mu1`, then what functionals measure.
 fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
     let model = prepared.model();
     let mut names = vec!["t [s]".to_string()];
@@ -247,6 +254,7 @@ fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
     for joint in &model.constraints {
         names.extend(joint.equations.clone().map(|row| format!("{}.mu{}", joint.name, row - joint.equations.start + 1)));
     }
+    names.extend(courses(prepared).map(|functional| format!("measured for {} [{}]", functional.name, functional.unit)));
     names
 }
 

@@ -162,7 +162,7 @@ macro_rules! assign_operators {
             fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
                 let mut total = <$type>::from(0.0);
                 for term in terms {
-                    total = total + term;
+                    total += term;
                 }
                 total
             }
