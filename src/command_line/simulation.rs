@@ -156,7 +156,7 @@ impl Simulation {
 
     /// What the simulation cost.
     pub fn work(&self) -> Work {
-        let Counters { systems, iterations, residuals, factorizations, solves, .. } = self.forward.counters;
+        let Counters { systems, iterations, residuals, factorizations, solves, choices, .. } = self.forward.counters;
         let mut work = vec![("steps", json!(self.forward.history.steps()))];
         // a run that stopped early does not tell
         if systems > 0 {
@@ -170,6 +170,9 @@ impl Simulation {
                 ("solves", json!(solves)),
                 ("residual_evaluations", json!(residuals)),
             ]);
+            if choices > 0 {
+                work.push(("redundant_equations_chosen_anew", json!(choices)));
+            }
         }
         let Usage { steps, checkpoints, written, .. } = self.forward.history.usage();
         work.push(("steps_in_memory", json!(steps)));

@@ -15,6 +15,8 @@ pub struct Counters {
     pub products: usize,
     /// Blocks of elements differentiated for matrices.
     pub blocks: usize,
+    /// Times from which on other redundant constraint equations were left out.
+    pub choices: usize,
 }
 
 impl std::ops::AddAssign for Counters {
@@ -26,5 +28,6 @@ impl std::ops::AddAssign for Counters {
         self.solves += other.solves;
         self.products += other.products;
         self.blocks += other.blocks;
+        self.choices += other.choices;
     }
 }

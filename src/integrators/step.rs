@@ -267,6 +267,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         if std::mem::take(&mut self.between.chosen_anew) {
             let dropped = self.between.dropped.clone();
             self.select(&dropped)?;
+            self.earlier.choices += 1;
         }
         if guided.is_some() || !self.chooses || self.between.dropped.is_empty() {
             return self.try_step(scheme, span, kink, guided);
@@ -279,6 +280,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             let dropped = dependent_equations(self.problem, (q, v), span.0, Some(count));
             if dropped != before.dropped {
                 self.select(&dropped)?;
+                self.earlier.choices += 1;
                 self.between.clone_from(&before);
                 self.between.dropped = dropped;
                 result = self.try_step(scheme, span, true, None).and_then(|()| self.check_dropped(span.1));
