@@ -70,6 +70,20 @@ impl RunScalar for Lanes {
     view_erased!();
 }
 
+/// Erases types of this crate by functions that are compiled in it: scenes of other crates, generic over the scalar, then compile none
+/// of their formulas again.
+macro_rules! compiled_here {
+    (dyn $erased:path: $($type:ty),* $(,)?) => {$(
+        impl From<$type> for Box<dyn $erased> {
+            #[inline(never)]
+            fn from(own: $type) -> Self {
+                Box::new(own)
+            }
+        }
+    )*};
+}
+pub(crate) use compiled_here;
+
 /// What the framework asks of an element in one scalar.
 pub trait ElementIn<S> {
     /// Adds the residual to `r`.

@@ -23,6 +23,7 @@ pub mod joints;
 pub use anchor::Anchor;
 pub use constraint::Constraint;
 pub use element::{Element, State};
+pub(crate) use erased::compiled_here;
 pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingConstraintIn, RunScalar};
 pub use lagrangian::lagrangian_residual;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};

@@ -185,12 +185,16 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Adds any element with its parameters.
     pub fn element(&mut self, name: &str, nodes: &[NodeId], element: impl AnyElement + 'static, p: &[S]) -> ElementId {
+        self.add_element(name, nodes, Box::new(element), p)
+    }
+
+    fn add_element(&mut self, name: &str, nodes: &[NodeId], element: Box<dyn AnyElement>, p: &[S]) -> ElementId {
         let sound = self.check_sizes(name, nodes, element.dof_count(), element.parameter_list().len(), p.len());
         if !sound {
             return ElementId(usize::MAX);
         }
         self.numbers.p.extend_from_slice(p);
-        self.model.add_element(name, nodes, Box::new(element))
+        self.model.add_element(name, nodes, element)
     }
 
     /// Adds any constraint with its parameters.
@@ -201,12 +205,16 @@ impl<S: Scalar> MechanismBuilder<S> {
         constraint: impl AnyConstraint + 'static,
         p: &[S],
     ) -> ConstraintId {
+        self.add_constraint(name, nodes, Box::new(constraint), p)
+    }
+
+    fn add_constraint(&mut self, name: &str, nodes: &[NodeId], constraint: Box<dyn AnyConstraint>, p: &[S]) -> ConstraintId {
         let sound = self.check_sizes(name, nodes, constraint.dof_count(), constraint.parameter_list().len(), p.len());
         if !sound {
             return ConstraintId(usize::MAX);
         }
         self.numbers.p.extend_from_slice(p);
-        self.model.add_constraint(name, nodes, Box::new(constraint))
+        self.model.add_constraint(name, nodes, constraint)
     }
 
     /// Adds any nonholonomic constraint with its parameters.
@@ -224,13 +232,13 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vec3<S>, inertia: [S; 6]) -> ElementId {
         self.masses.push((node, mass, centre));
         let p: Vec<S> = [mass].into_iter().chain(centre.0).chain(inertia).collect();
-        self.element(name, &[node], RigidBody, &p)
+        self.add_element(name, &[node], RigidBody.into(), &p)
     }
 
     /// A mass [kg] at a point.
     pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
         self.masses.push((node, mass, Vec3::zero()));
-        self.element(name, &[node], PointMass, &[mass])
+        self.add_element(name, &[node], PointMass.into(), &[mass])
     }
 
     /// A functional of any quantity.
@@ -243,13 +251,25 @@ impl<S: Scalar> MechanismBuilder<S> {
         quantity: impl AnyQuantity + 'static,
         p: &[S],
     ) {
+        self.add_functional(name, unit, over, (nodes, constraints), Box::new(quantity), p);
+    }
+
+    fn add_functional(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        over: Over,
+        (nodes, constraints): (&[NodeId], &[ConstraintId]),
+        quantity: Box<dyn AnyQuantity>,
+        p: &[S],
+    ) {
         if !self.check_sizes(name, nodes, quantity.dof_count(), quantity.parameter_list().len(), p.len()) {
             return;
         }
         let parameters = self.model.add_parameters(p.len());
         self.numbers.p.extend_from_slice(p);
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
-        let measured = Measured::Local { nodes, constraints, parameters, quantity: Box::new(quantity) };
+        let measured = Measured::Local { nodes, constraints, parameters, quantity };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }
 

@@ -7,3 +7,8 @@ mod rigid_body;
 pub use euler_parameter_norm::EulerParameterNorm;
 pub use point_mass::PointMass;
 pub use rigid_body::RigidBody;
+
+use super::AnyElement;
+use super::erased::compiled_here;
+
+compiled_here!(dyn AnyElement: PointMass, RigidBody);

@@ -16,6 +16,11 @@ pub use line_spring::LineSpring;
 pub use torsion_spring_damper::TorsionSpringDamper;
 pub use vector_damper::VectorDamper;
 
+use super::AnyElement;
+use super::erased::compiled_here;
+
+compiled_here!(dyn AnyElement: AppliedForce, AppliedTorque, Gravity, LineDamper, LineSpring, TorsionSpringDamper, VectorDamper);
+
 /// The frame in which a load keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadFrame {

@@ -38,9 +38,12 @@ pub use rolling::{DiscOnPlane, RollingDisc, RollingSphere};
 pub use spherical::SphericalJoint;
 pub use universal::UniversalJoint;
 
-use super::{Anchor, Parameter};
+use super::erased::compiled_here;
+use super::{Anchor, AnyConstraint, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
 use std::f64::consts::TAU;
+
+compiled_here!(dyn AnyConstraint: AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
 pub(crate) const POINTS: [Parameter; 6] = [

@@ -12,7 +12,10 @@ pub use reaction::Reaction;
 pub use target_distance::TargetDistance;
 pub use velocity::Velocity;
 
-use crate::elements::Parameter;
+use super::AnyQuantity;
+use crate::elements::{Parameter, compiled_here};
+
+compiled_here!(dyn AnyQuantity: Coordinate, Position, Reaction, TargetDistance, Velocity);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

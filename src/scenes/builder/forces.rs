@@ -12,7 +12,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let name = format!("weight of {}", self.model.nodes[node.0].name);
             let on = self.anchor(&name, node);
             let p: Vec<S> = [mass].into_iter().chain(gravity.0).chain(centre.0).collect();
-            self.element(&name, &[node], Gravity { on }, &p);
+            self.add_element(&name, &[node], Gravity { on }.into(), &p);
         }
     }
 
@@ -27,21 +27,21 @@ impl<S: Scalar> MechanismBuilder<S> {
     ) -> ElementId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = [vec![stiffness, rest_length], self.points_between(nodes, ends)].concat();
-        self.element(name, &nodes, LineSpring { a, b }, &p)
+        self.add_element(name, &nodes, LineSpring { a, b }.into(), &p)
     }
 
     /// A damper along the line between world points of two nodes [N s/m].
     pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = [vec![damping], self.points_between(nodes, ends)].concat();
-        self.element(name, &nodes, LineDamper { a, b }, &p)
+        self.add_element(name, &nodes, LineDamper { a, b }.into(), &p)
     }
 
     /// A damper on the whole relative velocity of world points of two nodes [N s/m].
     pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = [vec![damping], self.points_between(nodes, ends)].concat();
-        self.element(name, &nodes, VectorDamper { a, b }, &p)
+        self.add_element(name, &nodes, VectorDamper { a, b }.into(), &p)
     }
 
     /// Axis and reference directions of an angle between two bodies that is zero at the start.
@@ -64,6 +64,6 @@ impl<S: Scalar> MechanismBuilder<S> {
     ) -> ElementId {
         self.check_bodies(name, &nodes);
         let p = [vec![stiffness, damping, rest_angle], self.angle_frame(name, nodes, axis)].concat();
-        self.element(name, &nodes, TorsionSpringDamper, &p)
+        self.add_element(name, &nodes, TorsionSpringDamper.into(), &p)
     }
 }

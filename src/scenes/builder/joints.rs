@@ -22,7 +22,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = self.points_between(nodes, [point, point]);
-        self.constraint(name, &nodes, SphericalJoint { a, b }, &p)
+        self.add_constraint(name, &nodes, SphericalJoint { a, b }.into(), &p)
     }
 
     /// A massless link between two world points [m], as long as they are apart at the start.
@@ -30,7 +30,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let mut p = self.points_between(nodes, ends);
         p.push((ends[1] - ends[0]).norm());
-        self.constraint(name, &nodes, DistanceJoint { a, b }, &p)
+        self.add_constraint(name, &nodes, DistanceJoint { a, b }.into(), &p)
     }
 
     /// Two unit vectors of a at right angles to the axis, and the axis in b: what guides along or about an axis.
@@ -49,14 +49,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let axis = self.unit(name, axis);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
-        self.constraint(name, &nodes, RevoluteJoint, &p)
+        self.add_constraint(name, &nodes, RevoluteJoint.into(), &p)
     }
 
     /// Two bodies welded together at a world point [m].
     pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
         self.check_bodies(name, &nodes);
         let p = [self.points_between(nodes, [point; 2]), self.relative_rotation(nodes).0.to_vec()].concat();
-        self.constraint(name, &nodes, FixedJoint, &p)
+        self.add_constraint(name, &nodes, FixedJoint.into(), &p)
     }
 
     /// Node b, a point or a body, carried along by body a as it stands at the start.
@@ -67,7 +67,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         if b == Anchor::Body {
             p.extend(self.relative_rotation(nodes).0);
         }
-        self.constraint(name, &nodes, RigidLink { b }, &p)
+        self.add_constraint(name, &nodes, RigidLink { b }.into(), &p)
     }
 
     /// A prismatic joint: b slides along a world axis of a without turning; the world point [m] is where forces are measured.
@@ -76,7 +76,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let axis = self.unit(name, axis);
         let normals = &self.guide(nodes, axis)[..6];
         let p = [&self.points_between(nodes, [point; 2])[..], normals, &self.relative_rotation(nodes).0].concat();
-        self.constraint(name, &nodes, PrismaticJoint, &p)
+        self.add_constraint(name, &nodes, PrismaticJoint.into(), &p)
     }
 
     /// A cylindrical joint: b slides along and turns about a world axis through a world point [m].
@@ -84,7 +84,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let axis = self.unit(name, axis);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
-        self.constraint(name, &nodes, CylindricalJoint, &p)
+        self.add_constraint(name, &nodes, CylindricalJoint.into(), &p)
     }
 
     /// A planar joint: b slides on the plane of a through a world point [m] with a world normal, and turns about the normal.
@@ -92,7 +92,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let normal = self.unit(name, normal);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, normal)].concat();
-        self.constraint(name, &nodes, PlanarJoint, &p)
+        self.add_constraint(name, &nodes, PlanarJoint.into(), &p)
     }
 
     /// A universal joint at a world point [m]; its cross has one pin in a and one in b, at right angles.
@@ -109,7 +109,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let pins = [self.local_direction(nodes[0], pin_a).0, self.local_direction(nodes[1], pin_b).0].concat();
         let p = [self.points_between(nodes, [point; 2]), pins].concat();
-        self.constraint(name, &nodes, UniversalJoint, &p)
+        self.add_constraint(name, &nodes, UniversalJoint.into(), &p)
     }
 
     /// A screw along a world axis through a world point [m]: b advances by the pitch [m per turn], negative for a left-handed thread.
@@ -119,7 +119,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let reference = self.local_direction(nodes[1], axis.perpendiculars()[0]).0;
         let points = self.points_between(nodes, [point; 2]);
         let p = [&points[..], &self.guide(nodes, axis), &reference, &[pitch]].concat();
-        self.constraint(name, &nodes, HelicalJoint, &p)
+        self.add_constraint(name, &nodes, HelicalJoint.into(), &p)
     }
 
     /// A world point [m] of b, a point or a body, on the line of a through it along a world direction.
@@ -128,7 +128,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let b = self.anchor(name, nodes[1]);
         let normals = self.unit(name, along).perpendiculars().map(|normal| self.local_direction(nodes[0], normal).0);
         let p = [self.points_between(nodes, [point; 2]), normals.concat()].concat();
-        self.constraint(name, &nodes, PointOnLine { b }, &p)
+        self.add_constraint(name, &nodes, PointOnLine { b }.into(), &p)
     }
 
     /// A world point [m] of b, a point or a body, in the plane of a through it with a world normal.
@@ -137,7 +137,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let b = self.anchor(name, nodes[1]);
         let normal = self.unit(name, normal);
         let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], normal).0].concat();
-        self.constraint(name, &nodes, PointInPlane { b }, &p)
+        self.add_constraint(name, &nodes, PointInPlane { b }.into(), &p)
     }
 
     /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
@@ -159,7 +159,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let direction = axis.cross(self.unit(name, arm));
         let direction = self.local_direction(carrier, direction).0;
         let p = [&points[..], &self.angle_frame(name, [carrier, pinion], axis), &direction, &[radius]].concat();
-        self.constraint(name, &nodes, RackAndPinion, &p)
+        self.add_constraint(name, &nodes, RackAndPinion.into(), &p)
     }
 
     /// A coordinate that counts the angle of b against a about a world axis over any number of turns [rad], zero at the start.
@@ -169,7 +169,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let angle = self.coordinates(name, &[S::zero()], &[S::zero()]);
         let p = self.angle_frame(name, nodes, axis);
-        self.constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate, &p);
+        self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate.into(), &p);
         self.angles.push((angle, nodes, axis.normalized()));
         self.set_angle_rates();
         angle
@@ -198,7 +198,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             }
             offset += radius * self.numbers.q[dofs.start];
         }
-        self.constraint(name, &angles, GearJoint, &[radii[0], radii[1], offset])
+        self.add_constraint(name, &angles, GearJoint.into(), &[radii[0], radii[1], offset])
     }
 
     /// A motion driver needs a function with two derivatives.
@@ -220,7 +220,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_driver(name, &angle);
         self.check_bodies(name, &nodes);
         let p = [self.angle_frame(name, nodes, axis), function_parameters.to_vec()].concat();
-        self.constraint(name, &nodes, PrescribedRotation { angle }, &p)
+        self.add_constraint(name, &nodes, PrescribedRotation { angle }.into(), &p)
     }
 
     /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` [m].
@@ -239,6 +239,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis);
         let p = [self.points_between(nodes, [origin, point]), axis.0.to_vec(), function_parameters.to_vec()].concat();
-        self.constraint(name, &nodes, PrescribedTranslation { b, displacement }, &p)
+        self.add_constraint(name, &nodes, PrescribedTranslation { b, displacement }.into(), &p)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{ConstraintId, NodeId};
+use crate::elements::Nonholonomic;
 use crate::elements::joints::{DiscOnPlane, RollingDisc, RollingSphere};
 use crate::scalar::{Scalar, Vec3};
 
@@ -22,7 +23,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut p = self.local_point(nodes[1], centre).0.to_vec();
         p.extend([u, w, normal].into_iter().flat_map(|vector| self.local_direction(nodes[0], vector).0));
         p.push(radius);
-        [contact, self.nonholonomic(name, &nodes, RollingSphere, &p)]
+        [contact, self.add_constraint(name, &nodes, Nonholonomic(RollingSphere).into(), &p)]
     }
 
     /// A thin disc rolls on its edge without sliding on a plane of another body: nodes (plane, disc), world centre [m] and axis of the
@@ -45,8 +46,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let contact = [&p[..], &self.local_point(plane, point).0].concat();
         p.extend([u, w].into_iter().flat_map(|vector| self.local_direction(plane, vector).0));
         [
-            self.constraint(&format!("{name} contact"), &nodes, DiscOnPlane, &contact),
-            self.nonholonomic(name, &nodes, RollingDisc, &p),
+            self.add_constraint(&format!("{name} contact"), &nodes, DiscOnPlane.into(), &contact),
+            self.add_constraint(name, &nodes, Nonholonomic(RollingDisc).into(), &p),
         ]
     }
 }
