@@ -1,5 +1,6 @@
 mod andrews;
 mod loops;
+mod mechanisms;
 
 use crate::verification::{Report, Study};
 use costate::history::Watch;
@@ -21,7 +22,7 @@ impl Study for RigidBenchmarks {
         "rigid mechanisms against closed forms, published values and gradients; constraints over 100,000 steps"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let parts: [(&str, Part); 9] = [
+        let parts: [(&str, Part); 14] = [
             ("pendulum, IFToMM A01", pendulum),
             ("two four-bar linkages, IFToMM A02", two_four_bar),
             ("car axis", car_axis),
@@ -30,6 +31,11 @@ impl Study for RigidBenchmarks {
             ("five-bar gradient", five_bar),
             ("Andrews' squeezer", andrews::andrews),
             ("Bricard's mechanism, IFToMM A04", loops::bricard),
+            ("flyball governor, IFToMM A05", mechanisms::flyball_governor),
+            ("spatial slider-crank", mechanisms::spatial_slider_crank),
+            ("universal shaft", mechanisms::universal_shaft),
+            ("screw", mechanisms::screw),
+            ("gear train", mechanisms::gear_train),
             ("constraints over 100,000 steps", constraint_drift),
         ];
         for (index, (title, part)) in parts.iter().enumerate() {

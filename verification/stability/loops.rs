@@ -1,5 +1,6 @@
 //! Loops: through dead points, with redundant equations over many steps, and driven away from poses near a singular one.
 
+use super::bent_shafts::BentShafts;
 use super::four_bar::{Drive, FourBar};
 use super::{WRONG, drift, prepare};
 use crate::verification::Report;
@@ -30,13 +31,40 @@ fn follow(prepared: &Prepared, mut each: impl FnMut(f64, &[f64])) -> Result<Viol
     Ok(worst)
 }
 
-/// Angle by which a body has turned about z since the start [rad], in (-pi, pi].
-fn turned(prepared: &Prepared, q: &[f64], body: &str) -> f64 {
+/// Angle by which a body has turned since the start about an axis of its frame, x, y or z [rad], in (-pi, pi].
+fn turned_about(prepared: &Prepared, q: &[f64], body: &str, axis: usize) -> f64 {
     let node = prepared.model().nodes.iter().find(|node| node.name == body).expect("a body of this scene");
     let of = |q: &[f64]| Quaternion::from_slice(&q[node.dofs.start + 3..]);
-    let [scalar, _, _, z] = of(&prepared.mechanism.numbers.q).conjugate().times(of(q)).0;
-    let angle = 2.0 * z.atan2(scalar);
+    let relative = of(&prepared.mechanism.numbers.q).conjugate().times(of(q)).0;
+    let angle = 2.0 * relative[1 + axis].atan2(relative[0]);
     angle - TAU * (angle / TAU).round()
+}
+
+/// About z.
+fn turned(prepared: &Prepared, q: &[f64], body: &str) -> f64 {
+    turned_about(prepared, q, body, 2)
+}
+
+/// The end of a motion against its closed form, or an error that names one of the joints.
+fn right_or_refused(
+    report: &mut Report,
+    figure: impl Fn(&str) -> String,
+    found: Result<(f64, f64), String>,
+    (exact, allowed): (f64, f64),
+    joints: &[&str],
+) {
+    match found {
+        Ok((end, gap)) => {
+            report.at_most(figure("angle against closed form [rad]"), (end - exact).abs(), allowed);
+            report.at_most(figure("joint gap [m]"), gap, 1e-13);
+        }
+        Err(error) => {
+            report.inform(figure("refused"), 1.0);
+            let named = joints.iter().any(|joint| error.contains(joint));
+            report.at_most(figure("refused without a word of a joint"), f64::from(u8::from(!named)), 0.0);
+            report.note(format!("{}: {error}", figure("refused")));
+        }
+    }
 }
 
 /// The crank driven through 100 turns, the rocker held against its closed form; then a flywheel that carries the linkage through
@@ -96,18 +124,24 @@ pub fn near_dead_point(report: &mut Report) -> Result<(), String> {
             let worst = follow(&prepared, |_, q| end = turned(&prepared, q, "crank"))?;
             Ok((end, worst.position))
         });
-        match found {
-            Ok((end, gap)) => {
-                report.at_most(figure("crank against closed form [rad]"), (end - exact).abs(), WRONG);
-                report.at_most(figure("joint gap [m]"), gap, 1e-13);
-            }
-            Err(error) => {
-                report.inform(figure("refused"), 1.0);
-                let named = ["drive", "pin", "bearing"].iter().any(|joint| error.contains(joint));
-                report.at_most(figure("refused without a word of the joint"), f64::from(u8::from(!named)), 0.0);
-                report.note(format!("{}: {error}", figure("refused")));
-            }
-        }
+        right_or_refused(report, figure, found, (exact, WRONG), &["drive", "pin", "bearing"]);
+    }
+    Ok(())
+}
+
+/// Two shafts at 90 degrees less 1e-1 to 1e-8 rad, driven from the output until the input has turned by 1 rad: what the last bit of
+/// the output's angle does grows with the inverse of what the angle lacks.
+pub fn bent_shafts(report: &mut Report) -> Result<(), String> {
+    for digit in 1..=8 {
+        let figure = |what: &str| format!("universal joint, 1e-{digit} rad short of 90 degrees/{what}");
+        let short = f64::powi(10.0, -digit);
+        let scene = BentShafts { short };
+        let found = prepare(&scene, Prepared::default_method(), 1.0, 200).and_then(|prepared| {
+            let mut end = 0.0;
+            let worst = follow(&prepared, |_, q| end = turned_about(&prepared, q, "input", 0))?;
+            Ok((end, worst.position))
+        });
+        right_or_refused(report, figure, found, (BentShafts::INPUT, 1e-14 / short), &["drive", "universal", "bearing"]);
     }
     Ok(())
 }

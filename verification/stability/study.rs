@@ -1,5 +1,6 @@
 //! Long runs, small steps, unequal masses, other units, and poses near a singular one.
 
+mod bent_shafts;
 mod condition;
 mod four_bar;
 mod loops;
@@ -49,6 +50,7 @@ impl Study for Stability {
         near_singular(report)?;
         loops::dead_points(report)?;
         loops::near_dead_point(report)?;
+        loops::bent_shafts(report)?;
         loops::redundant_loop(report)?;
         long_runs(report)
     }

@@ -6,11 +6,16 @@ mod car_axis;
 mod chain;
 mod double_pendulum;
 mod five_bar;
+mod flyball_governor;
 mod free_body;
+mod gear_train;
 mod heavy_top;
 mod pendulum;
+mod screw;
 mod slider_crank;
+mod spatial_slider_crank;
 mod two_four_bar;
+mod universal_shaft;
 
 pub use andrews::Andrews;
 pub use bricard::Bricard;
@@ -18,11 +23,16 @@ pub use car_axis::CarAxis;
 pub use chain::{Chain, ChainVariables};
 pub use double_pendulum::DoublePendulum;
 pub use five_bar::FiveBar;
+pub use flyball_governor::FlyballGovernor;
 pub use free_body::FreeBody;
+pub use gear_train::GearTrain;
 pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
+pub use screw::Screw;
 pub use slider_crank::SliderCrank;
+pub use spatial_slider_crank::SpatialSliderCrank;
 pub use two_four_bar::TwoFourBar;
+pub use universal_shaft::UniversalShaft;
 
 use super::AnyScene;
 
@@ -39,6 +49,11 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(TwoFourBar),
         Box::new(Andrews),
         Box::new(Bricard),
+        Box::new(UniversalShaft),
+        Box::new(SpatialSliderCrank),
+        Box::new(Screw),
+        Box::new(GearTrain),
+        Box::new(FlyballGovernor),
         Box::new(Chain::common()),
         Box::new(Chain::separate()),
     ]
