@@ -21,7 +21,8 @@ pub enum TimeFunction {
     },
     /// Any of the others, started from rest: f(s(t)), with ds/dt going from 0 to 1 along 10 x^3 - 15 x^4 + 6 x^5, x = t / T.
     ///
-    /// s = T (5/2 x^4 - 3 x^5 + x^6) until T, t - T/2 from there on, 0 before 0. Parameters: those of f, start duration T.
+    /// s = T (5/2 x^4 - 3 x^5 + x^6) until T, t - T/2 from there on, 0 before 0. Parameters: those of f, start duration T. If f jumps,
+    /// T moves the jump, which gradients by T leave out.
     SmoothStart(Arc<TimeFunction>),
     /// Natural cubic spline through (t_i, f_i), constant slope outside. Parameters: the values f_i; the times are topology.
     Table(Arc<CubicTable>),

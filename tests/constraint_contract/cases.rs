@@ -58,6 +58,8 @@ pub struct Case {
     pub name: String,
     pub constraint: Box<dyn AnyConstraint>,
     pub nodes: Vec<Anchor>,
+    /// It says that it does not depend on time.
+    pub steady: bool,
     /// Nodes of one coordinate behind the others.
     pub scalars: usize,
     pub p: Vec<f64>,
@@ -69,9 +71,9 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn new(
+    pub fn new<C: Constraint>(
         name: impl Into<String>,
-        constraint: impl Constraint,
+        constraint: C,
         nodes: &[Anchor],
         p: &[f64],
         placed: Placement,
@@ -84,7 +86,17 @@ impl Case {
             ignored.extend((a == Point).then_some("point a"));
             ignored.extend((b == Point).then_some("point b"));
         }
-        Case { name, constraint, nodes: nodes.to_vec(), scalars, p: p.to_vec(), placed, moves: vec![], ignored }
+        Case {
+            name,
+            constraint,
+            steady: C::STEADY,
+            nodes: nodes.to_vec(),
+            scalars,
+            p: p.to_vec(),
+            placed,
+            moves: vec![],
+            ignored,
+        }
     }
     /// `to` violates the rows `violated` by [`STEP`] and no others.
     fn shows(mut self, what: &'static str, violated: &[usize], to: impl Fn(Placement) -> Placement) -> Case {

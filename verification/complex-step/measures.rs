@@ -3,7 +3,9 @@
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::Anchor;
 use costate::functionals::Over;
-use costate::functionals::quantities::{Coordinate, Position, TargetDistance, Velocity};
+use costate::functionals::quantities::{
+    Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, TargetDistance, Velocity,
+};
 use costate::scalar::Scalar;
 use costate::scenes::MechanismBuilder;
 
@@ -15,6 +17,11 @@ pub enum Measure {
     TargetDistance,
     Coordinate,
     Reaction,
+    ReactionNorm,
+    JointAngle,
+    JointRate,
+    JointDisplacement,
+    JointSpeed,
     Energy,
     Mass,
 }
@@ -25,7 +32,7 @@ const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true }
 const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
 
 /// Every quantity and every use of one over time; a new one is a line here.
-pub const LIST: [(Measure, Over); 15] = [
+const LIST: [(Measure, Over); 20] = [
     (Measure::Position, Over::Initial),
     (Measure::Position, Over::Terminal),
     (Measure::Position, Over::Integral),
@@ -40,8 +47,18 @@ pub const LIST: [(Measure, Over); 15] = [
     (Measure::Reaction, Over::Terminal),
     (Measure::Reaction, Over::Integral),
     (Measure::Reaction, OF_FORCE),
+    (Measure::ReactionNorm, Over::Terminal),
+    (Measure::JointAngle, Over::Terminal),
+    (Measure::JointRate, Over::Integral),
+    (Measure::JointDisplacement, Over::Terminal),
+    (Measure::JointSpeed, Over::Integral),
     (Measure::Mass, Over::Integral),
 ];
+
+/// The list, without energies where an element has none.
+pub fn list(energies: bool) -> Vec<(Measure, Over)> {
+    LIST.into_iter().filter(|(measure, _)| energies || *measure != Measure::Energy).collect()
+}
 
 /// How far a design variable reaches: what does not lie on its way is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +94,7 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     use Reach::*;
     match (measure, reach) {
         (_, Nothing) => true,
-        (_, Sensor) => matches!(measure, Coordinate | Energy | Measure::Mass),
+        (_, Sensor) => matches!(measure, Coordinate | ReactionNorm | Energy | Measure::Mass),
         (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),
         _ if over != Over::Initial => false,
         (Reaction, _) => reach == Later,
@@ -106,8 +123,8 @@ pub fn reads((measure, over): (Measure, Over)) -> Reads {
     match measure {
         _ if over == Over::Initial => Reads::Start,
         Measure::Mass => Reads::Start,
-        Measure::Reaction => Reads::Multipliers,
-        Measure::Velocity | Measure::Energy => Reads::Velocities,
+        Measure::Reaction | Measure::ReactionNorm => Reads::Multipliers,
+        Measure::Velocity | Measure::Energy | Measure::JointRate | Measure::JointSpeed => Reads::Velocities,
         _ => Reads::Coordinates,
     }
 }
@@ -125,10 +142,16 @@ pub struct Seen {
     pub second: NodeId,
     /// Which of the two.
     pub second_is: Anchor,
+    /// Where nothing moves.
+    pub ground: NodeId,
+    /// The joint of whose force the size is measured.
+    pub shoulder: ConstraintId,
     /// The joint whose reaction is measured.
     pub joint: ConstraintId,
     /// Its number of equations.
     pub equations: usize,
+    /// All elements state their energies.
+    pub energies: bool,
 }
 
 /// Adds the list to a scene; `sensor` scales all numbers of the functionals, which are parameters like any other.
@@ -138,7 +161,12 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
     let point_and_target = numbers(&[0.1, 0.2, 0.1, 0.4, 0.9, -0.3]);
     let weights = numbers(&[0.7, -0.5, 0.6, 0.9, -0.8, 0.4][..seen.equations]);
     let (arm, second) = (&[seen.arm][..], &[seen.second][..]);
-    for entry in LIST {
+    // relative motions of the arm and the next body or point; alone it moves against the ground
+    let other = if seen.second == seen.arm { (seen.ground, Anchor::Body) } else { (seen.second, seen.second_is) };
+    let body = if other.1 == Anchor::Body { other.0 } else { seen.ground };
+    let angle = numbers(&[0.3, 0.5, 0.8, 0.8, 0.2, -0.5, 0.4, -0.7, 0.3]);
+    let slide = numbers(&[0.3, 0.1, -0.2, -0.1, 0.2, 0.1, 0.5, -0.6, 0.4]);
+    for entry in list(seen.energies) {
         let (name, over) = (name(entry), entry.1);
         let of = Anchor::Body;
         match entry.0 {
@@ -150,6 +178,19 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
             }
             Measure::Coordinate => m.functional(&name, "-", over, (arm, &[]), Coordinate { of: 7, index: 4 }, &[]),
             Measure::Reaction => m.reaction_functional(&name, over, seen.joint, &weights),
+            Measure::ReactionNorm => m.reaction_norm_functional(&name, over, seen.shoulder),
+            Measure::JointAngle => m.functional(&name, "rad", over, (&[seen.arm, seen.ground], &[]), JointAngle, &angle),
+            Measure::JointRate => {
+                m.functional(&name, "rad/s", over, (&[seen.arm, body], &[]), JointRate, &point_and_target[..3]);
+            }
+            Measure::JointDisplacement => {
+                let quantity = JointDisplacement { b: other.1 };
+                m.functional(&name, "m", over, (&[seen.arm, other.0], &[]), quantity, &slide);
+            }
+            Measure::JointSpeed => {
+                let quantity = JointSpeed { b: other.1 };
+                m.functional(&name, "m/s", over, (&[seen.arm, other.0], &[]), quantity, &slide);
+            }
             Measure::Energy => m.energy_functional(&name, over),
             Measure::Mass => m.mass_functional(&name, over),
         }

@@ -2,11 +2,99 @@
 
 use super::measures::Seen;
 use super::scenes::{Case, Subject};
-use costate::elements::Anchor;
+use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::forces::{AppliedForce, AppliedTorque};
+use costate::elements::{Anchor, Constraint, joints};
 use costate::scalar::{Quaternion, Scalar, Vec3};
 use costate::scenes::MechanismBuilder;
 use std::ops::Range;
+
+/// Where a joint between arm and link stands.
+struct Host<'f, S> {
+    both: [NodeId; 2],
+    /// On the other side of the arm, with place and axis of its joint.
+    third: NodeId,
+    other: (Vec3<S>, Vec3<S>),
+    elbow: Vec3<S>,
+    /// The elbow, or the place of a point mass.
+    held: Vec3<S>,
+    ends: [Vec3<S>; 2],
+    axis: Vec3<S>,
+    /// Parameters of the function of time.
+    function: &'f [S],
+}
+
+/// The name of what is tested.
+const NAME: &str = "subject";
+
+/// Adds a joint of the list, with the hinges that it needs before it.
+fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) -> ConstraintId {
+    use Subject::*;
+    let Host { both, third, elbow, held, ends, axis, other: (hinge, other_axis), function, .. } = *host;
+    let name = NAME;
+    match kind {
+        Spherical(_) => m.spherical(name, both, held),
+        Revolute => m.revolute(name, both, elbow, axis),
+        Fixed => m.fixed(name, both, elbow),
+        Distance => m.distance(name, both, ends),
+        Prismatic => m.prismatic(name, both, elbow, axis),
+        Cylindrical => m.cylindrical(name, both, elbow, axis),
+        Planar => m.planar(name, both, elbow, axis),
+        Universal => m.universal(name, both, elbow, [axis, axis.perpendiculars()[0]]),
+        Helical => m.helical(name, both, elbow, axis, S::from(0.8)),
+        RigidLink(_) => m.rigid_link(name, both),
+        PointOnLine(_) => m.point_on_line(name, both, held, axis),
+        PointInPlane(_) => m.point_in_plane(name, both, held, axis),
+        RackAndPinion => {
+            let [across, along] = axis.perpendiculars();
+            m.revolute("hinge", both, elbow, axis);
+            m.prismatic("guide", [both[0], third], hinge, along);
+            let contact = elbow + across * S::from(0.3);
+            m.rack_and_pinion(name, [both[0], both[1], third], [elbow, contact], axis)
+        }
+        JointAngle | Gear => {
+            let other = [both[0], third];
+            m.revolute("hinge", both, elbow, axis);
+            m.revolute("other hinge", other, hinge, other_axis);
+            let [counted, teeth] = if matches!(kind, Gear) { ["angle", name] } else { [name, "gear"] };
+            let angles = [m.joint_angle(counted, both, axis), m.joint_angle("other angle", other, other_axis)];
+            m.gear(teeth, angles, [0.3, 0.2].map(S::from))
+        }
+        Rotation(angle) => {
+            m.revolute("hinge", both, elbow, axis);
+            m.prescribed_rotation(name, both, axis, angle.clone(), function)
+        }
+        Translation(path) => m.prescribed_translation(name, both, [elbow; 2], axis, path.clone(), function),
+        other => unreachable!("{other:?} is no joint"),
+    }
+}
+
+/// Adds the soft version of a joint.
+fn softened<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) {
+    let add = |m: &mut MechanismBuilder<S>| add_joint(kind, host, m);
+    match kind {
+        Subject::Spherical(b) => soft(joints::SphericalJoint { a: Anchor::Body, b: *b }, add, m),
+        Subject::Revolute => soft(joints::RevoluteJoint, add, m),
+        Subject::Prismatic => soft(joints::PrismaticJoint, add, m),
+        Subject::Universal => soft(joints::UniversalJoint, add, m),
+        Subject::Helical => soft(joints::HelicalJoint, add, m),
+        Subject::Gear => soft(joints::GearJoint, add, m),
+        Subject::Rotation(angle) => soft(joints::PrescribedRotation { angle: angle.clone() }, add, m),
+        Subject::Translation(path) => {
+            soft(joints::PrescribedTranslation { b: Anchor::Body, displacement: path.clone() }, add, m);
+        }
+        other => unreachable!("{other:?} is no joint with a soft version"),
+    }
+}
+
+fn soft<S: Scalar, J: Constraint>(
+    joint: J,
+    add: impl FnOnce(&mut MechanismBuilder<S>) -> ConstraintId,
+    m: &mut MechanismBuilder<S>,
+) {
+    let each = [60.0, 1.5].map(|c| vec![S::from(c); joint.equations()]);
+    m.soft(joint, [&each[0], &each[1]], add);
+}
 
 impl Case {
     /// The host mechanism with the subject; returns the place of the subject's parameters.
@@ -22,8 +110,10 @@ impl Case {
         let omega = at([1.1, -0.7, 0.9]) * *spin;
         let axis = whole.rotate(at([0.3, 1.0, 0.4])).normalized();
         // an angle about an axis needs a hinge that keeps it: a free link would pass poses without an angle
-        let geared = matches!(self.subject, RackAndPinion | JointAngle | Gear);
-        let hinged = geared || matches!(self.subject, TorsionSpringDamper);
+        let geared = matches!(self.kind(), RackAndPinion | JointAngle | Gear);
+        let hinged = geared
+            || matches!(self.kind(), TorsionSpringDamper | CoordinateSpringDamper)
+            || matches!(&self.subject, Soft(joint) if matches!(**joint, Rotation(_)));
         let second_omega = if hinged { omega + axis * (*spin * 1.5) } else { at([-0.8, 0.6, 1.3]) * *spin };
         let elbow_velocity = omega.cross(elbow - shoulder);
 
@@ -40,7 +130,7 @@ impl Case {
         let position = place([0.8, -0.2, -0.8]);
         let velocity = elbow_velocity + second_omega.cross(position - elbow);
         let light = matches!(
-            self.subject,
+            self.kind(),
             PointMass
                 | GravityOnPoint
                 | VectorDamper
@@ -78,8 +168,18 @@ impl Case {
         let both = [arm, second];
         let ends = [place([0.2, 0.4, 0.1]), place([0.9, -0.5, -0.6])];
         let f: Vec<S> = self.function.iter().map(|&f| S::from(f)).collect();
-        let name = "subject";
-        let held = if light { position } else { elbow };
+        let name = NAME;
+        let hinge = place([-0.2, 0.3, 0.1]);
+        let host = Host {
+            both,
+            third: third.unwrap_or(arm),
+            elbow,
+            held: if light { position } else { elbow },
+            ends,
+            axis,
+            other: (hinge, whole.rotate(at([-0.2, 0.5, 1.0]))),
+            function: &f,
+        };
         let mut joint = None;
         match &self.subject {
             RigidBody | PointMass | GravityOnBody | GravityOnPoint => {}
@@ -96,42 +196,19 @@ impl Case {
                 let p = [[0.7, 0.4, -0.5].map(S::from).to_vec(), f].concat();
                 m.element(name, &[arm], AppliedTorque { frame: *frame, size: size.clone() }, &p);
             }
-            Spherical(_) => joint = Some(m.spherical(name, both, held)),
-            Prismatic => joint = Some(m.prismatic(name, both, elbow, axis)),
-            Cylindrical => joint = Some(m.cylindrical(name, both, elbow, axis)),
-            Planar => joint = Some(m.planar(name, both, elbow, axis)),
-            Universal => joint = Some(m.universal(name, both, elbow, [axis, axis.perpendiculars()[0]])),
-            Helical => joint = Some(m.helical(name, both, elbow, axis, S::from(0.8))),
-            RigidLink(_) => joint = Some(m.rigid_link(name, both)),
-            PointOnLine(_) => joint = Some(m.point_on_line(name, both, held, axis)),
-            PointInPlane(_) => joint = Some(m.point_in_plane(name, both, held, axis)),
-            RackAndPinion => {
-                let [across, along] = axis.perpendiculars();
-                let rack = third.unwrap_or(arm);
-                m.revolute("hinge", both, elbow, axis);
-                m.prismatic("guide", [arm, rack], place([-0.2, 0.3, 0.1]), along);
-                joint = Some(m.rack_and_pinion(name, [arm, second, rack], [elbow, elbow + across * S::from(0.3)], axis));
+            SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, [60.0, 2.0, 0.1].map(S::from))),
+            CoordinateSpringDamper => {
+                let angle = m.joint_angle("angle", both, axis);
+                m.coordinate_spring_damper(name, angle, 0, [8.0, 0.5, -0.4].map(S::from));
             }
-            JointAngle | Gear => {
-                let other = [arm, third.unwrap_or(arm)];
-                let other_axis = whole.rotate(at([-0.2, 0.5, 1.0]));
-                m.revolute("hinge", both, elbow, axis);
-                m.revolute("other hinge", other, place([-0.2, 0.3, 0.1]), other_axis);
-                let [counted, teeth] = if matches!(self.subject, Gear) { ["angle", name] } else { [name, "gear"] };
-                let angles = [m.joint_angle(counted, both, axis), m.joint_angle("other angle", other, other_axis)];
-                let gear = m.gear(teeth, angles, [0.3, 0.2].map(S::from));
-                joint = Some(gear);
+            Bushing => {
+                let each = [[60.0, 50.0, 70.0, 8.0, 7.0, 9.0], [2.0, 1.0, 1.5, 0.5, 0.6, 0.4]].map(|c| c.map(S::from));
+                m.bushing(name, both, elbow, arm_rotation, each);
             }
-            Revolute => joint = Some(m.revolute(name, both, elbow, axis)),
-            Fixed => joint = Some(m.fixed(name, both, elbow)),
-            Distance => joint = Some(m.distance(name, both, ends)),
-            Rotation(angle) => {
-                m.revolute("hinge", both, elbow, axis);
-                joint = Some(m.prescribed_rotation(name, both, axis, angle.clone(), &f));
-            }
-            Translation(path) => joint = Some(m.prescribed_translation(name, both, [elbow; 2], axis, path.clone(), &f)),
+            Soft(kind) => softened(kind, &host, m),
+            kind => joint = Some(add_joint(kind, &host, m)),
         }
-        if joint.is_none() && !alone {
+        if joint.is_none() && !alone && !matches!(self.subject, Soft(_) | Bushing) {
             if hinged {
                 m.revolute("elbow", both, elbow, axis);
             } else if light {
@@ -152,6 +229,8 @@ impl Case {
         let places = constraint.map_or(element.unwrap_or(0..0), |constraint| constraint.parameters.clone());
         let equations = constraint.map_or(3, |constraint| constraint.equations.len());
         let second_is = if light { Anchor::Point } else { Anchor::Body };
-        (Seen { arm, second, second_is, joint: joint.unwrap_or(shoulder_joint), equations }, places)
+        let joint = joint.unwrap_or(shoulder_joint);
+        let energies = self.has_energies();
+        (Seen { arm, second, second_is, ground, shoulder: shoulder_joint, joint, equations, energies }, places)
     }
 }

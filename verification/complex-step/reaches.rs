@@ -30,7 +30,7 @@ impl Case {
             Anchor::Point => [own(before, Geometry), own(3, Nothing), own(after, Geometry)].concat(),
         };
         let inertia = if self.projected { ProjectedInertia } else { Inertia };
-        let of_subject = match &self.subject {
+        let of_subject = match self.kind() {
             Subject::RigidBody => [vec![if self.projected { ProjectedMass } else { Mass }], own(9, inertia)].concat(),
             Subject::PointMass => vec![Mass],
             Subject::GravityOnBody => own(7, Stored),
@@ -39,6 +39,10 @@ impl Case {
             Subject::LineDamper => own(7, Force),
             Subject::VectorDamper => [own(4, Force), own(3, Nothing)].concat(),
             Subject::TorsionSpringDamper => [vec![Stored, Force], own(10, Stored)].concat(),
+            Subject::SlideSpringDamper => [vec![Stored, Force], own(10, Stored)].concat(),
+            Subject::CoordinateSpringDamper => vec![Stored, Force, Stored],
+            Subject::Bushing => [own(6, Stored), own(6, Force), own(14, Stored)].concat(),
+            Subject::Soft(_) => unreachable!("its kind is that of a joint"),
             Subject::Force(Anchor::Body, _, f) => [own(6, Force), load(f)].concat(),
             Subject::Force(Anchor::Point, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
             Subject::Torque(_, f) => [own(3, Force), load(f)].concat(),
@@ -56,6 +60,22 @@ impl Case {
             Subject::Distance => own(7, Geometry),
             Subject::Rotation(f) => [own(9, Geometry), drive(f)].concat(),
             Subject::Translation(f) => [own(9, Geometry), drive(f)].concat(),
+        };
+        let of_subject = match &self.subject {
+            Subject::Soft(joint) => {
+                let elastic = if self.has_energies() { Stored } else { Force };
+                let softened = |(place, reach): (usize, Reach)| match reach {
+                    // gears have not turned at the start: what multiplies the angle stores nothing there
+                    Geometry if matches!(**joint, Subject::Gear) && place < 2 => Force,
+                    Geometry => elastic,
+                    Rate => Force,
+                    other => other,
+                };
+                let geometry: Vec<Reach> = of_subject.into_iter().enumerate().map(softened).collect();
+                let equations = (self.nominal().0.len() - geometry.len()) / 2;
+                [own(equations, elastic), own(equations, Force), geometry].concat()
+            }
+            _ => of_subject,
         };
         [of_subject, vec![StartPosition, StartVelocity, Sensor]].concat()
     }

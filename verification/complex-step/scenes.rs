@@ -24,6 +24,11 @@ pub enum Subject {
     LineDamper,
     VectorDamper,
     TorsionSpringDamper,
+    SlideSpringDamper,
+    CoordinateSpringDamper,
+    Bushing,
+    /// The soft version of a joint.
+    Soft(Box<Subject>),
     Force(Anchor, LoadFrame, TimeFunction),
     Torque(LoadFrame, TimeFunction),
     Spherical(Anchor),
@@ -76,6 +81,7 @@ pub fn list() -> Vec<Case> {
     };
     let constraint =
         |name, subject, function: &[f64]| Case { name, subject, function: function.into(), projected: true, one_sided: &[] };
+    let soft = |joint: Subject| Soft(Box::new(joint));
     let table = TimeFunction::table(vec![-0.1, 0.12, 0.31, 0.6]).expect("the knots increase");
     let (world, body) = (LoadFrame::World, LoadFrame::Body);
     let started = SmoothStart(Arc::new(Sine));
@@ -91,6 +97,19 @@ pub fn list() -> Vec<Case> {
         element("line-damper", LineDamper, &[]),
         element("vector-damper-point", VectorDamper, &[]),
         element("torsion-spring-damper", TorsionSpringDamper, &[]),
+        element("slide-spring-damper", SlideSpringDamper, &[]),
+        element("coordinate-spring-damper", CoordinateSpringDamper, &[]),
+        element("bushing", Bushing, &[]),
+        // soft versions differ in nothing but their joints: the contract tests hold all, these are enough here
+        element("soft-spherical", soft(Spherical(Anchor::Body)), &[]),
+        element("soft-spherical-point", soft(Spherical(Anchor::Point)), &[]),
+        element("soft-revolute", soft(Revolute), &[]),
+        element("soft-prismatic", soft(Prismatic), &[]),
+        element("soft-universal", soft(Universal), &[]),
+        element("soft-helical", soft(Helical), &[]),
+        element("soft-gear", soft(Gear), &[]),
+        element("soft-prescribed-rotation", soft(Rotation(Sine)), &[0.02, 0.4, 5.0, 0.2]),
+        element("soft-prescribed-translation", soft(Translation(Sine)), &[0.02, 0.1, 5.0, 0.2]),
         element("force-world-step", Force(Anchor::Body, world, Step { switch: 0.205 }), &[4.0, -6.0]),
         element("force-body-table", Force(Anchor::Body, body, table), &[2.0, 7.0, -3.0, 5.0]),
         element("force-point-sine", Force(Anchor::Point, world, Sine), &[1.0, 4.0, 9.0, 0.4]),
@@ -128,8 +147,21 @@ pub fn list() -> Vec<Case> {
 }
 
 impl Case {
+    /// The joint itself, hard or soft, or another subject.
+    pub fn kind(&self) -> &Subject {
+        match &self.subject {
+            Subject::Soft(joint) => joint,
+            other => other,
+        }
+    }
+
+    /// Soft drives do work of their own.
+    pub fn has_energies(&self) -> bool {
+        !matches!(&self.subject, Subject::Soft(joint) if matches!(**joint, Subject::Rotation(_) | Subject::Translation(_)))
+    }
+
     /// The parameters of the subject as they are designed, before anything is varied.
-    fn nominal(&self) -> (Vec<f64>, Vec<String>) {
+    pub fn nominal(&self) -> (Vec<f64>, Vec<String>) {
         let mut m = MechanismBuilder::default();
         let places = self.mechanism(&START.map(|(_, value)| value), &mut m).1;
         let model = &m.model;

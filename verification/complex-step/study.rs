@@ -214,7 +214,7 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
     let chosen = control.map(|_| [sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max)]);
     let mut outcome = Outcome { steps: forward.grid.steps(), chosen, limits, ..Outcome::default() };
-    for (index, entry) in measures::LIST.into_iter().enumerate() {
+    for (index, entry) in measures::list(case.has_energies()).into_iter().enumerate() {
         let rows = [&complex.rows[index], &adjoint.rows[index], &tangent.rows[index]];
         let differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
         let [adjoint, tangent] = match measures::reads(entry) {

@@ -9,6 +9,7 @@ pub struct EulerParameterNorm;
 impl Constraint for EulerParameterNorm {
     const DOFS: usize = 7;
     const EQUATIONS: usize = 1;
+    const STEADY: bool = true;
     const REACTION: bool = true;
 
     #[inline(always)]

@@ -2,17 +2,25 @@
 
 mod applied_force;
 mod applied_torque;
+mod bushing;
+mod coordinate_spring_damper;
 mod gravity;
 mod line_damper;
 mod line_spring;
+mod slide_spring_damper;
+mod soft;
 mod torsion_spring_damper;
 mod vector_damper;
 
 pub use applied_force::AppliedForce;
 pub use applied_torque::AppliedTorque;
+pub use bushing::Bushing;
+pub use coordinate_spring_damper::CoordinateSpringDamper;
 pub use gravity::Gravity;
 pub use line_damper::LineDamper;
 pub use line_spring::LineSpring;
+pub use slide_spring_damper::SlideSpringDamper;
+pub use soft::Soft;
 pub use torsion_spring_damper::TorsionSpringDamper;
 pub use vector_damper::VectorDamper;
 

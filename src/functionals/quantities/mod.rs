@@ -1,14 +1,22 @@
 //! Quantities of points and joints. A new one is a file here and a line in this list.
 
 mod coordinate;
+mod joint_angle;
+mod joint_displacement;
+mod joint_rate;
 mod position;
 mod reaction;
+mod reaction_norm;
 mod target_distance;
 mod velocity;
 
 pub use coordinate::Coordinate;
+pub use joint_angle::JointAngle;
+pub use joint_displacement::{JointDisplacement, JointSpeed};
+pub use joint_rate::JointRate;
 pub use position::Position;
 pub use reaction::Reaction;
+pub use reaction_norm::ReactionNorm;
 pub use target_distance::TargetDistance;
 pub use velocity::Velocity;
 

@@ -1,9 +1,13 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
-use crate::assembly::{ElementId, NodeId};
-use crate::elements::forces::{Gravity, LineDamper, LineSpring, TorsionSpringDamper, VectorDamper};
-use crate::scalar::{Scalar, Vec3};
+use crate::assembly::{Attached, ConstraintId, ElementId, Node, NodeId};
+use crate::elements::Constraint;
+use crate::elements::forces::{
+    Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, Soft, TorsionSpringDamper,
+    VectorDamper,
+};
+use crate::scalar::{Quaternion, Scalar, Vec3};
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Weight for every mass added so far: g [m/s2].
@@ -65,5 +69,88 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let p = [vec![stiffness, damping, rest_angle], self.angle_frame(name, nodes, axis)].concat();
         self.add_element(name, &nodes, TorsionSpringDamper.into(), &p)
+    }
+
+    /// A spring and damper along a world axis fixed in a: [N/m], [N s/m], rest displacement [m] of the world point of b from `origin`.
+    pub fn slide_spring_damper(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        [origin, point]: [Vec3<S>; 2],
+        axis: Vec3<S>,
+        coefficients: [S; 3],
+    ) -> ElementId {
+        self.check_bodies(name, &nodes[..1]);
+        let b = self.anchor(name, nodes[1]);
+        let axis = self.unit(name, axis);
+        let axis = self.local_direction(nodes[0], axis).0;
+        let p = [&coefficients[..], &self.points_between(nodes, [origin, point]), &axis].concat();
+        self.element(name, &nodes, SlideSpringDamper { b }, &p)
+    }
+
+    /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
+    pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, coefficients: [S; 3]) -> ElementId {
+        let Node { name: own, dofs, .. } = &self.model.nodes[node.0];
+        let of = dofs.len();
+        if index >= of {
+            self.mistakes.push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {of}: count from 0"));
+            return ElementId(usize::MAX);
+        }
+        self.element(name, &[node], CoordinateSpringDamper { of, index }, &coefficients)
+    }
+
+    /// A bushing at a world point [m], at rest as the bodies stand: stiffness and damping along (x, y, z) and about (x, y, z) of the
+    /// frame `axes` in the world [N/m, N m/rad], [N s/m, N m s/rad].
+    pub fn bushing(
+        &mut self,
+        name: &str,
+        nodes: [NodeId; 2],
+        point: Vec3<S>,
+        axes: Quaternion<S>,
+        [stiffness, damping]: [[S; 6]; 2],
+    ) -> ElementId {
+        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
+        let p = [&stiffness[..], &damping, &self.points_between(nodes, [point; 2]), &a, &b].concat();
+        self.element(name, &nodes, Bushing, &p)
+    }
+
+    /// A soft version of the joint that `add` adds, which must be one of `joint`'s kind: springs and dampers for its equations.
+    ///
+    /// `m.soft(RevoluteJoint, [&stiffness, &damping], |m| m.revolute("mount", [frame, engine], point, axis));`
+    pub fn soft<J: Constraint>(
+        &mut self,
+        joint: J,
+        [stiffness, damping]: [&[S]; 2],
+        add: impl FnOnce(&mut Self) -> ConstraintId,
+    ) -> ElementId {
+        let ConstraintId(added) = add(self);
+        // taken back from the model; nothing at all was added after a mistake, which is told already
+        let (Some(last), true) = (self.model.constraints.len().checked_sub(1), added != usize::MAX) else {
+            return ElementId(usize::MAX);
+        };
+        let own = self.model.constraints[last].parameters.clone();
+        let same = joint.parameters() == self.model.constraints[last].physics.parameter_list()
+            && joint.equations() == self.model.constraints[last].equations.len();
+        if added != last || own.end != self.model.parameters || !same {
+            let name = &self.model.constraints[added].name;
+            self.mistakes.push(format!(
+                "the soft joint \"{name}\" is not what was added last: name the joint that the function adds"
+            ));
+            return ElementId(usize::MAX);
+        }
+        let Some(Attached { name, nodes, equations, .. }) = self.model.constraints.pop() else { unreachable!() };
+        (self.model.equations, self.model.parameters) = (equations.start, own.start);
+        let p = [stiffness, damping, &self.numbers.p.split_off(own.start)].concat();
+        if [stiffness.len(), damping.len()] != [equations.len(); 2] {
+            self.mistakes.push(format!(
+                "\"{name}\" has {} equations, but {} stiffnesses and {} dampings were given",
+                equations.len(),
+                stiffness.len(),
+                damping.len()
+            ));
+            return ElementId(usize::MAX);
+        }
+        self.element(&name, &nodes, Soft(joint), &p)
     }
 }

@@ -2,7 +2,11 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{ConstraintId, NodeId};
-use crate::functionals::quantities::{Coordinate, Position, Reaction, TargetDistance, Velocity};
+use crate::elements::Anchor;
+use crate::functionals::quantities::{
+    Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, TargetDistance,
+    Velocity,
+};
 use crate::functionals::{Functional, Measured, Over};
 use crate::scalar::{Scalar, Vec3};
 
@@ -34,6 +38,56 @@ impl<S: Scalar> MechanismBuilder<S> {
             let equations = constraint.equations.len();
             self.add_functional(name, "N", over, (&[], &[joint]), Reaction { equations }.into(), weights);
         }
+    }
+
+    /// A functional of the size of a joint's force: the length of its first three multipliers [N].
+    pub fn reaction_norm_functional(&mut self, name: &str, over: Over, joint: ConstraintId) {
+        if self.model.constraints.get(joint.0).is_some() {
+            self.functional(name, "N", over, (&[], &[joint]), ReactionNorm, &[]);
+        }
+    }
+
+    /// A functional of the angle of b against a about a world axis, in (-pi, pi] and zero at the start [rad].
+    ///
+    /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
+    pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vec3<S>) {
+        self.check_bodies(name, &nodes);
+        let p = self.angle_frame(name, nodes, axis);
+        self.functional(name, "rad", over, (&nodes, &[]), JointAngle, &p);
+    }
+
+    /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
+    pub fn joint_rate_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vec3<S>) {
+        self.check_bodies(name, &nodes);
+        let axis = self.unit(name, axis);
+        let p = self.local_direction(nodes[0], axis).0;
+        self.functional(name, "rad/s", over, (&nodes, &[]), JointRate, &p);
+    }
+
+    /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on [m].
+    pub fn joint_displacement_functional(
+        &mut self,
+        name: &str,
+        over: Over,
+        nodes: [NodeId; 2],
+        point: Vec3<S>,
+        axis: Vec3<S>,
+    ) {
+        let (b, p) = self.slide(name, nodes, point, axis);
+        self.functional(name, "m", over, (&nodes, &[]), JointDisplacement { b }, &p);
+    }
+
+    /// A functional of the rate of that displacement [m/s].
+    pub fn joint_speed_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) {
+        let (b, p) = self.slide(name, nodes, point, axis);
+        self.functional(name, "m/s", over, (&nodes, &[]), JointSpeed { b }, &p);
+    }
+
+    fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> (Anchor, Vec<S>) {
+        self.check_bodies(name, &nodes[..1]);
+        let axis = self.unit(name, axis);
+        let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], axis).0].concat();
+        (self.anchor(name, nodes[1]), p)
     }
 
     /// A functional of one coordinate of a node.

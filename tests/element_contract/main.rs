@@ -1,21 +1,25 @@
 //! What every element owes, for every element in every topology: one line in `cases` enters a new one.
 
+mod cases;
+#[path = "../support/mod.rs"]
 mod support;
 
-use costate::elements::bodies::{PointMass, RigidBody};
+use cases::UnderRigidMotion::Invariant;
+use cases::{Case, FRAMES, PAIRS, cases};
+use costate::elements::Anchor::Body;
 use costate::elements::forces::{
-    AppliedForce, AppliedTorque, Gravity, LineDamper, LineSpring, LoadFrame, TorsionSpringDamper, VectorDamper,
+    AppliedForce, AppliedTorque, Bushing, LineDamper, LoadFrame, Soft, TorsionSpringDamper, VectorDamper,
 };
-use costate::elements::{Anchor, AnyElement, Element, ElementIn, State, TimeFunction, lagrangian_residual};
+use costate::elements::joints::PrescribedTranslation;
+use costate::elements::{AnyElement, Element, ElementIn, State, TimeFunction, lagrangian_residual};
 use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
+use std::sync::Arc;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
 use support::time_functions::time_functions;
 
-use Anchor::{Body, Point};
-
 /// An element beside what only its energies tell; every `Element` is one.
-trait Contract: AnyElement {
+pub trait Contract: AnyElement {
     fn residual_of_energies(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64>;
     fn force(&self, v: &[f64], q: &[f64], p: &[f64], t: f64) -> Vec<f64>;
     /// T + V with its rate along the motion.
@@ -43,85 +47,6 @@ impl<E: Element> Contract for E {
     }
 }
 
-/// What a rigid motion of all nodes does to the element.
-#[derive(Clone, Copy, PartialEq)]
-enum UnderRigidMotion {
-    /// The energies stay and the residual moves along.
-    Invariant,
-    /// It knows a direction of the world: weight and dead loads.
-    BoundToWorld,
-}
-use UnderRigidMotion::{BoundToWorld, Invariant};
-
-struct Case {
-    name: String,
-    element: Box<dyn Contract>,
-    nodes: Vec<Anchor>,
-    p: Vec<f64>,
-    motion: UnderRigidMotion,
-    /// Parameters that this topology takes and, as documented, does not read: the start of their names.
-    ignored: Vec<&'static str>,
-}
-
-impl Case {
-    fn new(name: impl Into<String>, element: impl Element, nodes: &[Anchor], p: &[f64]) -> Case {
-        let (name, element, nodes, p) = (name.into(), Box::new(element), nodes.to_vec(), p.to_vec());
-        Case { name, element, nodes, p, motion: Invariant, ignored: vec![] }
-    }
-    fn bound_to_world(self, bound: bool) -> Case {
-        Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
-    }
-    /// `names` are not read if their node is a point.
-    fn ignoring(mut self, name: &'static str, node: Anchor) -> Case {
-        if node == Point {
-            self.ignored.push(name);
-        }
-        self
-    }
-}
-
-const ANCHORS: [Anchor; 2] = [Point, Body];
-const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
-const FRAMES: [LoadFrame; 2] = [LoadFrame::World, LoadFrame::Body];
-
-#[rustfmt::skip]
-fn cases() -> Vec<Case> {
-    let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
-    let torsion = [3.1, 0.7, 0.2, 0.6, 0.0, 0.8, 0.8, 0.0, -0.6, 0.0, 1.0, 0.0];
-    let mut list = vec![
-        Case::new("point mass", PointMass, &[Point], &[1.7]),
-        Case::new("rigid body", RigidBody, &[Body], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
-        Case::new("torsion spring damper", TorsionSpringDamper, &[Body, Body], &torsion),
-    ];
-    for on in ANCHORS {
-        list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[on], &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
-            .bound_to_world(true).ignoring("centre", on));
-    }
-    for [a, b] in PAIRS {
-        let mut add = |name: &str, case: fn(String, [Anchor; 2], &[f64]) -> Case, own: &[f64]| {
-            list.push(case(format!("{name} {a:?} to {b:?}"), [a, b], &[own, &ends].concat()).ignoring("point a", a).ignoring("point b", b));
-        };
-        add("line spring", |name, [a, b], p| Case::new(name, LineSpring { a, b }, &[a, b], p), &[5.0, 0.7]);
-        add("line damper", |name, [a, b], p| Case::new(name, LineDamper { a, b }, &[a, b], p), &[2.3]);
-        add("vector damper", |name, [a, b], p| Case::new(name, VectorDamper { a, b }, &[a, b], p), &[2.3]);
-    }
-    for (of_time, size, own) in time_functions() {
-        for frame in FRAMES {
-            let torque = AppliedTorque { frame, size: size.clone() };
-            list.push(Case::new(format!("{of_time} torque in {frame:?}"), torque, &[Body], &[&[0.3, -0.5, 0.7], &own[..]].concat())
-                .bound_to_world(frame == LoadFrame::World));
-            for on in ANCHORS {
-                let force = AppliedForce { on, frame, size: size.clone() };
-                let p = [&[0.3, -0.5, 0.7, 0.2, 0.4, -0.1], &own[..]].concat();
-                // a point has no frame of its own, so its loads are all dead ones
-                list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &[on], &p)
-                    .bound_to_world(frame == LoadFrame::World || on == Point).ignoring("point", on));
-            }
-        }
-    }
-    list
-}
-
 /// One random state; Euler parameters have any length between 1/2 and 3/2.
 struct Sample {
     a: Vec<f64>,
@@ -140,7 +65,8 @@ fn samples(case: &Case) -> Vec<Sample> {
     let mut random = Random::new(3);
     let n = case.element.dof_count();
     let sample = |_| {
-        let q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        q.extend(random.vector(case.scalars));
         Sample { a: random.vector(n), v: random.vector(n), q, t: random.uniform(-1.0, 1.0) }
     };
     (0..12).map(sample).collect()
@@ -213,7 +139,12 @@ fn sizes_fit_and_sample_parameters_are_admissible() {
     for case in cases() {
         let parameters = case.element.parameter_list();
         assert_eq!(parameters.len(), case.p.len(), "{}", case.name);
-        assert_eq!(case.nodes.iter().map(|node| node.dofs()).sum::<usize>(), case.element.dof_count(), "{}", case.name);
+        assert_eq!(
+            case.nodes.iter().map(|node| node.dofs()).sum::<usize>() + case.scalars,
+            case.element.dof_count(),
+            "{}",
+            case.name
+        );
         for (parameter, &value) in parameters.iter().zip(&case.p) {
             assert!(parameter.admissible.contains(value), "{}: {} = {value}", case.name, parameter.name);
             assert!(!parameter.name.is_empty() && !parameter.unit.is_empty(), "{}: {parameter:?}", case.name);
@@ -413,9 +344,50 @@ fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
 }
 
 #[test]
+fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
+    let frame = Quaternion::about(Vec3([0.36, 0.48, 0.8]), 0.9);
+    let (along, about) = ([3.0, 5.0, 7.0], [2.0, 4.0, 6.0]);
+    let point = [0.3, -0.2, 0.5];
+    let p = [&along[..], &about, &[0.0; 6], &point, &[0.0; 3], &frame.0, &frame.0].concat();
+    let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    for axis in 0..3 {
+        let mut unit = [0.0; 3];
+        unit[axis] = 1.0;
+        let axis_of_a = frame.rotate(Vec3(unit));
+        for (shift, angle) in [(0.2, 0.0), (-0.1, 0.3), (0.0, -1.4)] {
+            let place = of_a.rotate(Vec3(point) + axis_of_a * shift);
+            let q = [&[0.0; 3][..], &of_a.0, &place.0, &of_a.times(Quaternion::about(axis_of_a, angle)).0].concat();
+            let [_, energy] = Bushing.energy(&[0.0; 14], &q, &p);
+            let turn = 2.0 * (0.5 * angle).sin();
+            let expected = 0.5 * (along[axis] * shift * shift + about[axis] * turn * turn);
+            assert_close("energy", &[energy], &[expected], 1e-13, 1.0);
+            let mut r = vec![0.0; 14];
+            Bushing.add_residual(State { a: &[0.0; 14], v: &[0.0; 14], q: &q }, &p, 0.0, &mut r);
+            assert_close("pull", &r[7..10], &(of_a.rotate(axis_of_a) * (along[axis] * shift)).0, 1e-13, 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_soft_drive_pulls_towards_its_moving_target() {
+    let drive = Soft(PrescribedTranslation { b: Body, displacement: TimeFunction::ConstantRate });
+    let (stiffness, damping, offset, rate, t) = (30.0, 4.0, 0.1, 0.7, 0.5);
+    let p = [&[stiffness, damping][..], &[0.0; 6], &[1.0, 0.0, 0.0], &[offset, rate]].concat();
+    let unit = Quaternion::identity().0;
+    let (place, speed) = (0.9, -0.3);
+    let q = [&[0.0; 3][..], &unit, &[place, 0.2, 0.0], &unit].concat();
+    let v = [&[0.0; 7][..], &[speed, 0.0, 0.0], &[0.0; 4]].concat();
+    let mut r = vec![0.0; 14];
+    drive.add_residual(State { a: &[0.0; 14], v: &v, q: &q }, &p, t, &mut r);
+    let force = stiffness * (place - offset - rate * t) + damping * (speed - rate);
+    assert_close("force", &r[7..10], &[force, 0.0, 0.0], 1e-13, 1.0);
+    assert!(!drive.has_energies());
+}
+
+#[test]
 fn rigid_motion_keeps_the_energies_and_carries_the_residual_along() {
     let motion = RigidMotion { rotation: Quaternion([0.5, -0.5, 0.7, 0.1]), translation: Vec3([0.4, -1.3, 2.1]) };
-    for case in cases().iter().filter(|case| case.motion == Invariant) {
+    for case in cases().iter().filter(|case| case.motion == Invariant && case.scalars == 0) {
         for sample in samples(case) {
             let q = motion.of_coordinates(&case.nodes, &sample.q);
             let [v, a] = [&sample.v, &sample.a].map(|rate| motion.of_rates(&case.nodes, rate));
@@ -466,6 +438,30 @@ fn functions_of_time_are_twice_differentiable_away_from_steps_and_name_their_kin
             let jump = function.value(kink + 1e-9, &p) - function.value(kink - 1e-9, &p);
             assert_eq!(jump.abs() > 1e-6, jumps, "{name} at {kink}: {jump}");
         }
+    }
+}
+
+#[test]
+fn a_smooth_start_begins_at_rest_and_ends_half_its_duration_late() {
+    let of = |inner: TimeFunction| TimeFunction::SmoothStart(Arc::new(inner));
+    let started = of(TimeFunction::ConstantRate);
+    let p = [0.2, 3.0, 0.8].map(Taylor::from);
+    let at = |t: f64| started.value(Taylor::new(t, 1.0, 0.0), &p);
+    for t in [-1.0, 0.0] {
+        assert_close("rest", &[at(t).value, at(t).first, at(t).second], &[0.2, 0.0, 0.0], 1e-15, 1.0);
+    }
+    for t in [0.8, 2.0] {
+        assert_close("motion", &[at(t).value, at(t).first, at(t).second], &[0.2 + 3.0 * (t - 0.4), 3.0, 0.0], 1e-14, 1.0);
+    }
+    // half the rate after half the duration
+    assert_close("half", &[at(0.4).first], &[1.5], 1e-14, 1.0);
+    // a jump happens at the time that its kink says, to the last bit
+    for switch in [0.05, 0.3, 0.9] {
+        let step = of(TimeFunction::Step { switch });
+        let p = [0.8, -0.6, 0.8];
+        let kink = step.kinks(&p)[0];
+        assert_eq!([kink.next_down(), kink].map(|t| step.value(t, &p)), [0.8, -0.6], "{switch}");
+        assert_eq!(step.jump(), Some(switch));
     }
 }
 

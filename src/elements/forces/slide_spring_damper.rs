@@ -1,0 +1,69 @@
+use super::Soft;
+use crate::elements::joints::{POINTS, components, gap, vectors};
+use crate::elements::{Anchor, Constraint, Element, Parameter, State};
+use crate::scalar::Scalar;
+
+/// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt [N], s = n_a . (x_b - x_a).
+///
+/// * `stiffness`  k [N/m], 0 or greater
+/// * `damping`  c [N s/m], 0 or greater
+/// * `rest displacement`  s0 [m]
+/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `axis`  n_a, unit vector in the frame of a
+pub struct SlideSpringDamper {
+    /// What slides.
+    pub b: Anchor,
+}
+
+/// s - s0 with the parameters (s0, points, axis).
+struct Slide {
+    b: Anchor,
+}
+
+impl Constraint for Slide {
+    const DOFS: usize = 14;
+    const EQUATIONS: usize = 1;
+    const STEADY: bool = true;
+
+    fn dofs(&self) -> usize {
+        Anchor::Body.dofs() + self.b.dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        [Parameter::new("rest displacement", "m")].into_iter().chain(POINTS).chain(vectors(&["axis"])).collect()
+    }
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        components(q, &p[7..], gap([Anchor::Body, self.b], q, &p[1..]), g);
+        g[0] -= p[0];
+    }
+}
+
+impl SlideSpringDamper {
+    fn soft(&self) -> Soft<Slide> {
+        Soft(Slide { b: self.b })
+    }
+}
+
+impl Element for SlideSpringDamper {
+    const DOFS: usize = 14;
+    const ENERGIES: bool = true;
+
+    fn dofs(&self) -> usize {
+        self.soft().dofs()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let own = [Parameter::non_negative("stiffness", "N/m"), Parameter::non_negative("damping", "N s/m")];
+        own.into_iter().chain(self.soft().0.parameters()).collect()
+    }
+    #[inline(always)]
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        self.soft().potential(q, p)
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
+        self.soft().add_force(v, q, p, t, force);
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        self.soft().residual(s, p, t, r);
+    }
+}

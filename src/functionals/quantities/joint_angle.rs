@@ -1,0 +1,23 @@
+use crate::elements::joints::{ANGLE, angle_between};
+use crate::elements::{Parameter, State};
+use crate::functionals::Quantity;
+use crate::scalar::Scalar;
+
+/// Angle of body b against body a about an axis of a, in (-pi, pi] [rad].
+///
+/// Over several turns measure the coordinate of [`AngleCoordinate`](crate::elements::joints::AngleCoordinate) instead.
+///
+/// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
+/// * `reference b`  unit vector in the frame of b
+pub struct JointAngle;
+
+impl Quantity for JointAngle {
+    const PARAMETERS: &'static [Parameter] = &ANGLE;
+
+    fn dofs(&self) -> usize {
+        14
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
+        angle_between(s.q, p, S::zero())
+    }
+}

@@ -1,0 +1,142 @@
+//! The list of elements with sample parameters.
+
+use super::Contract;
+use super::support::time_functions::time_functions;
+use costate::elements::bodies::{PointMass, RigidBody};
+use costate::elements::forces::{
+    AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
+    SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
+};
+use costate::elements::joints::{
+    AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
+    PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
+    SphericalJoint, UniversalJoint,
+};
+use costate::elements::{Anchor, Constraint, Element, TimeFunction};
+
+use Anchor::{Body, Point};
+
+/// What a rigid motion of all nodes does to the element.
+#[derive(Clone, Copy, PartialEq)]
+pub enum UnderRigidMotion {
+    /// The energies stay and the residual moves along.
+    Invariant,
+    /// It knows a direction of the world: weight and dead loads.
+    BoundToWorld,
+}
+use UnderRigidMotion::{BoundToWorld, Invariant};
+
+pub struct Case {
+    pub name: String,
+    pub element: Box<dyn Contract>,
+    pub nodes: Vec<Anchor>,
+    /// Coordinates behind those of the nodes.
+    pub scalars: usize,
+    pub p: Vec<f64>,
+    pub motion: UnderRigidMotion,
+    /// Parameters that this topology takes and, as documented, does not read: the start of their names.
+    pub ignored: Vec<&'static str>,
+}
+
+impl Case {
+    pub fn new(name: impl Into<String>, element: impl Element, nodes: &[Anchor], p: &[f64]) -> Case {
+        let scalars = element.dofs() - nodes.iter().map(|node| node.dofs()).sum::<usize>();
+        let (name, element, nodes, p) = (name.into(), Box::new(element), nodes.to_vec(), p.to_vec());
+        Case { name, element, nodes, scalars, p, motion: Invariant, ignored: vec![] }
+    }
+    /// A soft joint with the same coefficients for all rows, since rows along the axes of the world are among them.
+    fn soft<J: Constraint>(name: &str, joint: J, nodes: &[Anchor], p: &[f64]) -> Case {
+        let coefficients = [vec![3.1; joint.equations()], vec![0.7; joint.equations()]].concat();
+        let kind = if J::STEADY { "spring damper" } else { "drive" };
+        Case::new(format!("soft {name} {kind}"), Soft(joint), nodes, &[&coefficients[..], p].concat())
+    }
+    fn bound_to_world(self, bound: bool) -> Case {
+        Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
+    }
+    /// `names` are not read if their node is a point.
+    fn ignoring(mut self, name: &'static str, node: Anchor) -> Case {
+        if node == Point {
+            self.ignored.push(name);
+        }
+        self
+    }
+}
+
+const ANCHORS: [Anchor; 2] = [Point, Body];
+pub const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
+pub const FRAMES: [LoadFrame; 2] = [LoadFrame::World, LoadFrame::Body];
+
+#[rustfmt::skip]
+pub fn cases() -> Vec<Case> {
+    let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
+    let torsion = [3.1, 0.7, 0.2, 0.6, 0.0, 0.8, 0.8, 0.0, -0.6, 0.0, 1.0, 0.0];
+    let mut list = vec![
+        Case::new("point mass", PointMass, &[Point], &[1.7]),
+        Case::new("rigid body", RigidBody, &[Body], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
+        Case::new("torsion spring damper", TorsionSpringDamper, &[Body, Body], &torsion),
+    ];
+    let (u, w, axis, turned) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.8, 0.36, 0.48, 0.0]);
+    let guide = [&ends[..], &u, &w, &axis].concat();
+    let angle = [axis, u, w].concat();
+    let six = [3.0, 5.0, 7.0, 2.0, 4.0, 6.0];
+    let both = [Body, Body];
+    list.extend([
+        Case::new("coordinate spring damper", CoordinateSpringDamper { of: 3, index: 1 }, &[], &[3.1, 0.7, 0.2]),
+        Case::new("bushing spring damper", Bushing, &both, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
+        Case::soft("fixed", FixedJoint, &both, &[&ends[..], &turned].concat()),
+        Case::soft("revolute", RevoluteJoint, &both, &guide),
+        Case::soft("cylindrical", CylindricalJoint, &both, &guide),
+        Case::soft("planar", PlanarJoint, &both, &guide),
+        Case::soft("prismatic", PrismaticJoint, &both, &[&guide[..12], &turned].concat()),
+        Case::soft("universal", UniversalJoint, &both, &guide[..12]),
+        Case::soft("helical", HelicalJoint, &both, &[&guide[..], &u, &[2.5]].concat()),
+        Case::soft("rack and pinion", RackAndPinion, &[Body; 3], &[&ends[..], &angle, &w, &[0.4]].concat()),
+        Case::soft("angle coordinate", AngleCoordinate, &both, &angle),
+        Case::soft("gear", GearJoint, &[], &[0.5, -0.2, 0.3]),
+        Case::soft("rotation", PrescribedRotation { angle: TimeFunction::Sine }, &both, &[&angle[..], &[0.2, 1.4, 2.3, 0.6]].concat()),
+    ]);
+    for b in ANCHORS {
+        let slide = [&[3.1, 0.7, 0.2], &ends[..], &axis].concat();
+        let link = if b == Body { &[0.3, -0.2, 0.5, 0.8, 0.36, 0.48, 0.0][..] } else { &ends[..3] };
+        list.extend([
+            Case::new(format!("slide spring damper of {b:?}"), SlideSpringDamper { b }, &[Body, b], &slide),
+            Case::soft("point on line", PointOnLine { b }, &[Body, b], &guide[..12]),
+            Case::soft("point in plane", PointInPlane { b }, &[Body, b], &guide[..9]),
+            Case::soft("rigid link", RigidLink { b }, &[Body, b], link),
+            Case::soft("translation", PrescribedTranslation { b, displacement: TimeFunction::Sine }, &[Body, b],
+                &[&ends[..], &axis, &[0.2, 1.4, 2.3, 0.6]].concat()),
+        ].map(|case| case.ignoring("point b", b)));
+    }
+    for [a, b] in PAIRS {
+        list.push(Case::soft("spherical", SphericalJoint { a, b }, &[a, b], &ends).ignoring("point a", a).ignoring("point b", b));
+        list.push(Case::soft("distance", DistanceJoint { a, b }, &[a, b], &[&ends[..], &[0.9]].concat())
+            .ignoring("point a", a).ignoring("point b", b));
+    }
+    for on in ANCHORS {
+        list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[on], &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
+            .bound_to_world(true).ignoring("centre", on));
+    }
+    for [a, b] in PAIRS {
+        let mut add = |name: &str, case: fn(String, [Anchor; 2], &[f64]) -> Case, own: &[f64]| {
+            list.push(case(format!("{name} {a:?} to {b:?}"), [a, b], &[own, &ends].concat()).ignoring("point a", a).ignoring("point b", b));
+        };
+        add("line spring", |name, [a, b], p| Case::new(name, LineSpring { a, b }, &[a, b], p), &[5.0, 0.7]);
+        add("line damper", |name, [a, b], p| Case::new(name, LineDamper { a, b }, &[a, b], p), &[2.3]);
+        add("vector damper", |name, [a, b], p| Case::new(name, VectorDamper { a, b }, &[a, b], p), &[2.3]);
+    }
+    for (of_time, size, own) in time_functions() {
+        for frame in FRAMES {
+            let torque = AppliedTorque { frame, size: size.clone() };
+            list.push(Case::new(format!("{of_time} torque in {frame:?}"), torque, &[Body], &[&[0.3, -0.5, 0.7], &own[..]].concat())
+                .bound_to_world(frame == LoadFrame::World));
+            for on in ANCHORS {
+                let force = AppliedForce { on, frame, size: size.clone() };
+                let p = [&[0.3, -0.5, 0.7, 0.2, 0.4, -0.1], &own[..]].concat();
+                // a point has no frame of its own, so its loads are all dead ones
+                list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &[on], &p)
+                    .bound_to_world(frame == LoadFrame::World || on == Point).ignoring("point", on));
+            }
+        }
+    }
+    list
+}
