@@ -27,7 +27,7 @@ pub use vector_damper::VectorDamper;
 use super::AnyElement;
 use super::erased::compiled_here;
 
-compiled_here!(dyn AnyElement: AppliedForce, AppliedTorque, Gravity, LineDamper, LineSpring, TorsionSpringDamper, VectorDamper);
+compiled_here!(dyn AnyElement: AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, TorsionSpringDamper, VectorDamper);
 
 /// The frame in which a load keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

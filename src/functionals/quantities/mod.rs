@@ -23,7 +23,7 @@ pub use velocity::Velocity;
 use super::AnyQuantity;
 use crate::elements::{Parameter, compiled_here};
 
-compiled_here!(dyn AnyQuantity: Coordinate, Position, Reaction, TargetDistance, Velocity);
+compiled_here!(dyn AnyQuantity: Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, TargetDistance, Velocity);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

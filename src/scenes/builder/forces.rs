@@ -85,7 +85,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis).0;
         let p = [&coefficients[..], &self.points_between(nodes, [origin, point]), &axis].concat();
-        self.element(name, &nodes, SlideSpringDamper { b }, &p)
+        self.add_element(name, &nodes, SlideSpringDamper { b }.into(), &p)
     }
 
     /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
@@ -96,7 +96,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {of}: count from 0"));
             return ElementId(usize::MAX);
         }
-        self.element(name, &[node], CoordinateSpringDamper { of, index }, &coefficients)
+        self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &coefficients)
     }
 
     /// A bushing at a world point [m], at rest as the bodies stand: stiffness and damping along (x, y, z) and about (x, y, z) of the
@@ -112,7 +112,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let [a, b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
         let p = [&stiffness[..], &damping, &self.points_between(nodes, [point; 2]), &a, &b].concat();
-        self.element(name, &nodes, Bushing, &p)
+        self.add_element(name, &nodes, Bushing.into(), &p)
     }
 
     /// A soft version of the joint that `add` adds, which must be one of `joint`'s kind: springs and dampers for its equations.

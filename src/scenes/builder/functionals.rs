@@ -43,7 +43,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of the size of a joint's force: the length of its first three multipliers [N].
     pub fn reaction_norm_functional(&mut self, name: &str, over: Over, joint: ConstraintId) {
         if self.model.constraints.get(joint.0).is_some() {
-            self.functional(name, "N", over, (&[], &[joint]), ReactionNorm, &[]);
+            self.add_functional(name, "N", over, (&[], &[joint]), ReactionNorm.into(), &[]);
         }
     }
 
@@ -53,7 +53,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vec3<S>) {
         self.check_bodies(name, &nodes);
         let p = self.angle_frame(name, nodes, axis);
-        self.functional(name, "rad", over, (&nodes, &[]), JointAngle, &p);
+        self.add_functional(name, "rad", over, (&nodes, &[]), JointAngle.into(), &p);
     }
 
     /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
@@ -61,7 +61,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.check_bodies(name, &nodes);
         let axis = self.unit(name, axis);
         let p = self.local_direction(nodes[0], axis).0;
-        self.functional(name, "rad/s", over, (&nodes, &[]), JointRate, &p);
+        self.add_functional(name, "rad/s", over, (&nodes, &[]), JointRate.into(), &p);
     }
 
     /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on [m].
@@ -74,13 +74,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vec3<S>,
     ) {
         let (b, p) = self.slide(name, nodes, point, axis);
-        self.functional(name, "m", over, (&nodes, &[]), JointDisplacement { b }, &p);
+        self.add_functional(name, "m", over, (&nodes, &[]), JointDisplacement { b }.into(), &p);
     }
 
     /// A functional of the rate of that displacement [m/s].
     pub fn joint_speed_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) {
         let (b, p) = self.slide(name, nodes, point, axis);
-        self.functional(name, "m/s", over, (&nodes, &[]), JointSpeed { b }, &p);
+        self.add_functional(name, "m/s", over, (&nodes, &[]), JointSpeed { b }.into(), &p);
     }
 
     fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> (Anchor, Vec<S>) {
