@@ -56,7 +56,7 @@ impl Scene for BallOnTurntable {
         let zero = S::zero();
         m.rigid_body("ball", ball, *mass, Vec3::zero(), [moment, moment, moment, zero, zero, zero]);
         m.gravity(z * S::from(-9.81));
-        let [contact, rolling] = m.rolling_sphere("rolling", [table, ball], centre, z, *radius);
+        let [contact, rolling] = m.rolling_sphere(["contact", "rolling"], [table, ball], centre, z, *radius);
         for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             m.position_functional("place", Over::Terminal, ball, centre, at(direction));
         }
@@ -204,7 +204,8 @@ impl Scene for TumblingDisc {
         let zero = S::zero();
         m.rigid_body("disc", disc, S::one(), Vec3::zero(), [quarter, quarter * 2.0, quarter, zero, zero, zero]);
         m.gravity(z * S::from(-9.81));
-        let [_, rolling] = m.rolling_disc("rolling", [ground, disc], (centre, axis), (Vec3::zero(), z), *radius);
+        let [_, rolling] =
+            m.rolling_disc(["contact", "rolling"], [ground, disc], (centre, axis), (Vec3::zero(), z), *radius);
         m.energy_functional("energy at the start", Over::Initial);
         m.energy_functional("energy", Over::Terminal);
         m.position_functional("path", Over::Integral, disc, centre, at([0.3, 0.5, 0.4]));

@@ -2,11 +2,12 @@
 
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::Anchor;
-use costate::functionals::Over;
+use costate::elements::forces::LoadFrame;
 use costate::functionals::quantities::{
     Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, TargetDistance, Velocity,
 };
-use costate::scalar::Scalar;
+use costate::functionals::{LoadKind, Over};
+use costate::scalar::{Scalar, Vec3};
 use costate::scenes::MechanismBuilder;
 
 /// A quantity of the library.
@@ -22,6 +23,7 @@ pub enum Measure {
     JointRate,
     JointDisplacement,
     JointSpeed,
+    JointLoad,
     Energy,
     Mass,
 }
@@ -32,7 +34,7 @@ const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true }
 const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
 
 /// Every quantity and every use of one over time; a new one is a line here.
-const LIST: [(Measure, Over); 20] = [
+const LIST: [(Measure, Over); 21] = [
     (Measure::Position, Over::Initial),
     (Measure::Position, Over::Terminal),
     (Measure::Position, Over::Integral),
@@ -52,6 +54,7 @@ const LIST: [(Measure, Over); 20] = [
     (Measure::JointRate, Over::Integral),
     (Measure::JointDisplacement, Over::Terminal),
     (Measure::JointSpeed, Over::Integral),
+    (Measure::JointLoad, Over::Integral),
     (Measure::Mass, Over::Integral),
 ];
 
@@ -123,7 +126,7 @@ pub fn reads((measure, over): (Measure, Over)) -> Reads {
     match measure {
         _ if over == Over::Initial => Reads::Start,
         Measure::Mass => Reads::Start,
-        Measure::Reaction | Measure::ReactionNorm => Reads::Multipliers,
+        Measure::Reaction | Measure::ReactionNorm | Measure::JointLoad => Reads::Multipliers,
         Measure::Velocity | Measure::Energy | Measure::JointRate | Measure::JointSpeed => Reads::Velocities,
         _ => Reads::Coordinates,
     }
@@ -190,6 +193,11 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
             Measure::JointSpeed => {
                 let quantity = JointSpeed { b: other.1 };
                 m.functional(&name, "m/s", over, (&[seen.arm, other.0], &[]), quantity, &slide);
+            }
+            Measure::JointLoad => {
+                let [direction, point] = [[0.4, -0.7, 0.5], [0.2, 0.1, -0.3]].map(|x| Vec3::<S>::from_f64(x) * sensor);
+                let (on, load) = ((seen.shoulder, seen.arm), (LoadKind::Moment, LoadFrame::Body));
+                m.joint_load_functional(&name, over, on, load, direction, point);
             }
             Measure::Energy => m.energy_functional(&name, over),
             Measure::Mass => m.mass_functional(&name, over),

@@ -60,6 +60,14 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
             let angles = [m.joint_angle(counted, both, axis), m.joint_angle("other angle", other, other_axis)];
             m.gear(teeth, angles, [0.3, 0.2].map(S::from))
         }
+        DiscOnPlane | RollingDisc => {
+            let [along, across] = axis.perpendiculars();
+            let rim = elbow - across * S::from(0.2);
+            let subject = usize::from(matches!(kind, RollingDisc));
+            let names = [[name, "rolling"], ["contact", name]][subject];
+            m.rolling_disc(names, both, (elbow, along), (rim, axis + across), S::from(0.3))[subject]
+        }
+        RollingSphere => m.rolling_sphere(["contact", name], both, elbow, axis, S::from(0.3))[1],
         Rotation(angle) => {
             m.revolute("hinge", both, elbow, axis);
             m.prescribed_rotation(name, both, axis, angle.clone(), function)

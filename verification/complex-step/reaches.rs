@@ -56,6 +56,10 @@ impl Case {
             Subject::Helical | Subject::RackAndPinion => own(19, Geometry),
             Subject::JointAngle => own(9, Geometry),
             Subject::Gear => own(3, Geometry),
+            Subject::DiscOnPlane => own(13, Geometry),
+            // they restrict velocities alone
+            Subject::RollingDisc => own(16, Rate),
+            Subject::RollingSphere => own(13, Rate),
             Subject::Fixed => own(10, Geometry),
             Subject::Distance => own(7, Geometry),
             Subject::Rotation(f) => [own(9, Geometry), drive(f)].concat(),

@@ -47,6 +47,9 @@ pub enum Subject {
     /// The first of the two joint angles of a pair of gears.
     JointAngle,
     Gear,
+    DiscOnPlane,
+    RollingDisc,
+    RollingSphere,
     Rotation(TimeFunction),
     Translation(TimeFunction),
 }
@@ -134,6 +137,9 @@ pub fn list() -> Vec<Case> {
         constraint("rack-and-pinion", RackAndPinion, &[]),
         constraint("joint-angle", JointAngle, &[]),
         constraint("gear", Gear, &[]),
+        constraint("disc-on-plane", DiscOnPlane, &[]),
+        constraint("rolling-disc", RollingDisc, &[]),
+        constraint("rolling-sphere", RollingSphere, &[]),
         constraint("prescribed-rotation-started", Rotation(SmoothStart(Arc::new(ConstantRate))), &[0.05, 3.0, 1.4]),
         constraint("prescribed-rotation-rate", Rotation(ConstantRate), &[0.05, 2.0]),
         constraint("prescribed-rotation-sine", Rotation(Sine), &[0.02, 0.4, 5.0, 0.2]),
@@ -147,6 +153,30 @@ pub fn list() -> Vec<Case> {
 }
 
 impl Case {
+    /// One of the basic elements and constraints, which go with every integrator; what others add to them is their formula alone, and
+    /// that is the same for all integrators.
+    pub fn is_basic(&self) -> bool {
+        use Subject::*;
+        !matches!(
+            self.subject,
+            SlideSpringDamper
+                | CoordinateSpringDamper
+                | Bushing
+                | Soft(_)
+                | Prismatic
+                | Cylindrical
+                | Planar
+                | Universal
+                | Helical
+                | RigidLink(_)
+                | PointOnLine(_)
+                | PointInPlane(_)
+                | RackAndPinion
+                | JointAngle
+                | Gear
+        )
+    }
+
     /// The joint itself, hard or soft, or another subject.
     pub fn kind(&self) -> &Subject {
         match &self.subject {
