@@ -1,6 +1,7 @@
 //! The written-out forms of Andrews' squeezer against the energies and the closure that they were written from.
 
-#[allow(dead_code)]
+// a study uses the rest
+#[allow(dead_code, unused_imports)]
 #[path = "../verification/andrews.rs"]
 mod squeezer;
 mod support;
