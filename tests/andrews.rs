@@ -1,5 +1,6 @@
 //! The written-out forms of Andrews' squeezer against the energies and the closure that they were written from.
 
+// a study uses the rest
 #[allow(dead_code, unused_imports)]
 #[path = "../verification/andrews.rs"]
 mod squeezer;
