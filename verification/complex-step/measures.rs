@@ -164,9 +164,10 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
     let point_and_target = numbers(&[0.1, 0.2, 0.1, 0.4, 0.9, -0.3]);
     let weights = numbers(&[0.7, -0.5, 0.6, 0.9, -0.8, 0.4][..seen.equations]);
     let (arm, second) = (&[seen.arm][..], &[seen.second][..]);
-    // relative motions of the arm and the next body or point; alone it moves against the ground
-    let other = if seen.second == seen.arm { (seen.ground, Anchor::Body) } else { (seen.second, seen.second_is) };
-    let body = if other.1 == Anchor::Body { other.0 } else { seen.ground };
+    // motions of the arm against a point that moves freely, or against the ground: the subject may keep what it joins from moving
+    let tied = seen.joint != seen.shoulder && seen.equations == 3;
+    let free_point = seen.second_is == Anchor::Point && !tied;
+    let other = if free_point { (seen.second, Anchor::Point) } else { (seen.ground, Anchor::Body) };
     let angle = numbers(&[0.3, 0.5, 0.8, 0.8, 0.2, -0.5, 0.4, -0.7, 0.3]);
     let slide = numbers(&[0.3, 0.1, -0.2, -0.1, 0.2, 0.1, 0.5, -0.6, 0.4]);
     for entry in list(seen.energies) {
@@ -184,7 +185,7 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
             Measure::ReactionNorm => m.reaction_norm_functional(&name, over, seen.shoulder),
             Measure::JointAngle => m.functional(&name, "rad", over, (&[seen.arm, seen.ground], &[]), JointAngle, &angle),
             Measure::JointRate => {
-                m.functional(&name, "rad/s", over, (&[seen.arm, body], &[]), JointRate, &point_and_target[..3]);
+                m.functional(&name, "rad/s", over, (&[seen.arm, seen.ground], &[]), JointRate, &point_and_target[..3]);
             }
             Measure::JointDisplacement => {
                 let quantity = JointDisplacement { b: other.1 };
