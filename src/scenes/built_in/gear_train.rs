@@ -68,7 +68,6 @@ impl Scene for GearTrain {
         m.coordinate_functional("angle of the flywheel at the end", Over::Terminal, answered, 0);
         let rim = x * (*first + *second * 2.0);
         m.position_functional("flywheel, y of its rim at the end", Over::Terminal, flywheel, rim, y);
-        m.energy_functional("energy at the end", Over::Terminal);
         Ok(())
     }
 }

@@ -43,7 +43,6 @@ impl Scene for Screw {
 
         m.position_functional("height at the end", Over::Terminal, nut, Vec3::zero(), up);
         m.position_functional("x of the arm at the end", Over::Terminal, nut, arm, x);
-        m.energy_functional("energy at the end", Over::Terminal);
         Ok(())
     }
 }
