@@ -3,17 +3,20 @@
 use costate::design::DesignVariable;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{LoadKind, Over};
-use costate::integrators::{ConstraintLevel, Method, Recorder, RunError, StartRecord, StepRecord, march, table_by_name};
+use costate::history::Keep;
+use costate::integrators::{
+    ConstraintLevel, Method, Recorder, RunError, StartRecord, StepControl, StepRecord, march, table_by_name,
+};
 use costate::scalar::{Quaternion, Scalar, Vec3};
 use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 
 /// Bricard's loop of six bars along the edges of a unit cube, each hinge at right angles to both its bars; one bar is the ground.
-struct Loop {
+pub struct Loop {
     /// Order in which the hinges are given: the equations of the last are left out first.
-    order: [usize; 6],
-    end: f64,
-    steps: usize,
+    pub order: [usize; 6],
+    pub end: f64,
+    pub steps: usize,
 }
 
 const CORNERS: [[f64; 3]; 6] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [1., 1., 1.], [0., 1., 1.], [0., 0., 1.]];
@@ -87,7 +90,7 @@ impl Recorder<f64> for Watching<'_> {
     }
 }
 
-const ORDERS: [[usize; 6]; 3] = [[0, 1, 2, 3, 4, 5], [3, 4, 5, 0, 1, 2], [5, 4, 3, 2, 1, 0]];
+pub const ORDERS: [[usize; 6]; 3] = [[0, 1, 2, 3, 4, 5], [3, 4, 5, 0, 1, 2], [5, 4, 3, 2, 1, 0]];
 
 #[test]
 fn equations_are_exchanged_on_the_way_and_dropped_ones_hold() {
@@ -190,5 +193,27 @@ fn a_door_on_two_hinges_shares_its_weight_and_its_couple() {
     let expected = [-f, f, 100.0, 100.0, -m, -m, m, m];
     for (value, expected) in values.iter().zip(expected) {
         assert!((value - expected).abs() < 1e-10, "{values:?}");
+    }
+}
+
+#[test]
+fn checkpoints_and_chosen_steps_go_through_exchanges_too() {
+    let scene = Loop { order: ORDERS[0], end: 2.0, steps: 200 };
+    let chosen = scene.settings().choosing_steps(StepControl::new(1e-6));
+    for settings in [scene.settings(), chosen] {
+        let mut prepared = Prepared::with(&scene, &[10.0, 1.0], Prepared::default_method(), settings).unwrap();
+        let gradients = [Keep::Memory, Keep::Checkpoints(500_000)].map(|keep| {
+            prepared.keep = keep;
+            let analysis = prepared.analysis();
+            let forward = analysis.forward(&prepared.x).unwrap();
+            assert!(forward.counters.choices > 0, "the test is about exchanges");
+            (forward.history.usage(), forward.values.clone(), analysis.adjoint(&prepared.x, &forward).unwrap().rows)
+        });
+        assert!(gradients[1].0.checkpoints > 0, "the test is about checkpoints");
+        assert_eq!(gradients[0].1, gradients[1].1);
+        // the same choices are made when steps are computed again; of their numbers the last bits may differ
+        for (row, again) in gradients[0].2.iter().zip(&gradients[1].2) {
+            assert!(largest_difference(row, again) < 1e-12, "{row:?} {again:?}");
+        }
     }
 }

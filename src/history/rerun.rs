@@ -30,6 +30,6 @@ impl<'r> Rerun<'r> {
     /// # Errors
     /// As for [`Marcher::new`].
     pub fn marcher(&self) -> Result<Marcher<'_, f64>, RunError> {
-        Marcher::new(self.problem, self.method, self.systems())
+        Marcher::new(self.problem, self.method, self.systems(), self.plan)
     }
 }

@@ -105,7 +105,7 @@ fn march_choosing(
 ) -> Result<Run<f64>, RunError> {
     control.check(&method.table)?;
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Marcher::new(problem, method, &systems)?;
+    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
     recorder.start(marcher.start(stretches.times[0], plan, None)?)?;
     let mut choice = Choice::new(&marcher, control, stretches, grid);
     let mut before = marcher.checkpoint();

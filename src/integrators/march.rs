@@ -135,7 +135,7 @@ pub fn march_along<S: RunScalar>(
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Marcher::new(problem, method, &systems)?;
+    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     recorder.start(marcher.start(grid.times[0], plan, guided_start)?)?;
     for index in 0..grid.steps() {

@@ -465,6 +465,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let mut unknowns = Residual::unknowns(&self.system);
         self.residual.start(&self.system, &equations, &base, p, t);
         self.evaluate(&equations, &base, &mut unknowns, p, t);
+        // the same bits whatever was factored before: steps that are computed again make the same choices
+        self.factorization.keep_pivots(&[]);
         self.factorize(&equations, &unknowns, p, t)
     }
 
@@ -488,8 +490,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.jacobian.restrict_right(&self.system, &all, &[], &mut self.rhs);
         self.factorization.solve_transposed(&mut self.rhs);
         let kept = self.system.multiplier_places().iter().enumerate();
-        let coefficients = kept.filter_map(|(equation, place)| Some((equation, self.rhs[(*place)?])));
-        coefficients.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+        let sizes = || kept.clone().filter_map(|(equation, place)| Some((equation, self.rhs[(*place)?].abs())));
+        let largest = sizes().fold(0.0, |largest: f64, (_, size)| largest.max(size));
+        // of equal ones, as symmetric loops have them, the first, whatever their last bits
+        sizes().find(|(_, size)| *size >= 0.999 * largest)
     }
 
     fn residual_size(&self) -> f64 {

@@ -107,7 +107,12 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     ///
     /// # Errors
     /// [`RunError::Singular`] if no numbers could make the equations regular.
-    pub fn new(problem: &'m Problem<'m, S>, method: &'m Method, systems: &Systems<'m>) -> Result<Self, RunError> {
+    pub fn new(
+        problem: &'m Problem<'m, S>,
+        method: &'m Method,
+        systems: &Systems<'m>,
+        plan: &StartPlan,
+    ) -> Result<Self, RunError> {
         let [acceleration, stage, start] = solvers(method, systems)?;
         let dropped = systems.plain.options.dropped.clone();
         Ok(Marcher {
@@ -117,7 +122,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             acceleration,
             stage,
             start,
-            chooses: false,
+            chooses: plan.choose_again,
             before: Between::default(),
             watch: Watch::default(),
             earlier: Counters::default(),
@@ -161,11 +166,12 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// # Errors
     /// [`RunError::Singular`] if a matrix that was factored then is singular now: the checkpoint belongs to another problem.
     pub fn resume(&mut self, checkpoint: &Checkpoint<S>) -> Result<(), RunError> {
-        self.select(&checkpoint.between.dropped)?;
         self.between.clone_from(&checkpoint.between);
         if self.between.chosen_anew {
-            return Ok(());
+            // nothing is kept from systems without other equations
+            return self.renew(&checkpoint.between.dropped);
         }
+        self.select(&checkpoint.between.dropped)?;
         let newtons = [&mut self.acceleration, &mut self.stage];
         for (newton, kept) in newtons.into_iter().zip(&checkpoint.kept) {
             newton.resume(kept, &self.problem.p).map_err(|singular| RunError::Singular {
@@ -215,7 +221,6 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         Residual::shape(&self.stage.system, &mut last, true);
         let (rate, prediction) = (vec![S::zero(); rates], Prediction::default());
         let dropped = plan.dropped.clone();
-        self.chooses = plan.choose_again;
         self.between =
             Between { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
@@ -331,11 +336,14 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
 
     /// Leaves out other redundant equations.
     fn select(&mut self, dropped: &[usize]) -> Result<(), RunError> {
-        if self.acceleration.system.options.dropped != dropped {
-            self.earlier = self.counters();
-            [self.acceleration, self.stage, self.start] =
-                solvers(self.method, &Systems::new(self.problem.model, self.method, dropped))?;
-        }
+        if self.acceleration.system.options.dropped == dropped { Ok(()) } else { self.renew(dropped) }
+    }
+
+    /// New solvers, without these equations.
+    fn renew(&mut self, dropped: &[usize]) -> Result<(), RunError> {
+        self.earlier = self.counters();
+        [self.acceleration, self.stage, self.start] =
+            solvers(self.method, &Systems::new(self.problem.model, self.method, dropped))?;
         Ok(())
     }
 
