@@ -4,6 +4,7 @@ use super::failure::{Failure, FailureKind};
 use crate::assembly::{Equations, Jacobian, Level, NodeKind, Residual, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::linalg::{Backend, Factorization, Singular};
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// When Newton's method is content.
@@ -80,6 +81,9 @@ pub struct Newton<'m, S> {
     measured_for: usize,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
+    /// State and row of a look at redundant equations.
+    state: VectorsAvq<S>,
+    row: Vec<f64>,
     /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
@@ -109,6 +113,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             measured: None,
             measured_for: 0,
             work: Unknowns::default(),
+            state: VectorsAvq::default(),
+            row: Vec::new(),
             system,
             factorization,
             tolerance,
@@ -461,13 +467,22 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// Factors the matrix of accelerations at a state: rows A of the kept constraint equations beside inertia.
     pub(super) fn factor_accelerations(&mut self, (q, v): (&[S], &[S]), p: &[S], t: f64) -> Result<(), Singular> {
         let equations = Equations::acceleration();
-        let base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
-        let mut unknowns = Residual::unknowns(&self.system);
+        let (mut base, mut unknowns) = (std::mem::take(&mut self.state), std::mem::take(&mut self.guess));
+        base.a.clear();
+        base.a.resize(q.len(), S::zero());
+        base.v.clear();
+        base.v.extend_from_slice(v);
+        base.q.clear();
+        base.q.extend_from_slice(q);
+        Residual::shape(&self.system, &mut unknowns, true);
         self.residual.start(&self.system, &equations, &base, p, t);
+        self.factored = None;
         self.evaluate(&equations, &base, &mut unknowns, p, t);
         // the same bits whatever was factored before: steps that are computed again make the same choices
         self.factorization.keep_pivots(&[]);
-        self.factorize(&equations, &unknowns, p, t)
+        let factored = self.factorize(&equations, &unknowns, p, t);
+        (self.state, self.guess) = (base, unknowns);
+        factored
     }
 
     /// The kept constraint equation with the largest coefficient c in a_d = sum c_i a_i, where a_d is the row of a dropped one, and
@@ -477,17 +492,18 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     pub(super) fn largest_coefficient(&mut self, dropped: usize, q: &[S], p: &[S], t: f64) -> Option<(usize, f64)> {
         let model = self.system.model;
         let joint = model.constraints.iter().find(|joint| joint.equations.contains(&dropped))?;
-        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
-        let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
-        let own: Vec<f64> = dofs.iter().map(|&dof| q[dof].value()).collect();
-        let mut unit = vec![0.0; joint.equations.len()];
+        type Few = SmallVec<[f64; 32]>;
+        let dofs = || joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
+        let own: Few = dofs().map(|dof| q[dof].value()).collect();
+        let numbers: Few = p[joint.parameters.clone()].iter().map(|p| p.value()).collect();
+        let (mut unit, mut row) = (Few::from_elem(0.0, joint.equations.len()), Few::from_elem(0.0, own.len()));
         unit[dropped - joint.equations.start] = 1.0;
-        let (mut row, mut all) = (vec![0.0; dofs.len()], vec![0.0; model.dofs]);
-        let physics = f64::constraint(&*joint.physics);
-        physics.add_reaction(&own, &unit, &real(&p[joint.parameters.clone()]), t, &mut row);
-        dofs.iter().zip(&row).for_each(|(&dof, &entry)| all[dof] = entry);
+        f64::constraint(&*joint.physics).add_reaction(&own, &unit, &numbers, t, &mut row);
+        self.row.clear();
+        self.row.resize(model.dofs, 0.0);
+        dofs().zip(&row).for_each(|(dof, &entry)| self.row[dof] = entry);
         self.rhs.fill(0.0);
-        self.jacobian.restrict_right(&self.system, &all, &[], &mut self.rhs);
+        self.jacobian.restrict_right(&self.system, &self.row, &[], &mut self.rhs);
         self.factorization.solve_transposed(&mut self.rhs);
         let kept = self.system.multiplier_places().iter().enumerate();
         let sizes = || kept.clone().filter_map(|(equation, place)| Some((equation, self.rhs[(*place)?].abs())));
