@@ -213,7 +213,7 @@ fn checkpoints_and_chosen_steps_go_through_exchanges_too() {
         assert_eq!(gradients[0].1, gradients[1].1);
         // the same choices are made when steps are computed again; of their numbers the last bits may differ
         for (row, again) in gradients[0].2.iter().zip(&gradients[1].2) {
-            assert!(largest_difference(row, again) < 1e-12, "{row:?} {again:?}");
+            assert!(largest_difference(row, again) < 1e-10, "{row:?} {again:?}");
         }
     }
 }

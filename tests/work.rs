@@ -26,7 +26,8 @@ fn newton_needs_few_iterations_and_few_factorizations() {
     // five stages and two projections a step, and the first acceleration
     assert_eq!(counters.systems, 7 * 50 + 1);
     assert!(counters.iterations <= 4 * counters.systems, "{counters:?}");
-    assert!(counters.factorizations <= 30, "{counters:?}");
+    // a look at its redundant equations every five steps is one of them
+    assert!(counters.factorizations <= 30 + 10, "{counters:?}");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub struct Marcher<'m, S> {
 }
 
 /// Steps from one look at the choice of redundant equations to the next.
-const WATCHED_EVERY: usize = 10;
+const WATCHED_EVERY: usize = 5;
 /// Largest coefficient with which dropped equations may follow from the kept ones.
 const WEAK: f64 = 10.0;
 
