@@ -4,7 +4,7 @@ use super::jacobian::{Bases, Point, node_seeds};
 use super::numbering::{Part, System};
 use super::residual::Local3;
 use super::{Equations, Level, Shift};
-use crate::elements::{AnyConstraint, RunScalar, State};
+use crate::elements::{AnyConstraint, ByPoints, PointWork, RunScalar, State};
 use crate::scalar::{Direction, LANES, Lanes, Taylor};
 
 /// Where a matrix is assembled.
@@ -31,6 +31,9 @@ pub(super) struct BlockWork {
     directions: Vec<Direction>,
     products: Vec<Direction>,
     multipliers: Vec<f64>,
+    points: PointWork,
+    matrix: Vec<f64>,
+    reduced: Vec<f64>,
 }
 
 /// dR/da, dR/dv, dR/dq of an element where these are the same everywhere, row-major; empty where they are zero.
@@ -66,6 +69,21 @@ pub(super) fn constants(system: &System, index: usize, p: &[f64]) -> Option<Cons
 pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
     target.clear();
     target.extend(values.iter().map(|&value| Lanes::constant(value)));
+}
+
+/// A row of K times N_R of one node; an empty N_R is the identity, and so are its first `plain` coordinates.
+fn multiply_row(row: &[f64], right: &[f64], plain: usize, target: &mut [f64]) {
+    if right.is_empty() {
+        target.copy_from_slice(row);
+        return;
+    }
+    target[..plain].copy_from_slice(&row[..plain]);
+    let columns = target.len();
+    for (entry, weights) in row.iter().zip(right.chunks_exact(columns)).skip(plain) {
+        for (target, weight) in target[plain..].iter_mut().zip(&weights[plain..]) {
+            *target += entry * weight;
+        }
+    }
 }
 
 impl Assembly<'_> {
@@ -150,6 +168,10 @@ impl Assembly<'_> {
         let Shift { gamma, beta, alpha } = self.equations.residual;
         let size = part.columns.len();
         block.fill(0.0);
+        let physics = &*self.system.model.elements[index].physics;
+        if let Some(points) = physics.points().filter(|_| self.equations.level != Level::Stabilized) {
+            return self.element_by_points(work, part, points, block);
+        }
         let BlockWork { real, a, v, q, p, r, .. } = work;
         let own = real.state(part, &self.point.at);
         load(p, &self.p[part.parameters.clone()]);
@@ -165,8 +187,55 @@ impl Assembly<'_> {
             r.clear();
             r.resize(part.dofs, Lanes::default());
             let state = State { a: &a[..], v: &v[..], q: &q[..] };
-            Lanes::element(&*self.system.model.elements[index].physics).add_residual(state, p, Lanes::from(self.t), r);
+            Lanes::element(physics).add_residual(state, p, Lanes::from(self.t), r);
             self.add_reduced_rows(part, |dof| &r[dof].eps, false, first..first + lanes, size, block);
+        }
+    }
+
+    /// The same for an element whose matrix comes from its points: N_L^T K N_R.
+    fn element_by_points(&self, work: &mut BlockWork, part: &Part, points: &dyn ByPoints, block: &mut [f64]) {
+        let Shift { gamma, beta, alpha } = self.equations.residual;
+        let (n, size) = (part.dofs, part.columns.len());
+        let BlockWork { real, points: own, matrix, reduced, .. } = work;
+        matrix.clear();
+        matrix.resize(n * n, 0.0);
+        let state = real.state(part, &self.point.at);
+        points.add_matrix(state, [gamma, beta, alpha], &self.p[part.parameters.clone()], self.t, own, matrix);
+        // K N_R, row-major
+        reduced.clear();
+        reduced.resize(n * size, 0.0);
+        let (mut dof, mut column) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let columns = self.system.nodes[node].columns.len();
+            let Bases { right, plain, .. } = &self.bases[node];
+            if columns > 0 {
+                for (row, target) in matrix.chunks_exact(n).zip(reduced.chunks_exact_mut(size)) {
+                    multiply_row(&row[dof..dof + segment.len()], right, *plain, &mut target[column..column + columns]);
+                }
+            }
+            dof += segment.len();
+            column += columns;
+        }
+        let (mut dof, mut first) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let rows = self.system.nodes[node].columns.len();
+            let Bases { left, plain, .. } = &self.bases[node];
+            for row in 0..rows {
+                if left.is_empty() || row < *plain {
+                    for (column, value) in reduced[(dof + row) * size..(dof + row + 1) * size].iter().enumerate() {
+                        block[first + row + column * size] = *value;
+                    }
+                    continue;
+                }
+                for i in *plain..segment.len() {
+                    let weight = left[i * rows + row];
+                    for (column, value) in reduced[(dof + i) * size..(dof + i + 1) * size].iter().enumerate() {
+                        block[first + row + column * size] += weight * value;
+                    }
+                }
+            }
+            dof += segment.len();
+            first += rows;
         }
     }
 

@@ -2,7 +2,7 @@ use super::blocks::load;
 use super::numbering::{GlobalConstraint, Part, System};
 use super::residual::{Local3, LocalVec, select, write_level};
 use super::{Equations, Jacobian, Level, Unknowns, VectorsAvq};
-use crate::elements::{ElementIn, RunScalar, State};
+use crate::elements::{ElementIn, PointWork, RunScalar, State};
 use crate::scalar::{Direction, LANES, Lanes, Rev, Taylor, add_gradients};
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -72,6 +72,7 @@ struct Work {
     multipliers: Vec<f64>,
     /// (a, v, q), parameters, reaction, multipliers.
     lanes: [Vec<Lanes>; 6],
+    points: PointWork,
 }
 
 /// Copies the numbers of a part's coordinates.
@@ -142,6 +143,12 @@ impl System<'_> {
                         }
                     }
                 }
+            }
+            if let (Some(points), None) = (element.physics.points(), known) {
+                let s = work.state.state(part, at);
+                points.pull_back(s, &p[own], t, &work.weights, &mut work.points, &mut work.gradients);
+                add_gradient_rows(part, &work.gradients, variables, bars);
+                continue;
             }
             if variables <= FEW || known.is_some() {
                 let first = if known.is_some() { 3 * n } else { 0 };

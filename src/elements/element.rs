@@ -1,4 +1,4 @@
-use super::{Parameter, lagrangian_residual};
+use super::{ByPoints, Parameter, lagrangian_residual};
 use crate::scalar::Scalar;
 
 /// Accelerations, velocities and coordinates of an element's nodes, one after the other.
@@ -66,5 +66,9 @@ pub trait Element: Send + Sync + 'static {
     /// Times at which a load jumps: steps end there and the acceleration is solved anew.
     fn kinks(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
+    }
+    /// Its derivatives through points, for an element made of a [`Field`](super::Field).
+    fn by_points(&self) -> Option<&dyn ByPoints> {
+        None
     }
 }

@@ -1,4 +1,4 @@
-use super::{Constraint, Element, Parameter, State};
+use super::{ByPoints, Constraint, Element, Parameter, State};
 use crate::scalar::{
     Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature, widest,
 };
@@ -106,6 +106,8 @@ pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + E
     fn has_constant_matrices(&self) -> bool;
     /// Times at which a load jumps.
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+    /// Its derivatives through points, if it has any.
+    fn points(&self) -> Option<&dyn ByPoints>;
 }
 
 /// A residual to be evaluated.
@@ -198,6 +200,9 @@ impl<E: Element> AnyElement for E {
     }
     fn kink_times(&self, p: &[f64]) -> Vec<f64> {
         self.kinks(p)
+    }
+    fn points(&self) -> Option<&dyn ByPoints> {
+        self.by_points()
     }
 }
 

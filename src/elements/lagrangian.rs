@@ -9,11 +9,35 @@ type Lanes<S> = Dual<S, LANES>;
 /// These, and their derivative along the motion; in this order all lanes of a number lie side by side.
 type Moving<S> = Dual<Lanes<S>, 1>;
 
+/// Energies and non-conservative force, of which a residual can be made.
+pub trait Energies {
+    /// Kinetic energy T(v, q, p) [J].
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S;
+    /// Potential energy V(q, p) [J].
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S;
+    /// Adds the generalized non-conservative force Q(v, q, p, t).
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]);
+}
+
+impl<E: Element + ?Sized> Energies for E {
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
+        Element::kinetic(self, v, q, p)
+    }
+    #[inline(always)]
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        Element::potential(self, q, p)
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
+        Element::add_force(self, v, q, p, t, force);
+    }
+}
+
 /// Adds d/dt (dT/dv) - dT/dq + dV/dq - Q to `r`, from the energies of an element.
 ///
 /// With one dual direction along the motion (dq, dv) = (v, a) around N lanes along the unit vectors of v, the mixed
 /// part is d/dt (dT/dv_i); lanes along q give dT/dq_i and dV/dq_i.
-pub fn lagrangian_residual<E: Element + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+pub fn lagrangian_residual<E: Energies + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
     widest(FromEnergies(element, s, p, r));
     let mut force: Local<S> = SmallVec::from_elem(S::zero(), s.q.len());
     element.add_force(s.v, s.q, p, t, &mut force);
@@ -25,7 +49,7 @@ pub fn lagrangian_residual<E: Element + ?Sized, S: Scalar>(element: &E, s: State
 /// The part of the residual that comes from the energies.
 struct FromEnergies<'j, E: ?Sized, S>(&'j E, State<'j, S>, &'j [S], &'j mut [S]);
 
-impl<E: Element + ?Sized, S: Scalar> Job for FromEnergies<'_, E, S> {
+impl<E: Energies + ?Sized, S: Scalar> Job for FromEnergies<'_, E, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {

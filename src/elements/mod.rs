@@ -1,6 +1,7 @@
 //! Bodies, forces and joints: the mechanics, each definition written once.
 //!
 //! * [`Element`]: residual R(a, v, q, p, t), or the energies and forces from which it follows
+//! * [`Field`]: the same at points of interpolated fields, for flexible elements
 //! * [`Constraint`]: g(q, p, t) = 0 and nothing else
 //! * [`NonholonomicConstraint`]: h(v, q, p, t) = 0, linear in v, and nothing else
 //!
@@ -11,12 +12,14 @@ mod anchor;
 mod constraint;
 mod element;
 mod erased;
+mod field;
 mod lagrangian;
 mod nonholonomic;
 mod parameter;
 mod time_function;
 
 pub mod bodies;
+pub mod flexible;
 pub mod forces;
 pub mod joints;
 
@@ -25,7 +28,8 @@ pub use constraint::Constraint;
 pub use element::{Element, State};
 pub(crate) use erased::compiled_here;
 pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingConstraintIn, RunScalar};
-pub use lagrangian::lagrangian_residual;
+pub use field::{ByPoints, Field, Flexible, Interpolation, PointWork};
+pub use lagrangian::{Energies, lagrangian_residual};
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use time_function::TimeFunction;

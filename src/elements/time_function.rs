@@ -24,6 +24,8 @@ pub enum TimeFunction {
     /// s = T (5/2 x^4 - 3 x^5 + x^6) until T, t - T/2 from there on, 0 before 0. Parameters: those of f, start duration T. If f jumps,
     /// T moves the jump, which gradients by T leave out.
     SmoothStart(Arc<TimeFunction>),
+    /// Straight lines through (t_i, f_i), constant outside; for loads only. Parameters: the values f_i; the times are topology.
+    Lines(Arc<[f64]>),
     /// Natural cubic spline through (t_i, f_i), constant slope outside. Parameters: the values f_i; the times are topology.
     Table(Arc<CubicTable>),
 }
@@ -42,17 +44,18 @@ impl TimeFunction {
     /// # Errors
     /// Fewer than two knots, or times that are not finite or do not increase; the message shows which.
     pub fn table(times: Vec<f64>) -> Result<TimeFunction, String> {
-        if times.len() < 2 {
-            return Err(format!("a table over time needs at least 2 knots, not {}", times.len()));
-        }
-        if let Some(i) = times.iter().position(|t| !t.is_finite()) {
-            return Err(format!("table times must be finite: knot {i} is {}", times[i]));
-        }
-        if let Some(i) = (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
-            return Err(format!("table times must increase: knot {i} is {} after {}", times[i], times[i - 1]));
-        }
+        check_knots(&times)?;
         let second = second_derivative_matrix(&times);
         Ok(TimeFunction::Table(Arc::new(CubicTable { times, second })))
+    }
+
+    /// Straight lines between the given knots.
+    ///
+    /// # Errors
+    /// As for [`TimeFunction::table`].
+    pub fn lines(times: Vec<f64>) -> Result<TimeFunction, String> {
+        check_knots(&times)?;
+        Ok(TimeFunction::Lines(times.into()))
     }
 
     /// The parameters, their unit being `unit` for values of f.
@@ -71,9 +74,8 @@ impl TimeFunction {
             TimeFunction::SmoothStart(inner) => {
                 inner.parameters(unit).into_iter().chain([Parameter::positive("start duration", "s")]).collect()
             }
-            TimeFunction::Table(table) => {
-                (0..table.times.len()).map(|i| Parameter::named(format!("value {i}"), unit)).collect()
-            }
+            TimeFunction::Table(table) => knot_values(table.times.len(), unit),
+            TimeFunction::Lines(times) => knot_values(times.len(), unit),
         }
     }
 
@@ -99,6 +101,17 @@ impl TimeFunction {
                 [] => unreachable!("the start duration is the last parameter"),
             },
             TimeFunction::Table(table) => table.value(t, p),
+            TimeFunction::Lines(times) => {
+                let last = times.len() - 1;
+                if t.value() <= times[0] {
+                    p[0]
+                } else if t.value() >= times[last] {
+                    p[last]
+                } else {
+                    let k = times.partition_point(|&knot| knot <= t.value()) - 1;
+                    p[k] + (p[k + 1] - p[k]) * ((t - times[k]) / (times[k + 1] - times[k]))
+                }
+            }
         }
     }
 
@@ -107,6 +120,7 @@ impl TimeFunction {
         match self {
             TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
             TimeFunction::Step { switch } => vec![*switch],
+            TimeFunction::Lines(times) => times.to_vec(),
             TimeFunction::SmoothStart(inner) => match p {
                 [own @ .., duration] => {
                     let mapped = inner.kinks(own).into_iter().filter(|kink| *kink > 0.0);
@@ -126,6 +140,33 @@ impl TimeFunction {
             _ => None,
         }
     }
+
+    /// Time at which the value or its rate jumps, if there is one: no driven motion can follow.
+    pub fn rate_jump(&self) -> Option<f64> {
+        match self {
+            TimeFunction::Step { switch } => Some(*switch),
+            TimeFunction::Lines(times) => Some(times[0]),
+            TimeFunction::SmoothStart(inner) => inner.rate_jump(),
+            _ => None,
+        }
+    }
+}
+
+fn check_knots(times: &[f64]) -> Result<(), String> {
+    if times.len() < 2 {
+        return Err(format!("a table over time needs at least 2 knots, not {}", times.len()));
+    }
+    if let Some(i) = times.iter().position(|t| !t.is_finite()) {
+        return Err(format!("table times must be finite: knot {i} is {}", times[i]));
+    }
+    if let Some(i) = (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
+        return Err(format!("table times must increase: knot {i} is {} after {}", times[i], times[i - 1]));
+    }
+    Ok(())
+}
+
+fn knot_values(count: usize, unit: &'static str) -> Vec<Parameter> {
+    (0..count).map(|i| Parameter::named(format!("value {i}"), unit)).collect()
 }
 
 /// s(t) of a smooth start [s].

@@ -1,8 +1,11 @@
+mod beams;
 mod forces;
 mod functionals;
 mod joints;
 mod loads;
 mod rolling;
+
+pub use beams::{BeamLine, BeamMember};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 use crate::design::ModelNumbers;
@@ -11,13 +14,18 @@ use crate::elements::{Anchor, AnyConstraint, AnyElement, Nonholonomic, Nonholono
 use crate::functionals::{AnyQuantity, Functional, Measured, Over};
 use crate::scalar::{Quaternion, Scalar, Vec3};
 
-/// A line of the picture of the motion: points of one node, in its frame.
+/// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// The node that it moves with.
-    pub node: NodeId,
-    /// Corners [m].
-    pub points: Vec<[f64; 3]>,
+    /// Corners: nodes, and places in their frames [m].
+    pub points: Vec<(NodeId, [f64; 3])>,
+}
+
+impl Drawing {
+    /// True for a line that bends with its nodes.
+    pub(crate) fn joins_nodes(&self) -> bool {
+        self.points.iter().any(|corner| corner.0 != self.points[0].0)
+    }
 }
 
 /// Collects a mechanism: nodes with their start, elements, joints, functionals, and lines to draw.
@@ -36,6 +44,8 @@ pub struct MechanismBuilder<S> {
     pub drawings: Vec<Drawing>,
     ground: Option<NodeId>,
     masses: Vec<(NodeId, S, Vec3<S>)>,
+    /// Elements of beams whose weight has not been added: name, nodes, inertia of their Gauss points, whether eccentric.
+    heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vec3<S>)>,
     mistakes: Vec<String>,
@@ -275,8 +285,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Draws a line through world points with a node.
     pub fn draw(&mut self, node: NodeId, points: &[Vec3<S>]) {
-        let points = points.iter().map(|&point| self.local_point(node, point).0.map(Scalar::value)).collect();
-        self.drawings.push(Drawing { node, points });
+        let corner = |&point: &Vec3<S>| (node, self.local_point(node, point).0.map(Scalar::value));
+        let points = points.iter().map(corner).collect();
+        self.drawings.push(Drawing { points });
     }
 
     /// Checks what was collected.

@@ -51,7 +51,7 @@ impl MechanismBuilder<f64> {
     pub fn sketch(&self) -> Sketch {
         let mut sketch = Sketch::default();
         for drawing in &self.drawings {
-            let points: Vec<_> = drawing.points.iter().filter_map(|&point| self.node_point(drawing.node, point)).collect();
+            let points: Vec<_> = drawing.points.iter().filter_map(|&(node, point)| self.node_point(node, point)).collect();
             match &points[..] {
                 [only] if only.fixed => sketch.add_anchor(only.at(&self.numbers.q)),
                 [_, _, ..] => sketch.lines.push((Drawn::Body, points)),
@@ -82,7 +82,12 @@ impl MechanismBuilder<f64> {
             sketch.follow(node.name.clone(), point);
         }
         if sketch.followed.is_empty() {
-            for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Body) {
+            // of a beam its ends
+            let lines = self.drawings.iter().filter(|drawing| drawing.joins_nodes());
+            let inner: Vec<NodeId> =
+                lines.flat_map(|line| &line.points[1..line.points.len() - 1]).map(|corner| corner.0).collect();
+            let bodies = self.model.nodes.iter().enumerate().filter(|(_, node)| node.kind == NodeKind::Body);
+            for (_, node) in bodies.filter(|(index, _)| !inner.contains(&NodeId(*index))) {
                 let point = NodePoint { dofs: node.dofs.clone(), body: true, fixed: node.fixed, local: [0.0; 3] };
                 sketch.follow(node.name.clone(), point);
             }

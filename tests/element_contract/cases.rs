@@ -3,6 +3,7 @@
 use super::Contract;
 use super::support::time_functions::time_functions;
 use costate::elements::bodies::{PointMass, RigidBody};
+use costate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField};
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
     SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
@@ -12,7 +13,7 @@ use costate::elements::joints::{
     PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
     SphericalJoint, UniversalJoint,
 };
-use costate::elements::{Anchor, Constraint, Element, TimeFunction};
+use costate::elements::{Anchor, Constraint, Element, Field, Flexible, TimeFunction};
 
 use Anchor::{Body, Point};
 
@@ -34,6 +35,8 @@ pub struct Case {
     pub scalars: usize,
     pub p: Vec<f64>,
     pub motion: UnderRigidMotion,
+    /// Its nodes are turned against each other by less than a right angle, as those of one flexible element are.
+    pub neighbours: bool,
     /// Parameters that this topology takes and, as documented, does not read: the start of their names.
     pub ignored: Vec<&'static str>,
 }
@@ -42,13 +45,18 @@ impl Case {
     pub fn new(name: impl Into<String>, element: impl Element, nodes: &[Anchor], p: &[f64]) -> Case {
         let scalars = element.dofs() - nodes.iter().map(|node| node.dofs()).sum::<usize>();
         let (name, element, nodes, p) = (name.into(), Box::new(element), nodes.to_vec(), p.to_vec());
-        Case { name, element, nodes, scalars, p, motion: Invariant, ignored: vec![] }
+        Case { name, element, nodes, scalars, p, motion: Invariant, neighbours: false, ignored: vec![] }
     }
     /// A soft joint with the same coefficients for all rows, since rows along the axes of the world are among them.
     fn soft<J: Constraint>(name: &str, joint: J, nodes: &[Anchor], p: &[f64]) -> Case {
         let coefficients = [vec![3.1; joint.equations()], vec![0.7; joint.equations()]].concat();
         let kind = if J::STEADY { "spring damper" } else { "drive" };
         Case::new(format!("soft {name} {kind}"), Soft(joint), nodes, &[&coefficients[..], p].concat())
+    }
+    /// A flexible element of three bodies' nodes; each parameter differs from the others.
+    fn flexible<F: Field>(name: String, field: F) -> Case {
+        let p: Vec<f64> = (0..field.parameters().len()).map(|i| 0.6 + 0.5 * (1.7 * i as f64 + 0.3).sin()).collect();
+        Case { neighbours: true, ..Case::new(name, Flexible(field), &[Body; 3], &p) }
     }
     fn bound_to_world(self, bound: bool) -> Case {
         Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
@@ -111,6 +119,39 @@ pub fn cases() -> Vec<Case> {
         list.push(Case::soft("spherical", SphericalJoint { a, b }, &[a, b], &ends).ignoring("point a", a).ignoring("point b", b));
         list.push(Case::soft("distance", DistanceJoint { a, b }, &[a, b], &[&ends[..], &[0.9]].concat())
             .ignoring("point a", a).ignoring("point b", b));
+    }
+    for (coupled, damped, eccentric) in [(false, false, false), (true, false, true), (false, true, false), (true, true, true)] {
+        let name = format!("beam{}{}{}", if coupled { ", coupled" } else { "" }, if damped { ", internal damper" } else { "" },
+            if eccentric { ", eccentric" } else { "" });
+        let field = BeamField { coupled, damped, eccentric };
+        let mut case = Case::flexible(name, field);
+        for (parameter, value) in field.parameters().iter().zip(&mut case.p) {
+            // small off the diagonal: a stiffness is positive definite, and only then is its damping a loss
+            let (stiffness, digits) = (parameter.name.contains("stiffness"), parameter.name.as_bytes());
+            if stiffness && digits[digits.len() - 1] != digits[digits.len() - 2] {
+                *value *= 0.1;
+            }
+        }
+        if !eccentric {
+            case.ignored.extend(["Gauss point 1: first", "Gauss point 2: first", "Gauss point 3: first"]);
+        }
+        list.push(case);
+    }
+    for eccentric in [false, true] {
+        let mut case = Case::flexible(format!("weight of a beam, eccentric: {eccentric}"), BeamGravityField { eccentric }).bound_to_world(true);
+        if !eccentric {
+            case.ignored.extend(["Gauss point 1: first", "Gauss point 2: first", "Gauss point 3: first"]);
+        }
+        list.push(case);
+    }
+    for (of_time, size, own) in time_functions() {
+        for frame in FRAMES {
+            let mut case = Case::flexible(format!("{of_time} load in {frame:?} along a beam"), DistributedLoadField { frame, size: size.clone() })
+                .bound_to_world(frame == LoadFrame::World);
+            let each = case.p.len() / 3;
+            case.p.chunks_exact_mut(each).for_each(|p| p[4..].copy_from_slice(&own));
+            list.push(case);
+        }
     }
     for on in ANCHORS {
         list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[on], &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])

@@ -11,7 +11,7 @@ use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, LineDamper, LoadFrame, Soft, TorsionSpringDamper, VectorDamper,
 };
 use costate::elements::joints::PrescribedTranslation;
-use costate::elements::{AnyElement, Element, ElementIn, State, TimeFunction, lagrangian_residual};
+use costate::elements::{AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_residual};
 use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
 use std::sync::Arc;
 use support::Random;
@@ -67,6 +67,12 @@ fn samples(case: &Case) -> Vec<Sample> {
     let sample = |_| {
         let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
         q.extend(random.vector(case.scalars));
+        if case.neighbours {
+            let first: Vec<f64> = q[3..7].to_vec();
+            for node in q.chunks_exact_mut(7).skip(1) {
+                node[3..].iter_mut().zip(&first).for_each(|(e, first)| *e = first + random.uniform(-0.15, 0.15));
+            }
+        }
         Sample { a: random.vector(n), v: random.vector(n), q, t: random.uniform(-1.0, 1.0) }
     };
     (0..12).map(sample).collect()
@@ -184,6 +190,35 @@ fn lanes_equal_complex_step_and_differences_in_every_argument() {
                 assert_close(&place, column, &column_by_complex_step(&case, &at, k), 1e-12, scale);
                 // the limit is the error of a central difference: h^2 times a third derivative
                 assert_close(&place, column, &column_by_differences(&case, &at, k), 1e-7, scale);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_through_points_are_those_of_the_whole_element() {
+    let mut work = PointWork::default();
+    for case in cases() {
+        let Some(points) = case.element.points() else { continue };
+        let n = case.element.dof_count();
+        for sample in samples(&case) {
+            let columns = columns_by_lanes(&case, &inputs(&case, &sample));
+            let shift = [0.7, -0.4, 1.3];
+            let mut matrix = vec![0.0; n * n];
+            points.add_matrix(sample.state(), shift, &case.p, sample.t, &mut work, &mut matrix);
+            let expected: Vec<f64> = (0..n * n)
+                .map(|place| (0..3).map(|kind| shift[kind] * columns[kind * n + place % n][place / n]).sum())
+                .collect();
+            assert_close(&case.name, &matrix, &expected, 1e-13, 1e-3);
+            let lambdas: Vec<f64> = (0..2 * n).map(|i| (0.9 * i as f64).cos()).collect();
+            for variables in [3 * n, 3 * n + case.p.len()] {
+                let mut gradients = vec![0.0; 2 * variables];
+                points.pull_back(sample.state(), &case.p, sample.t, &lambdas, &mut work, &mut gradients);
+                let product =
+                    |lambda: &[f64], column: &Vec<f64>| -> f64 { lambda.iter().zip(column).map(|(l, c)| l * c).sum() };
+                let rows =
+                    lambdas.chunks_exact(n).flat_map(|lambda| columns[..variables].iter().map(|c| product(lambda, c)));
+                assert_close(&case.name, &gradients, &rows.collect::<Vec<_>>(), 1e-13, 1e-3);
             }
         }
     }

@@ -15,6 +15,7 @@ pub fn time_functions() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
         ("step", TimeFunction::Step { switch: 0.1 }, vec![0.8, -0.6]),
         ("smooth start of a sine", SmoothStart(Arc::new(TimeFunction::Sine)), vec![0.2, 1.4, 2.3, 0.6, 0.7]),
         ("smooth start of a ramp", SmoothStart(Arc::new(TimeFunction::SmoothRamp)), vec![0.3, 1.7, 0.1, 0.7, 0.3]),
+        ("lines", TimeFunction::lines(vec![-0.6, 0.2, 0.7]).expect("increasing"), vec![0.5, -0.3, 0.9]),
         ("table", TimeFunction::table(vec![-0.7, -0.2, 0.1, 0.8]).expect("increasing"), vec![0.5, -0.3, 0.9, 0.2]),
     ]
 }

@@ -1,4 +1,4 @@
-//! Quantities of points and joints. A new one is a file here and a line in this list.
+//! Quantities of points, joints and sections of beams. A new one is a file here and a line in this list.
 
 mod coordinate;
 mod joint_angle;
@@ -7,6 +7,7 @@ mod joint_rate;
 mod position;
 mod reaction;
 mod reaction_norm;
+mod section;
 mod target_distance;
 mod velocity;
 
@@ -17,13 +18,14 @@ pub use joint_rate::JointRate;
 pub use position::Position;
 pub use reaction::Reaction;
 pub use reaction_norm::ReactionNorm;
+pub use section::{SectionMeasure, SectionQuantity};
 pub use target_distance::TargetDistance;
 pub use velocity::Velocity;
 
 use super::AnyQuantity;
 use crate::elements::{Parameter, compiled_here};
 
-compiled_here!(dyn AnyQuantity: Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, TargetDistance, Velocity);
+compiled_here!(dyn AnyQuantity: Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

@@ -18,6 +18,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let p: Vec<S> = [mass].into_iter().chain(gravity.0).chain(centre.0).collect();
             self.add_element(&name, &[node], Gravity { on }.into(), &p);
         }
+        self.beam_gravity(gravity);
     }
 
     /// A spring along the line between world points of two nodes: stiffness [N/m], rest length [m].

@@ -203,8 +203,10 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A motion driver needs a function with two derivatives.
     fn check_driver(&mut self, name: &str, function: &TimeFunction) {
-        if let Some(switch) = function.jump() {
-            self.mistakes.push(format!("driver \"{name}\" would jump at t = {switch} s; give it a smooth ramp or a table"));
+        if let Some(switch) = function.rate_jump() {
+            self.mistakes.push(format!(
+                "driver \"{name}\" or its rate would jump at t = {switch} s; give it a smooth ramp or a table"
+            ));
         }
     }
 

@@ -6,14 +6,18 @@ mod car_axis;
 mod chain;
 mod double_pendulum;
 mod five_bar;
+mod flexible_four_bar;
 mod flyball_governor;
+mod flying_rod;
 mod free_body;
 mod gear_train;
 mod heavy_top;
 mod pendulum;
+mod right_angle_cantilever;
 mod screw;
 mod slider_crank;
 mod spatial_slider_crank;
+mod spin_up_beam;
 mod two_four_bar;
 mod universal_shaft;
 
@@ -23,14 +27,18 @@ pub use car_axis::CarAxis;
 pub use chain::{Chain, ChainVariables};
 pub use double_pendulum::DoublePendulum;
 pub use five_bar::FiveBar;
+pub use flexible_four_bar::FlexibleFourBar;
 pub use flyball_governor::FlyballGovernor;
+pub use flying_rod::FlyingRod;
 pub use free_body::FreeBody;
 pub use gear_train::GearTrain;
 pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
+pub use right_angle_cantilever::RightAngleCantilever;
 pub use screw::Screw;
 pub use slider_crank::SliderCrank;
 pub use spatial_slider_crank::SpatialSliderCrank;
+pub use spin_up_beam::SpinUpBeam;
 pub use two_four_bar::TwoFourBar;
 pub use universal_shaft::UniversalShaft;
 
@@ -54,6 +62,10 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(Screw),
         Box::new(GearTrain),
         Box::new(FlyballGovernor),
+        Box::new(FlexibleFourBar::default()),
+        Box::new(SpinUpBeam),
+        Box::new(FlyingRod),
+        Box::new(RightAngleCantilever::default()),
         Box::new(Chain::common()),
         Box::new(Chain::separate()),
     ]

@@ -1,0 +1,299 @@
+use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
+use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed};
+use smallvec::SmallVec;
+use std::ops::Range;
+
+/// Geometrically exact Timoshenko beam of three nodes with position r and Euler parameters e.
+///
+/// All nodes start with the same e, and the section axes (t, n2, n3) of the reference are parameters in the frame of the nodes: an
+/// element may be curved and twisted, and joins others or rigid bodies at any angle. Between nodes, r and e are quadratic and R is the
+/// rotation of e / |e|, so that strains do not change under a rigid motion of the nodes and do not depend on the path.
+/// With dS = J dxi along the reference,
+///
+/// gamma = Lambda^T R^T dr/dS - (1, 0, 0),   kappa = Lambda^T 2 G(e) de/dS / |e|^2,   Lambda = [t n2 n3],
+///
+/// V = sum over two tying points of J/2 strain . C strain. Strains are taken at xi = -+ 1/sqrt(3) and linear between (MITC), where the
+/// two points integrate their energy exactly: no locking, no mode without energy beside rigid motions. Shares of kinetic energy at
+/// three Gauss points: m/2 |dr/dt|^2 + dr/dt . R (omega x s) + omega . J omega / 2. Damping proportional to stiffness adds the stress
+/// eta C dstrain/dt.
+///
+/// Parameters of each tying point:
+/// * `metric`  J [m]
+/// * `tangent`, `second axis`  t and n2, unit vectors at right angles in the frame of the nodes; n3 = t x n2
+/// * `stiffness 11..66`  EA, GA2, GA3 [N], GJ, EI2, EI3 [N m2], and with [`coupled`](BeamField::coupled) the other entries of C above the
+///   diagonal, by rows
+/// * `damping`  eta [s], with [`damped`](BeamField::damped)
+///
+/// of each Gauss point: `mass` [kg], first moment s [kg m] and inertia [kg m2] about the reference line, in the frame of the nodes,
+/// each for its share of the length.
+///
+/// Source: Simo & Vu-Quoc (1986); Boopathy & Kennedy, section 3, with Euler parameters interpolated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BeamField {
+    /// C has entries off its diagonal.
+    pub coupled: bool,
+    /// With damping proportional to stiffness.
+    pub damped: bool,
+    /// The mass centre of the sections lies beside the reference line.
+    pub eccentric: bool,
+}
+
+/// The beam as an element.
+pub type Beam = Flexible<BeamField>;
+
+/// Number of tying points.
+pub const TYING_POINTS: usize = 2;
+/// Number of strains.
+pub const STRAINS: usize = 6;
+/// Metric and two axes.
+const GEOMETRY: usize = 7;
+/// Mass, first moment, inertia.
+pub(super) const INERTIA: usize = 10;
+
+/// What a tying point knows of the reference.
+#[derive(Clone, Copy, Debug)]
+struct Reference<S> {
+    metric: S,
+    /// Columns of Lambda.
+    axes: [Vec3<S>; 3],
+}
+
+impl<S: Scalar> Reference<S> {
+    #[inline(always)]
+    fn of(p: &[S]) -> Self {
+        let (tangent, second) = (Vec3::from_slice(&p[1..]), Vec3::from_slice(&p[4..]));
+        Reference { metric: p[0], axes: [tangent, second, tangent.cross(second)] }
+    }
+    /// Lambda^T x.
+    #[inline(always)]
+    fn components(&self, x: Vec3<S>) -> [S; 3] {
+        self.axes.map(|axis| axis.dot(x))
+    }
+    /// Lambda x.
+    #[inline(always)]
+    fn combine(&self, x: [S; 3]) -> Vec3<S> {
+        self.axes[0] * x[0] + self.axes[1] * x[1] + self.axes[2] * x[2]
+    }
+    /// Strains from h = (dr/dxi, e, de/dxi).
+    #[inline(always)]
+    fn strains(&self, h: &[S]) -> [S; STRAINS] {
+        let (slope, e, turn) = (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
+        let scale = (e.norm_squared() * self.metric).recip();
+        let [gamma, kappa] = [e.rotate_back(slope) * scale, e.g_times(turn) * (scale + scale)].map(|x| self.components(x));
+        [gamma[0] - 1.0, gamma[1], gamma[2], kappa[0], kappa[1], kappa[2]]
+    }
+}
+
+impl BeamField {
+    /// Number of stiffnesses.
+    fn stiffnesses(&self) -> usize {
+        if self.coupled { 21 } else { STRAINS }
+    }
+    /// Number of parameters of a tying point.
+    pub(crate) fn tying_parameters(&self) -> usize {
+        GEOMETRY + self.stiffnesses() + usize::from(self.damped)
+    }
+
+    /// C strain.
+    #[inline(always)]
+    fn stiffness_times<S: Scalar>(&self, stiffness: &[S], strain: [S; STRAINS]) -> [S; STRAINS] {
+        let mut stress: [S; STRAINS] = std::array::from_fn(|i| stiffness[i] * strain[i]);
+        if self.coupled {
+            let mut entry = STRAINS;
+            for i in 0..STRAINS {
+                for j in i + 1..STRAINS {
+                    stress[i] += stiffness[entry] * strain[j];
+                    stress[j] += stiffness[entry] * strain[i];
+                    entry += 1;
+                }
+            }
+        }
+        stress
+    }
+
+    /// Strains at a tying point, from h and the point's parameters.
+    pub fn strains<S: Scalar>(&self, h: &[S], p: &[S]) -> [S; STRAINS] {
+        Reference::of(p).strains(h)
+    }
+
+    /// Section forces N1, N2, N3 [N] and moments M1, M2, M3 [N m] at a tying point.
+    #[inline(always)]
+    pub fn section_forces<S: Scalar>(&self, v: &[S], h: &[S], p: &[S]) -> [S; STRAINS] {
+        let strain = Reference::of(p).strains(h);
+        let stiffness = &p[GEOMETRY..];
+        if !self.damped {
+            return self.stiffness_times(stiffness, strain);
+        }
+        let damping = p[GEOMETRY + self.stiffnesses()];
+        let rate = self.strain_rates(v, h, p);
+        self.stiffness_times(stiffness, std::array::from_fn(|i| strain[i] + damping * rate[i]))
+    }
+
+    fn strain_rates<S: Scalar>(&self, v: &[S], h: &[S], p: &[S]) -> [S; STRAINS] {
+        let moving: SmallVec<[Dual<S, 1>; 11]> = h.iter().zip(v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
+        let p: SmallVec<[Dual<S, 1>; GEOMETRY]> = p[..GEOMETRY].iter().map(|&p| Dual::constant(p)).collect();
+        Reference::of(&p).strains(&moving).map(|strain| strain.eps[0])
+    }
+
+    /// Adds J B^T stress, B = d strain / dh.
+    #[inline(always)]
+    fn add_internal<S: Scalar>(&self, h: &[S], p: &[S], stress: [S; STRAINS], r: &mut [S]) {
+        let reference = Reference::of(p);
+        let (slope, e, turn) = (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
+        let inverse = e.norm_squared().recip();
+        let [n1, n2, n3, m1, m2, m3] = stress;
+        let force = reference.combine([n1, n2, n3]) * inverse;
+        let moment = reference.combine([m1, m2, m3]) * (inverse + inverse);
+        let along_slope = e.rotate(force);
+        let along_turn = e.g_transposed_times(moment);
+        let by_force = rotation_gradient_transposed(e, force, slope);
+        let by_moment = turn.g_transposed_times(moment);
+        // the factor 1 / |e|^2 of both strains
+        let share = along_slope.dot(slope) + e.g_times(turn).dot(moment);
+        let shrink = share * (inverse + inverse);
+        for i in 0..3 {
+            r[i] += along_slope.0[i];
+        }
+        for i in 0..4 {
+            r[3 + i] += by_force[i] - by_moment[i] - shrink * e.0[i];
+            r[7 + i] += along_turn[i];
+        }
+    }
+}
+
+/// J omega for the six numbers (xx, yy, zz, xy, xz, yz) of a symmetric tensor.
+#[inline(always)]
+fn tensor_times<S: Scalar>(j: &[S], x: Vec3<S>) -> Vec3<S> {
+    let [x, y, z] = x.0;
+    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
+}
+
+impl Field for BeamField {
+    const NODES: usize = NODES;
+    const COMPONENTS: usize = 7;
+    const POINTS: &'static [&'static [Interpolation]] =
+        &[&AT_TYING_POINTS[0], &AT_TYING_POINTS[1], &AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
+    const ENERGIES: bool = true;
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut list = Vec::new();
+        for point in 1..=TYING_POINTS {
+            let mut add = |name: &str, unit| list.push(Parameter::named(format!("tying point {point}: {name}"), unit));
+            add("metric", "m");
+            for axis in ["tangent x", "tangent y", "tangent z", "second axis x", "second axis y", "second axis z"] {
+                add(axis, "-");
+            }
+            let unit = |i: usize, j: usize| match (i < 3, j < 3) {
+                (true, true) => "N",
+                (false, false) => "N m2",
+                _ => "N m",
+            };
+            (0..STRAINS).for_each(|i| add(&format!("stiffness {0}{0}", i + 1), unit(i, i)));
+            if self.coupled {
+                for i in 0..STRAINS {
+                    (i + 1..STRAINS).for_each(|j| add(&format!("stiffness {}{}", i + 1, j + 1), unit(i, j)));
+                }
+            }
+            if self.damped {
+                add("damping", "s");
+            }
+        }
+        for point in 1..=3 {
+            let mut add = |name: &str, unit| list.push(Parameter::named(format!("Gauss point {point}: {name}"), unit));
+            add("mass", "kg");
+            ["first moment x", "first moment y", "first moment z"].into_iter().for_each(|name| add(name, "kg m"));
+            ["inertia xx", "inertia yy", "inertia zz", "inertia xy", "inertia xz", "inertia yz"]
+                .into_iter()
+                .for_each(|name| add(name, "kg m2"));
+        }
+        list
+    }
+
+    #[inline(always)]
+    fn parameters_of(&self, point: usize) -> Range<usize> {
+        let own = self.tying_parameters();
+        if point < TYING_POINTS {
+            return point * own..(point + 1) * own;
+        }
+        let first = TYING_POINTS * own + (point - TYING_POINTS) * INERTIA;
+        first..first + INERTIA
+    }
+
+    #[inline(always)]
+    fn reads(&self, point: usize, number: usize) -> [bool; 3] {
+        if point < TYING_POINTS {
+            return [false, self.damped, true];
+        }
+        if number < 3 { [true, false, false] } else { [true; 3] }
+    }
+
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S]) -> S {
+        if point < TYING_POINTS {
+            return S::zero();
+        }
+        let (velocity, e, rate) = (Vec3::from_slice(v), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&v[3..]));
+        let inverse = e.norm_squared().recip();
+        let omega = e.g_times(rate) * (inverse + inverse);
+        let mut twice = velocity.dot(velocity) * p[0] + omega.dot(tensor_times(&p[4..], omega));
+        if self.eccentric {
+            let swing = e.rotate(omega.cross(Vec3::from_slice(&p[1..]))) * inverse;
+            twice += velocity.dot(swing) * 2.0;
+        }
+        twice * 0.5
+    }
+
+    #[inline(always)]
+    fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
+        if point >= TYING_POINTS {
+            return S::zero();
+        }
+        let strain = Reference::of(p).strains(h);
+        let stress = self.stiffness_times(&p[GEOMETRY..], strain);
+        (0..STRAINS).fold(S::zero(), |sum, i| sum + strain[i] * stress[i]) * p[0] * 0.5
+    }
+
+    fn add_force<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], _t: S, force: &mut [S]) {
+        if point < TYING_POINTS && self.damped {
+            let damping = p[GEOMETRY + self.stiffnesses()];
+            let stress = self.stiffness_times(&p[GEOMETRY..], self.strain_rates(v, h, p)).map(|stress| -(stress * damping));
+            self.add_internal(h, p, stress, force);
+        }
+    }
+
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        if point < TYING_POINTS {
+            let stress = self.section_forces(s.v, s.q, p);
+            self.add_internal(s.q, p, stress, r);
+            return;
+        }
+        let [e, rate, second] = [s.q, s.v, s.a].map(|x| Quaternion::from_slice(&x[3..]));
+        let acceleration = Vec3::from_slice(s.a);
+        let inverse = e.norm_squared().recip();
+        let twice = inverse + inverse;
+        let omega = e.g_times(rate) * twice;
+        // |e| changes between nodes: d(1 / |e|^2)/dt
+        let along = (0..4).fold(S::zero(), |sum, i| sum + e.0[i] * rate.0[i]);
+        let alpha = e.g_times(second) * twice - omega * (along * twice);
+        let mut force = acceleration * p[0];
+        let mut moment = tensor_times(&p[4..], alpha) + omega.cross(tensor_times(&p[4..], omega));
+        if self.eccentric {
+            let arm = Vec3::from_slice(&p[1..]);
+            force += e.rotate(alpha.cross(arm) + omega.cross(omega.cross(arm))) * inverse;
+            moment += arm.cross(e.rotate_back(acceleration) * inverse);
+        }
+        let turning = e.g_transposed_times(moment * twice);
+        for i in 0..3 {
+            r[i] += force.0[i];
+        }
+        for i in 0..4 {
+            r[3 + i] += turning[i];
+        }
+    }
+
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        (TYING_POINTS..Self::POINTS.len()).map(|point| p[self.parameters_of(point).start]).sum()
+    }
+}

@@ -1,0 +1,75 @@
+use super::shape::{AT_GAUSS_POINTS, NODES};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
+use crate::scalar::{Quaternion, Scalar, Vec3, rotation_gradient_transposed};
+use std::ops::Range;
+
+/// Weight of a beam: V = -g . (m r + R s) at three Gauss points [J].
+///
+/// Parameters of each point, for its share of the length:
+/// * `mass`  m [kg]
+/// * `first moment x, y, z`  s in the frame of the nodes [kg m]; ignored unless [`eccentric`](BeamGravityField::eccentric)
+/// * `gravity x, y, z`  g [m/s2]
+pub struct BeamGravityField {
+    /// The mass centre of the sections lies beside the reference line.
+    pub eccentric: bool,
+}
+
+/// The weight as an element.
+pub type BeamGravity = Flexible<BeamGravityField>;
+
+const NUMBERS: usize = 7;
+
+impl Field for BeamGravityField {
+    const NODES: usize = NODES;
+    const COMPONENTS: usize = 7;
+    const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
+    const ENERGIES: bool = true;
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let numbers = [
+            ("mass", "kg"),
+            ("first moment x", "kg m"),
+            ("first moment y", "kg m"),
+            ("first moment z", "kg m"),
+            ("gravity x", "m/s2"),
+            ("gravity y", "m/s2"),
+            ("gravity z", "m/s2"),
+        ];
+        let name = |point: usize, name: &str| format!("Gauss point {point}: {name}");
+        (1..=3).flat_map(|point| numbers.map(|(number, unit)| Parameter::named(name(point, number), unit))).collect()
+    }
+    fn parameters_of(&self, point: usize) -> Range<usize> {
+        point * NUMBERS..(point + 1) * NUMBERS
+    }
+    fn reads(&self, _point: usize, number: usize) -> [bool; 3] {
+        [false, false, self.eccentric && number >= 3]
+    }
+    fn is_linear(&self) -> bool {
+        !self.eccentric
+    }
+    #[inline(always)]
+    fn potential<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
+        let mut moment = Vec3::from_slice(h) * p[0];
+        if self.eccentric {
+            let e = Quaternion::from_slice(&h[3..]);
+            moment += e.rotate(Vec3::from_slice(&p[1..])) * e.norm_squared().recip();
+        }
+        -moment.dot(Vec3::from_slice(&p[4..]))
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, _point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        let gravity = Vec3::from_slice(&p[4..]);
+        for i in 0..3 {
+            r[i] -= gravity.0[i] * p[0];
+        }
+        if self.eccentric {
+            let (e, arm) = (Quaternion::from_slice(&s.q[3..]), Vec3::from_slice(&p[1..]));
+            let inverse = e.norm_squared().recip();
+            let turning = rotation_gradient_transposed(e, arm, gravity);
+            let shrink = e.rotate(arm).dot(gravity) * inverse * inverse * 2.0;
+            for i in 0..4 {
+                r[3 + i] += e.0[i] * shrink - turning[i] * inverse;
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+use super::shape::{AT_GAUSS_POINTS, NODES};
+use crate::elements::forces::LoadFrame;
+use crate::elements::{Field, Flexible, Interpolation, Parameter, TimeFunction};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+use std::ops::Range;
+
+/// A force for each length of a beam's reference line, d f(t) [N/m], at three Gauss points.
+///
+/// Parameters of each point:
+/// * `length`  its share of the reference length [m]
+/// * `direction x, y, z`  d, in the world or, for a follower load, in the frame of the nodes, turning with the sections [-]
+/// * parameters of f(t) [N/m]
+pub struct DistributedLoadField {
+    /// Dead or follower load.
+    pub frame: LoadFrame,
+    /// Size over time.
+    pub size: TimeFunction,
+}
+
+/// The load as an element.
+pub type DistributedLoad = Flexible<DistributedLoadField>;
+
+const GEOMETRY: usize = 4;
+
+impl DistributedLoadField {
+    fn numbers(&self) -> usize {
+        GEOMETRY + self.size.parameters("N/m").len()
+    }
+}
+
+impl Field for DistributedLoadField {
+    const NODES: usize = NODES;
+    const COMPONENTS: usize = 7;
+    const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
+    const ENERGIES: bool = true;
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut numbers = vec![Parameter::new("length", "m")];
+        numbers.extend(["direction x", "direction y", "direction z"].map(|name| Parameter::new(name, "-")));
+        numbers.extend(self.size.parameters("N/m"));
+        let named = |point: usize, number: &Parameter| {
+            Parameter::named(format!("Gauss point {point}: {}", number.name), number.unit)
+        };
+        (1..=3).flat_map(|point| numbers.iter().map(move |number| named(point, number))).collect()
+    }
+    fn parameters_of(&self, point: usize) -> Range<usize> {
+        let own = self.numbers();
+        point * own..(point + 1) * own
+    }
+    fn reads(&self, _point: usize, number: usize) -> [bool; 3] {
+        [false, false, self.frame == LoadFrame::Body && number >= 3]
+    }
+    fn is_linear(&self) -> bool {
+        self.frame == LoadFrame::World
+    }
+    #[inline(always)]
+    fn add_force<S: Scalar>(&self, _point: usize, _v: &[S], h: &[S], p: &[S], t: S, force: &mut [S]) {
+        let mut direction = Vec3::from_slice(&p[1..]);
+        if self.frame == LoadFrame::Body {
+            let e = Quaternion::from_slice(&h[3..]);
+            direction = e.rotate(direction) * e.norm_squared().recip();
+        }
+        let size = self.size.value(t, &p[GEOMETRY..]) * p[0];
+        for i in 0..3 {
+            force[i] += direction.0[i] * size;
+        }
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, point: usize, s: crate::elements::State<S>, p: &[S], t: S, r: &mut [S]) {
+        let mut force = [S::zero(); 7];
+        self.add_force(point, s.v, s.q, p, t, &mut force);
+        r.iter_mut().zip(force).for_each(|(r, force)| *r -= force);
+    }
+    fn kinks(&self, p: &[f64]) -> Vec<f64> {
+        self.size.kinks(&p[GEOMETRY..self.numbers()])
+    }
+}

@@ -1,0 +1,277 @@
+//! Stiffness and inertia of beam sections, from numbers or from a material and a shape.
+
+use super::STRAINS;
+use crate::scalar::Scalar;
+use std::f64::consts::PI;
+
+/// An isotropic elastic material.
+#[derive(Clone, Copy, Debug)]
+pub struct Material<S> {
+    /// Young's modulus E [N/m2].
+    pub young: S,
+    /// Poisson's ratio [-].
+    pub poisson: S,
+    /// Density [kg/m3].
+    pub density: S,
+}
+
+impl<S: Scalar> Material<S> {
+    /// Shear modulus G = E / (2 (1 + nu)) [N/m2].
+    pub fn shear(&self) -> S {
+        self.young / ((self.poisson + 1.0) * 2.0)
+    }
+}
+
+/// Stiffness and inertia of a beam section for each length, in section axes (1 along the beam, 2, 3 across).
+#[derive(Clone, Copy, Debug)]
+pub struct Section<S> {
+    /// C: (N1, N2, N3, M1, M2, M3) = C (gamma1 - 1, gamma2, gamma3, kappa1, kappa2, kappa3), symmetric.
+    pub stiffness: [[S; STRAINS]; STRAINS],
+    /// Mass for each length [kg/m].
+    pub mass: S,
+    /// Place of the mass centre along axes 2 and 3 [m].
+    pub centre: [S; 2],
+    /// Second moments of mass about axes 2 and 3 through the reference line, and the product integral of x2 x3 [kg m]; the polar one
+    /// is the sum of the first two.
+    pub inertia: [S; 3],
+    /// Damping proportional to stiffness: stress eta C dstrain/dt [s].
+    pub damping: S,
+    /// Whether stiffness has entries off the diagonal, the mass centre lies beside the line, and damping is asked for: topology, so that
+    /// a design variable that is zero now can still be differentiated.
+    pub kind: SectionKind,
+}
+
+/// What the beam's formulas take into account.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SectionKind {
+    /// Stiffness off the diagonal.
+    pub coupled: bool,
+    /// Mass centre beside the line.
+    pub eccentric: bool,
+    /// Damping.
+    pub damped: bool,
+}
+
+/// Area, second moments, torsion constant and shear factors of a shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Shape<S> {
+    /// Area [m2].
+    pub area: S,
+    /// Second moments of area: integral of x3^2 and of x2^2 [m4], for bending about axes 2 and 3.
+    pub second_moments: [S; 2],
+    /// Torsion constant [m4].
+    pub torsion: S,
+    /// Shear factors along axes 2 and 3 [-].
+    pub shear: [S; 2],
+}
+
+impl<S: Scalar> Shape<S> {
+    /// Solid rectangle, `width` along axis 2 and `height` along axis 3 [m].
+    ///
+    /// Shear factors 10 (1 + nu) / (12 + 11 nu): Cowper (1966). Torsion: series of Saint-Venant, Timoshenko & Goodier, section 109.
+    pub fn rectangle(width: S, height: S, poisson: S) -> Self {
+        let factor = (poisson + 1.0) * 10.0 / (poisson * 11.0 + 12.0);
+        Shape {
+            area: width * height,
+            second_moments: [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
+            torsion: rectangle_torsion(width, height),
+            shear: [factor; 2],
+        }
+    }
+
+    /// Hollow rectangle of outer `width` and `height` with a thin `wall` [m].
+    ///
+    /// Shear factors: Cowper (1966), thin-walled box. Torsion: Bredt's formula on the middle line.
+    pub fn box_section(width: S, height: S, wall: S, poisson: S) -> Self {
+        let (inner_width, inner_height) = (width - wall * 2.0, height - wall * 2.0);
+        let moment = |b: S, h: S| b * h.powi(3) / 12.0;
+        let (b, h) = (width - wall, height - wall);
+        Shape {
+            area: width * height - inner_width * inner_height,
+            second_moments: [
+                moment(width, height) - moment(inner_width, inner_height),
+                moment(height, width) - moment(inner_height, inner_width),
+            ],
+            torsion: b * b * h * h * wall * 2.0 / (b + h),
+            shear: [box_shear_factor(h, b, poisson), box_shear_factor(b, h, poisson)],
+        }
+    }
+
+    /// Solid circle of `diameter` [m]. Shear factor 6 (1 + nu) / (7 + 6 nu): Cowper (1966).
+    pub fn circle(diameter: S, poisson: S) -> Self {
+        let fourth = diameter.powi(4) * (PI / 64.0);
+        let factor = (poisson + 1.0) * 6.0 / (poisson * 6.0 + 7.0);
+        Shape {
+            area: diameter * diameter * (PI / 4.0),
+            second_moments: [fourth; 2],
+            torsion: fourth * 2.0,
+            shear: [factor; 2],
+        }
+    }
+
+    /// Circular tube of outer `diameter` and `wall` [m]. Shear factor: Cowper (1966), hollow circle.
+    pub fn tube(diameter: S, wall: S, poisson: S) -> Self {
+        let inner = diameter - wall * 2.0;
+        let fourth = (diameter.powi(4) - inner.powi(4)) * (PI / 64.0);
+        let ratio = inner / diameter;
+        let square = ratio * ratio;
+        let sum = (square + 1.0) * (square + 1.0);
+        let factor = (poisson + 1.0) * sum * 6.0 / ((poisson * 6.0 + 7.0) * sum + (poisson * 12.0 + 20.0) * square);
+        Shape {
+            area: (diameter * diameter - inner * inner) * (PI / 4.0),
+            second_moments: [fourth; 2],
+            torsion: fourth * 2.0,
+            shear: [factor; 2],
+        }
+    }
+}
+
+/// Torsion constant of a rectangle: a b^3 / 3 (1 - 192 b / (pi^5 a) sum tanh(n pi a / (2 b)) / n^5), n odd, b the shorter side.
+fn rectangle_torsion<S: Scalar>(width: S, height: S) -> S {
+    let (long, short) = if width.value() >= height.value() { (width, height) } else { (height, width) };
+    let ratio = long / short;
+    // the sum with tanh = 1, which it is to the last digit after a few terms, and what these few miss
+    let mut sum = S::from(31.0 / 32.0 * ZETA_OF_FIVE);
+    for n in (1..=25).step_by(2) {
+        let n = f64::from(n);
+        sum += ((ratio * (n * PI / 2.0)).tanh() - 1.0) / n.powi(5);
+    }
+    long * short.powi(3) / 3.0 * (S::one() - sum / ratio * (192.0 / PI.powi(5)))
+}
+
+/// Riemann's zeta(5); the sum of 1 / n^5 over odd n is 31/32 of it.
+const ZETA_OF_FIVE: f64 = 1.036_927_755_143_370;
+
+/// Shear factor of a thin-walled box for shear along its `depth`, with flanges of `breadth`, all walls alike.
+fn box_shear_factor<S: Scalar>(breadth: S, depth: S, poisson: S) -> S {
+    // m = b t1 / (h t), n = b / h
+    let m = breadth / depth;
+    let square = m * m;
+    let numerator = (poisson + 1.0) * (m * 3.0 + 1.0) * (m * 3.0 + 1.0) * 10.0;
+    let cube = square * m;
+    let bending = m * 72.0 + square * 150.0 + cube * 90.0 + 12.0;
+    let lateral = (m * 66.0 + square * 135.0 + cube * 90.0 + 11.0) * poisson;
+    let flanges = square * ((poisson + 3.0) * m + square * 3.0) * 10.0;
+    numerator / (bending + lateral + flanges)
+}
+
+impl<S: Scalar> Section<S> {
+    /// A section by its stiffnesses EA, GA2, GA3 [N], GJ, EI2, EI3 [N m2], without inertia.
+    pub fn new(stiffnesses: [S; STRAINS]) -> Self {
+        let mut stiffness = [[S::zero(); STRAINS]; STRAINS];
+        (0..STRAINS).for_each(|i| stiffness[i][i] = stiffnesses[i]);
+        let (mass, damping) = (S::zero(), S::zero());
+        let (centre, inertia) = ([S::zero(); 2], [S::zero(); 3]);
+        Section { stiffness, mass, centre, inertia, damping, kind: SectionKind::default() }
+    }
+
+    /// A section of a material and a shape.
+    pub fn of(material: Material<S>, shape: Shape<S>) -> Self {
+        let Material { young, density, .. } = material;
+        let (shear, area) = (material.shear(), shape.area);
+        let [second, third] = shape.second_moments;
+        let [k2, k3] = shape.shear;
+        Section::new([
+            young * area,
+            shear * area * k2,
+            shear * area * k3,
+            shear * shape.torsion,
+            young * second,
+            young * third,
+        ])
+        .with_inertia(density * area, [density * second, density * third])
+    }
+
+    /// With mass [kg/m] and second moments of mass about axes 2 and 3 [kg m].
+    #[must_use]
+    pub fn with_inertia(mut self, mass: S, [second, third]: [S; 2]) -> Self {
+        self.mass = mass;
+        self.inertia = [second, third, S::zero()];
+        self
+    }
+
+    /// With stiffness off the diagonal: any symmetric matrix.
+    #[must_use]
+    pub fn with_stiffness(mut self, stiffness: [[S; STRAINS]; STRAINS]) -> Self {
+        self.stiffness = stiffness;
+        self.kind.coupled = true;
+        self
+    }
+
+    /// With damping proportional to stiffness, eta [s].
+    #[must_use]
+    pub fn damped(mut self, damping: S) -> Self {
+        self.damping = damping;
+        self.kind.damped = true;
+        self
+    }
+
+    /// The same section moved by (x2, x3) [m] away from the reference line: stiffness and inertia about the line.
+    #[must_use]
+    pub fn offset(mut self, [x2, x3]: [S; 2]) -> Self {
+        // strains at the section's own origin: gamma + kappa x (0, x2, x3)
+        let mut moved = [[S::zero(); STRAINS]; STRAINS];
+        (0..STRAINS).for_each(|i| moved[i][i] = S::one());
+        moved[0][4] = x3;
+        moved[0][5] = -x2;
+        moved[1][3] = -x3;
+        moved[2][3] = x2;
+        let own = self.stiffness;
+        self.stiffness = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let terms = (0..STRAINS).flat_map(|k| (0..STRAINS).map(move |l| (k, l)));
+                terms.fold(S::zero(), |sum, (k, l)| sum + moved[k][i] * own[k][l] * moved[l][j])
+            })
+        });
+        let [c2, c3] = self.centre;
+        let [i2, i3, i23] = self.inertia;
+        self.inertia = [
+            i2 + self.mass * (c3 * x3 * 2.0 + x3 * x3),
+            i3 + self.mass * (c2 * x2 * 2.0 + x2 * x2),
+            i23 + self.mass * (c2 * x3 + c3 * x2 + x2 * x3),
+        ];
+        self.centre = [c2 + x2, c3 + x3];
+        self.kind.coupled = true;
+        self.kind.eccentric = true;
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rectangle_torsion_matches_the_tables_of_timoshenko_and_goodier() {
+        // J = k a b^3 with a / b = 1, 2, 10: section 109, table of k1, three digits
+        for (ratio, factor) in [(1.0, 0.1406), (2.0, 0.229), (10.0, 0.312)] {
+            assert!((rectangle_torsion(ratio, 1.0) / ratio - factor).abs() < 6e-4);
+            assert!((rectangle_torsion(1.0, ratio) - rectangle_torsion(ratio, 1.0)).abs() < 1e-15);
+        }
+        // the square: 0.1405770149...
+        assert!((rectangle_torsion(1.0, 1.0) - 0.140_577_014_9).abs() < 1e-9);
+    }
+
+    #[test]
+    fn tubes_become_circles_and_thin_tubes_have_half_their_shear_stiffness() {
+        let (solid, full) = (Shape::<f64>::circle(0.2, 0.3), Shape::tube(0.2, 0.1, 0.3));
+        assert!((solid.shear[0] - full.shear[0]).abs() < 1e-15 && (solid.torsion - full.torsion).abs() < 1e-18);
+        // Cowper: 2 (1 + nu) / (4 + 3 nu)
+        let thin = Shape::<f64>::tube(1.0, 1e-6, 0.3);
+        assert!((thin.shear[0] - 2.6 / 4.9).abs() < 1e-6);
+    }
+
+    #[test]
+    fn moving_a_section_there_and_back_changes_nothing() {
+        let material = Material { young: 2e11, poisson: 0.3, density: 7800.0 };
+        let own = Section::of(material, Shape::<f64>::box_section(0.1, 0.2, 0.01, 0.3));
+        let back = own.offset([0.3, -0.2]).offset([-0.3, 0.2]);
+        for i in 0..STRAINS {
+            for j in 0..STRAINS {
+                let scale = (own.stiffness[i][i] * own.stiffness[j][j]).sqrt();
+                assert!((own.stiffness[i][j] - back.stiffness[i][j]).abs() < 1e-12 * scale.max(2e9));
+            }
+        }
+        assert!((0..3).all(|i| (own.inertia[i] - back.inertia[i]).abs() < 1e-12));
+    }
+}

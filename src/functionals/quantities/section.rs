@@ -1,0 +1,89 @@
+use crate::elements::flexible::shape::{AT_TYING_POINTS, NODES, TWO};
+use crate::elements::flexible::{BeamField, STRAINS, TYING_POINTS};
+use crate::elements::{Field, Interpolation, Parameter, State};
+use crate::functionals::Quantity;
+use crate::scalar::Scalar;
+use smallvec::SmallVec;
+
+/// What is read in a section of a beam; components are counted as 0, 1, 2 for axial, 2, 3 and 3, 4, 5 for torsion, bending about 2, 3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SectionMeasure {
+    /// N1, N2, N3 [N], M1, M2, M3 [N m].
+    Force(usize),
+    /// gamma1 - 1, gamma2, gamma3 [-], kappa1, kappa2, kappa3 [1/m], from the reference on.
+    Strain(usize),
+    /// Axial stress of a fibre, E (gamma1 - 1 + x3 kappa2 - x2 kappa3) [N/m2].
+    FibreStress,
+}
+
+/// A force, strain or stress in one section of a beam: from the tying points, between and beyond which it is linear.
+///
+/// Between two elements it is the mean of both sides.
+///
+/// Parameters: those of the tying points of each element; for a fibre E [N/m2], x2, x3 [m].
+pub struct SectionQuantity {
+    /// What is read.
+    pub measure: SectionMeasure,
+    /// The formulas of the beam's elements.
+    pub beam: BeamField,
+    /// Place xi in each element that takes part.
+    pub places: Vec<f64>,
+}
+
+impl SectionQuantity {
+    fn parameters_of_an_element(&self) -> usize {
+        TYING_POINTS * self.beam.tying_parameters()
+    }
+
+    /// The components at a tying point of an element.
+    fn at<S: Scalar>(&self, rows: &[Interpolation], v: &[S], q: &[S], p: &[S]) -> [S; STRAINS] {
+        let interpolated = |x: &[S]| -> SmallVec<[S; 11]> {
+            let sum = |row: &Interpolation| {
+                let terms = row.weights.iter().enumerate();
+                terms.fold(S::zero(), |sum, (node, &weight)| sum + x[node * BeamField::COMPONENTS + row.component] * weight)
+            };
+            rows.iter().map(sum).collect()
+        };
+        let (v, h) = (interpolated(v), interpolated(q));
+        match self.measure {
+            SectionMeasure::Force(_) => self.beam.section_forces(&v, &h, p),
+            SectionMeasure::Strain(_) | SectionMeasure::FibreStress => self.beam.strains(&h, p),
+        }
+    }
+}
+
+impl Quantity for SectionQuantity {
+    fn dofs(&self) -> usize {
+        self.places.len() * NODES * BeamField::COMPONENTS
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut list = Vec::new();
+        for element in 1..=self.places.len() {
+            let own = self.beam.parameters().into_iter().take(self.parameters_of_an_element());
+            list.extend(
+                own.map(|parameter| Parameter::named(format!("element {element}, {}", parameter.name), parameter.unit)),
+            );
+        }
+        if self.measure == SectionMeasure::FibreStress {
+            list.extend([Parameter::new("Young's modulus", "N/m2"), Parameter::new("x2", "m"), Parameter::new("x3", "m")]);
+        }
+        list
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
+        let (dofs, own) = (NODES * BeamField::COMPONENTS, self.parameters_of_an_element());
+        let fibre = &p[self.places.len() * own..];
+        let mut sum = S::zero();
+        for (element, &xi) in self.places.iter().enumerate() {
+            let (v, q, p) = (&s.v[element * dofs..][..dofs], &s.q[element * dofs..][..dofs], &p[element * own..][..own]);
+            let [first, second]: [[S; STRAINS]; TYING_POINTS] =
+                std::array::from_fn(|point| self.at(&AT_TYING_POINTS[point], v, q, &p[point * own / TYING_POINTS..]));
+            let share = (xi - TWO[0]) / (TWO[1] - TWO[0]);
+            let component = |i: usize| first[i] * (1.0 - share) + second[i] * share;
+            sum += match self.measure {
+                SectionMeasure::Force(i) | SectionMeasure::Strain(i) => component(i),
+                SectionMeasure::FibreStress => fibre[0] * (component(0) + fibre[2] * component(4) - fibre[1] * component(5)),
+            };
+        }
+        sum / self.places.len() as f64
+    }
+}

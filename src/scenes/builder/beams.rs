@@ -1,0 +1,378 @@
+//! Beams: lines with sections, their weight and loads, and what is read in their sections.
+
+use super::{Drawing, MechanismBuilder};
+use crate::assembly::{ElementId, NodeId, NodeKind};
+use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
+use crate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField, STRAINS, Section, TYING_POINTS};
+use crate::elements::forces::LoadFrame;
+use crate::elements::{Flexible, TimeFunction};
+use crate::functionals::Over;
+use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
+use crate::scalar::{Quaternion, Scalar, Vec3};
+
+/// The reference line of a beam at t = 0, in the world, by the places of its nodes: both ends and one in the middle of each element.
+#[derive(Clone, Debug)]
+pub struct BeamLine<S> {
+    /// Nodes [m]: an odd number.
+    points: Vec<Vec3<S>>,
+    /// At each node, a direction that with the tangent spans the plane of axes 1 and 2 of the section.
+    second_axes: Vec<Vec3<S>>,
+    ends: [End; 2],
+}
+
+/// What a beam ends in.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// A node of its own.
+    Free,
+    /// A node that never moves.
+    Clamped,
+    /// A node that is there already.
+    Node(NodeId),
+}
+
+impl<S: Scalar> BeamLine<S> {
+    /// A line through given points, two for each element and one; `second_axis` is turned at right angles to the line.
+    pub fn through(points: &[Vec3<S>], second_axis: Vec3<S>) -> Self {
+        BeamLine { points: points.to_vec(), second_axes: vec![second_axis; points.len()], ends: [End::Free; 2] }
+    }
+
+    /// A straight line of equal elements.
+    pub fn straight([from, to]: [Vec3<S>; 2], elements: usize, second_axis: Vec3<S>) -> Self {
+        let last = (2 * elements).max(1);
+        let point = |i: usize| from + (to - from) * S::from(i as f64 / last as f64);
+        Self::through(&(0..=last).map(point).collect::<Vec<_>>(), second_axis)
+    }
+
+    /// An arc of a circle of equal elements, from a point by `angle` [rad] about the unit vector `axis` through `centre`; section axis 2
+    /// along `axis`.
+    pub fn arc(from: Vec3<S>, centre: Vec3<S>, axis: Vec3<S>, angle: S, elements: usize) -> Self {
+        let last = (2 * elements).max(1);
+        let turned = |i: usize| Quaternion::about(axis, angle * (i as f64 / last as f64)).rotate(from - centre);
+        Self::through(&(0..=last).map(|i| centre + turned(i)).collect::<Vec<_>>(), axis)
+    }
+
+    /// Turns the sections about the line, by an angle [rad] that grows linearly from 0 at the first node.
+    #[must_use]
+    pub fn twisted(mut self, angle: S) -> Self {
+        let last = self.points.len() - 1;
+        for i in 0..=last {
+            let (before, after) = (self.points[i.saturating_sub(1)], self.points[(i + 1).min(last)]);
+            let [_, second, third] = triad(after - before, self.second_axes[i]);
+            let (s, c) = (angle * (i as f64 / last as f64)).sin_cos();
+            self.second_axes[i] = second * c + third * s;
+        }
+        self
+    }
+
+    /// Starts in a node that is there: a rigid body or an end of another beam, at the place of the line's first point.
+    #[must_use]
+    pub fn from_node(mut self, node: NodeId) -> Self {
+        self.ends[0] = End::Node(node);
+        self
+    }
+    /// Ends in a node that is there.
+    #[must_use]
+    pub fn to_node(mut self, node: NodeId) -> Self {
+        self.ends[1] = End::Node(node);
+        self
+    }
+    /// Starts in a node that never moves.
+    #[must_use]
+    pub fn clamped_start(mut self) -> Self {
+        self.ends[0] = End::Clamped;
+        self
+    }
+    /// Ends in a node that never moves.
+    #[must_use]
+    pub fn clamped_end(mut self) -> Self {
+        self.ends[1] = End::Clamped;
+        self
+    }
+}
+
+/// A beam of a mechanism: its nodes from end to end and its elements.
+#[derive(Clone, Debug)]
+pub struct BeamMember {
+    /// Two for each element, and one.
+    pub nodes: Vec<NodeId>,
+    /// In the same order.
+    pub elements: Vec<ElementId>,
+    field: BeamField,
+    name: String,
+}
+
+impl BeamMember {
+    /// First node.
+    pub fn start(&self) -> NodeId {
+        self.nodes[0]
+    }
+    /// Last node.
+    pub fn end(&self) -> NodeId {
+        self.nodes[self.nodes.len() - 1]
+    }
+    /// The three nodes of an element.
+    fn nodes_of(&self, element: usize) -> [NodeId; 3] {
+        [self.nodes[2 * element], self.nodes[2 * element + 1], self.nodes[2 * element + 2]]
+    }
+}
+
+/// Unit tangent, `second` at right angles to it, and the axis that completes them.
+fn triad<S: Scalar>(tangent: Vec3<S>, second: Vec3<S>) -> [Vec3<S>; 3] {
+    let tangent = tangent.normalized();
+    let second = (second - tangent * tangent.dot(second)).normalized();
+    [tangent, second, tangent.cross(second)]
+}
+
+/// Metric and section axes of an element of the reference at xi.
+fn reference<S: Scalar>(points: &[Vec3<S>], axes: &[Vec3<S>], xi: f64) -> (S, [Vec3<S>; 3]) {
+    let combine = |vectors: &[Vec3<S>], weights: [f64; 3]| {
+        vectors.iter().zip(weights).fold(Vec3::zero(), |sum, (&vector, weight)| sum + vector * S::from(weight))
+    };
+    let slope = combine(points, slopes(xi));
+    (slope.norm(), triad(slope, combine(axes, values(xi))))
+}
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// A beam along a line, with the same section everywhere: see [`Section`].
+    pub fn beam(&mut self, name: &str, line: BeamLine<S>, section: &Section<S>) -> BeamMember {
+        self.tapered_beam(name, line, |_| *section)
+    }
+
+    /// A beam whose section depends on the share of its length, from 0 to 1; all sections are of one kind.
+    ///
+    /// Nodes of its own start with the rotation of the node that it starts or ends in, or that of the world.
+    pub fn tapered_beam(&mut self, name: &str, line: BeamLine<S>, section: impl Fn(f64) -> Section<S>) -> BeamMember {
+        let count = line.points.len();
+        let kind = section(0.0).kind;
+        let field = BeamField { coupled: kind.coupled, damped: kind.damped, eccentric: kind.eccentric };
+        let mut member = BeamMember { nodes: Vec::new(), elements: Vec::new(), field, name: name.to_string() };
+        if !self.check_line(name, &line) {
+            return member;
+        }
+        let given = line.ends.iter().find_map(|end| if let End::Node(node) = end { Some(*node) } else { None });
+        let rotation = given.map_or_else(Quaternion::identity, |node| self.rotation(node));
+        for (i, &point) in line.points.iter().enumerate() {
+            let end = [(0, line.ends[0]), (count - 1, line.ends[1])].into_iter().find(|(place, _)| *place == i);
+            let fixed = matches!(end, Some((_, End::Clamped)));
+            let q: Vec<S> = point.0.into_iter().chain(rotation.0).collect();
+            member.nodes.push(match end {
+                Some((_, End::Node(node))) => node,
+                _ => self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
+            });
+        }
+        let elements = count / 2;
+        for element in 0..elements {
+            let range = 2 * element..2 * element + 3;
+            let (points, axes) = (&line.points[range.clone()], &line.second_axes[range]);
+            let share = |xi: f64| (element as f64 + 0.5 * (xi + 1.0)) / elements as f64;
+            let mut p = Vec::new();
+            for xi in TWO {
+                let (metric, axes) = reference(points, axes, xi);
+                let [tangent, second, _] = axes.map(|axis| rotation.rotate_back(axis));
+                let own = section(share(xi));
+                p.push(metric);
+                p.extend(tangent.0.into_iter().chain(second.0));
+                p.extend((0..STRAINS).map(|i| own.stiffness[i][i]));
+                if field.coupled {
+                    (0..STRAINS).for_each(|i| p.extend_from_slice(&own.stiffness[i][i + 1..]));
+                }
+                if field.damped {
+                    p.push(own.damping);
+                }
+            }
+            let mut inertia = Vec::new();
+            for (xi, weight) in THREE.into_iter().zip(THREE_WEIGHTS) {
+                let (metric, axes) = reference(points, axes, xi);
+                let axes = axes.map(|axis| rotation.rotate_back(axis));
+                inertia.extend(section_inertia(&section(share(xi)), axes).map(|number| number * metric * weight));
+            }
+            p.extend_from_slice(&inertia);
+            let nodes = member.nodes_of(element);
+            let own = format!("{name}, element {}", element + 1);
+            member.elements.push(self.add_element(&own, &nodes, Flexible(field).into(), &p));
+            self.heavy_beams.push((own, nodes, inertia, field.eccentric));
+        }
+        let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
+        self.drawings.push(Drawing { points });
+        member
+    }
+
+    fn check_line(&mut self, name: &str, line: &BeamLine<S>) -> bool {
+        let mistakes = self.mistakes.len();
+        let count = line.points.len();
+        if count < 3 || count.is_multiple_of(2) {
+            self.mistakes
+                .push(format!("\"{name}\" has {count} points; a beam needs two for each element and one: 3, 5, 7, ..."));
+            return false;
+        }
+        for element in 0..count / 2 {
+            let range = 2 * element..2 * element + 3;
+            let (points, axes) = (&line.points[range.clone()], &line.second_axes[range]);
+            for xi in TWO.into_iter().chain(THREE) {
+                let (metric, [_, second, _]) = reference(points, axes, xi);
+                if !(metric.value() > 0.0) || second.0.iter().any(|x| !x.value().is_finite()) {
+                    self.mistakes.push(format!(
+                        "\"{name}\", element {}: its points coincide, or axis 2 of the section lies along the line; \
+                         give points that lie apart and another second axis",
+                        element + 1
+                    ));
+                    return false;
+                }
+            }
+        }
+        let length = (0..count - 1).fold(0.0, |sum, i| sum + (line.points[i + 1] - line.points[i]).norm().value());
+        let mut rotations = Vec::new();
+        for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
+            let End::Node(node) = end else { continue };
+            self.check_bodies(name, &[node]);
+            let gap = (self.position(node) - point).norm().value();
+            if self.model.nodes[node.0].kind == NodeKind::Body && gap > 1e-9 * length {
+                self.mistakes.push(format!(
+                    "\"{name}\" ends {gap:.3e} m from its node \"{}\": a beam ends in the origin of a body's frame; \
+                     give it a node of its own and a fixed joint, or move the frame",
+                    self.model.nodes[node.0].name
+                ));
+            }
+            rotations.push(self.rotation(node).0.map(Scalar::value));
+        }
+        if let [a, b] = &rotations[..]
+            && a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e-12)
+        {
+            self.mistakes.push(format!(
+                "\"{name}\" joins two nodes whose frames start with different Euler parameters {a:?} and {b:?}; \
+                 let the bodies' frames start alike, or end the beam in a node of its own with a fixed joint"
+            ));
+        }
+        self.mistakes.len() == mistakes
+    }
+
+    /// Weight of the beams added so far.
+    pub(super) fn beam_gravity(&mut self, gravity: Vec3<S>) {
+        for (name, nodes, inertia, eccentric) in std::mem::take(&mut self.heavy_beams) {
+            let points = inertia.chunks_exact(inertia.len() / THREE.len());
+            let p: Vec<S> = points.flat_map(|own| own[..4].iter().copied().chain(gravity.0)).collect();
+            let weight = Flexible(BeamGravityField { eccentric });
+            self.add_element(&format!("weight of {name}"), &nodes, weight.into(), &p);
+        }
+    }
+
+    /// A load for each length of a beam, `direction` times a function of time [N/m]: in the world, or turning with the sections
+    /// (`direction` as at the start).
+    pub fn distributed_load(
+        &mut self,
+        name: &str,
+        beam: &BeamMember,
+        (frame, direction): (LoadFrame, Vec3<S>),
+        size: TimeFunction,
+        values: &[S],
+    ) {
+        for element in 0..beam.elements.len() {
+            let nodes = beam.nodes_of(element);
+            let rotation = self.rotation(nodes[0]);
+            let direction = if frame == LoadFrame::Body { rotation.rotate_back(direction) } else { direction };
+            let points = nodes.map(|node| self.position(node));
+            let mut p = Vec::new();
+            for (xi, weight) in THREE.into_iter().zip(THREE_WEIGHTS) {
+                let slope =
+                    points.iter().zip(slopes(xi)).fold(Vec3::zero(), |sum, (&point, slope)| sum + point * S::from(slope));
+                p.push(slope.norm() * weight);
+                p.extend(direction.0);
+                p.extend_from_slice(values);
+            }
+            let load = Flexible(DistributedLoadField { frame, size: size.clone() });
+            self.add_element(&format!("{name}, element {}", element + 1), &nodes, load.into(), &p);
+        }
+    }
+
+    /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].
+    pub fn set_rigid_motion(&mut self, nodes: &[NodeId], point: Vec3<S>, velocity: Vec3<S>, omega: Vec3<S>) {
+        for &node in nodes.iter().filter(|node| !self.model.nodes[node.0].fixed).collect::<Vec<_>>() {
+            self.set_velocity(node, velocity + omega.cross(self.position(node) - point), omega);
+        }
+    }
+
+    /// A functional of a section force [N], moment [N m] or strain of a beam at a share of its length, from 0 to 1.
+    pub fn section_functional(&mut self, name: &str, over: Over, beam: &BeamMember, share: f64, measure: SectionMeasure) {
+        let unit = match measure {
+            SectionMeasure::Force(0..3) => "N",
+            SectionMeasure::Force(_) => "N m",
+            SectionMeasure::Strain(0..3) => "-",
+            SectionMeasure::Strain(_) => "1/m",
+            SectionMeasure::FibreStress => "N/m2",
+        };
+        if measure == SectionMeasure::FibreStress {
+            self.mistakes.push(format!("\"{name}\": the stress of a fibre needs its place: take fibre_stress_functional"));
+            return;
+        }
+        self.add_section(name, unit, over, (beam, share), measure, &[]);
+    }
+
+    /// A functional of the axial stress of a fibre at (x2, x3) [m] of a section, for Young's modulus E [N/m2].
+    pub fn fibre_stress_functional(
+        &mut self,
+        name: &str,
+        over: Over,
+        (beam, share): (&BeamMember, f64),
+        young: S,
+        [x2, x3]: [S; 2],
+    ) {
+        self.add_section(name, "N/m2", over, (beam, share), SectionMeasure::FibreStress, &[young, x2, x3]);
+    }
+
+    fn add_section(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        over: Over,
+        (beam, share): (&BeamMember, f64),
+        measure: SectionMeasure,
+        fibre: &[S],
+    ) {
+        let component = match measure {
+            SectionMeasure::Force(i) | SectionMeasure::Strain(i) => i,
+            SectionMeasure::FibreStress => 0,
+        };
+        if !(0.0..=1.0).contains(&share) || component >= STRAINS {
+            let of = &beam.name;
+            self.mistakes.push(format!(
+                "\"{name}\" asks for component {component} at {share} of the length of \"{of}\"; components are 0 to 5, shares 0 to 1"
+            ));
+            return;
+        }
+        let count = beam.elements.len();
+        let place = share * count as f64;
+        let nearest = place.round();
+        // a share such as 1/3 of three elements is an end of elements in spite of its last digit
+        let places: Vec<(usize, f64)> = if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
+            vec![(nearest as usize - 1, 1.0), (nearest as usize, -1.0)]
+        } else {
+            let element = (place as usize).min(count.saturating_sub(1));
+            vec![(element, 2.0 * (place - element as f64) - 1.0)]
+        };
+        let own = TYING_POINTS * beam.field.tying_parameters();
+        let (mut nodes, mut p) = (Vec::new(), Vec::new());
+        for &(element, _) in &places {
+            // an element that was refused has been reported already
+            let Some(attached) = beam.elements.get(element).and_then(|id| self.model.elements.get(id.0)) else { return };
+            nodes.extend(beam.nodes_of(element));
+            p.extend_from_slice(&self.numbers.p[attached.parameters.clone()][..own]);
+        }
+        p.extend_from_slice(fibre);
+        let places = places.into_iter().map(|(_, xi)| xi).collect();
+        let quantity = SectionQuantity { measure, beam: beam.field, places };
+        self.add_functional(name, unit, over, (&nodes, &[]), quantity.into(), &p);
+    }
+}
+
+/// Mass, first moment and inertia about the reference line of a section, for each length, in the frame of the given axes.
+fn section_inertia<S: Scalar>(section: &Section<S>, axes: [Vec3<S>; 3]) -> [S; 10] {
+    let [about_2, about_3, product] = section.inertia;
+    let first = (axes[1] * section.centre[0] + axes[2] * section.centre[1]) * section.mass;
+    // the tensor in section axes: its entry 23 is minus the product
+    let own = [(0, 0, about_2 + about_3), (1, 1, about_2), (2, 2, about_3), (1, 2, -product), (2, 1, -product)];
+    let entry =
+        |i: usize, j: usize| own.iter().fold(S::zero(), |sum, &(k, l, value)| sum + axes[k].0[i] * axes[l].0[j] * value);
+    let [x, y, z] = first.0;
+    [section.mass, x, y, z, entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)]
+}
