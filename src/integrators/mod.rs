@@ -7,9 +7,11 @@ mod adaptive;
 mod butcher;
 mod checkpoint;
 mod counters;
+mod course;
 mod error;
 mod failure;
 mod grid;
+mod load_steps;
 mod march;
 mod newton;
 mod prediction;
@@ -38,7 +40,7 @@ pub use start::{ConstraintPolicy, InitialState, StartPlan};
 pub use step::Marcher;
 pub use systems::Systems;
 pub use table::{Carried, Combination, Embedded, Scheme, Stage, Starter, Table};
-pub use tables::{DEFAULT_TABLE, table_by_name, table_named, tables};
+pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_named, tables};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
