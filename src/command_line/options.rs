@@ -2,7 +2,9 @@ use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design};
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables};
+use costate::integrators::{
+    ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
+};
 use costate::scenes::{AnyScene, Prepared, built_in};
 use std::path::PathBuf;
 
@@ -80,7 +82,7 @@ fn step_count(text: &str) -> Result<usize, String> {
 }
 
 /// The scene with a given name.
-fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
+pub(super) fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
     let known: Vec<String> = built_in::all().iter().map(|scene| scene.scene_name()).collect();
     built_in::all()
         .into_iter()
@@ -89,7 +91,7 @@ fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
 }
 
 /// The initial design with the changes of `--set`.
-fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
+pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
     let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
     let mut seen: Vec<&str> = Vec::new();
     for change in changes {

@@ -33,7 +33,14 @@ struct End {
 impl End {
     fn start(start: &StartRecord<f64>) -> Self {
         let SolveRecord { t, base, unknowns, .. } = &start.acceleration;
-        End { t: *t, q: base.q.clone(), v: base.v.clone(), a: Some(unknowns.x.clone()), mu: unknowns.mu.clone(), is_static: false }
+        End {
+            t: *t,
+            q: base.q.clone(),
+            v: base.v.clone(),
+            a: Some(unknowns.x.clone()),
+            mu: unknowns.mu.clone(),
+            is_static: false,
+        }
     }
 
     fn of(step: &StepRecord<f64>) -> Self {

@@ -206,7 +206,8 @@ impl<'c> Choice<'c> {
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
         let mut later = SolveRecord::empty();
-        let solved = marcher.solve_acceleration((&moved(q, v), &moved(v, a)), self.course.t() + trial, 0, First::Zero, &mut later);
+        let solved =
+            marcher.solve_acceleration((&moved(q, v), &moved(v, a)), self.course.t() + trial, 0, First::Zero, &mut later);
         let curvature = match solved {
             Ok(()) => {
                 let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();

@@ -55,6 +55,8 @@ pub enum RunError {
         t: f64,
         /// Smallest step that was tried.
         h: f64,
+        /// What to try.
+        hint: &'static str,
         /// What happened there.
         cause: String,
     },
@@ -96,11 +98,9 @@ impl fmt::Display for RunError {
                 "step {step} (t = {t} s): the error asks for a step of {h:.1e} s, which no longer advances; \
                  the motion is not smooth there, or the tolerance is below round-off: try a larger tolerance"
             ),
-            RunError::NoEquilibrium { t, h, cause } => write!(
-                f,
-                "no equilibrium was found beyond the load factor {t} with steps down to {h:.1e}: the load may have reached its limit; \
-                 follow the path by its arc length, or simulate the motion ({cause})"
-            ),
+            RunError::NoEquilibrium { t, h, hint, cause } => {
+                write!(f, "no equilibrium was found beyond the load factor {t} with steps down to {h:.1e}: {hint} ({cause})")
+            }
             RunError::History { place, cause, hint } => write!(f, "{place}: {cause}; {hint}"),
             RunError::Interrupted { steps } => write!(f, "interrupted after {steps} finished steps"),
         }

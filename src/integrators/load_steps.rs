@@ -49,7 +49,10 @@ pub(super) fn march_loading(
                     if h < SHORTEST * course.duration() {
                         let t = course.t();
                         // the very first equilibrium fails for reasons of its own
-                        return Err(if index == 0 { cause } else { RunError::NoEquilibrium { t, h, cause: cause.to_string() } });
+                        let hint =
+                            "the load may have reached its limit; follow the path by its arc length, or simulate the motion";
+                        let ended = RunError::NoEquilibrium { t, h, hint, cause: cause.to_string() };
+                        return Err(if index == 0 { cause } else { ended });
                     }
                 }
                 Err(other) => return Err(other),

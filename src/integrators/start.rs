@@ -125,7 +125,8 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
     Ok(())
 }
 
-fn check_stillness(problem: &Problem<f64>) -> Result<(), RunError> {
+/// Nothing moves: no initial velocity, and no constraint on velocities alone.
+pub(super) fn check_stillness(problem: &Problem<f64>) -> Result<(), RunError> {
     let model = problem.model;
     if let Some(joint) = model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
         return Err(RunError::Input(format!(

@@ -212,10 +212,14 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             start_projections = [Some(first), Some(second)];
         }
         let mut first = SolveRecord::empty();
+        let mut guessed = Vec::new();
         if is_static {
             first.t = t;
             first.base = VectorsAvq { a: vec![S::zero(); model.dofs], v: v.clone(), q: q.clone() };
             Residual::shape(&self.acceleration.system, &mut first.unknowns, true);
+            if guide.is_none() {
+                guessed = self.start.released(&first.base, &self.problem.p, t).mu;
+            }
         } else {
             let from = start_of(|start| Some(&start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
@@ -232,6 +236,9 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         self.between =
             Between { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
+        if !guessed.is_empty() {
+            self.between.last.mu = guessed;
+        }
         let [position_projection, velocity_projection] = start_projections;
         Ok(StartRecord { dropped: plan.dropped.clone(), position_projection, velocity_projection, acceleration: first })
     }

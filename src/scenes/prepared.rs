@@ -105,7 +105,8 @@ impl<'s> Prepared<'s> {
     pub fn method_of(settings: &Settings) -> Result<Method, RunError> {
         let Some(name) = settings.method else { return Ok(Self::default_method()) };
         let table = table_named(name).map_err(RunError::Input)?;
-        let table = table.ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
+        let table = table
+            .ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
         Ok(Method::new(table, ConstraintLevel::default()))
     }
 
