@@ -55,6 +55,11 @@ impl Equations {
         Equations::stage(Shift::new(1.0, 0.0, 0.0), Level::Acceleration)
     }
 
+    /// True for an equilibrium: neither accelerations nor velocities move with the unknowns.
+    pub fn is_static(&self) -> bool {
+        self.residual.gamma == 0.0 && self.residual.beta == 0.0
+    }
+
     /// Projection of q onto g = 0 in the metric of a stage's matrix.
     ///
     /// With (gamma, beta, alpha) of the stage and d = alpha x: R(a + gamma x, v + beta x, q + d) - R(a, v, q) + A^T nu = 0,

@@ -5,6 +5,7 @@ mod failure;
 mod gradient;
 mod interrupt;
 mod list;
+mod modes;
 mod names;
 mod options;
 mod results;
@@ -31,6 +32,8 @@ enum Command {
     Run(run::RunOptions),
     /// Simulate a scene and differentiate its functionals by the discrete adjoint
     Gradient(gradient::GradientOptions),
+    /// Frequencies and shapes of small vibrations about the start of a scene or another equilibrium
+    Modes(modes::ModesOptions),
     /// Measure a study of verification/ against its reference; without a name: list the studies
     Verify(verify::VerifyOptions),
     /// List the scenes and their design variables
@@ -43,6 +46,7 @@ pub fn main() -> ExitCode {
     let done = interrupt::install().and_then(|()| match command {
         Command::Run(options) => run::run(&options),
         Command::Gradient(options) => gradient::run(&options),
+        Command::Modes(options) => modes::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::List(options) => list::run(&options),
     });

@@ -2,7 +2,9 @@ use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design};
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, StepControl, table_named, tables};
+use costate::integrators::{
+    ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
+};
 use costate::scenes::{AnyScene, Prepared, built_in};
 use std::path::PathBuf;
 
@@ -24,7 +26,7 @@ pub struct SceneOptions {
     #[arg(long, value_name = "N", value_parser = step_count, allow_negative_numbers = true)]
     steps: Option<usize>,
     /// Choose steps by their error: tolerance of coordinates and velocities, relative and absolute (methods with an error
-    /// estimate)
+    /// estimate); load steps of --method static by the success of Newton's method, whatever the number
     #[arg(long, value_name = "TOL", value_parser = positive_number, allow_negative_numbers = true, conflicts_with = "steps")]
     tolerance: Option<f64>,
     /// The same for velocities alone [default: that of --tolerance]
@@ -37,9 +39,10 @@ pub struct SceneOptions {
     #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
     output_step: Option<f64>,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
-    /// bdf2, bdf3; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8
-    #[arg(long, value_name = "TABLE", default_value = DEFAULT_TABLE)]
-    method: String,
+    /// bdf2, bdf3; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8. Equilibria, with time as the load factor: static
+    /// [default: the scene's, else esdirk4]
+    #[arg(long, value_name = "TABLE")]
+    method: Option<String>,
     /// Time derivative on which constraints are kept: position, velocity, acceleration
     #[arg(long, value_name = "LEVEL", default_value = ConstraintLevel::default().name())]
     constraint_level: String,
@@ -79,7 +82,7 @@ fn step_count(text: &str) -> Result<usize, String> {
 }
 
 /// The scene with a given name.
-fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
+pub(super) fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
     let known: Vec<String> = built_in::all().iter().map(|scene| scene.scene_name()).collect();
     built_in::all()
         .into_iter()
@@ -88,7 +91,7 @@ fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
 }
 
 /// The initial design with the changes of `--set`.
-fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
+pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
     let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
     let mut seen: Vec<&str> = Vec::new();
     for change in changes {
@@ -137,10 +140,13 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed; or why the scene cannot start.
     pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
-        let table = table_named(&self.method).map_err(|message| Failure::input(format!("--method: {message}")))?;
+        let mut settings = scene.default_settings();
+        let name = self.method.as_deref().or(settings.method).unwrap_or(DEFAULT_TABLE);
+        let table = table_named(name).map_err(|message| Failure::input(format!("--method: {message}")))?;
         let table = table.ok_or_else(|| {
-            let known: Vec<String> = tables().iter().map(|table| table.name.clone()).collect();
-            Failure::input(unknown("--method", &self.method, &known))
+            let known: Vec<String> =
+                tables().into_iter().map(|table| table.name).chain([STATIC_TABLE.to_string()]).collect();
+            Failure::input(unknown("--method", name, &known))
         })?;
         let level = ConstraintLevel::by_name(&self.constraint_level).ok_or_else(|| {
             let known = ConstraintLevel::ALL.map(|level| level.name().to_string());
@@ -151,7 +157,6 @@ impl SceneOptions {
             let known = NewtonTolerance::ALL.map(|rule| rule.name().to_string());
             Failure::input(unknown("--newton", &self.newton, &known))
         })?;
-        let mut settings = scene.default_settings();
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;
@@ -199,6 +204,7 @@ mod tests {
         let levels = ConstraintLevel::ALL.map(|level| level.name()).join(", ");
         let methods = tables().into_iter().map(|table| table.name).collect::<Vec<_>>().join(", ");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(help.contains(STATIC_TABLE) && help.contains(&format!("else {DEFAULT_TABLE}")), "{help}");
         assert!(help.contains(&levels) && help.contains(&methods), "{help}");
     }
 }

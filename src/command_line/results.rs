@@ -216,8 +216,9 @@ impl Observer for Results<'_> {
             return Ok(true);
         }
         let Some(last) = step.stages.last() else { return Ok(true) };
-        let unknowns = &last.solve.unknowns;
-        self.add(step.t + step.h, [&unknowns.x, &step.v, &step.q], &unknowns.mu)?;
+        let mut a = Vec::new();
+        last.solve.write_acceleration(&mut a);
+        self.add(step.t + step.h, [&a, &step.v, &step.q], &last.solve.unknowns.mu)?;
         Ok(true)
     }
 }

@@ -87,14 +87,22 @@ fn announce(prepared: &Prepared) {
     let Prepared { scene, method, grid, plan, .. } = prepared;
     say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
     let end = grid.times[grid.steps()];
+    let is_static = method.table.is_static();
     let steps = match prepared.control {
+        Some(_) if is_static => "load steps chosen by the success of Newton's method".into(),
         Some(StepControl { coordinates, velocities, .. }) => {
             let (q, v) = (coordinates.relative, velocities.relative);
             format!("steps to a tolerance of {q:e} (coordinates) and {v:e} (velocities)")
         }
+        None if is_static => count(grid.steps(), "load step"),
         None => count(grid.steps(), "step"),
     };
-    say(format_args!("{}, constraints at {} level, {steps} over {end} s", method.table.name, method.level.name()));
+    let level = method.constraint_level().name();
+    if is_static {
+        say(format_args!("{}, equilibria, {steps} up to the load factor {end}", method.table.name));
+    } else {
+        say(format_args!("{}, constraints at {level} level, {steps} over {end} s", method.table.name));
+    }
     if !plan.dropped.is_empty() {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
         say(format_args!("redundant and left out: {}", names.join("; ")));
@@ -200,7 +208,7 @@ impl Simulation {
         let mut object = Map::new();
         object.insert("scene".into(), json!(prepared.scene.scene_name()));
         object.insert("method".into(), json!(prepared.method.table.name));
-        object.insert("constraint_level".into(), json!(prepared.method.level.name()));
+        object.insert("constraint_level".into(), json!(prepared.method.constraint_level().name()));
         match prepared.control {
             Some(control) => {
                 let (q, v) = (control.coordinates.relative, control.velocities.relative);

@@ -107,7 +107,7 @@ impl<S: FunctionalScalar> Sample<S> {
         self.solved_mu.clear();
         self.dropped.clone_from(&step.dropped);
         if let Some(last) = step.stages.last() {
-            self.at.a.clone_from(&last.solve.unknowns.x);
+            last.solve.write_acceleration(&mut self.at.a);
             self.mu.clone_from(&last.solve.unknowns.mu);
         }
     }

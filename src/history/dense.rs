@@ -26,20 +26,30 @@ struct End {
     a: Option<Vec<f64>>,
     /// Multipliers of the last stage.
     mu: Vec<f64>,
+    /// An equilibrium, not a motion.
+    is_static: bool,
 }
 
 impl End {
     fn start(start: &StartRecord<f64>) -> Self {
         let SolveRecord { t, base, unknowns, .. } = &start.acceleration;
-        End { t: *t, q: base.q.clone(), v: base.v.clone(), a: Some(unknowns.x.clone()), mu: unknowns.mu.clone() }
+        End {
+            t: *t,
+            q: base.q.clone(),
+            v: base.v.clone(),
+            a: Some(unknowns.x.clone()),
+            mu: unknowns.mu.clone(),
+            is_static: false,
+        }
     }
 
     fn of(step: &StepRecord<f64>) -> Self {
         let t = step.t + step.h;
-        let mut end = End { t, q: step.q.clone(), v: step.v.clone(), a: None, mu: Vec::new() };
+        let mut end = End { t, q: step.q.clone(), v: step.v.clone(), a: None, mu: Vec::new(), is_static: false };
         if let Some(last) = step.stages.last() {
             end.a = ((t - last.solve.t).abs() <= 1e-9 * step.h).then(|| last.solve.unknowns.x.clone());
             end.mu.clone_from(&last.solve.unknowns.mu);
+            end.is_static = last.solve.equations.is_static();
         }
         end
     }
@@ -49,7 +59,7 @@ impl End {
 ///
 /// Coordinates are the polynomial that meets coordinates, velocities and accelerations at both ends of the step (degree 5);
 /// without a stage at the ends of steps, coordinates and velocities (degree 3). Velocities and accelerations are its
-/// derivatives. Multipliers are linear between the ends, or those of the last stage.
+/// derivatives. Equilibria and multipliers are linear between the ends, or those of the last stage.
 #[derive(Clone, Debug)]
 pub struct Dense {
     start: End,
@@ -88,6 +98,12 @@ impl Dense {
             moment.a = start.a.clone().unwrap_or_default();
             return moment;
         }
+        let between = |ends: [f64; 2]| ends[0] + share * (ends[1] - ends[0]);
+        if end.is_static {
+            moment.q = start.q.iter().zip(&end.q).map(|(a, b)| between([*a, *b])).collect();
+            moment.mu = start.mu.iter().zip(&end.mu).map(|(a, b)| between([*a, *b])).collect();
+            return moment;
+        }
         let accelerations = start.a.as_ref().zip(end.a.as_ref());
         for i in 0..end.q.len() {
             let ends = [[start.q[i], start.v[i]], [end.q[i], end.v[i]]];
@@ -95,7 +111,7 @@ impl Dense {
             [moment.q[i], moment.v[i], moment.a[i]] = hermite(h, share, ends, second);
         }
         if accelerations.is_some() {
-            moment.mu = start.mu.iter().zip(&end.mu).map(|(a, b)| a + share * (b - a)).collect();
+            moment.mu = start.mu.iter().zip(&end.mu).map(|(a, b)| between([*a, *b])).collect();
         }
         moment
     }

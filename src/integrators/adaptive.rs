@@ -1,6 +1,8 @@
 //! Steps as long as the error allows: an embedded solution measures it, a PI controller chooses the next size.
 
 use super::checkpoint::Between;
+use super::course::Course;
+use super::load_steps::march_loading;
 use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::record::{Recorder, SolveRecord, StepRecord};
 use super::step::{First, Marcher};
@@ -44,7 +46,7 @@ impl StepControl {
         StepControl { coordinates: both, velocities: both, longest: f64::INFINITY }
     }
 
-    /// Checks the control and the method for a run with adaptive steps.
+    /// Checks the control and the method for a run with chosen steps.
     ///
     /// # Errors
     /// [`RunError::Input`]: a number out of range, or a method without embedded weights.
@@ -60,7 +62,8 @@ impl StepControl {
         if !(self.longest > 0.0) {
             return Err(RunError::Input(format!("the longest step is {} s; it must be above 0", self.longest)));
         }
-        if table.embedded.is_none() || table.starter.is_some() {
+        // equilibria have no error of their own: their steps are those that Newton's method can make
+        if !table.is_static() && (table.embedded.is_none() || table.starter.is_some()) {
             return Err(RunError::Input(format!(
                 "\"{}\" does not measure its error, so it cannot choose its steps; give it a number of steps, or use one of {}",
                 table.name,
@@ -76,7 +79,7 @@ impl StepControl {
     }
 }
 
-/// Runs a problem with steps chosen by their error; `stretches` holds the start, the kinks and the end.
+/// Runs a problem with steps chosen by their error (equilibria: by the success of Newton's method); `stretches` holds the start, the kinks and the end.
 ///
 /// Returns the steps taken, also where the run stopped early, and its end or the reason with step and time; steps before it have
 /// reached the recorder. Steps that were given up leave no trace: a run over the steps taken gives the same numbers bit by bit.
@@ -89,35 +92,37 @@ pub fn march_adaptive(
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid { times: vec![stretches.times[0]], kinks: Default::default() };
-    let run = march_choosing(problem, method, control, stretches, plan, &mut grid, recorder);
+    let course = Course::new(stretches, &mut grid);
+    let run = control.check(&method.table).and_then(|()| {
+        let march = if method.table.is_static() { march_loading } else { march_choosing };
+        march(problem, method, control, course, plan, recorder)
+    });
     (grid, run)
 }
 
-/// As [`march_adaptive`], with the steps taken added to `grid`.
+/// As [`march_adaptive`], with the steps taken added to the course.
 fn march_choosing(
     problem: &Problem<f64>,
     method: &Method,
     control: &StepControl,
-    stretches: &TimeGrid,
+    course: Course,
     plan: &StartPlan,
-    grid: &mut TimeGrid,
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
-    control.check(&method.table)?;
     let systems = Systems::new(problem.model, method, &plan.dropped);
     let mut marcher = Marcher::new(problem, method, &systems, plan)?;
-    recorder.start(marcher.start(stretches.times[0], plan, None)?)?;
-    let mut choice = Choice::new(&marcher, control, stretches, grid);
+    recorder.start(marcher.start(course.t(), plan, None)?)?;
+    let mut choice = Choice::new(&marcher, control, course);
     let mut before = marcher.checkpoint();
     choice.first_step(&mut marcher)?;
     marcher.resume(&before)?;
-    while !choice.at_end() {
-        let index = choice.grid.steps();
+    while !choice.course.at_end() {
+        let index = choice.course.grid.steps();
         if recorder.wants_checkpoint(index) {
             recorder.checkpoint(before.clone())?;
         }
         let reached = loop {
-            let kink = choice.grid.kinks.contains(&index);
+            let kink = choice.course.at_kink();
             let (span, reached) = choice.span();
             match marcher.step_over(Scheme::Main, span, kink, None) {
                 Ok(()) => {
@@ -130,7 +135,7 @@ fn march_choosing(
             }
             marcher.resume(&before)?;
         };
-        choice.advance(reached);
+        choice.course.advance(reached);
         marcher.checkpoint_in(&mut before);
         if !recorder.step(marcher.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
@@ -144,15 +149,11 @@ struct Choice<'c> {
     control: &'c StepControl,
     table: &'c Table,
     embedded: &'c Embedded,
-    stretches: &'c TimeGrid,
+    course: Course<'c>,
     /// Moving coordinates: those of fixed nodes have no error.
     moving: Vec<usize>,
-    /// Steps taken.
-    grid: &'c mut TimeGrid,
     /// Next size [s], before it is fitted to the stretch.
     h: f64,
-    /// Index of the stretch's end.
-    target: usize,
     /// Error of the last accepted step, as a share of the allowed one.
     last_error: f64,
     rejected: usize,
@@ -164,7 +165,7 @@ struct Choice<'c> {
 }
 
 impl<'c> Choice<'c> {
-    fn new(marcher: &Marcher<'c, f64>, control: &'c StepControl, stretches: &'c TimeGrid, grid: &'c mut TimeGrid) -> Self {
+    fn new(marcher: &Marcher<'c, f64>, control: &'c StepControl, course: Course<'c>) -> Self {
         let table = &marcher.method.table;
         let embedded = table.embedded.as_ref().expect("checked before the run");
         let nodes = marcher.problem.model.nodes.iter().filter(|node| !node.fixed);
@@ -172,25 +173,15 @@ impl<'c> Choice<'c> {
             control,
             table,
             embedded,
-            stretches,
+            course,
             moving: nodes.flat_map(|node| node.dofs.clone()).collect(),
-            grid,
             h: 0.0,
-            target: 1,
             last_error: 1.0,
             rejected: 0,
             halvings: 0,
             retried: false,
             difference: Vec::new(),
         }
-    }
-
-    fn t(&self) -> f64 {
-        self.grid.times[self.grid.steps()]
-    }
-
-    fn at_end(&self) -> bool {
-        self.target >= self.stretches.times.len()
     }
 
     /// Largest ratio of entries to what is allowed for them; NaN stays.
@@ -206,7 +197,7 @@ impl<'c> Choice<'c> {
     fn first_step(&mut self, marcher: &mut Marcher<f64>) -> Result<(), RunError> {
         let state = marcher.between.clone();
         let (q, v, a) = (&state.carried[0], &state.carried[1], state.acceleration());
-        let duration = self.stretches.times[1] - self.t();
+        let duration = self.course.span(f64::INFINITY).1 - self.course.t();
         let StepControl { coordinates, velocities, .. } = *self.control;
         let states = self.ratio(coordinates, q, [q, q]).max(self.ratio(velocities, v, [v, v]));
         let changes = self.ratio(coordinates, v, [q, q]).max(self.ratio(velocities, a, [v, v]));
@@ -215,7 +206,8 @@ impl<'c> Choice<'c> {
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
         let mut later = SolveRecord::empty();
-        let solved = marcher.solve_acceleration((&moved(q, v), &moved(v, a)), self.t() + trial, 0, First::Zero, &mut later);
+        let solved =
+            marcher.solve_acceleration((&moved(q, v), &moved(v, a)), self.course.t() + trial, 0, First::Zero, &mut later);
         let curvature = match solved {
             Ok(()) => {
                 let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();
@@ -233,19 +225,8 @@ impl<'c> Choice<'c> {
 
     /// Start and end of the next step as elements see them, and its end.
     fn span(&mut self) -> ((f64, f64), f64) {
-        let (t, target) = (self.t(), self.stretches.times[self.target]);
-        let left = target - t;
         self.h = self.h.min(self.control.longest);
-        let end = if self.h >= left * (1.0 - 1e-9) {
-            target
-        } else if 2.0 * self.h > left {
-            // two equal steps rather than a long and a tiny one
-            t + 0.5 * left
-        } else {
-            t + self.h
-        };
-        let at_kink = end == target && self.stretches.kinks.contains(&self.target);
-        ((t, if at_kink { end.next_down() } else { end }), end)
+        self.course.span(self.h)
     }
 
     /// Estimated error of a step as a share of the allowed one.
@@ -302,21 +283,9 @@ impl<'c> Choice<'c> {
         self.rejected += 1;
         self.retried = true;
         self.h = factor * self.tried();
-        let duration = self.stretches.times[self.stretches.steps()] - self.stretches.times[0];
-        if self.h > SHORTEST * duration {
+        if self.h > SHORTEST * self.course.duration() {
             return Ok(());
         }
-        Err(RunError::StepSize { step: self.grid.steps() + 1, t: self.t(), h: self.h })
-    }
-
-    /// Takes the step to its end.
-    fn advance(&mut self, end: f64) {
-        self.grid.times.push(end);
-        if end == self.stretches.times[self.target] {
-            if self.stretches.kinks.contains(&self.target) {
-                self.grid.kinks.insert(self.grid.steps());
-            }
-            self.target += 1;
-        }
+        Err(RunError::StepSize { step: self.course.grid.steps() + 1, t: self.course.t(), h: self.h })
     }
 }

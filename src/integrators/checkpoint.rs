@@ -1,4 +1,5 @@
 use super::record::SolveRecord;
+use super::table::SAME_SIZE;
 use super::{Carried, Prediction, Scheme};
 use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::elements::RunScalar;
@@ -40,6 +41,21 @@ impl<S: RunScalar> Between<S> {
         self.last.y.fill(S::zero());
         self.last.eta.fill(S::zero());
         self.prediction.clear(0);
+    }
+
+    /// Equilibria go on in proportion to the load: the displacements h^2 x of a step are expected to be to those of the last one as their
+    /// sizes. Behind a kink the last step says nothing.
+    pub(super) fn expect_in_proportion(&mut self, t: f64, h: f64, kink: bool) {
+        if kink {
+            self.last.x.fill(S::zero());
+            self.prediction.clear(0);
+            return;
+        }
+        let before = self.prediction.tracks.first().and_then(|track| track.times.first()).map(|start| t - start);
+        if let Some(before) = before.filter(|before| (before - h).abs() > SAME_SIZE * h) {
+            self.last.x.iter_mut().for_each(|x| *x = *x * (before / h));
+            self.prediction.clear(0);
+        }
     }
 
     /// Stages of another table say nothing about those of this one.

@@ -49,6 +49,17 @@ pub enum RunError {
         /// Its size [s].
         h: f64,
     },
+    /// Load steps became too small to find another equilibrium.
+    NoEquilibrium {
+        /// Load factor of the last equilibrium.
+        t: f64,
+        /// Smallest step that was tried.
+        h: f64,
+        /// What to try.
+        hint: &'static str,
+        /// What happened there.
+        cause: String,
+    },
     /// A step that could not be kept for the way back, or not be found again.
     History {
         /// Where in the run, and where it was to be kept.
@@ -87,6 +98,9 @@ impl fmt::Display for RunError {
                 "step {step} (t = {t} s): the error asks for a step of {h:.1e} s, which no longer advances; \
                  the motion is not smooth there, or the tolerance is below round-off: try a larger tolerance"
             ),
+            RunError::NoEquilibrium { t, h, hint, cause } => {
+                write!(f, "no equilibrium was found beyond the load factor {t} with steps down to {h:.1e}: {hint} ({cause})")
+            }
             RunError::History { place, cause, hint } => write!(f, "{place}: {cause}; {hint}"),
             RunError::Interrupted { steps } => write!(f, "interrupted after {steps} finished steps"),
         }

@@ -1,5 +1,6 @@
 use super::RunError;
 use super::newton::{Newton, ROUND_OFF};
+use crate::assembly::Equations;
 use crate::elements::RunScalar;
 
 /// Why one system was not solved; the caller knows where in the run it was.
@@ -18,13 +19,16 @@ pub(super) enum FailureKind {
 
 impl<S: RunScalar> Newton<'_, S> {
     /// The failure in words.
-    pub fn describe(&self, failure: &Failure, place: &str) -> RunError {
+    pub fn describe(&self, failure: &Failure, equations: &Equations, place: &str) -> RunError {
         let model = self.system.model;
         let how = match failure.how {
             FailureKind::Singular(unknown) => {
                 let unknown = self.system.unknown_name(unknown, &self.jacobian);
                 let hint = if unknown.starts_with("joint") {
                     "its reaction is not determined: the joint is redundant or the mechanism is in a singular pose"
+                } else if equations.is_static() {
+                    "nothing holds it in equilibrium: give it a support, a joint or a spring; at a limit of the load take smaller \
+                     steps, or follow the path by its arc length"
                 } else {
                     "it has no inertia, or nothing holds it: give it a mass or a constraint"
                 };

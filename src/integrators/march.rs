@@ -50,6 +50,11 @@ impl Method {
         Method { table, level, tolerance: NewtonTolerance::default(), backend: Backend::default(), unreduced: false }
     }
 
+    /// The level at which constraints are kept: in an equilibrium that of positions, whatever is chosen for motions.
+    pub fn constraint_level(&self) -> ConstraintLevel {
+        if self.table.is_static() { ConstraintLevel::Position } else { self.level }
+    }
+
     /// The equations of the steps' systems: the same unknowns for all, or with rate corrections for the stages.
     pub(crate) fn system_options(&self, dropped: &[usize], stabilized: bool) -> SystemOptions {
         SystemOptions { dropped: dropped.to_vec(), unreduced: self.unreduced, stabilized }
@@ -58,7 +63,7 @@ impl Method {
     /// The equations of stage `index` of one of the method's tables.
     pub(crate) fn stage_equations(&self, table: &Table, index: usize, h: f64, constrained: bool) -> Equations {
         let shift = table.shift(index, h);
-        let level = match self.level {
+        let level = match self.constraint_level() {
             ConstraintLevel::Position if constrained => Level::Position,
             ConstraintLevel::Velocity if constrained => Level::Stabilized,
             _ => Level::Acceleration,

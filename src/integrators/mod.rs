@@ -1,15 +1,20 @@
-//! From a start to the end of the motion: tables, stages, projections, Newton's method.
+//! From a start to the end of the motion: tables, stages, projections, Newton's method; equilibria, their paths, and the small
+//! vibrations about them.
 //!
 //! An integrator is a [`Table`]: which stages it has and how they and the carried vectors combine. Forward, tangent,
 //! complex-step and adjoint runs are written once, for all tables and all constraint levels.
 
 mod adaptive;
+mod arc_length;
 mod butcher;
 mod checkpoint;
 mod counters;
+mod course;
 mod error;
 mod failure;
 mod grid;
+mod linearized;
+mod load_steps;
 mod march;
 mod newton;
 mod prediction;
@@ -21,8 +26,10 @@ mod step;
 mod systems;
 mod table;
 mod tables;
+mod vibrations;
 
 pub use adaptive::{StepControl, Tolerance, march_adaptive};
+pub use arc_length::{ArcLength, Path, PathEnd, PathPoint, follow_path};
 pub use butcher::Butcher;
 pub use checkpoint::{Between, Checkpoint, FactoredAt, KeptFactorization};
 pub use counters::Counters;
@@ -38,7 +45,8 @@ pub use start::{ConstraintPolicy, InitialState, StartPlan};
 pub use step::Marcher;
 pub use systems::Systems;
 pub use table::{Carried, Combination, Embedded, Scheme, Stage, Starter, Table};
-pub use tables::{DEFAULT_TABLE, table_by_name, table_named, tables};
+pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_named, tables};
+pub use vibrations::{Mode, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

@@ -61,9 +61,9 @@ pub struct Newton<'m, S> {
     pub jacobian: Jacobian,
     /// Work done.
     pub counters: Counters,
-    factorization: Factorization,
+    pub(super) factorization: Factorization,
     tolerance: NewtonTolerance,
-    rhs: Vec<f64>,
+    pub(super) rhs: Vec<f64>,
     /// Right-hand side before an estimate.
     exact: Vec<f64>,
     /// Parameters without derivative parts.
@@ -178,7 +178,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     /// Sets the levers from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
-    fn set_levers(&mut self, base: &VectorsAvq<S>) {
+    pub(super) fn set_levers(&mut self, base: &VectorsAvq<S>) {
         let nodes = &self.system.model.nodes;
         let lengths = nodes.iter().filter(|node| node.kind != NodeKind::Coordinates(node.dofs.len()));
         let largest = lengths
@@ -191,7 +191,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     /// Largest number of a list of all coordinates, times its lever.
-    fn size(&self, values: &[S]) -> f64 {
+    pub(super) fn size(&self, values: &[S]) -> f64 {
         values.iter().zip(&self.levers).fold(0.0, |s: f64, (x, lever)| s.max(x.value().abs() * lever))
     }
 
@@ -388,7 +388,14 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
     }
 
-    fn evaluate(&mut self, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>, p: &[S], t: f64) {
+    pub(super) fn evaluate(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) {
         self.counters.residuals += 1;
         // a factorization follows
         if self.factored.is_none() && S::PARTS == 0 {
@@ -428,7 +435,13 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Ok(())
     }
 
-    fn factorize(&mut self, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) -> Result<(), Singular> {
+    pub(super) fn factorize(
+        &mut self,
+        equations: &Equations,
+        unknowns: &Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Singular> {
         self.counters.factorizations += 1;
         let before = self.jacobian.evaluated;
         self.p.clear();

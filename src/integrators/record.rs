@@ -22,6 +22,13 @@ impl<S: Scalar> SolveRecord<S> {
         SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns }
     }
 
+    /// Writes the acceleration at a stage that starts from none: that of an equilibrium is zero.
+    pub fn write_acceleration(&self, a: &mut Vec<S>) {
+        let gamma = self.equations.residual.gamma;
+        a.clear();
+        a.extend(self.unknowns.x.iter().map(|&x| x * gamma));
+    }
+
     /// (a, v, q) at the solution.
     pub fn point(&self) -> VectorsAvq<S> {
         VectorsAvq::shifted(&self.base, self.equations.residual, &self.unknowns)

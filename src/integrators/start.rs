@@ -1,6 +1,6 @@
 use super::newton::Newton;
 use super::redundancy::{constraint_rows, dependent_equations};
-use super::{NewtonTolerance, Problem, RunError};
+use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, NodeId, NodeKind, Residual, System, SystemOptions, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::linalg::{Backend, independent_rows};
@@ -40,17 +40,20 @@ pub struct StartPlan {
 const INCONSISTENT: f64 = 1e-9;
 
 impl StartPlan {
-    /// Examines a start: numbers, nodes, Euler parameters, constraints, rank.
+    /// Examines a start: numbers, nodes, Euler parameters, constraints, rank; for equilibria also that nothing moves.
     ///
     /// # Errors
     /// [`RunError::Input`] or [`RunError::Singular`] with the name and the numbers of what is wrong.
-    pub fn prepare(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
+    pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
         let model = problem.model;
         check_numbers(problem)?;
         check_nodes(model)?;
         check_euler_parameters(problem, policy)?;
-        check_consistency(problem, policy)?;
-        let dropped = find_dependent(problem, policy)?;
+        if table.is_static() {
+            check_stillness(problem)?;
+        }
+        check_consistency(problem, table, policy)?;
+        let dropped = find_dependent(problem, table, policy)?;
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start })
     }
 }
@@ -122,7 +125,27 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
     Ok(())
 }
 
-fn check_consistency(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<(), RunError> {
+/// Nothing moves: no initial velocity, and no constraint on velocities alone.
+pub(super) fn check_stillness(problem: &Problem<f64>) -> Result<(), RunError> {
+    let model = problem.model;
+    if let Some(joint) = model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
+        return Err(RunError::Input(format!(
+            "joint \"{}\" restricts velocities, not positions: it has no equilibrium of its own; \
+             remove it or simulate the motion instead of the statics",
+            joint.name
+        )));
+    }
+    if let Some(dof) = problem.start.v.iter().position(|&v| v != 0.0) {
+        return Err(RunError::Input(format!(
+            "initial velocity of {} is {}: in statics nothing moves; set it to 0 or simulate the motion instead of the statics",
+            model.dof_name(dof),
+            problem.start.v[dof]
+        )));
+    }
+    Ok(())
+}
+
+fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<(), RunError> {
     let model = problem.model;
     let size = |x: &[f64]| x.iter().fold(1.0, |s: f64, x| s.max(x.abs()));
     let (length, speed) = (size(&problem.start.q), size(&problem.start.v));
@@ -138,7 +161,7 @@ fn check_consistency(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result
         for (row, g) in g.iter().enumerate() {
             if !(g.value.abs() <= INCONSISTENT * length) {
                 messages.push(format!("joint \"{}\", constraint {}: g = {:.6e}", joint.name, row + 1, g.value));
-            } else if !(g.first.abs() <= INCONSISTENT * speed) {
+            } else if !table.is_static() && !(g.first.abs() <= INCONSISTENT * speed) {
                 messages.push(format!("joint \"{}\", constraint {}: dg/dt = {:.6e}", joint.name, row + 1, g.first));
             }
         }
@@ -154,11 +177,16 @@ fn check_consistency(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result
 }
 
 /// Constraint equations that depend on others at the start, if the policy allows to drop them.
-fn find_dependent(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
+fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<Vec<usize>, RunError> {
     let model = problem.model;
     let place = "start (t = 0 s)";
     if policy.drop_redundant {
         return Ok(dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None));
+    }
+    if table.is_static() {
+        // accelerations may not exist: freedoms of an equilibrium need no inertia
+        let dependent = dependent_equations(problem, (&problem.start.q, &problem.start.v), 0.0, None);
+        return if dependent.is_empty() { Ok(dependent) } else { Err(redundant(model, &dependent)) };
     }
     let system = Arc::new(System::new(model, SystemOptions::default()));
     let singular = |newton: Option<&Newton<f64>>, unknown: usize| RunError::Singular {
@@ -177,16 +205,22 @@ fn find_dependent(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<Ve
     let rows = constraint_rows(&system, &newton.jacobian);
     let kept = independent_rows(&rows, None);
     if kept.len() == rows.len() {
-        return Err(newton.describe(&failure, place));
+        return Err(newton.describe(&failure, &Equations::acceleration(), place));
     }
     let dependent: Vec<usize> = (0..rows.len()).filter(|row| !kept.contains(row)).collect();
+    Err(redundant(model, &dependent))
+}
+
+/// The error of equations that depend on the others.
+fn redundant(model: &Model, dependent: &[usize]) -> RunError {
+    let kept: Vec<usize> = (0..model.equations).filter(|row| !dependent.contains(row)).collect();
     let names = |list: &[usize]| list.iter().map(|&row| model.equation_name(row)).collect::<Vec<_>>().join("; ");
-    Err(RunError::Input(format!(
+    RunError::Input(format!(
         "the constraints are redundant: {} of {} equations depend on the others: {}. An independent subset is: {}. \
          Remove a joint's excess equations or allow redundant ones to be dropped",
         dependent.len(),
-        rows.len(),
-        names(&dependent),
+        model.equations,
+        names(dependent),
         names(&kept)
-    )))
+    ))
 }

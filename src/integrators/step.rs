@@ -72,7 +72,7 @@ fn solve<S: RunScalar>(
         First::Solved(_) => newton.solve_guided(equations, base, unknowns, p, *t),
         _ => newton.solve(equations, base, unknowns, p, *t),
     };
-    solved.map_err(|failure| newton.describe(&failure, &place()))
+    solved.map_err(|failure| newton.describe(&failure, equations, &place()))
 }
 
 /// Solvers of accelerations, of stages with projections, and of the start.
@@ -183,7 +183,8 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         Ok(())
     }
 
-    /// Projects the start if the plan says so and solves for the first acceleration.
+    /// Projects the start if the plan says so and solves for the first acceleration; before equilibria neither is needed: the first
+    /// load step closes the joints, and what it starts from has no reactions yet.
     ///
     /// # Errors
     /// [`RunError`] with what could not be solved.
@@ -192,7 +193,8 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         let model = self.problem.model;
         let InitialState { mut q, mut v } = self.problem.start.clone();
         let mut start_projections = [None, None];
-        if plan.project && self.constrained {
+        let is_static = self.method.table.is_static();
+        if plan.project && self.constrained && !is_static {
             let place = || "projection of the start (t = 0 s)".to_string();
             let zeros = || vec![S::zero(); model.dofs];
             let p = &self.problem.p;
@@ -210,8 +212,18 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             start_projections = [Some(first), Some(second)];
         }
         let mut first = SolveRecord::empty();
-        let from = start_of(|start| Some(&start.acceleration));
-        self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
+        let mut guessed = Vec::new();
+        if is_static {
+            first.t = t;
+            first.base = VectorsAvq { a: vec![S::zero(); model.dofs], v: v.clone(), q: q.clone() };
+            Residual::shape(&self.acceleration.system, &mut first.unknowns, true);
+            if guide.is_none() {
+                guessed = self.start.released(&first.base, &self.problem.p, t).mu;
+            }
+        } else {
+            let from = start_of(|start| Some(&start.acceleration));
+            self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
+        }
         let kinds = &self.method.table.carried;
         let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };
         // older vectors are read only after as many steps have written them
@@ -224,6 +236,9 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         self.between =
             Between { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
+        if !guessed.is_empty() {
+            self.between.last.mu = guessed;
+        }
         let [position_projection, velocity_projection] = start_projections;
         Ok(StartRecord { dropped: plan.dropped.clone(), position_projection, velocity_projection, acceleration: first })
     }
@@ -364,7 +379,9 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         (record.t, record.h, record.scheme) = (t, h, scheme);
         record.dropped.clone_from(&state.dropped);
         record.restart = None;
-        if kink {
+        if table.is_static() {
+            state.expect_in_proportion(t, h, kink);
+        } else if kink {
             let first = First::guided(guided.and_then(|step| step.restart.as_ref()));
             let mut solved = SolveRecord::empty();
             self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
@@ -474,7 +491,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         (t, shift): (f64, Shift),
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
-        if !self.constrained || self.method.level != ConstraintLevel::Acceleration {
+        if !self.constrained || self.method.constraint_level() != ConstraintLevel::Acceleration {
             (record.position_projection, record.velocity_projection) = (None, None);
             return Ok(());
         }

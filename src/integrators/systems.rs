@@ -14,7 +14,7 @@ impl<'m> Systems<'m> {
     /// Numbers the equations of a model for a method, without the constraint equations `dropped`.
     pub fn new(model: &'m Model, method: &Method, dropped: &[usize]) -> Self {
         let plain = Arc::new(System::new(model, method.system_options(dropped, false)));
-        let stabilized = method.level == ConstraintLevel::Velocity && plain.is_constrained();
+        let stabilized = method.constraint_level() == ConstraintLevel::Velocity && plain.is_constrained();
         let stage =
             if stabilized { Arc::new(System::new(model, method.system_options(dropped, true))) } else { plain.clone() };
         Systems { plain, stage }

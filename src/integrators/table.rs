@@ -110,9 +110,15 @@ pub enum Scheme {
 }
 
 /// Steps whose sizes differ relatively by less than this have the same size: times are sums with round-off.
-const SAME_SIZE: f64 = 1e-8;
+pub(super) const SAME_SIZE: f64 = 1e-8;
 
 impl Table {
+    /// True if nothing moves in any stage: its equations are those of an equilibrium, and time is a load factor.
+    pub fn is_static(&self) -> bool {
+        let zero = |combination: &Combination| combination.carried.iter().chain(&combination.stages).all(|&c| c == 0.0);
+        self.stages.iter().all(|stage| zero(&stage.a) && zero(&stage.v))
+    }
+
     /// (gamma, beta, alpha) of a stage: how its own unknown moves it.
     pub fn shift(&self, stage: usize, h: f64) -> Shift {
         let Stage { a, v, q, .. } = &self.stages[stage];

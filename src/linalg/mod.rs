@@ -4,6 +4,7 @@
 //! chooses the backend by size, refines solutions, and names the unknown of a singular system.
 
 mod dense;
+mod eigen;
 mod factorization;
 mod left_looking;
 mod ordering;
@@ -11,6 +12,7 @@ mod rank;
 mod sparse;
 
 pub use dense::DenseLu;
+pub use eigen::{Eigenpair, eigenpairs};
 pub use factorization::{Backend, Factorization};
 pub use left_looking::LeftLookingLu;
 pub use ordering::{Ordering, minimum_degree};

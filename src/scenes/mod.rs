@@ -4,6 +4,7 @@ mod builder;
 mod prepared;
 mod scene;
 mod sketch;
+mod statics;
 mod violation;
 
 pub mod built_in;
@@ -12,4 +13,5 @@ pub use builder::{BeamLine, BeamMember, Drawing, MechanismBuilder};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};
+pub use statics::Equilibrium;
 pub use violation::Violation;

@@ -5,8 +5,8 @@ use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design};
 use crate::functionals::Functional;
 use crate::history::Keep;
 use crate::integrators::{
-    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, StartPlan, StepControl,
-    TimeGrid, table_by_name,
+    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, STATIC_TABLE, StartPlan,
+    StepControl, TimeGrid, table_by_name, table_named,
 };
 use crate::scalar::{Complex, Lanes, Rev, Scalar};
 use crate::sensitivity::Analysis;
@@ -14,7 +14,7 @@ use crate::sensitivity::Analysis;
 /// Defaults of a scene's runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Duration [s].
+    /// Duration [s]; in statics the last load factor.
     pub end: f64,
     /// Steps of equal size; without meaning where they are chosen.
     pub steps: usize,
@@ -22,12 +22,26 @@ pub struct Settings {
     pub control: Option<StepControl>,
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
+    /// Name of the scene's own integrator, where it is not the default one.
+    pub method: Option<&'static str>,
 }
 
 impl Settings {
     /// A duration [s] and a number of steps; inconsistent starts and redundant constraints are refused.
     pub fn new(end: f64, steps: usize) -> Self {
-        Settings { end, steps, control: None, policy: ConstraintPolicy::default() }
+        Settings { end, steps, control: None, policy: ConstraintPolicy::default(), method: None }
+    }
+
+    /// Equilibria instead of a motion: time is a load factor that goes from 0 to 1 in equal steps.
+    pub fn statics(steps: usize) -> Self {
+        Settings::new(1.0, steps).with_method(STATIC_TABLE)
+    }
+
+    /// An integrator of the scene's own.
+    #[must_use]
+    pub fn with_method(mut self, name: &'static str) -> Self {
+        self.method = Some(name);
+        self
     }
 
     /// Chooses steps by their error instead of equal ones.
@@ -84,13 +98,26 @@ impl<'s> Prepared<'s> {
         Method::new(table, ConstraintLevel::default())
     }
 
-    /// Builds a scene at its initial design, with its own settings and the default method.
+    /// The method that settings ask for: their own table, or the default one.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] for a name that is not listed.
+    pub fn method_of(settings: &Settings) -> Result<Method, RunError> {
+        let Some(name) = settings.method else { return Ok(Self::default_method()) };
+        let table = table_named(name).map_err(RunError::Input)?;
+        let table = table
+            .ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
+        Ok(Method::new(table, ConstraintLevel::default()))
+    }
+
+    /// Builds a scene at its initial design, with its own settings and their method.
     ///
     /// # Errors
     /// See [`Prepared::with`].
     pub fn new(scene: &'s dyn AnyScene) -> Result<Self, RunError> {
         let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-        Self::with(scene, &x, Self::default_method(), scene.default_settings())
+        let settings = scene.default_settings();
+        Self::with(scene, &x, Self::method_of(&settings)?, settings)
     }
 
     /// Builds a scene at a design.
@@ -102,7 +129,7 @@ impl<'s> Prepared<'s> {
         check_design(&variables, x).map_err(RunError::Input)?;
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
         let kinks = mechanism.kinks();
-        let Settings { end, steps, control, policy } = settings;
+        let Settings { end, steps, control, policy, .. } = settings;
         if let Some(control) = &control {
             control.check(&method.table)?;
         }
@@ -110,7 +137,7 @@ impl<'s> Prepared<'s> {
         let grid = TimeGrid::uniform(end, steps, &kinks).map_err(RunError::Input)?;
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
         let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, plan, keep };
-        prepared.plan = StartPlan::prepare(&prepared.problem(), policy)?;
+        prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
         Ok(prepared)
     }
 

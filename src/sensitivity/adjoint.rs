@@ -114,7 +114,9 @@ impl Sweep<'_> {
         let start = history.start_record().ok_or_else(missing)?;
         self.select(&start.dropped)?;
         let bars = self.start_bars(start, &mut back);
-        self.acceleration(&start.acceleration, bars, &mut back)?;
+        if !self.method.table.is_static() {
+            self.acceleration(&start.acceleration, bars, &mut back)?;
+        }
         for (solve, place) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
                 let bars: Vec<SolutionBar> = back
@@ -229,7 +231,7 @@ impl Sweep<'_> {
                     let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
                     add(&mut back.carried[0], 1.0, &at.q);
                     add(&mut back.carried[1], 1.0, &at.v);
-                    add(&mut stages[last].x, 1.0, &at.a);
+                    add(&mut stages[last].x, step.stages[last].solve.equations.residual.gamma, &at.a);
                     add(&mut stages[last].mu, 1.0, &mu);
                 }
             }

@@ -1,0 +1,107 @@
+use super::console::{count, json_number, say, say_json};
+use super::failure::Failure;
+use super::options::{changed_design, find_scene};
+use super::simulation::long_number;
+use clap::Args;
+use costate::assembly::Model;
+use costate::integrators::{ConstraintLevel, Method, Mode, STATIC_TABLE, table_by_name};
+use costate::io::Table;
+use costate::scenes::Prepared;
+use serde_json::{Map, Value, json};
+use std::f64::consts::TAU;
+
+/// Options of `costate modes`.
+#[derive(Args)]
+pub struct ModesOptions {
+    /// Name of a scene (see `costate list`)
+    scene: String,
+    /// Number of modes: those whose omega^2 are nearest to zero
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = mode_count, allow_negative_numbers = true)]
+    count: usize,
+    /// About the equilibrium after the scene's load steps instead of its start; scenes of equilibria do so anyway
+    #[arg(long = "static")]
+    statics: bool,
+    /// Change a design variable; may be given once for each
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Print one JSON object with all figures on the last line of stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// Most modes.
+const MOST_MODES: usize = 10_000;
+
+fn mode_count(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if (1..=MOST_MODES).contains(&count) => Ok(count),
+        _ => Err(format!("it must be a whole number from 1 to {MOST_MODES}")),
+    }
+}
+
+/// `costate modes`: frequencies and shapes of small undamped vibrations.
+pub fn run(options: &ModesOptions) -> Result<(), Failure> {
+    let scene = find_scene(&options.scene)?;
+    let x = changed_design(&scene.design_variables(), &options.set)?;
+    let settings = scene.default_settings();
+    let mut method = Prepared::method_of(&settings)?;
+    if options.statics {
+        let table = table_by_name(STATIC_TABLE).ok_or_else(|| Failure::run("the method of equilibria is not listed"))?;
+        method = Method::new(table, ConstraintLevel::default());
+    }
+    let named = |error| {
+        let failure = Failure::from(error);
+        let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
+        Failure { message: format!("scene \"{}\": {message}", options.scene), ..failure }
+    };
+    let prepared = Prepared::with(&*scene, &x, method, settings).map_err(named)?;
+    let modes = prepared.modes(options.count).map_err(named)?;
+    let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
+    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    match about {
+        "start" => say("small undamped vibrations about the start\n"),
+        _ => say(format_args!("small undamped vibrations about the equilibrium at the load factor {}\n", settings.end)),
+    }
+    say_modes(prepared.model(), &modes);
+    if modes.len() < options.count {
+        say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
+    }
+    let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
+    let object = json!({
+        "scene": scene.scene_name(),
+        "about": about,
+        "design": Value::from(design.collect::<Map<_, _>>()),
+        "modes": modes.iter().map(|mode| json_of(prepared.model(), mode)).collect::<Vec<_>>(),
+    });
+    say_json(options.json, &object);
+    Ok(())
+}
+
+fn say_modes(model: &Model, modes: &[Mode]) {
+    let mut table = Table::new(&["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "moves most"]);
+    for (number, mode) in modes.iter().enumerate() {
+        let largest = (0..model.dofs).max_by(|&a, &b| mode.shape[a].abs().total_cmp(&mode.shape[b].abs()));
+        table.row([
+            (number + 1).to_string().into(),
+            long_number(mode.frequency).into(),
+            long_number(mode.frequency / TAU).into(),
+            if mode.is_unstable() { format!("{} unstable", long_number(mode.growth)) } else { "0".into() }.into(),
+            largest.map_or_else(String::new, |dof| model.dof_name(dof)).into(),
+        ]);
+    }
+    say(format_args!("{table}\n"));
+}
+
+fn json_of(model: &Model, mode: &Mode) -> Value {
+    let list = |values: &[f64]| values.iter().copied().map(json_number).collect::<Vec<_>>();
+    let shape = |values: &[f64]| -> Map<String, Value> {
+        model.nodes.iter().map(|node| (node.name.clone(), list(&values[node.dofs.clone()]).into())).collect()
+    };
+    json!({
+        "omega_rad_s": json_number(mode.frequency),
+        "frequency_hz": json_number(mode.frequency / TAU),
+        "growth_1_s": json_number(mode.growth),
+        "shape": shape(&mode.shape),
+        "ahead": shape(&mode.ahead),
+    })
+}

@@ -1,0 +1,427 @@
+//! Equilibrium paths through limits of the load, by their arc length (Riks 1979, Crisfield 1981).
+//!
+//! A path is (q, mu, t) with the load factor t. Its tangent has length one in the norm that counts displacements (each coordinate by its
+//! lever) and the load alike, |dq|^2 + psi^2 dt^2, where psi is the length that dq/dt has at the start: no unit matters. The next point
+//! lies in the plane at right angles to the tangent, an arc ahead; each correction solves twice with the same matrix, for the
+//! residual and for the load.
+
+use super::march::{Method, Problem};
+use super::newton::Newton;
+use super::{Counters, RunError, StartPlan, Systems};
+use crate::assembly::{Equations, Level, Model, NodeId, Residual, Shift, Unknowns, VectorsAvq};
+use crate::elements::{RunScalar, State};
+use crate::scalar::Complex;
+
+/// How far and how closely a path is followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ArcLength {
+    /// First increment of the load factor; it sets the length of the first arc.
+    pub first: f64,
+    /// Longest arc, in lengths of the first one.
+    pub longest: f64,
+    /// Most points.
+    pub points: usize,
+    /// Load factor at which the path ends.
+    pub load: Option<f64>,
+    /// Coordinate of the model, and its value at which the path ends.
+    pub coordinate: Option<(usize, f64)>,
+}
+
+/// One equilibrium of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Load factor.
+    pub load: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Multipliers.
+    pub mu: Vec<f64>,
+    /// Change of the load along the path, psi dt/ds, from -1 to 1: negative where equilibria need less and less load.
+    pub slope: f64,
+}
+
+/// Why a path ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathEnd {
+    /// The load factor was reached.
+    Load,
+    /// The coordinate was reached.
+    Coordinate,
+    /// As many points as were asked for.
+    Points,
+}
+
+/// Equilibria one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// The points, from the load factor 0 on.
+    pub points: Vec<PathPoint>,
+    /// Limits of the load between them, where its slope is zero.
+    pub limits: Vec<PathPoint>,
+    /// Why it ends.
+    pub end: PathEnd,
+    /// Work done.
+    pub counters: Counters,
+}
+
+/// Corrections that a well chosen arc needs.
+const WANTED: f64 = 5.0;
+/// Most corrections.
+const MOST_CORRECTIONS: usize = 15;
+/// Correction at which a point is as good as round-off allows, relative to the largest coordinate.
+const ROUND_OFF: f64 = 1e-14;
+/// Correction that is accepted when corrections no longer shrink.
+const NEARLY: f64 = 1e-9;
+/// Least cosine between the tangents at both ends of an arc.
+const STRAIGHT: f64 = 0.9;
+/// Arcs below this share of the first one no longer advance.
+const SHORTEST: f64 = 1e-6;
+/// Slope at a limit; the load there is off by its square.
+const LEVEL: f64 = 1e-7;
+/// Most points that are tried to locate a limit or an end.
+const MOST_TRIALS: usize = 60;
+
+impl ArcLength {
+    /// Arcs that begin with an increment of the load factor: up to 200 points, arcs up to five times the first.
+    pub fn new(first: f64) -> Self {
+        ArcLength { first, longest: 5.0, points: 200, load: None, coordinate: None }
+    }
+
+    /// Ends at a load factor.
+    #[must_use]
+    pub fn up_to_load(mut self, load: f64) -> Self {
+        self.load = Some(load);
+        self
+    }
+
+    /// Ends where a coordinate of the model passes a value.
+    #[must_use]
+    pub fn up_to_coordinate(mut self, dof: usize, value: f64) -> Self {
+        self.coordinate = Some((dof, value));
+        self
+    }
+
+    fn check(&self, model: &Model) -> Result<(), RunError> {
+        let fail = |message: String| Err(RunError::Input(message));
+        if !(self.first != 0.0 && self.first.is_finite()) {
+            return fail(format!("the first increment of the load is {}; it must be a number other than 0", self.first));
+        }
+        if !(self.longest > 0.0) || self.points == 0 {
+            return fail(format!(
+                "the longest arc is {} first ones, with {} points; both must be above 0",
+                self.longest, self.points
+            ));
+        }
+        match self.coordinate {
+            Some((dof, _)) if dof >= model.dofs => {
+                fail(format!("a path ends at coordinate {dof}, but the model has {}: count from 0", model.dofs))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Follows the equilibria of a problem from its start, at the load factor 0, on.
+///
+/// # Errors
+/// A start or options that are no good, a first equilibrium that is not found, or a path that ends, with its last load.
+pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, arc: &ArcLength) -> Result<Path, RunError> {
+    arc.check(problem.model)?;
+    super::start::check_stillness(problem)?;
+    let systems = Systems::new(problem.model, method, &plan.dropped);
+    let newton = Newton::new(systems.plain, method.tolerance, method.backend).map_err(|singular| RunError::Singular {
+        place: "start".into(),
+        unknown: format!("unknown {}", singular.unknown),
+        hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
+    })?;
+    let mut follower = Follower { problem, newton, load_weight: 0.0 };
+    let (start, tangent) = follower.start()?;
+    let points = vec![PathPoint { slope: tangent.load * follower.load_weight.sqrt(), ..start }];
+    let mut path = Path { points, limits: Vec::new(), end: PathEnd::Points, counters: Counters::default() };
+    follower.follow(arc, tangent, &mut path)?;
+    path.counters = follower.newton.counters;
+    Ok(path)
+}
+
+/// A direction along the path.
+struct Direction {
+    q: Vec<f64>,
+    mu: Vec<f64>,
+    load: f64,
+}
+
+struct Follower<'m> {
+    problem: &'m Problem<'m, f64>,
+    newton: Newton<'m, f64>,
+    /// psi^2.
+    load_weight: f64,
+}
+
+/// A point that was tried, with its tangent.
+struct Trial {
+    point: PathPoint,
+    tangent: Direction,
+    corrections: usize,
+}
+
+/// Unknowns are the displacements of coordinates.
+const EQUATIONS: Equations = {
+    let shift = Shift::new(0.0, 0.0, 1.0);
+    Equations { residual: shift, constraint: shift, level: Level::Position, metric: false }
+};
+
+impl Follower<'_> {
+    /// The first equilibrium, and the tangent towards larger loads.
+    fn start(&mut self) -> Result<(PathPoint, Direction), RunError> {
+        let Problem { model, p, start } = self.problem;
+        let place = "first equilibrium (load factor 0)";
+        let (zeros, q) = (vec![0.0; model.dofs], start.q.clone());
+        let base = VectorsAvq { a: zeros.clone(), v: zeros, q };
+        let newton = &mut self.newton;
+        let mut unknowns = newton.released(&base, p, 0.0);
+        let solved = newton.solve(&EQUATIONS, &base, &mut unknowns, p, 0.0);
+        solved.map_err(|failure| newton.describe(&failure, &EQUATIONS, place))?;
+        let q = base.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
+        let point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0 };
+        let mut tangent = self.towards_load(&point).map_err(|unknown| RunError::Singular {
+            place: place.into(),
+            unknown,
+            hint: "nothing holds it in equilibrium: give it a support, a joint or a spring".into(),
+        })?;
+        self.load_weight = self.dot(&tangent.q, &tangent.q);
+        if self.load_weight == 0.0 {
+            return Err(RunError::Input(
+                "nothing moves with the load factor: make a load or a driver depend on time".into(),
+            ));
+        }
+        self.normalize(&mut tangent);
+        Ok((point, tangent))
+    }
+
+    fn follow(&mut self, options: &ArcLength, mut tangent: Direction, path: &mut Path) -> Result<(), RunError> {
+        let first = options.first.abs() / tangent.load.abs();
+        if options.first < 0.0 {
+            tangent.scale(-1.0);
+        }
+        let mut arc = first.min(options.longest * first);
+        while path.points.len() < options.points {
+            let point = path.points.last().expect("the start").clone();
+            let mut cause = String::from("the path turns sharply");
+            let trial = loop {
+                match self.trial(&point, &tangent, arc) {
+                    Ok(trial) if self.product(&trial.tangent, &tangent) > STRAIGHT => break trial,
+                    Ok(_) => {}
+                    Err(failure) => cause = failure,
+                }
+                // not by one half: an end that is singular by chance is not met again
+                arc *= 0.4;
+                if arc < SHORTEST * first {
+                    let hint = "the path ends or branches there; start from a disturbed shape";
+                    return Err(RunError::NoEquilibrium { t: point.load, h: arc, hint, cause });
+                }
+            };
+            let limit = if trial.point.slope * point.slope < 0.0 {
+                Some(self.locate(&point, &tangent, arc, LEVEL, |point| point.slope)?)
+            } else {
+                None
+            };
+            for (end, passed) in [
+                (PathEnd::Load, options.load.map(|load| Passed { coordinate: None, value: load })),
+                (PathEnd::Coordinate, options.coordinate.map(|(dof, value)| Passed { coordinate: Some(dof), value })),
+            ] {
+                let Some(passed) = passed.filter(|passed| passed.gap(&point) * passed.gap(&trial.point) <= 0.0) else {
+                    continue;
+                };
+                if passed.gap(&point) == 0.0 {
+                    continue;
+                }
+                let (last, at) = self.locate(&point, &tangent, arc, 0.0, |point| passed.gap(point))?;
+                path.limits.extend(limit.filter(|(_, limit)| *limit < at).map(|(limit, _)| limit));
+                path.points.push(last);
+                path.end = end;
+                return Ok(());
+            }
+            path.limits.extend(limit.map(|(limit, _)| limit));
+            path.points.push(trial.point);
+            arc = (arc * (WANTED / trial.corrections as f64).sqrt().clamp(0.5, 2.0)).min(options.longest * first);
+            tangent = trial.tangent;
+        }
+        Ok(())
+    }
+
+    /// The point of an arc from `from` where a gap is zero, and its distance: by regula falsi with halved weights (Illinois).
+    fn locate(
+        &mut self,
+        from: &PathPoint,
+        tangent: &Direction,
+        arc: f64,
+        enough: f64,
+        gap: impl Fn(&PathPoint) -> f64,
+    ) -> Result<(PathPoint, f64), RunError> {
+        let fail =
+            |cause: String| RunError::NoEquilibrium { t: from.load, h: arc, hint: "try a smaller first increment", cause };
+        let mut ends = [(0.0, gap(from)), (arc, f64::NAN)];
+        let mut best = self.trial(from, tangent, arc).map_err(fail)?.point;
+        let mut best_at = arc;
+        ends[1].1 = gap(&best);
+        let mut last_side = None;
+        for _ in 0..MOST_TRIALS {
+            let [(a, gap_a), (b, gap_b)] = ends;
+            let at = (a * gap_b - b * gap_a) / (gap_b - gap_a);
+            if gap(&best).abs() <= enough || (b - a).abs() <= 4.0 * f64::EPSILON * arc || !(at > a.min(b) && at < a.max(b)) {
+                break;
+            }
+            let trial = match self.trial(from, tangent, at) {
+                Ok(trial) => trial.point,
+                // a matrix that is singular by chance: the point before is as near
+                Err(_) => break,
+            };
+            let own = gap(&trial);
+            (best, best_at) = (trial, at);
+            let side = usize::from(own * gap_a <= 0.0);
+            ends[side] = (at, own);
+            if last_side == Some(side) {
+                ends[1 - side].1 *= 0.5;
+            }
+            last_side = Some(side);
+        }
+        Ok((best, best_at))
+    }
+
+    /// The equilibrium an arc ahead of a point, with its tangent; or why there is none.
+    fn trial(&mut self, from: &PathPoint, tangent: &Direction, arc: f64) -> Result<Trial, String> {
+        let Problem { model, p, .. } = self.problem;
+        let zeros = vec![0.0; model.dofs];
+        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: from.q.clone() };
+        let mut unknowns = Residual::unknowns(&self.newton.system);
+        unknowns.x.iter_mut().zip(&tangent.q).for_each(|(x, d)| *x = arc * d);
+        unknowns.mu.iter_mut().zip(&from.mu).zip(&tangent.mu).for_each(|((mu, from), d)| *mu = from + arc * d);
+        let mut load = from.load + arc * tangent.load;
+        self.newton.set_levers(&base);
+        let size = self.newton.size(&from.q).max(self.newton.size(&unknowns.x));
+        let mut previous = f64::INFINITY;
+        for corrections in 1..=MOST_CORRECTIONS {
+            self.newton
+                .linearize(&EQUATIONS, &base, &mut unknowns, p, load)
+                .map_err(|unknown| format!("{unknown} is singular"))?;
+            let residual = self.newton.correction();
+            let along = self.along_load(&unknowns.mu, load);
+            // the plane at right angles to the tangent
+            let off = arc - self.dot(&tangent.q, &unknowns.x) - self.load_weight * tangent.load * (load - from.load);
+            let own = self.dot(&tangent.q, &along.q) + self.load_weight * tangent.load;
+            let change = (off - self.dot(&tangent.q, &residual.x)) / own;
+            for (target, (a, b)) in unknowns.x.iter_mut().zip(residual.x.iter().zip(&along.q)) {
+                *target += a + change * b;
+            }
+            for (target, (a, b)) in unknowns.mu.iter_mut().zip(residual.mu.iter().zip(&along.mu)) {
+                *target += a + change * b;
+            }
+            load += change;
+            let moved: Vec<f64> = residual.x.iter().zip(&along.q).map(|(a, b)| a + change * b).collect();
+            let step = self.newton.size(&moved).max(change.abs() * self.load_weight.sqrt());
+            if !step.is_finite() || step > 1e3 * arc.max(size) {
+                return Err(format!("corrections diverge at the load factor {load}"));
+            }
+            let stalled = step > 0.5 * previous && step <= NEARLY * size;
+            if step <= ROUND_OFF * size || stalled {
+                self.newton.residual.restore(&self.newton.system, &EQUATIONS, &base, &mut unknowns);
+                let q = from.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
+                let mut point = PathPoint { load, q, mu: unknowns.mu, slope: 0.0 };
+                let mut own = self.towards_load(&point).map_err(|unknown| format!("{unknown} is singular"))?;
+                self.normalize(&mut own);
+                if self.product(&own, tangent) < 0.0 {
+                    own.scale(-1.0);
+                }
+                point.slope = own.load * self.load_weight.sqrt();
+                return Ok(Trial { point, tangent: own, corrections });
+            }
+            previous = step;
+        }
+        Err(format!("{MOST_CORRECTIONS} corrections did not converge at the load factor {load}"))
+    }
+
+    /// dq/dt and dmu/dt at an equilibrium; or the name of the unknown that is not determined there.
+    fn towards_load(&mut self, point: &PathPoint) -> Result<Direction, String> {
+        let Problem { model, p, .. } = self.problem;
+        let zeros = vec![0.0; model.dofs];
+        let base = VectorsAvq { a: zeros.clone(), v: zeros, q: point.q.clone() };
+        let mut unknowns = Residual::unknowns(&self.newton.system);
+        unknowns.mu.clone_from(&point.mu);
+        self.newton.set_levers(&base);
+        self.newton.linearize(&EQUATIONS, &base, &mut unknowns, p, point.load)?;
+        Ok(self.along_load(&point.mu, point.load))
+    }
+
+    /// The same with the matrix that was factored last.
+    fn along_load(&mut self, mu: &[f64], load: f64) -> Direction {
+        let (force, gaps) = load_rates(self.problem, &self.newton.residual.at.q, mu, load);
+        let Unknowns { x, mu, .. } = self.newton.response(&force, &gaps);
+        Direction { q: x, mu, load: 1.0 }
+    }
+
+    /// Product of displacements, each with its lever [m2].
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).zip(&self.newton.levers).map(|((a, b), lever)| a * b * lever * lever).sum()
+    }
+
+    fn product(&self, a: &Direction, b: &Direction) -> f64 {
+        self.dot(&a.q, &b.q) + self.load_weight * a.load * b.load
+    }
+
+    fn normalize(&self, direction: &mut Direction) {
+        direction.scale(1.0 / self.product(direction, direction).sqrt());
+    }
+}
+
+impl Direction {
+    fn scale(&mut self, factor: f64) {
+        self.q.iter_mut().chain(&mut self.mu).for_each(|value| *value *= factor);
+        self.load *= factor;
+    }
+}
+
+/// What a path passes.
+#[derive(Clone, Copy)]
+struct Passed {
+    /// A coordinate, or the load factor.
+    coordinate: Option<usize>,
+    value: f64,
+}
+
+impl Passed {
+    fn gap(&self, point: &PathPoint) -> f64 {
+        self.coordinate.map_or(point.load, |dof| point.q[dof]) - self.value
+    }
+}
+
+/// Derivatives of residual with reactions, and of constraints, by the load factor: by a complex step of time.
+fn load_rates(problem: &Problem<f64>, q: &[f64], mu: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
+    let Problem { model, p, .. } = problem;
+    let complex = |values: &[f64]| values.iter().map(|&value| Complex::from(value)).collect::<Vec<_>>();
+    let (q, mu, p) = (complex(q), complex(mu), complex(p));
+    let time = Complex::new(t, Complex::STEP);
+    let (mut force, mut gaps) = (vec![0.0; model.dofs], vec![0.0; model.equations]);
+    let dofs = |nodes: &[NodeId]| nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect::<Vec<_>>();
+    let mut add = |dofs: &[usize], own: &[Complex]| {
+        dofs.iter().zip(own).for_each(|(&dof, own)| force[dof] += own.im / Complex::STEP);
+    };
+    for element in &model.elements {
+        let dofs = dofs(&element.nodes);
+        let own: Vec<Complex> = dofs.iter().map(|&dof| q[dof]).collect();
+        let (still, mut r) = (complex(&vec![0.0; own.len()]), complex(&vec![0.0; own.len()]));
+        let state = State { a: &still, v: &still, q: &own };
+        Complex::element(&*element.physics).add_residual(state, &p[element.parameters.clone()], time, &mut r);
+        add(&dofs, &r);
+    }
+    for joint in &model.constraints {
+        let dofs = dofs(&joint.nodes);
+        let own: Vec<Complex> = dofs.iter().map(|&dof| q[dof]).collect();
+        let (physics, p) = (Complex::constraint(&*joint.physics), &p[joint.parameters.clone()]);
+        let (mut r, mut g) = (complex(&vec![0.0; own.len()]), complex(&vec![0.0; joint.equations.len()]));
+        physics.add_reaction(&own, &mu[joint.equations.clone()], p, time, &mut r);
+        add(&dofs, &r);
+        physics.value(&own, p, time, &mut g);
+        gaps[joint.equations.clone()].iter_mut().zip(&g).for_each(|(gap, g)| *gap = g.im / Complex::STEP);
+    }
+    (force, gaps)
+}

@@ -1,0 +1,64 @@
+use super::TimeGrid;
+
+/// Steps of any size laid one after the other; each stretch between kinks ends with one.
+pub(super) struct Course<'c> {
+    stretches: &'c TimeGrid,
+    /// Steps taken.
+    pub grid: &'c mut TimeGrid,
+    /// Index of the stretch's end.
+    target: usize,
+}
+
+impl<'c> Course<'c> {
+    /// At the start of the first stretch, with the steps to be added to `grid`.
+    pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid) -> Self {
+        Course { stretches, grid, target: 1 }
+    }
+
+    /// End of the last step [s].
+    pub fn t(&self) -> f64 {
+        self.grid.times[self.grid.steps()]
+    }
+
+    /// Whether the last stretch is behind.
+    pub fn at_end(&self) -> bool {
+        self.target >= self.stretches.times.len()
+    }
+
+    /// Of all stretches [s].
+    pub fn duration(&self) -> f64 {
+        self.stretches.times[self.stretches.steps()] - self.stretches.times[0]
+    }
+
+    /// Whether the next step starts at a kink.
+    pub fn at_kink(&self) -> bool {
+        self.grid.kinks.contains(&self.grid.steps())
+    }
+
+    /// A step of about the size `h`: start and end as elements see them, and its end.
+    pub fn span(&self, h: f64) -> ((f64, f64), f64) {
+        let (t, target) = (self.t(), self.stretches.times[self.target]);
+        let left = target - t;
+        let end = if h >= left * (1.0 - 1e-9) {
+            target
+        } else if 2.0 * h > left {
+            // two equal steps rather than a long and a tiny one
+            t + 0.5 * left
+        } else {
+            t + h
+        };
+        let at_kink = end == target && self.stretches.kinks.contains(&self.target);
+        ((t, if at_kink { end.next_down() } else { end }), end)
+    }
+
+    /// Takes the step to its end.
+    pub fn advance(&mut self, end: f64) {
+        self.grid.times.push(end);
+        if end == self.stretches.times[self.target] {
+            if self.stretches.kinks.contains(&self.target) {
+                self.grid.kinks.insert(self.grid.steps());
+            }
+            self.target += 1;
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Load steps as long as Newton's method finds the next equilibrium.
+
+use super::course::Course;
+use super::march::{Method, Problem, Run};
+use super::record::Recorder;
+use super::step::Marcher;
+use super::{RunError, Scheme, StartPlan, StepControl, Systems};
+
+/// First step, as a share of the load.
+const FIRST: f64 = 0.1;
+/// Steps below this share of the load find no equilibrium any more.
+const SHORTEST: f64 = 1e-6;
+/// Newton iterations up to which the next step may be longer.
+const QUICK: usize = 8;
+/// By how much a step grows after quick convergence; a failed one is divided by it.
+const GROWTH: f64 = 2.0;
+
+/// Finds equilibria up to the end of the course: steps are halved where Newton's method fails and doubled where it converges
+/// quickly; of the control only the longest step counts.
+pub(super) fn march_loading(
+    problem: &Problem<f64>,
+    method: &Method,
+    control: &StepControl,
+    mut course: Course,
+    plan: &StartPlan,
+    recorder: &mut dyn Recorder<f64>,
+) -> Result<Run<f64>, RunError> {
+    let systems = Systems::new(problem.model, method, &plan.dropped);
+    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
+    recorder.start(marcher.start(course.t(), plan, None)?)?;
+    let mut before = marcher.checkpoint();
+    let mut h = FIRST * course.duration();
+    let mut rejected = 0;
+    while !course.at_end() {
+        let index = course.grid.steps();
+        if recorder.wants_checkpoint(index) {
+            recorder.checkpoint(before.clone())?;
+        }
+        let mut failed = false;
+        let (reached, quick) = loop {
+            h = h.min(control.longest);
+            let (span, reached) = course.span(h);
+            let iterations = marcher.counters().iterations;
+            match marcher.step_over(Scheme::Main, span, course.at_kink(), None) {
+                Ok(()) => break (reached, !failed && marcher.counters().iterations - iterations <= QUICK),
+                Err(cause @ (RunError::NoConvergence { .. } | RunError::Singular { .. })) => {
+                    (failed, rejected) = (true, rejected + 1);
+                    h = (reached - span.0) / GROWTH;
+                    if h < SHORTEST * course.duration() {
+                        let t = course.t();
+                        // the very first equilibrium fails for reasons of its own
+                        let hint =
+                            "the load may have reached its limit; follow the path by its arc length, or simulate the motion";
+                        let ended = RunError::NoEquilibrium { t, h, hint, cause: cause.to_string() };
+                        return Err(if index == 0 { cause } else { ended });
+                    }
+                }
+                Err(other) => return Err(other),
+            }
+            marcher.resume(&before)?;
+        };
+        course.advance(reached);
+        marcher.checkpoint_in(&mut before);
+        if quick {
+            h *= GROWTH;
+        }
+        if !recorder.step(marcher.record())? {
+            return Err(RunError::Interrupted { steps: index + 1 });
+        }
+    }
+    Ok(marcher.end(rejected))
+}

@@ -1,0 +1,76 @@
+use super::Prepared;
+use crate::integrators::{
+    ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StartRecord, StepRecord, follow_path, march,
+    march_adaptive, vibrations,
+};
+
+/// The last state of a run over load steps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Equilibrium {
+    /// Load factor.
+    pub load: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Multipliers.
+    pub mu: Vec<f64>,
+    /// Redundant constraint equations that were left out.
+    pub dropped: Vec<usize>,
+}
+
+impl Recorder<f64> for Equilibrium {
+    fn start(&mut self, _start: StartRecord<f64>) -> Result<(), RunError> {
+        Ok(())
+    }
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        self.load = step.t + step.h;
+        self.q.clone_from(&step.q);
+        self.dropped.clone_from(&step.dropped);
+        if let Some(last) = step.stages.last() {
+            self.mu.clone_from(&last.solve.unknowns.mu);
+        }
+        Ok(true)
+    }
+}
+
+impl Prepared<'_> {
+    /// The equilibrium at the end of the load steps, with the method `static`.
+    ///
+    /// # Errors
+    /// Another method, or a load step without equilibrium.
+    pub fn equilibrium(&self) -> Result<Equilibrium, RunError> {
+        if !self.method.table.is_static() {
+            let name = &self.method.table.name;
+            return Err(RunError::Input(format!("the method is \"{name}\"; equilibria are found by \"static\"")));
+        }
+        let (problem, mut last) = (self.problem(), Equilibrium::default());
+        match &self.control {
+            Some(control) => march_adaptive(&problem, &self.method, control, &self.grid, &self.plan, &mut last).1?,
+            None => march(&problem, &self.method, &self.grid, &self.plan, &mut last)?,
+        };
+        Ok(last)
+    }
+
+    /// Equilibria along their path, through limits of the load; the load factor is 0 at the start, whatever the method.
+    ///
+    /// # Errors
+    /// See [`follow_path`].
+    pub fn path(&self, arc: &ArcLength) -> Result<Path, RunError> {
+        follow_path(&self.problem(), &self.method, &self.plan, arc)
+    }
+
+    /// Lowest modes of small undamped vibrations: with the method `static` about the equilibrium at the end of the load steps, otherwise
+    /// about the start, which must be one.
+    ///
+    /// # Errors
+    /// See [`Prepared::equilibrium`] and [`vibrations`].
+    pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RunError> {
+        let problem = self.problem();
+        if !self.method.table.is_static() {
+            return vibrations(&problem, &self.method, &self.plan, 0.0, count);
+        }
+        let Equilibrium { load, q, dropped, .. } = self.equilibrium()?;
+        let start = InitialState { q, ..problem.start };
+        let plan = crate::integrators::StartPlan { dropped, ..self.plan.clone() };
+        vibrations(&Problem { start, ..problem }, &self.method, &plan, load, count)
+    }
+}
