@@ -1,12 +1,18 @@
 //! The studies behind `costate verify`: each folder holds a problem, its source and tolerance, and the code that measures it.
 
 mod andrews;
+#[path = "beam-benchmarks/study.rs"]
+mod beam_benchmarks;
 #[path = "chain/study.rs"]
 mod chain;
 mod clock;
 #[path = "complex-step/study.rs"]
 mod complex_step;
+#[path = "element-cost/study.rs"]
+mod element_cost;
 mod figure;
+#[path = "four-bar/study.rs"]
+mod four_bar;
 #[path = "gradient-cost/study.rs"]
 mod gradient_cost;
 #[path = "orders/study.rs"]
@@ -50,5 +56,8 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(chain::ChainCost),
         Box::new(stability::Stability),
         Box::new(work_precision::WorkPrecision),
+        Box::new(beam_benchmarks::BeamBenchmarks),
+        Box::new(four_bar::FourBar),
+        Box::new(element_cost::ElementCost),
     ]
 }

@@ -125,6 +125,11 @@ impl Model {
         ConstraintId(self.constraints.len() - 1)
     }
 
+    /// A node.
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id.0]
+    }
+
     /// Number of coordinates of some nodes together.
     pub fn dof_count(&self, nodes: &[NodeId]) -> usize {
         nodes.iter().map(|node| self.nodes[node.0].dofs.len()).sum()

@@ -168,7 +168,7 @@ impl Simulation {
         let mut work = vec![("steps", json!(self.forward.history.steps()))];
         // a run that stopped early does not tell
         if systems > 0 {
-            if self.chosen_steps {
+            if self.chosen_steps || self.forward.rejected > 0 {
                 work.push(("rejected_steps", json!(self.forward.rejected)));
             }
             work.extend([

@@ -46,7 +46,8 @@ impl Anchor {
         match self {
             Anchor::Point => Vec3::from_slice(s.a),
             Anchor::Body => {
-                let [e, rate, second] = [s.q, s.v, s.a].map(|x| Quaternion::from_slice(&x[3..]));
+                let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
+                let second = Quaternion::from_slice(&s.a[3..]);
                 Vec3::from_slice(s.a) + e.rotate_rate(second, point) + rate.rotate_rate(rate, point)
             }
         }

@@ -122,18 +122,6 @@ impl<E: Element, S: Scalar> Job for Residual<'_, E, S> {
     }
 }
 
-/// Energies to be evaluated.
-struct Energies<'j, E, S>(&'j E, &'j [S], &'j [S], &'j [S]);
-
-impl<E: Element, S: Scalar> Job for Energies<'_, E, S> {
-    type Output = [S; 2];
-    #[inline(always)]
-    fn run(self) -> [S; 2] {
-        let Energies(element, v, q, p) = self;
-        [element.kinetic(v, q, p), element.potential(q, p)]
-    }
-}
-
 /// A reaction to be evaluated: (q, mu, p, t).
 struct Reaction<'j, C, S>(&'j C, [&'j [S]; 3], S, &'j mut [S]);
 
@@ -178,7 +166,7 @@ impl<E: Element, S: Scalar> ElementIn<S> for E {
         S::run(Residual(self, s, p, t, r));
     }
     fn energy(&self, v: &[S], q: &[S], p: &[S]) -> [S; 2] {
-        S::run(Energies(self, v, q, p))
+        [self.kinetic(v, q, p), self.potential(q, p)]
     }
     fn mass_in(&self, p: &[S]) -> S {
         self.mass(p)

@@ -105,6 +105,31 @@ fn interpolate<S: Scalar>(rows: &[Interpolation], components: usize, x: &[S], h:
     }
 }
 
+/// W x where it is read; numbers of any value otherwise.
+#[inline(always)]
+fn interpolate_if<S: Scalar>(read: bool, rows: &[Interpolation], components: usize, x: &[S], h: &mut Few<S>) {
+    if read {
+        interpolate(rows, components, x, h);
+    } else if h.len() != rows.len() {
+        h.resize(rows.len(), S::zero());
+    }
+}
+
+impl<F: Field> Flexible<F> {
+    /// Which of (hddot, hdot, h) a point reads at all.
+    #[inline(always)]
+    fn read_at(&self, point: usize) -> [bool; 3] {
+        let mut any = [false; 3];
+        for number in 0..F::POINTS[point].len() {
+            let own = self.0.reads(point, number);
+            for kind in 0..3 {
+                any[kind] |= own[kind];
+            }
+        }
+        any
+    }
+}
+
 /// x += W^T h.
 #[inline(always)]
 fn distribute<S: Scalar>(rows: &[Interpolation], components: usize, h: &[S], x: &mut [S]) {
@@ -158,16 +183,10 @@ impl<F: Field> Element for Flexible<F> {
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         let (mut a, mut v, mut q, mut own) = (Few::new(), Few::new(), Few::new(), Few::new());
         for (point, rows) in F::POINTS.iter().enumerate() {
-            let reads = (0..rows.len()).map(|number| self.0.reads(point, number));
-            let [in_a, in_v, in_q] = reads.fold([false; 3], |all, own| std::array::from_fn(|i| all[i] || own[i]));
-            for (read, given, numbers) in [(in_a, s.a, &mut a), (in_v, s.v, &mut v), (in_q, s.q, &mut q)] {
-                if read {
-                    interpolate(rows, F::COMPONENTS, given, numbers);
-                } else {
-                    numbers.clear();
-                    numbers.resize(rows.len(), S::zero());
-                }
-            }
+            let [in_a, in_v, in_q] = self.read_at(point);
+            interpolate_if(in_a, rows, F::COMPONENTS, s.a, &mut a);
+            interpolate_if(in_v, rows, F::COMPONENTS, s.v, &mut v);
+            interpolate_if(in_q, rows, F::COMPONENTS, s.q, &mut q);
             own.clear();
             own.resize(rows.len(), S::zero());
             self.0.residual(point, State { a: &a, v: &v, q: &q }, &p[self.0.parameters_of(point)], t, &mut own);
@@ -197,7 +216,7 @@ pub trait ByPoints: Send + Sync {
 /// Numbers of one point after the other.
 #[derive(Clone, Debug, Default)]
 pub struct PointWork {
-    real: [Few<f64>; 3],
+    real: Few<f64>,
     state: [Few<Lanes>; 3],
     p: Vec<Lanes>,
     r: Few<Lanes>,
@@ -208,132 +227,165 @@ pub struct PointWork {
     gradients: Vec<f64>,
 }
 
-/// r of a point in lanes.
-struct PointResidual<'j, F>(&'j F, usize, State<'j, Lanes>, &'j [Lanes], Lanes, &'j mut [Lanes]);
-
-impl<F: Field> Job for PointResidual<'_, F> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let PointResidual(field, point, s, p, t, r) = self;
-        field.residual(point, s, p, t, r);
-    }
-}
-
 impl PointWork {
-    /// Loads the numbers of a point without derivatives.
-    fn load<F: Field>(&mut self, rows: &[Interpolation], s: State<f64>, p: &[f64]) {
-        for (given, (real, lanes)) in [s.a, s.v, s.q].into_iter().zip(self.real.iter_mut().zip(&mut self.state)) {
-            interpolate(rows, F::COMPONENTS, given, real);
-            lanes.clear();
-            lanes.extend(real.iter().map(|&x| Lanes::constant(x)));
+    /// Loads what a point reads, without derivatives.
+    #[inline(always)]
+    fn load(&mut self, rows: &[Interpolation], components: usize, given: [&[f64]; 3], read: [bool; 3], p: &[f64]) {
+        for kind in 0..3 {
+            let lanes = &mut self.state[kind];
+            if read[kind] {
+                interpolate(rows, components, given[kind], &mut self.real);
+                lanes.clear();
+                for &x in &self.real {
+                    lanes.push(Lanes::constant(x));
+                }
+            } else if lanes.len() != rows.len() {
+                lanes.resize(rows.len(), Lanes::default());
+            }
         }
         self.p.clear();
-        self.p.extend(p.iter().map(|&p| Lanes::constant(p)));
+        for &p in p {
+            self.p.push(Lanes::constant(p));
+        }
     }
 
+    /// r of a point, with derivatives along what is seeded.
+    #[inline(always)]
     fn evaluate<F: Field>(&mut self, field: &F, point: usize, t: f64) {
         let [a, v, q] = &self.state;
         self.r.clear();
         self.r.resize(q.len(), Lanes::default());
-        widest(PointResidual(field, point, State { a, v, q }, &self.p, Lanes::from(t), &mut self.r));
+        field.residual(point, State { a, v, q }, &self.p, Lanes::from(t), &mut self.r);
+    }
+
+    /// Sets or takes back the derivative of an argument along a lane.
+    #[inline(always)]
+    fn seed(&mut self, (kind, number): (usize, usize), lane: usize, value: f64) {
+        let argument = if kind < 3 { &mut self.state[kind][number] } else { &mut self.p[number] };
+        argument.eps[lane] = value;
     }
 }
 
-impl<F: Field> ByPoints for Flexible<F> {
-    fn add_matrix(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &mut PointWork, matrix: &mut [f64]) {
-        let n = Self::DOFS;
+/// The matrix of an element to be added.
+struct AddMatrix<'j, F>(&'j Flexible<F>, State<'j, f64>, [f64; 3], &'j [f64], f64, &'j mut PointWork, &'j mut [f64]);
+
+impl<F: Field> Job for AddMatrix<'_, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let AddMatrix(element, s, shift, p, t, work, matrix) = self;
+        let n = Flexible::<F>::DOFS;
         for (point, rows) in F::POINTS.iter().enumerate() {
             let size = rows.len();
-            let moved = |number: usize| {
-                let read = self.0.reads(point, number);
-                (0..3).any(|i| read[i] && shift[i] != 0.0)
-            };
-            work.load::<F>(rows, s, &p[self.0.parameters_of(point)]);
+            let read = element.read_at(point);
+            work.load(rows, F::COMPONENTS, [s.a, s.v, s.q], read, &p[element.0.parameters_of(point)]);
             // (dr/dh) W, row-major
             work.half.clear();
             work.half.resize(size * n, 0.0);
             let mut next = 0;
             while next < size {
-                let mut columns: SmallVec<[usize; LANES]> = SmallVec::new();
-                while next < size && columns.len() < LANES {
-                    if moved(next) {
-                        columns.push(next);
+                let mut columns = [0; LANES];
+                let mut count = 0;
+                while next < size && count < LANES {
+                    let own = element.0.reads(point, next);
+                    if (own[0] && shift[0] != 0.0) || (own[1] && shift[1] != 0.0) || (own[2] && shift[2] != 0.0) {
+                        columns[count] = next;
+                        count += 1;
                     }
                     next += 1;
                 }
-                if columns.is_empty() {
+                if count == 0 {
                     continue;
                 }
-                for (numbers, factor) in work.state.iter_mut().zip(shift) {
-                    columns.iter().enumerate().for_each(|(lane, &column)| numbers[column].eps[lane] = factor);
+                for (lane, &column) in columns[..count].iter().enumerate() {
+                    for kind in 0..3 {
+                        work.seed((kind, column), lane, shift[kind]);
+                    }
                 }
-                work.evaluate(&self.0, point, t);
-                for (lane, &column) in columns.iter().enumerate() {
+                work.evaluate(&element.0, point, t);
+                for (lane, &column) in columns[..count].iter().enumerate() {
                     let Interpolation { component, weights } = rows[column];
                     for (row, r) in work.half.chunks_exact_mut(n).zip(&work.r) {
                         for (node, weight) in weights.iter().enumerate() {
                             row[node * F::COMPONENTS + component] += weight * r.eps[lane];
                         }
                     }
-                    work.state.iter_mut().for_each(|numbers| numbers[column].eps[lane] = 0.0);
+                    for kind in 0..3 {
+                        work.seed((kind, column), lane, 0.0);
+                    }
                 }
             }
             for (row, half) in rows.iter().zip(work.half.chunks_exact(n)) {
-                for (node, &weight) in row.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                for (node, &weight) in row.weights.iter().enumerate() {
                     let place = node * F::COMPONENTS + row.component;
-                    matrix[place * n..(place + 1) * n].iter_mut().zip(half).for_each(|(sum, half)| *sum += weight * half);
+                    for (sum, half) in matrix[place * n..(place + 1) * n].iter_mut().zip(half) {
+                        *sum += weight * half;
+                    }
                 }
             }
         }
     }
+}
 
-    fn pull_back(&self, s: State<f64>, p: &[f64], t: f64, lambdas: &[f64], work: &mut PointWork, gradients: &mut [f64]) {
-        let n = Self::DOFS;
+/// Gradients of products to be added: lambdas, then gradients.
+struct PullBack<'j, F>(&'j Flexible<F>, State<'j, f64>, &'j [f64], f64, &'j [f64], &'j mut PointWork, &'j mut [f64]);
+
+impl<F: Field> Job for PullBack<'_, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let PullBack(element, s, p, t, lambdas, work, gradients) = self;
+        let n = Flexible::<F>::DOFS;
         let count = lambdas.len() / n;
         let variables = gradients.len() / count;
         for (point, rows) in F::POINTS.iter().enumerate() {
             let size = rows.len();
-            let own = self.0.parameters_of(point);
-            work.load::<F>(rows, s, &p[own.clone()]);
+            let own = element.0.parameters_of(point);
+            let first = own.start;
+            work.load(rows, F::COMPONENTS, [s.a, s.v, s.q], element.read_at(point), &p[own.clone()]);
             work.lambdas.clear();
-            let mut h = Few::new();
             for lambda in lambdas.chunks_exact(n) {
-                interpolate(rows, F::COMPONENTS, lambda, &mut h);
-                work.lambdas.extend_from_slice(&h);
+                interpolate(rows, F::COMPONENTS, lambda, &mut work.real);
+                work.lambdas.extend_from_slice(&work.real);
             }
-            work.read.clear();
+            let mut read = std::mem::take(&mut work.read);
+            read.clear();
             for kind in 0..3 {
-                work.read.extend((0..size).filter(|&number| self.0.reads(point, number)[kind]).map(|number| (kind, number)));
+                for number in 0..size {
+                    if element.0.reads(point, number)[kind] {
+                        read.push((kind, number));
+                    }
+                }
             }
             if variables > 3 * n {
-                work.read.extend((0..own.len()).map(|number| (3, number)));
+                for number in 0..own.len() {
+                    read.push((3, number));
+                }
             }
-            let read = std::mem::take(&mut work.read);
             work.gradients.clear();
             work.gradients.resize(3 * size * count, 0.0);
             for group in read.chunks(LANES) {
-                for (lane, &(kind, number)) in group.iter().enumerate() {
-                    let argument = if kind < 3 { &mut work.state[kind][number] } else { &mut work.p[number] };
-                    argument.eps[lane] = 1.0;
+                for (lane, &argument) in group.iter().enumerate() {
+                    work.seed(argument, lane, 1.0);
                 }
-                work.evaluate(&self.0, point, t);
-                for (k, lambda) in work.lambdas.chunks_exact(size).enumerate() {
+                work.evaluate(&element.0, point, t);
+                for k in 0..count {
                     let mut sums = [0.0; LANES];
-                    for (r, weight) in work.r.iter().zip(lambda) {
-                        sums.iter_mut().zip(r.eps).for_each(|(sum, r)| *sum += weight * r);
+                    for (r, weight) in work.r.iter().zip(&work.lambdas[k * size..(k + 1) * size]) {
+                        for lane in 0..LANES {
+                            sums[lane] += weight * r.eps[lane];
+                        }
                     }
                     for (&(kind, number), sum) in group.iter().zip(sums) {
                         if kind < 3 {
                             work.gradients[(3 * k + kind) * size + number] += sum;
                         } else {
-                            gradients[k * variables + 3 * n + own.start + number] += sum;
+                            gradients[k * variables + 3 * n + first + number] += sum;
                         }
                     }
                 }
-                for (lane, &(kind, number)) in group.iter().enumerate() {
-                    let argument = if kind < 3 { &mut work.state[kind][number] } else { &mut work.p[number] };
-                    argument.eps[lane] = 0.0;
+                for (lane, &argument) in group.iter().enumerate() {
+                    work.seed(argument, lane, 0.0);
                 }
             }
             work.read = read;
@@ -344,5 +396,14 @@ impl<F: Field> ByPoints for Flexible<F> {
                 }
             }
         }
+    }
+}
+
+impl<F: Field> ByPoints for Flexible<F> {
+    fn add_matrix(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &mut PointWork, matrix: &mut [f64]) {
+        widest(AddMatrix(self, s, shift, p, t, work, matrix));
+    }
+    fn pull_back(&self, s: State<f64>, p: &[f64], t: f64, lambdas: &[f64], work: &mut PointWork, gradients: &mut [f64]) {
+        widest(PullBack(self, s, p, t, lambdas, work, gradients));
     }
 }

@@ -265,6 +265,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 }
                 return Ok(());
             }
+            if rate <= 1.0 {
+                growth = 0;
+            }
             if rate >= STALLED && previous.is_finite() {
                 // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
                 if moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON) {
@@ -281,6 +284,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                     return Ok(());
                 }
                 if fresh && rate > 1.0 {
+                    // in a row: a slender beam that is bent is stretched by it, which the next correction takes back
                     growth += 1;
                     if growth > 4 || step > 1e6 * scale.max(1.0) {
                         return fail(FailureKind::Diverged, iteration, step / scale);

@@ -20,6 +20,8 @@ pub struct Settings {
     pub steps: usize,
     /// Choose steps by their error.
     pub control: Option<StepControl>,
+    /// Halve steps of equal size that Newton's method cannot make.
+    pub divide: bool,
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
     /// Name of the scene's own integrator, where it is not the default one.
@@ -29,7 +31,7 @@ pub struct Settings {
 impl Settings {
     /// A duration [s] and a number of steps; inconsistent starts and redundant constraints are refused.
     pub fn new(end: f64, steps: usize) -> Self {
-        Settings { end, steps, control: None, policy: ConstraintPolicy::default(), method: None }
+        Settings { end, steps, control: None, divide: false, policy: ConstraintPolicy::default(), method: None }
     }
 
     /// Equilibria instead of a motion: time is a load factor that goes from 0 to 1 in equal steps.
@@ -48,6 +50,13 @@ impl Settings {
     #[must_use]
     pub fn choosing_steps(mut self, control: StepControl) -> Self {
         self.control = Some(control);
+        self
+    }
+
+    /// Halves steps of equal size that Newton's method cannot make, instead of stopping there: for motions with snaps.
+    #[must_use]
+    pub fn dividing_steps(mut self) -> Self {
+        self.divide = true;
         self
     }
 
@@ -82,6 +91,8 @@ pub struct Prepared<'s> {
     pub grid: TimeGrid,
     /// How steps are chosen.
     pub control: Option<StepControl>,
+    /// Halve steps that Newton's method cannot make.
+    pub divide: bool,
     /// Decisions about the start.
     pub plan: StartPlan,
     /// How runs keep their steps for gradients: in memory unless it is changed.
@@ -129,14 +140,14 @@ impl<'s> Prepared<'s> {
         check_design(&variables, x).map_err(RunError::Input)?;
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
         let kinks = mechanism.kinks();
-        let Settings { end, steps, control, policy, .. } = settings;
+        let Settings { end, steps, control, divide, policy, .. } = settings;
         if let Some(control) = &control {
             control.check(&method.table)?;
         }
         let steps = if control.is_some() { 1 } else { steps };
         let grid = TimeGrid::uniform(end, steps, &kinks).map_err(RunError::Input)?;
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
-        let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, plan, keep };
+        let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, divide, plan, keep };
         prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
         Ok(prepared)
     }
@@ -166,6 +177,7 @@ impl<'s> Prepared<'s> {
             method: &self.method,
             grid: &self.grid,
             control: self.control,
+            divide: self.divide,
             plan: &self.plan,
             keep: &self.keep,
         }

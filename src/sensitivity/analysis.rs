@@ -5,7 +5,7 @@ use crate::functionals::{Functional, FunctionalScalar, Values};
 use crate::history::{History, Keep, Moment, Observer, Rerun, Watch, moments};
 use crate::integrators::{
     Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
-    StepRecord, TimeGrid, march, march_adaptive, march_along,
+    StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
 };
 use crate::scalar::{Complex, LANES, Lanes};
 
@@ -24,6 +24,8 @@ pub struct Analysis<'m> {
     pub grid: &'m TimeGrid,
     /// How real runs choose their steps; runs with derivative parts and the adjoint take the same ones.
     pub control: Option<StepControl>,
+    /// Halve given steps that Newton's method cannot make; not with checkpoints, which are laid out for a number of steps.
+    pub divide: bool,
     /// Decisions about the start, the same for every run.
     pub plan: &'m StartPlan,
     /// How runs keep their steps for gradients.
@@ -106,6 +108,9 @@ impl<'m> Analysis<'m> {
         let problem = self.problem(&numbers);
         let (grid, run) = match &self.control {
             Some(control) => march_adaptive(&problem, self.method, control, self.grid, self.plan, &mut recorder),
+            None if self.divide && !matches!(self.keep, Keep::Checkpoints(_)) => {
+                march_dividing(&problem, self.method, self.grid, self.plan, &mut recorder)
+            }
             None => (self.grid.clone(), march(&problem, self.method, self.grid, self.plan, &mut recorder)),
         };
         let Measuring { values, mut history, .. } = recorder;
@@ -131,7 +136,7 @@ impl<'m> Analysis<'m> {
     where
         'm: 'f,
     {
-        Analysis { grid: &forward.grid, control: None, ..*self }
+        Analysis { grid: &forward.grid, control: None, divide: false, ..*self }
     }
 
     /// The states of a run at given times, which increase and lie within it, whatever its steps.

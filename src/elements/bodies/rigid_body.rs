@@ -52,7 +52,8 @@ impl Element for RigidBody {
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let centre = Vec3::from_slice(&p[1..]);
-        let [e, rate, second] = [s.q, s.v, s.a].map(|x| Quaternion::from_slice(&x[3..]));
+        let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
+        let second = Quaternion::from_slice(&s.a[3..]);
         Anchor::Body.add_force(s.q, centre, Anchor::Body.acceleration(s, centre) * p[0], r);
 
         // omega = 2 G(e) e', domega/dt = 2 G(e) e'' because G(e') e' = 0

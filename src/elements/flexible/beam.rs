@@ -1,7 +1,6 @@
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
 use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
 use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed};
-use smallvec::SmallVec;
 use std::ops::Range;
 
 /// Geometrically exact Timoshenko beam of three nodes with position r and Euler parameters e.
@@ -68,7 +67,7 @@ impl<S: Scalar> Reference<S> {
     /// Lambda^T x.
     #[inline(always)]
     fn components(&self, x: Vec3<S>) -> [S; 3] {
-        self.axes.map(|axis| axis.dot(x))
+        [self.axes[0].dot(x), self.axes[1].dot(x), self.axes[2].dot(x)]
     }
     /// Lambda x.
     #[inline(always)]
@@ -80,7 +79,8 @@ impl<S: Scalar> Reference<S> {
     fn strains(&self, h: &[S]) -> [S; STRAINS] {
         let (slope, e, turn) = (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
         let scale = (e.norm_squared() * self.metric).recip();
-        let [gamma, kappa] = [e.rotate_back(slope) * scale, e.g_times(turn) * (scale + scale)].map(|x| self.components(x));
+        let gamma = self.components(e.rotate_back(slope) * scale);
+        let kappa = self.components(e.g_times(turn) * (scale + scale));
         [gamma[0] - 1.0, gamma[1], gamma[2], kappa[0], kappa[1], kappa[2]]
     }
 }
@@ -98,7 +98,10 @@ impl BeamField {
     /// C strain.
     #[inline(always)]
     fn stiffness_times<S: Scalar>(&self, stiffness: &[S], strain: [S; STRAINS]) -> [S; STRAINS] {
-        let mut stress: [S; STRAINS] = std::array::from_fn(|i| stiffness[i] * strain[i]);
+        let mut stress = strain;
+        for i in 0..STRAINS {
+            stress[i] *= stiffness[i];
+        }
         if self.coupled {
             let mut entry = STRAINS;
             for i in 0..STRAINS {
@@ -113,6 +116,7 @@ impl BeamField {
     }
 
     /// Strains at a tying point, from h and the point's parameters.
+    #[inline(always)]
     pub fn strains<S: Scalar>(&self, h: &[S], p: &[S]) -> [S; STRAINS] {
         Reference::of(p).strains(h)
     }
@@ -127,13 +131,30 @@ impl BeamField {
         }
         let damping = p[GEOMETRY + self.stiffnesses()];
         let rate = self.strain_rates(v, h, p);
-        self.stiffness_times(stiffness, std::array::from_fn(|i| strain[i] + damping * rate[i]))
+        let mut together = strain;
+        for i in 0..STRAINS {
+            together[i] += damping * rate[i];
+        }
+        self.stiffness_times(stiffness, together)
     }
 
+    /// Along the motion of h.
+    #[inline(always)]
     fn strain_rates<S: Scalar>(&self, v: &[S], h: &[S], p: &[S]) -> [S; STRAINS] {
-        let moving: SmallVec<[Dual<S, 1>; 11]> = h.iter().zip(v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
-        let p: SmallVec<[Dual<S, 1>; GEOMETRY]> = p[..GEOMETRY].iter().map(|&p| Dual::constant(p)).collect();
-        Reference::of(&p).strains(&moving).map(|strain| strain.eps[0])
+        let mut moving = [Dual::<S, 1>::default(); 11];
+        for i in 0..moving.len() {
+            moving[i] = Dual { re: h[i], eps: [v[i]] };
+        }
+        let mut numbers = [Dual::<S, 1>::default(); GEOMETRY];
+        for i in 0..GEOMETRY {
+            numbers[i].re = p[i];
+        }
+        let strain = Reference::of(&numbers).strains(&moving);
+        let mut rate = [S::zero(); STRAINS];
+        for i in 0..STRAINS {
+            rate[i] = strain[i].eps[0];
+        }
+        rate
     }
 
     /// Adds J B^T stress, B = d strain / dh.
@@ -251,7 +272,11 @@ impl Field for BeamField {
         }
         let strain = Reference::of(p).strains(h);
         let stress = self.stiffness_times(&p[GEOMETRY..], strain);
-        (0..STRAINS).fold(S::zero(), |sum, i| sum + strain[i] * stress[i]) * p[0] * 0.5
+        let mut twice = S::zero();
+        for i in 0..STRAINS {
+            twice += strain[i] * stress[i];
+        }
+        twice * p[0] * 0.5
     }
 
     fn add_force<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], _t: S, force: &mut [S]) {
@@ -269,14 +294,14 @@ impl Field for BeamField {
             self.add_internal(s.q, p, stress, r);
             return;
         }
-        let [e, rate, second] = [s.q, s.v, s.a].map(|x| Quaternion::from_slice(&x[3..]));
+        let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
+        let second = Quaternion::from_slice(&s.a[3..]);
         let acceleration = Vec3::from_slice(s.a);
         let inverse = e.norm_squared().recip();
         let twice = inverse + inverse;
         let omega = e.g_times(rate) * twice;
         // |e| changes between nodes: d(1 / |e|^2)/dt
-        let along = (0..4).fold(S::zero(), |sum, i| sum + e.0[i] * rate.0[i]);
-        let alpha = e.g_times(second) * twice - omega * (along * twice);
+        let alpha = e.g_times(second) * twice - omega * (e.dot(rate) * twice);
         let mut force = acceleration * p[0];
         let mut moment = tensor_times(&p[4..], alpha) + omega.cross(tensor_times(&p[4..], omega));
         if self.eccentric {

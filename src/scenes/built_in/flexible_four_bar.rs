@@ -54,8 +54,8 @@ impl Scene for FlexibleFourBar {
         ]
     }
     fn settings(&self) -> Settings {
-        // the tilted hinge allows no part of the untilted mechanism's rate at C
-        Settings::new(self.run.0, self.run.1).projecting_start()
+        // the tilted hinge allows no part of the untilted mechanism's rate at C; the snaps take milliseconds
+        Settings::new(self.run.0, self.run.1).projecting_start().dividing_steps()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [thick, thin, tilt, ab, bc, cd] = x else { return Err(format!("6 variables expected, {} given", x.len())) };

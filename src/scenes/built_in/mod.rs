@@ -13,6 +13,7 @@ mod free_body;
 mod gear_train;
 mod heavy_top;
 mod pendulum;
+mod princeton_beam;
 mod right_angle_cantilever;
 mod screw;
 mod slider_crank;
@@ -34,6 +35,7 @@ pub use free_body::FreeBody;
 pub use gear_train::GearTrain;
 pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
+pub use princeton_beam::PrincetonBeam;
 pub use right_angle_cantilever::RightAngleCantilever;
 pub use screw::Screw;
 pub use slider_crank::SliderCrank;
@@ -63,6 +65,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(GearTrain),
         Box::new(FlyballGovernor),
         Box::new(FlexibleFourBar::default()),
+        Box::new(PrincetonBeam::default()),
         Box::new(SpinUpBeam),
         Box::new(FlyingRod),
         Box::new(RightAngleCantilever::default()),

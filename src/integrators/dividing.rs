@@ -1,0 +1,74 @@
+//! Given steps, divided where Newton's method cannot make them.
+
+use super::course::Course;
+use super::march::{Method, Problem, Run};
+use super::record::Recorder;
+use super::step::Marcher;
+use super::{RunError, StartPlan, Systems, TimeGrid};
+
+/// How often a step is halved before the run is given up.
+const MOST_HALVINGS: i32 = 8;
+
+/// Runs a problem over a grid, each step of which is halved, and its halves again, where Newton's method finds no solution: a snap
+/// that is faster than the step leaves none near by.
+///
+/// Returns the steps taken and what [`march`](super::march) returns; the run counts the attempts that were given up. A run over the steps
+/// taken gives the same numbers bit by bit.
+pub fn march_dividing(
+    problem: &Problem<f64>,
+    method: &Method,
+    steps: &TimeGrid,
+    plan: &StartPlan,
+    recorder: &mut dyn Recorder<f64>,
+) -> (TimeGrid, Result<Run<f64>, RunError>) {
+    let mut grid = TimeGrid { times: vec![steps.times[0]], kinks: Default::default() };
+    let run = divide(problem, method, Course::new(steps, &mut grid), plan, recorder);
+    (grid, run)
+}
+
+fn divide(
+    problem: &Problem<f64>,
+    method: &Method,
+    mut course: Course,
+    plan: &StartPlan,
+    recorder: &mut dyn Recorder<f64>,
+) -> Result<Run<f64>, RunError> {
+    let systems = Systems::new(problem.model, method, &plan.dropped);
+    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
+    recorder.start(marcher.start(course.t(), plan, None)?)?;
+    let mut before = marcher.checkpoint();
+    let mut rejected = 0;
+    // of the given step, as far as it is left
+    let (mut halvings, mut h) = (0, f64::INFINITY);
+    let mut left = 1;
+    while !course.at_end() {
+        let index = course.grid.steps();
+        if recorder.wants_checkpoint(index) {
+            recorder.checkpoint(before.clone())?;
+        }
+        let (span, reached) = course.span(h);
+        course.grid.times.push(reached);
+        let scheme = method.table.scheme_at(course.grid, index);
+        course.grid.times.pop();
+        match marcher.step_over(scheme, span, course.at_kink(), None) {
+            Ok(()) => {}
+            Err(RunError::NoConvergence { .. } | RunError::Singular { .. }) if halvings < MOST_HALVINGS => {
+                (halvings, rejected, left) = (halvings + 1, rejected + 1, 2 * left);
+                h = 0.5 * (reached - span.0);
+                marcher.resume(&before)?;
+                continue;
+            }
+            Err(error) => return Err(error),
+        }
+        course.advance(reached);
+        marcher.checkpoint_in(&mut before);
+        left -= 1;
+        if left == 0 {
+            (halvings, h, left) = (0, f64::INFINITY, 1);
+        }
+        if !recorder.step(marcher.record())? {
+            return Err(RunError::Interrupted { steps: index + 1 });
+        }
+    }
+    Ok(marcher.end(rejected))
+}
