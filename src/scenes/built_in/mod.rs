@@ -16,6 +16,7 @@ mod slider_crank;
 mod spatial_slider_crank;
 mod two_four_bar;
 mod universal_shaft;
+mod von_mises_truss;
 
 pub use andrews::Andrews;
 pub use bricard::Bricard;
@@ -33,6 +34,7 @@ pub use slider_crank::SliderCrank;
 pub use spatial_slider_crank::SpatialSliderCrank;
 pub use two_four_bar::TwoFourBar;
 pub use universal_shaft::UniversalShaft;
+pub use von_mises_truss::VonMisesTruss;
 
 use super::AnyScene;
 
@@ -56,5 +58,6 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(FlyballGovernor),
         Box::new(Chain::common()),
         Box::new(Chain::separate()),
+        Box::new(VonMisesTruss),
     ]
 }
