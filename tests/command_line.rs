@@ -342,7 +342,7 @@ fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     assert_eq!(folder.files("out/von-mises-truss"), RESULTS);
     let (header, rows) = csv(&folder.0.join("out/von-mises-truss/histories.csv"));
     let end = rows.last().expect("rows");
-    let rates: Vec<f64> = header.iter().zip(end).filter(|(name, _)| name.ends_with("/dt")).map(|(_, v)| *v).collect();
+    let rates: Vec<f64> = header.iter().zip(end).filter(|(name, _)| name.contains("/dt")).map(|(_, v)| *v).collect();
     assert_eq!(rates, [0.0; 3], "in statics nothing moves");
     let z = json(&run)["functionals"][0]["value"].as_f64().expect("a height");
     // F = 2 k z (l / L - 1) is the load
