@@ -98,6 +98,11 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--set", "mass=1", "--set", "mass=2"], &["mass=2", "already set"]),
         (&["gradient", "pendulum", "--history", "disk"], &["--history", "'disk'", "file:PATH", "checkpoints:MEGABYTES"]),
         (&["gradient", "pendulum", "--history", "checkpoints:-1"], &["--history", "'checkpoints:-1'", "above 0"]),
+        (&["modes", "pendulum"], &["scene \"pendulum\"", "equilibrium", "--static"]),
+        (&["modes", "von-mises-truss", "--count", "0"], &["--count", "'0'", "whole number from 1 to"]),
+        (&["modes", "von-mises-trust"], &["scene \"von-mises-trust\"", "did you mean \"von-mises-truss\"?"]),
+        (&["run", "double-pendulum", "--method", "statics"], &["--method \"statics\"", "\"static\"?"]),
+        (&["run", "free-body", "--method", "static"], &["initial velocity", "in statics nothing moves"]),
         (&["verify", "--record"], &["--record", "<NAME>"]),
         (&["run"], &["<SCENE>"]),
     ];
@@ -325,4 +330,39 @@ fn ctrl_c_keeps_the_finished_steps() {
     assert!(rows.len() > 1 && rows.len() < 1_000_001, "{} rows", rows.len());
     assert!(message.contains(&format!("interrupted after {} finished steps", rows.len() - 1)), "{message}");
     assert_eq!(folder.files("out/five-bar"), RESULTS);
+}
+
+#[test]
+fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
+    let folder = Folder::new("statics");
+    let run = folder.run(&["run", "von-mises-truss", "--json"]);
+    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
+    let said = text(&run.stdout);
+    assert!(said.contains("static, equilibria, 10 load steps up to the load factor 1"), "{said}");
+    assert_eq!(folder.files("out/von-mises-truss"), RESULTS);
+    let (header, rows) = csv(&folder.0.join("out/von-mises-truss/histories.csv"));
+    let end = rows.last().expect("rows");
+    let rates: Vec<f64> = header.iter().zip(end).filter(|(name, _)| name.contains("/dt")).map(|(_, v)| *v).collect();
+    assert_eq!(rates, [0.0; 3], "in statics nothing moves");
+    let z = json(&run)["functionals"][0]["value"].as_f64().expect("a height");
+    // F = 2 k z (l / L - 1) is the load
+    let (rest, length) = (1f64.hypot(0.2), 1f64.hypot(z));
+    assert!((2000.0 * z * (rest / length - 1.0) - 2.5).abs() < 1e-11, "{z}");
+
+    let modes = folder.run(&["modes", "von-mises-truss", "--json"]);
+    assert_eq!(modes.status.code(), Some(0), "{}", text(&modes.stderr));
+    let found = json(&modes);
+    assert_eq!(found["about"], "equilibrium");
+    assert_eq!(found["modes"].as_array().expect("modes").len(), 1);
+    // m omega^2 = -dF/dz
+    let expected = (2000.0 * (1.0 - rest / length.powi(3)) / 0.1).sqrt();
+    let omega = found["modes"][0]["omega_rad_s"].as_f64().expect("a frequency");
+    assert!((omega / expected - 1.0).abs() < 1e-11, "{omega} against {expected}");
+    assert!(text(&modes.stdout).contains("there is only 1 mode"), "{}", text(&modes.stdout));
+
+    let gradient = folder.run(&["gradient", "von-mises-truss", "--check", "--tolerance", "1e-6"]);
+    assert_eq!(gradient.status.code(), Some(0), "{}", text(&gradient.stderr));
+    // beyond the limit of the load: a jump or a message, no panic
+    let beyond = folder.run(&["run", "von-mises-truss", "--set", "load=4", "--tolerance", "1"]);
+    assert!(matches!(beyond.status.code(), Some(0 | 1)), "{}", text(&beyond.stderr));
 }

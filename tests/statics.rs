@@ -3,6 +3,7 @@
 use costate::assembly::NodeId;
 use costate::elements::forces::{AppliedForce, LoadFrame};
 use costate::functionals::{LoadKind, Quantity};
+use costate::history::Keep;
 use costate::integrators::{ArcLength, PathEnd, PathPoint, STATIC_TABLE, StepControl, table_named};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
@@ -146,8 +147,11 @@ fn a_load_that_does_not_change_costs_one_iteration_a_step_and_changes_nothing() 
 #[test]
 fn adjoint_tangent_and_complex_step_agree_and_match_the_closed_form() {
     let control = StepControl { longest: 0.3, ..StepControl::new(1e-6) };
-    let two_links = TwoLinks { settings: Settings::statics(6), velocity: 0.0, rolling: false };
-    let scenes: [&dyn AnyScene; 3] = [
+    let two_links = TwoLinks { settings: Settings::statics(6), velocity: 0.0, rolling: false, redundant: false };
+    let settings = Settings::statics(6).dropping_redundant();
+    let scenes: [&dyn AnyScene; 5] = [
+        &TwoLinks { settings, velocity: 0.0, rolling: false, redundant: true },
+        &Driven,
         &Truss { settings: Settings::statics(10), load: 1.5 },
         &Truss { settings: Settings::statics(1).choosing_steps(control), load: 1.5 },
         &two_links,
@@ -189,7 +193,7 @@ fn beyond_the_limit_load_chosen_steps_say_where_it_is() {
         // a jump onto the far branch, where the bars are pulled, is an equilibrium too
         Ok(forward) => {
             let z = forward.values[0];
-            assert!(z < -RISE && (holding_force(z) - load - weight).abs() < 1e-9, "{z}");
+            assert!(z < -RISE && (holding_force(z) - load - WEIGHT).abs() < 1e-9, "{z}");
         }
         Err(RunError::NoEquilibrium { t, .. }) => assert!(load * t + WEIGHT <= limit, "{t}"),
         Err(other) => panic!("{other}"),
@@ -201,6 +205,8 @@ struct TwoLinks {
     settings: Settings,
     velocity: f64,
     rolling: bool,
+    /// The upper rod hangs from two hinges on one axis.
+    redundant: bool,
 }
 
 const LENGTHS: [f64; 2] = [0.8, 0.5];
@@ -237,6 +243,9 @@ impl Scene for TwoLinks {
         let axis = Vec3::from_f64([0.0, 1.0, 0.0]);
         let hinge = m.revolute("hinge", [ground, upper], Vec3::zero(), axis);
         m.revolute("elbow", [upper, lower], elbow, axis);
+        if self.redundant {
+            m.revolute("second hinge", [ground, upper], axis * S::from(0.3), axis);
+        }
         ramped_force(m, "pull", (lower, Anchor::Body), (vector(1.0, 0.0, 0.0), tip), LoadFrame::World, *pull);
         if self.velocity != 0.0 {
             m.set_velocity(lower, Vec3::from_f64([self.velocity, 0.0, 0.0]), Vec3::zero());
@@ -263,7 +272,7 @@ impl Scene for TwoLinks {
 #[test]
 fn two_hanging_rods_are_pulled_aside_with_the_right_reactions() {
     for settings in [Settings::statics(8), Settings::statics(1).choosing_steps(StepControl::new(1e-3))] {
-        let scene = TwoLinks { settings, velocity: 0.0, rolling: false };
+        let scene = TwoLinks { settings, velocity: 0.0, rolling: false, redundant: false };
         let prepared = prepared(&scene);
         let values = prepared.analysis().forward(&prepared.x).expect("an equilibrium").values;
         let tangents = [PULL / (MASSES[0] / 2.0 + MASSES[1]) / GRAVITY, PULL / (MASSES[1] / 2.0) / GRAVITY];
@@ -276,6 +285,78 @@ fn two_hanging_rods_are_pulled_aside_with_the_right_reactions() {
         for (value, expected) in values.iter().zip(expected) {
             assert!((value - expected).abs() < 1e-12 * expected.abs().max(1.0), "{value} against {expected}");
         }
+    }
+}
+
+/// A rod that a driver turns as the load factor grows.
+struct Driven;
+
+const TURN: f64 = 0.7;
+
+impl Scene for Driven {
+    fn name(&self) -> String {
+        "driven".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![
+            DesignVariable::new("mass", MASSES[0], (0.1, 10.0), "kg"),
+            DesignVariable::new("turn", TURN, (-2.0, 2.0), "rad"),
+            DesignVariable::new("length", LENGTHS[0], (0.1, 10.0), "m"),
+        ]
+    }
+    fn settings(&self) -> Settings {
+        Settings::statics(5)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let [mass, turn, length] = x else { return Err("3 variables".into()) };
+        let ground = m.ground();
+        let centre = Vec3([S::zero(), S::zero(), -*length]);
+        let rod = m.body("rod", centre, Quaternion::identity());
+        m.rigid_body("rod", rod, *mass, Vec3::zero(), [0.1, 0.1, 0.01, 0.0, 0.0, 0.0].map(S::from));
+        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+        let axis = Vec3::from_f64([0.0, 1.0, 0.0]);
+        m.revolute("hinge", [ground, rod], Vec3::zero(), axis);
+        let driver = m.prescribed_rotation("driver", [ground, rod], axis, TimeFunction::ConstantRate, &[S::zero(), *turn]);
+        m.position_functional("x", Over::Terminal, rod, centre, Vec3::from_f64([1.0, 0.0, 0.0]));
+        let load = (LoadKind::Moment, LoadFrame::World);
+        m.joint_load_functional("moment", Over::Terminal, (driver, rod), load, axis, Vec3::zero());
+        m.joint_load_functional("moment, integral", Over::Integral, (driver, rod), load, axis, Vec3::zero());
+        Ok(())
+    }
+}
+
+#[test]
+fn a_driver_turns_a_rod_through_equilibria() {
+    let prepared = prepared(&Driven);
+    let values = prepared.analysis().forward(&prepared.x).expect("an equilibrium").values;
+    // turned about y, the rod that hangs down goes towards -x; the driver holds its weight
+    let arm = LENGTHS[0] * TURN.sin();
+    assert!((values[0] + arm).abs() < 1e-14, "{}", values[0]);
+    assert!((values[1] - MASSES[0] * GRAVITY * arm).abs() < 1e-12, "{}", values[1]);
+    let path = prepared.path(&ArcLength::new(0.1).up_to_load(1.0)).expect("a path");
+    let last = path.points.last().expect("points");
+    assert!((last.q[7] + arm).abs() < 1e-13, "{}", last.q[7]);
+}
+
+#[test]
+fn gradients_do_not_depend_on_where_load_steps_are_kept() {
+    let control = StepControl { longest: 0.05, ..StepControl::new(1e-6) };
+    for settings in [Settings::statics(40), Settings::statics(1).choosing_steps(control)] {
+        let scene = TwoLinks { settings, velocity: 0.0, rolling: false, redundant: false };
+        let rows = |keep: Keep| {
+            let mut prepared = prepared(&scene);
+            prepared.keep = keep;
+            let analysis = prepared.analysis();
+            let forward = analysis.forward(&prepared.x).expect("an equilibrium");
+            let gradient = analysis.adjoint(&prepared.x, &forward).expect("differentiable").rows;
+            (gradient, forward.history.usage().recomputed)
+        };
+        let (memory, none) = rows(Keep::Memory);
+        // room for some of the steps
+        let (checkpoints, recomputed) = rows(Keep::Checkpoints(20_000));
+        assert_eq!(none, 0);
+        assert!(recomputed > 0, "all steps fitted into the memory of the checkpoints");
+        assert_eq!(memory, checkpoints);
     }
 }
 
@@ -330,7 +411,7 @@ fn mistakes_are_named() {
     let prepared = prepared(&scene);
     messages.push(prepared.analysis().forward(&prepared.x).expect_err("nothing holds the block").to_string());
     for (velocity, rolling) in [(0.5, false), (0.0, true)] {
-        let scene = TwoLinks { settings: still, velocity, rolling };
+        let scene = TwoLinks { settings: still, velocity, rolling, redundant: false };
         let Err(error) = Prepared::new(&scene) else { panic!("accepted") };
         assert!(matches!(error, RunError::Input(_)), "{error}");
         messages.push(error.to_string());
@@ -413,7 +494,7 @@ fn a_path_does_not_depend_on_the_unit_of_the_load() {
 
 #[test]
 fn a_path_follows_rods_on_joints_with_their_reactions() {
-    let scene = TwoLinks { settings: Settings::statics(1), velocity: 0.0, rolling: false };
+    let scene = TwoLinks { settings: Settings::statics(1), velocity: 0.0, rolling: false, redundant: false };
     let prepared = prepared(&scene);
     let path = prepared.path(&ArcLength::new(0.1).up_to_load(1.0)).expect("a path");
     let last = path.points.last().expect("points");
@@ -441,6 +522,6 @@ fn mistakes_about_paths_are_named() {
         assert!(matches!(error, RunError::Input(_)) && error.to_string().contains(part), "{error}");
     }
     let scene = truss(0.0);
-    let error = prepared(&scene).path(&ArcLength::new(0.1)).expect_err("nothing moves");
+    let error = Prepared::new(&scene).expect("sound").path(&ArcLength::new(0.1)).expect_err("nothing moves");
     assert!(error.to_string().contains("nothing moves with the load factor"), "{error}");
 }

@@ -18,7 +18,10 @@ pub fn run(options: &ListOptions) -> Result<(), Failure> {
     let mut scenes: Vec<Value> = Vec::new();
     for scene in built_in::all() {
         let (name, summary, settings) = (scene.scene_name(), scene.scene_summary(), scene.default_settings());
-        say(format_args!("{name}: {summary} ({} s, {} steps)", settings.end, settings.steps));
+        match settings.method {
+            Some(method) => say(format_args!("{name}: {summary} ({method}, {} steps)", settings.steps)),
+            None => say(format_args!("{name}: {summary} ({} s, {} steps)", settings.end, settings.steps)),
+        }
         let mut table = Table::new(&["  variable", "initial", "from", "to", "unit"]);
         let mut variables: Vec<Value> = Vec::new();
         for v in scene.design_variables() {

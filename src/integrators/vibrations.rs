@@ -56,6 +56,8 @@ const DEPENDENT: f64 = 1e-10;
 const SUSPICIOUS: f64 = 1e-4;
 /// ... and are, if less than this is left of them once they obey these.
 const GENUINE: f64 = 0.5;
+/// Corrections of each solution against the matrix.
+const REFINEMENTS: usize = 2;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
 
@@ -253,13 +255,31 @@ impl Operator<'_> {
         product
     }
 
+    /// Solves with K + s M and the constraints, refined: where the shift is all the stiffness that a constrained direction has, pivots
+    /// are as small as it is. Returns the unknowns of nodes.
+    fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
+        let Newton { system, jacobian, factorization, .. } = &mut self.newton;
+        let pattern = &system.pattern;
+        let (mut x, mut left) = (vec![0.0; rhs.len()], rhs.to_vec());
+        for _ in 0..=REFINEMENTS {
+            factorization.solve(&mut left);
+            add(&mut x, 1.0, &left);
+            left.copy_from_slice(rhs);
+            for (column, &x) in x.iter().enumerate() {
+                for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                    left[pattern.rows[place]] -= jacobian.values[place] * x;
+                }
+            }
+        }
+        x.truncate(self.nodes);
+        x
+    }
+
     /// The operator on a vector x, given as M x.
     fn apply(&mut self, image: &[f64]) -> Vec<f64> {
         let mut rhs = vec![0.0; self.newton.system.size()];
         rhs[..self.nodes].copy_from_slice(image);
-        self.newton.factorization.solve(&mut rhs);
-        rhs.truncate(self.nodes);
-        rhs
+        self.solve(&rhs)
     }
 
     /// Moves a vector back onto the constraints, A x = 0.
@@ -273,8 +293,7 @@ impl Operator<'_> {
                 }
             }
         }
-        self.newton.factorization.solve(&mut rhs);
-        add(vector, 1.0, &rhs);
+        add(vector, 1.0, &self.solve(&rhs));
     }
 
     /// Length in M.

@@ -21,6 +21,7 @@ mod spatial_slider_crank;
 mod spin_up_beam;
 mod two_four_bar;
 mod universal_shaft;
+mod von_mises_truss;
 
 pub use andrews::Andrews;
 pub use bricard::Bricard;
@@ -43,6 +44,7 @@ pub use spatial_slider_crank::SpatialSliderCrank;
 pub use spin_up_beam::SpinUpBeam;
 pub use two_four_bar::TwoFourBar;
 pub use universal_shaft::UniversalShaft;
+pub use von_mises_truss::VonMisesTruss;
 
 use super::AnyScene;
 
@@ -71,5 +73,6 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(RightAngleCantilever::default()),
         Box::new(Chain::common()),
         Box::new(Chain::separate()),
+        Box::new(VonMisesTruss),
     ]
 }
