@@ -117,14 +117,14 @@ impl Assembly<'_> {
         for (node, segment) in part.nodes.iter().zip(&part.segments) {
             let reduced = self.system.nodes[*node].columns.len();
             let half = reduced / copies;
-            let left = &self.bases[*node].left;
+            let Bases { left, plain, .. } = &self.bases[*node];
             for row in 0..half {
                 let target = first_row + row + if second { half } else { 0 };
                 let mut sum = [0.0; LANES];
-                if left.is_empty() {
+                if left.is_empty() || row < *plain {
                     sum = *row_of(first_dof + row);
                 } else {
-                    for i in 0..segment.len() {
+                    for i in *plain..segment.len() {
                         let (weight, value) = (left[i * half + row], row_of(first_dof + i));
                         for (sum, e) in sum.iter_mut().zip(value) {
                             *sum += weight * e;

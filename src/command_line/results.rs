@@ -28,6 +28,8 @@ struct Moment {
     q: Vec<f64>,
     /// `None` if an element does not state its energy [J].
     energy: Option<f64>,
+    /// What functionals measure, in their order.
+    measured: Vec<f64>,
 }
 
 /// Makes sure that the folder can take files, before anything is computed.
@@ -118,13 +120,14 @@ impl<'p> Results<'p> {
         let mut sample = Sample { t, at, mu, dropped, ..Sample::empty() };
         sample.share(model, p);
         self.row.extend(&sample.mu);
+        let measured = self.row.len();
         self.row.extend(courses(self.prepared).map(|functional| functional.measured.value(model, &sample, p)));
         self.csv.row(&self.row).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
             hint: "choose a folder on a disk with room (--out)".into(),
         })?;
-        let moment = Moment { t, q: q.to_vec(), energy };
+        let moment = Moment { t, q: q.to_vec(), energy, measured: self.row[measured..].to_vec() };
         if self.count.is_multiple_of(self.stride) {
             self.moments.push(moment.clone());
             if self.moments.len() > 2 * MOST_POINTS {
@@ -275,8 +278,7 @@ fn charts(prepared: &Prepared, moments: &[Moment]) -> Vec<Chart> {
     let panel = |y_label: String, mut series: Vec<Series>| {
         let hidden = series.len().saturating_sub(MOST_CURVES);
         series.truncate(MOST_CURVES);
-        let title =
-            if hidden > 0 { format!("{y_label}: {MOST_CURVES} of {} nodes", MOST_CURVES + hidden) } else { String::new() };
+        let title = if hidden > 0 { format!("{y_label}: {MOST_CURVES} of {}", MOST_CURVES + hidden) } else { String::new() };
         Chart { title, x_label: "time [s]".into(), y_label, series, ..Chart::default() }
     };
     let mut charts = Vec::new();
@@ -303,6 +305,17 @@ fn charts(prepared: &Prepared, moments: &[Moment]) -> Vec<Chart> {
     // one key for all panels: a node has the same colour in each
     for chart in charts.iter_mut().skip(1).filter(|chart| !chart.y_label.starts_with("coordinates")) {
         chart.series.iter_mut().for_each(|series| series.name.clear());
+    }
+    // what has a unit of its own; places and speeds of points are seen above
+    let loads: Vec<_> =
+        courses(prepared).enumerate().filter(|(_, own)| !matches!(own.unit, "m" | "m2" | "m/s" | "-")).collect();
+    let mut units: Vec<&str> = loads.iter().map(|(_, own)| own.unit).collect();
+    units.sort_unstable();
+    units.dedup();
+    for unit in units {
+        let own = loads.iter().filter(|(_, functional)| functional.unit == unit);
+        let series = own.map(|(k, functional)| curve(functional.name.clone(), &|moment| moment.measured[*k])).collect();
+        charts.push(panel(format!("[{unit}]"), series));
     }
     if let Some(first) = charts.first_mut() {
         let kind = if first.title.is_empty() { String::new() } else { format!(", {}", first.title) };
