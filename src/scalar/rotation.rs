@@ -39,7 +39,6 @@ impl<S: Scalar> Quaternion<S> {
         Quaternion([norm * 0.5, S::zero(), -z / norm, y / norm])
     }
     /// The product: first `other`, then `self`.
-    #[inline(always)]
     pub fn times(self, other: Self) -> Self {
         let (a, u) = self.parts();
         let (b, w) = other.parts();
@@ -47,7 +46,6 @@ impl<S: Scalar> Quaternion<S> {
         Quaternion([a * b - u.dot(w), v.0[0], v.0[1], v.0[2]])
     }
     /// Opposite rotation (for unit length).
-    #[inline(always)]
     pub fn conjugate(self) -> Self {
         let [a, x, y, z] = self.0;
         Quaternion([a, -x, -y, -z])
@@ -111,12 +109,11 @@ impl<S: Scalar> Quaternion<S> {
         self.g_transposed_times(omega_body * S::from(0.5))
     }
     /// |e|^2.
-    #[inline(always)]
     pub fn norm_squared(self) -> S {
         self.dot(self)
     }
     /// Scalar product of all four components.
-    #[inline(always)]
+    #[inline]
     pub fn dot(self, other: Self) -> S {
         let ([a, x, y, z], [b, u, v, w]) = (self.0, other.0);
         a * b + x * u + y * v + z * w

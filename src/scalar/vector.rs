@@ -69,15 +69,14 @@ impl<S: Scalar> Neg for Vec3<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        // written out: closures of arrays are not inlined into code for wide vectors
-        Vec3([-self.0[0], -self.0[1], -self.0[2]])
+        Vec3(self.0.map(|c| -c))
     }
 }
 impl<S: Scalar> Mul<S> for Vec3<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: S) -> Self {
-        Vec3([self.0[0] * factor, self.0[1] * factor, self.0[2] * factor])
+        Vec3(self.0.map(|c| c * factor))
     }
 }
 impl<S: Scalar> AddAssign for Vec3<S> {

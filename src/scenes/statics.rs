@@ -1,7 +1,7 @@
 use super::Prepared;
 use crate::integrators::{
     ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StartRecord, StepRecord, follow_path, march,
-    march_adaptive, vibrations,
+    march_adaptive, march_dividing, vibrations,
 };
 
 /// The last state of a run over load steps.
@@ -45,6 +45,7 @@ impl Prepared<'_> {
         let (problem, mut last) = (self.problem(), Equilibrium::default());
         match &self.control {
             Some(control) => march_adaptive(&problem, &self.method, control, &self.grid, &self.plan, &mut last).1?,
+            None if self.divide => march_dividing(&problem, &self.method, &self.grid, &self.plan, &mut last).1?,
             None => march(&problem, &self.method, &self.grid, &self.plan, &mut last)?,
         };
         Ok(last)

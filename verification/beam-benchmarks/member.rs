@@ -4,8 +4,10 @@ use costate::assembly::Model;
 use costate::elements::flexible::Section;
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
 use costate::elements::{Anchor, ElementIn, TimeFunction};
+use costate::history::Watch;
+use costate::integrators::{StepRecord, march_dividing};
 use costate::prelude::*;
-use costate::scenes::{BeamLine, Equilibrium};
+use costate::scenes::BeamLine;
 
 /// Shape of the line at rest.
 #[derive(Clone, Copy)]
@@ -39,13 +41,14 @@ pub struct Member {
     pub inertia: [f64; 2],
     pub clamped: bool,
     pub loads: Vec<TipLoad>,
+    /// Equal ones; those that Newton's method cannot make are halved.
     pub load_steps: usize,
 }
 
 impl Member {
     /// A clamped beam without inertia.
     pub fn clamped(rest: Rest, elements: usize, stiffness: [f64; 6]) -> Self {
-        Member { rest, elements, stiffness, inertia: [0.0; 2], clamped: true, loads: Vec::new(), load_steps: 10 }
+        Member { rest, elements, stiffness, inertia: [0.0; 2], clamped: true, loads: Vec::new(), load_steps: 20 }
     }
 
     /// With a load more.
@@ -56,30 +59,49 @@ impl Member {
 
     /// The equilibrium under the whole load.
     pub fn solve(&self) -> Result<Solved, String> {
+        self.solve_at(1)
+    }
+
+    /// Equilibria at as many equal parts of the load.
+    pub fn solve_at(&self, parts: usize) -> Result<Solved, String> {
         let prepared = Prepared::new(self).map_err(|error| error.to_string())?;
-        let equilibrium = prepared.equilibrium().map_err(|error| error.to_string())?;
-        let (model, p) = (prepared.mechanism.model, prepared.mechanism.numbers.p);
-        Ok(Solved { start: prepared.mechanism.numbers.q, p, model, equilibrium })
+        let mut equilibria: Vec<Vec<f64>> = Vec::new();
+        let mut watch = Watch(|step: &StepRecord<f64>| {
+            if step.t + step.h >= (equilibria.len() + 1) as f64 / parts as f64 - 1e-9 {
+                equilibria.push(step.q.clone());
+            }
+            true
+        });
+        march_dividing(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut watch)
+            .1
+            .map_err(|error| error.to_string())?;
+        let (model, numbers) = (prepared.mechanism.model, prepared.mechanism.numbers);
+        Ok(Solved { start: numbers.q, p: numbers.p, model, equilibria })
     }
 }
 
-/// An equilibrium with its model.
+/// Equilibria with their model.
 pub struct Solved {
     model: Model,
     p: Vec<f64>,
     start: Vec<f64>,
-    pub equilibrium: Equilibrium,
+    /// Coordinates; the last is under the whole load.
+    pub equilibria: Vec<Vec<f64>>,
 }
 
 impl Solved {
+    /// Under the whole load.
+    pub fn last(&self) -> &[f64] {
+        &self.equilibria[self.equilibria.len() - 1]
+    }
     /// Displacement of the tip [m].
-    pub fn tip(&self) -> [f64; 3] {
+    pub fn tip(&self, q: &[f64]) -> [f64; 3] {
         let last = self.start.len() - 7;
-        std::array::from_fn(|i| self.equilibrium.q[last + i] - self.start[last + i])
+        std::array::from_fn(|i| q[last + i] - self.start[last + i])
     }
     /// Rotation of the tip about z [rad], in (-pi, pi].
-    pub fn tip_angle(&self) -> f64 {
-        let e = &self.equilibrium.q[self.start.len() - 4..];
+    pub fn tip_angle(&self, q: &[f64]) -> f64 {
+        let e = &q[self.start.len() - 4..];
         let half = e[3].atan2(e[0]);
         2.0 * (half - std::f64::consts::PI * (half / std::f64::consts::PI).round())
     }

@@ -139,7 +139,6 @@ impl BeamField {
     }
 
     /// Along the motion of h.
-    #[inline(always)]
     fn strain_rates<S: Scalar>(&self, v: &[S], h: &[S], p: &[S]) -> [S; STRAINS] {
         let mut moving = [Dual::<S, 1>::default(); 11];
         for i in 0..moving.len() {

@@ -79,7 +79,6 @@ pub(crate) fn vectors(names: &[&str]) -> Vec<Parameter> {
 }
 
 /// x_b - x_a for the points of the first six parameters [m].
-#[inline(always)]
 pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vec3<S> {
     let (qa, qb) = q.split_at(a.dofs());
     b.position(qb, Vec3::from_slice(&p[3..])) - a.position(qa, Vec3::from_slice(p))

@@ -40,7 +40,7 @@ impl Scene for PrincetonBeam {
         ]
     }
     fn settings(&self) -> Settings {
-        Settings::statics(5)
+        Settings::statics(20).dividing_steps()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [angle, load, stiff, soft, torsion, length] = x else {
