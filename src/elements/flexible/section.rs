@@ -190,6 +190,14 @@ impl<S: Scalar> Section<S> {
         self
     }
 
+    /// With the mass centre at (x2, x3) [m] beside the reference line, about which the second moments of mass are already.
+    #[must_use]
+    pub fn with_centre(mut self, centre: [S; 2]) -> Self {
+        self.centre = centre;
+        self.kind.eccentric = true;
+        self
+    }
+
     /// With stiffness off the diagonal: any symmetric matrix.
     #[must_use]
     pub fn with_stiffness(mut self, stiffness: [[S; STRAINS]; STRAINS]) -> Self {
