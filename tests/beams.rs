@@ -1,10 +1,10 @@
 //! Beams against closed forms: momentum, section forces, offsets, bodies at their ends, loads, damping; what a user may get wrong.
 
 use costate::assembly::NodeId;
-use costate::elements::ElementIn;
 use costate::elements::flexible::shape::TWO;
 use costate::elements::flexible::{STRAINS, Section};
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use costate::elements::{ElementIn, Field, Flexible, Interpolation};
 use costate::functionals::quantities::SectionMeasure;
 use costate::history::Watch;
 use costate::integrators::{StepRecord, march};
@@ -13,6 +13,7 @@ use costate::scalar::Complex;
 use costate::scenes::built_in::{FlyingRod, PrincetonBeam, SpinUpBeam};
 use costate::scenes::{AnyScene, BeamLine, BeamMember};
 use std::fs;
+use std::ops::Range;
 use std::process::Command;
 
 /// What is built.
@@ -482,6 +483,68 @@ fn a_run_writes_a_column_for_each_output_of_a_section() {
         // digits of the file
         assert!((last[column] - value).abs() <= 1e-9 * value.abs(), "{name}: {} against {value}", last[column]);
     }
+}
+
+/// A flexible element of a user's own: V = EA L / 2 (|r_b - r_a| / L - 1)^2 of a cable between two points.
+struct Cable;
+
+const fn difference(component: usize) -> Interpolation {
+    Interpolation { component, weights: &[-1.0, 1.0] }
+}
+
+impl Field for Cable {
+    const NODES: usize = 2;
+    const COMPONENTS: usize = 3;
+    const POINTS: &'static [&'static [Interpolation]] = &[&[difference(0), difference(1), difference(2)]];
+    const ENERGIES: bool = true;
+    fn parameters(&self) -> Vec<Parameter> {
+        vec![Parameter::non_negative("EA", "N"), Parameter::positive("length", "m")]
+    }
+    fn parameters_of(&self, _point: usize) -> Range<usize> {
+        0..2
+    }
+    fn potential<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
+        let strain = Vec3::from_slice(h).norm() / p[1] - 1.0;
+        p[0] * p[1] * strain * strain * 0.5
+    }
+}
+
+/// A mass on the cable.
+struct Plumb;
+
+impl Scene for Plumb {
+    fn name(&self) -> String {
+        "plumb".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("EA", 100.0, (1.0, 1e3), "N"), DesignVariable::new("length", 0.8, (0.1, 10.0), "m")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::statics(2)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let start = Vec3::from_f64([0.1, 0.0, -0.9]);
+        let (hook, mass) = (m.point("hook", Vec3::zero()), m.point("mass", start));
+        let ground = m.ground();
+        m.spherical("hook", [ground, hook], Vec3::zero());
+        m.point_mass("mass", mass, S::from(1.3));
+        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+        m.element("cable", &[hook, mass], Flexible(Cable), x);
+        m.position_functional("height", Over::Terminal, mass, start, axis(2));
+        Ok(())
+    }
+}
+
+#[test]
+fn a_flexible_element_of_a_users_own_has_equilibria_and_gradients() {
+    let prepared = Prepared::new(&Plumb).expect("a sound scene");
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).expect("an equilibrium");
+    // z = -L (1 + m g / EA)
+    let (strain, length) = (1.3 * GRAVITY / 100.0, 0.8);
+    assert!((forward.values[0] + length * (1.0 + strain)).abs() < 1e-13, "{}", forward.values[0]);
+    let gradient = analysis.adjoint(&prepared.x, &forward).expect("a gradient").rows.remove(0);
+    assert!(largest_difference(&[length * strain / 100.0, -1.0 - strain], &gradient) < 1e-12, "{gradient:?}");
 }
 
 /// A beam with one thing wrong.
