@@ -470,18 +470,23 @@ fn a_run_writes_a_column_for_each_output_of_a_section() {
     let text = fs::read_to_string(folder.join("histories.csv")).expect("histories");
     fs::remove_dir_all(&folder).expect("the folder of this test");
     let mut lines = text.lines();
-    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    // quoted names hold commas: every second part between quotes
+    let header = lines.next().expect("a header").split('"').enumerate();
+    let header: String = header.map(|(i, part)| if i % 2 == 1 { part.replace(',', ";") } else { part.into() }).collect();
+    let header: Vec<&str> = header.split(',').collect();
     let last: Vec<f64> = lines.next_back().expect("rows").split(',').map(|word| word.parse().expect("a number")).collect();
-    let prepared = Prepared::new(&PrincetonBeam::default())
-        .map(|own| own.functionals().iter().map(|f| f.name.clone()).collect::<Vec<_>>());
+    assert_eq!(header.len(), last.len());
+    let scene = PrincetonBeam::default();
+    let prepared = Prepared::new(&scene).expect("a sound scene");
     let said = String::from_utf8_lossy(&output.stdout);
     let json: serde_json::Value = serde_json::from_str(said.lines().last().expect("JSON")).expect("JSON");
-    for (index, name) in prepared.expect("a sound scene").iter().enumerate() {
-        let column = header.iter().position(|column| column.starts_with(name.as_str()));
+    for (index, functional) in prepared.functionals().iter().enumerate() {
+        let name = format!("measured for {} [{}]", functional.name, functional.unit);
+        let column = header.iter().position(|column| *column == name);
         let column = column.unwrap_or_else(|| panic!("\"{name}\" is missing in {header:?}"));
         let value = json["functionals"][index]["value"].as_f64().expect("a value");
-        // digits of the file
-        assert!((last[column] - value).abs() <= 1e-9 * value.abs(), "{name}: {} against {value}", last[column]);
+        // the file keeps every digit
+        assert!((last[column] - value).abs() <= 1e-14 * value.abs(), "{name}: {} against {value}", last[column]);
     }
 }
 
