@@ -52,6 +52,13 @@ pub trait Field: Send + Sync + 'static {
     fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         lagrangian_residual(&AtPoint { field: self, point }, s, p, t, r);
     }
+    /// Adds gamma dr/da + beta dr/dv + alpha dr/dq of a point for `shift` = [gamma, beta, alpha], row-major, and says true; or says false, and r is
+    /// differentiated.
+    ///
+    /// Not needed: an element of which scenes have hundreds may write it out; the contract tests then hold it against r.
+    fn add_matrix(&self, _point: usize, _s: State<f64>, _shift: [f64; 3], _p: &[f64], _matrix: &mut [f64]) -> bool {
+        false
+    }
     /// True if r of every point is linear in (hddot, hdot, h) with constant coefficients.
     fn is_linear(&self) -> bool {
         false
@@ -179,7 +186,6 @@ impl<F: Field> Element for Flexible<F> {
             distribute(rows, F::COMPONENTS, &own, force);
         }
     }
-    #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         let (mut a, mut v, mut q, mut own) = (Few::new(), Few::new(), Few::new(), Few::new());
         for (point, rows) in F::POINTS.iter().enumerate() {
@@ -189,7 +195,8 @@ impl<F: Field> Element for Flexible<F> {
             interpolate_if(in_q, rows, F::COMPONENTS, s.q, &mut q);
             own.clear();
             own.resize(rows.len(), S::zero());
-            self.0.residual(point, State { a: &a, v: &v, q: &q }, &p[self.0.parameters_of(point)], t, &mut own);
+            let here = State { a: &a, v: &v, q: &q };
+            add_point_residual(&self.0, point, here, &p[self.0.parameters_of(point)], t, &mut own);
             distribute(rows, F::COMPONENTS, &own, r);
         }
     }
@@ -213,10 +220,31 @@ pub trait ByPoints: Send + Sync {
     fn pull_back(&self, s: State<f64>, p: &[f64], t: f64, lambdas: &[f64], work: &mut PointWork, gradients: &mut [f64]);
 }
 
+/// r of a point to be evaluated.
+struct PointResidual<'j, F, S>(&'j F, usize, State<'j, S>, &'j [S], S, &'j mut [S]);
+
+impl<F: Field, S: Scalar> Job for PointResidual<'_, F, S> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let PointResidual(field, point, s, p, t, r) = self;
+        field.residual(point, s, p, t, r);
+    }
+}
+
+/// Adds r of a point: the one place where its formulas are compiled for a number type, as a hundred numbers with lanes between
+/// them take the compiler minutes.
+#[inline(never)]
+fn add_point_residual<F: Field, S: Scalar>(field: &F, point: usize, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+    S::run(PointResidual(field, point, s, p, t, r));
+}
+
 /// Numbers of one point after the other.
 #[derive(Clone, Debug, Default)]
 pub struct PointWork {
-    real: Few<f64>,
+    real: [Few<f64>; 3],
+    /// dr/dh, row-major.
+    own: Vec<f64>,
     state: [Few<Lanes>; 3],
     p: Vec<Lanes>,
     r: Few<Lanes>,
@@ -228,19 +256,24 @@ pub struct PointWork {
 }
 
 impl PointWork {
-    /// Loads what a point reads, without derivatives.
+    /// Interpolates what a point reads.
     #[inline(always)]
-    fn load(&mut self, rows: &[Interpolation], components: usize, given: [&[f64]; 3], read: [bool; 3], p: &[f64]) {
+    fn interpolate(&mut self, rows: &[Interpolation], components: usize, given: [&[f64]; 3], read: [bool; 3]) {
         for kind in 0..3 {
-            let lanes = &mut self.state[kind];
-            if read[kind] {
-                interpolate(rows, components, given[kind], &mut self.real);
+            interpolate_if(read[kind], rows, components, given[kind], &mut self.real[kind]);
+        }
+    }
+
+    /// Takes over what was interpolated, without derivatives.
+    #[inline(always)]
+    fn load(&mut self, read: [bool; 3], p: &[f64]) {
+        for kind in 0..3 {
+            let (lanes, real) = (&mut self.state[kind], &self.real[kind]);
+            if read[kind] || lanes.len() != real.len() {
                 lanes.clear();
-                for &x in &self.real {
+                for &x in real {
                     lanes.push(Lanes::constant(x));
                 }
-            } else if lanes.len() != rows.len() {
-                lanes.resize(rows.len(), Lanes::default());
             }
         }
         self.p.clear();
@@ -255,7 +288,16 @@ impl PointWork {
         let [a, v, q] = &self.state;
         self.r.clear();
         self.r.resize(q.len(), Lanes::default());
-        field.residual(point, State { a, v, q }, &self.p, Lanes::from(t), &mut self.r);
+        add_point_residual(field, point, State { a, v, q }, &self.p, Lanes::from(t), &mut self.r);
+    }
+
+    /// dr/dh along a shift, if the element writes it out.
+    #[inline(always)]
+    fn written<F: Field>(&mut self, field: &F, point: usize, shift: [f64; 3], p: &[f64]) -> bool {
+        let [a, v, q] = &self.real;
+        self.own.clear();
+        self.own.resize(q.len() * q.len(), 0.0);
+        field.add_matrix(point, State { a, v, q }, shift, p, &mut self.own)
     }
 
     /// Sets or takes back the derivative of an argument along a lane.
@@ -278,11 +320,19 @@ impl<F: Field> Job for AddMatrix<'_, F> {
         for (point, rows) in F::POINTS.iter().enumerate() {
             let size = rows.len();
             let read = element.read_at(point);
-            work.load(rows, F::COMPONENTS, [s.a, s.v, s.q], read, &p[element.0.parameters_of(point)]);
+            work.interpolate(rows, F::COMPONENTS, [s.a, s.v, s.q], read);
+            let p = &p[element.0.parameters_of(point)];
             // (dr/dh) W, row-major
             work.half.clear();
             work.half.resize(size * n, 0.0);
-            let mut next = 0;
+            let mut next = if work.written(&element.0, point, shift, p) { size } else { 0 };
+            if next == size {
+                for (own, half) in work.own.chunks_exact(size).zip(work.half.chunks_exact_mut(n)) {
+                    distribute(rows, F::COMPONENTS, own, half);
+                }
+            } else {
+                work.load(read, p);
+            }
             while next < size {
                 let mut columns = [0; LANES];
                 let mut count = 0;
@@ -342,15 +392,33 @@ impl<F: Field> Job for PullBack<'_, F> {
             let size = rows.len();
             let own = element.0.parameters_of(point);
             let first = own.start;
-            work.load(rows, F::COMPONENTS, [s.a, s.v, s.q], element.read_at(point), &p[own.clone()]);
+            let read_here = element.read_at(point);
+            let mut at_point = std::mem::take(&mut work.real[0]);
             work.lambdas.clear();
             for lambda in lambdas.chunks_exact(n) {
-                interpolate(rows, F::COMPONENTS, lambda, &mut work.real);
-                work.lambdas.extend_from_slice(&work.real);
+                interpolate(rows, F::COMPONENTS, lambda, &mut at_point);
+                work.lambdas.extend_from_slice(&at_point);
             }
+            work.real[0] = at_point;
+            work.interpolate(rows, F::COMPONENTS, [s.a, s.v, s.q], read_here);
+            work.gradients.clear();
+            work.gradients.resize(3 * size * count, 0.0);
             let mut read = std::mem::take(&mut work.read);
             read.clear();
             for kind in 0..3 {
+                let mut unit = [0.0; 3];
+                unit[kind] = 1.0;
+                if read_here[kind] && work.written(&element.0, point, unit, &p[own.clone()]) {
+                    for k in 0..count {
+                        let target = &mut work.gradients[(3 * k + kind) * size..][..size];
+                        for (row, weight) in work.own.chunks_exact(size).zip(&work.lambdas[k * size..]) {
+                            for (target, entry) in target.iter_mut().zip(row) {
+                                *target += weight * entry;
+                            }
+                        }
+                    }
+                    continue;
+                }
                 for number in 0..size {
                     if element.0.reads(point, number)[kind] {
                         read.push((kind, number));
@@ -362,8 +430,9 @@ impl<F: Field> Job for PullBack<'_, F> {
                     read.push((3, number));
                 }
             }
-            work.gradients.clear();
-            work.gradients.resize(3 * size * count, 0.0);
+            if !read.is_empty() {
+                work.load(read_here, &p[own]);
+            }
             for group in read.chunks(LANES) {
                 for (lane, &argument) in group.iter().enumerate() {
                     work.seed(argument, lane, 1.0);

@@ -1,3 +1,4 @@
+use super::beam_matrix::{Strained, add_inertia_matrix, add_strain_matrix, axes};
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
 use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
 use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed};
@@ -46,7 +47,7 @@ pub const TYING_POINTS: usize = 2;
 /// Number of strains.
 pub const STRAINS: usize = 6;
 /// Metric and two axes.
-const GEOMETRY: usize = 7;
+pub(super) const GEOMETRY: usize = 7;
 /// Mass, first moment, inertia.
 pub(super) const INERTIA: usize = 10;
 
@@ -116,7 +117,6 @@ impl BeamField {
     }
 
     /// Strains at a tying point, from h and the point's parameters.
-    #[inline(always)]
     pub fn strains<S: Scalar>(&self, h: &[S], p: &[S]) -> [S; STRAINS] {
         Reference::of(p).strains(h)
     }
@@ -249,7 +249,6 @@ impl Field for BeamField {
         if number < 3 { [true, false, false] } else { [true; 3] }
     }
 
-    #[inline(always)]
     fn kinetic<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S]) -> S {
         if point < TYING_POINTS {
             return S::zero();
@@ -265,7 +264,6 @@ impl Field for BeamField {
         twice * 0.5
     }
 
-    #[inline(always)]
     fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
         if point >= TYING_POINTS {
             return S::zero();
@@ -316,6 +314,25 @@ impl Field for BeamField {
         for i in 0..4 {
             r[3 + i] += turning[i];
         }
+    }
+
+    #[inline(always)]
+    fn add_matrix(&self, point: usize, s: State<f64>, shift: [f64; 3], p: &[f64], matrix: &mut [f64]) -> bool {
+        if point >= TYING_POINTS {
+            if !self.eccentric {
+                add_inertia_matrix([s.a, s.v, s.q], shift, p, matrix);
+            }
+            return !self.eccentric;
+        }
+        if self.damped {
+            return false;
+        }
+        let strain = Reference::of(p).strains(s.q);
+        let stiffness = &p[GEOMETRY..];
+        let stress = self.stiffness_times(stiffness, strain);
+        let at = Strained { h: s.q, metric: p[0], axes: axes(p), stiffness, stress };
+        add_strain_matrix(&at, shift[2], matrix);
+        true
     }
 
     fn mass<S: Scalar>(&self, p: &[S]) -> S {

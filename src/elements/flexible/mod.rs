@@ -2,6 +2,7 @@
 
 mod beam;
 mod beam_gravity;
+mod beam_matrix;
 mod distributed_load;
 pub mod section;
 pub mod shape;
