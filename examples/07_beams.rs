@@ -78,7 +78,8 @@ fn main() -> Result<(), RunError> {
         let [adjoint, complex] = [&adjoint, &complex].map(|gradient| scaled(&gradient.rows[k]));
         let difference = largest_difference(&adjoint, &complex);
         println!("  largest difference {difference:.1e}");
-        assert!(difference < 1e-12);
+        // strains of 1e-4 are differences from 1, which have lost four of sixteen digits
+        assert!(difference < 1e-11);
     }
     let stress = forward.values[1];
     let grown: f64 = (2..5).map(|i| adjoint.rows[1][i] * scene.x[i]).sum();

@@ -104,6 +104,7 @@ impl Scene for Bar {
         match self.0 {
             What::Dumbbell | What::Damped => Settings::new(1.0, 10),
             What::Determinate | What::Hanging => Settings::statics(1),
+            What::Loaded { .. } => Settings::statics(20),
             _ => Settings::statics(8),
         }
     }
@@ -182,7 +183,7 @@ impl Scene for Bar {
             What::Loaded { elements, frame, at_nodes } => {
                 let section = Section::new([100.0, 40.0, 40.0, 1.0, 1.0, 1.0].map(S::from));
                 let beam = m.beam("beam", cantilever(1.0, elements), &section);
-                let direction = [0.0, 6.0, 1.0];
+                let direction = [0.0, 4.0, 1.0];
                 if at_nodes {
                     let h = 1.0 / elements as f64;
                     for (i, &node) in beam.nodes.iter().enumerate().skip(1) {
@@ -282,7 +283,8 @@ fn a_free_rod_keeps_the_momentum_that_its_load_gave_it() {
     let missing = course.iter().flat_map(|(t, own)| [own[0] - impulse(*t), own[1], own[2]]);
     let worst = missing.fold(0.0, |worst: f64, miss| worst.max(miss.abs()));
     println!("momentum: largest error {worst:.1e} N s");
-    assert!(worst < 1e-9, "momentum: {worst:.1e} N s; Newton's method leaves 1e-12 of each of 700 steps");
+    // a linear invariant: what is left is round-off of the sum over 700 steps
+    assert!(worst < 1e-12, "momentum: {worst:.1e} N s");
     let free: Vec<&[f64; 7]> = course.iter().filter(|(t, _)| *t >= 5.0 - 1e-9).map(|(_, own)| own).collect();
     let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
     let (angular, energy) = (norm(&free[0][3..6]), free[0][6]);
@@ -290,8 +292,8 @@ fn a_free_rod_keeps_the_momentum_that_its_load_gave_it() {
     let turned = turned.fold(0.0, f64::max);
     let lost = free.iter().map(|own| (own[6] / energy - 1.0).abs()).fold(0.0, f64::max);
     println!("angular momentum {angular:.6} N m s, largest change {turned:.1e}; energy {energy:.6} J, {lost:.1e}");
-    // what a method of order 4 that damps leaves of motions of some 10 rad/s in 200 steps of 10 ms
-    assert!(free.len() > 190 && turned < 1e-5 && lost < 1e-4, "angular momentum {turned:.1e}, energy {lost:.1e}");
+    // quadratic, which the method keeps to its order 4: (0.01 s times some 1 rad/s)^4 for the slow motions that hold the energy
+    assert!(free.len() > 190 && turned < 1e-7 && lost < 1e-7, "angular momentum {turned:.1e}, energy {lost:.1e}");
 }
 
 #[test]
