@@ -98,6 +98,12 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Gives a node a velocity [m/s] and, if it is a body, an angular velocity in world components [rad/s].
     pub fn set_velocity(&mut self, node: NodeId, velocity: Vec3<S>, omega_world: Vec3<S>) {
+        if let NodeKind::Coordinates(_) = self.model.nodes[node.0].kind {
+            let name = &self.model.nodes[node.0].name;
+            self.mistakes
+                .push(format!("\"{name}\" has no place in space: give the rates of its coordinates where it is made"));
+            return;
+        }
         let first = self.model.nodes[node.0].dofs.start;
         for (place, v) in (first..).zip(velocity.0) {
             self.numbers.v[place] = v;
@@ -121,9 +127,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         e.rotate(e.g_times(Quaternion::from_slice(&self.numbers.v[dofs.start + 3..])) * S::from(2.0))
     }
 
-    /// Initial position of a node's frame [m].
+    /// Initial position of a node's frame [m]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vec3<S> {
-        Vec3::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start..])
+        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        match kind {
+            NodeKind::Coordinates(_) => Vec3::zero(),
+            _ => Vec3::from_slice(&self.numbers.q[dofs.start..]),
+        }
     }
 
     /// Initial Euler parameters of a body; other nodes have the axes of the world.

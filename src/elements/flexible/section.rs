@@ -140,7 +140,7 @@ fn rectangle_torsion<S: Scalar>(width: S, height: S) -> S {
 }
 
 /// Riemann's zeta(5); the sum of 1 / n^5 over odd n is 31/32 of it.
-const ZETA_OF_FIVE: f64 = 1.036_927_755_143_370;
+const ZETA_OF_FIVE: f64 = 1.036_927_755_143_37;
 
 /// Shear factor of a thin-walled box for shear along its `depth`, with flanges of `breadth`, all walls alike.
 fn box_shear_factor<S: Scalar>(breadth: S, depth: S, poisson: S) -> S {
@@ -187,6 +187,14 @@ impl<S: Scalar> Section<S> {
     pub fn with_inertia(mut self, mass: S, [second, third]: [S; 2]) -> Self {
         self.mass = mass;
         self.inertia = [second, third, S::zero()];
+        self
+    }
+
+    /// With the mass centre at (x2, x3) [m] beside the reference line, about which the second moments of mass are already.
+    #[must_use]
+    pub fn with_centre(mut self, centre: [S; 2]) -> Self {
+        self.centre = centre;
+        self.kind.eccentric = true;
         self
     }
 

@@ -55,8 +55,8 @@ impl<S: Scalar> BeamLine<S> {
     /// Turns the sections about the line, by an angle [rad] that grows linearly from 0 at the first node.
     #[must_use]
     pub fn twisted(mut self, angle: S) -> Self {
-        let last = self.points.len() - 1;
-        for i in 0..=last {
+        let last = self.points.len().saturating_sub(1);
+        for i in 0..self.points.len() {
             let (before, after) = (self.points[i.saturating_sub(1)], self.points[(i + 1).min(last)]);
             let [_, second, third] = triad(after - before, self.second_axes[i]);
             let (s, c) = (angle * (i as f64 / last as f64)).sin_cos();
@@ -147,9 +147,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let kind = section(0.0).kind;
         let field = BeamField { coupled: kind.coupled, damped: kind.damped, eccentric: kind.eccentric };
         let mut member = BeamMember { nodes: Vec::new(), elements: Vec::new(), field, name: name.to_string() };
-        if !self.check_line(name, &line) {
-            return member;
-        }
+        let sound = self.check_line(name, &line) && self.check_kinds(name, count / 2, &section);
         let given = line.ends.iter().find_map(|end| if let End::Node(node) = end { Some(*node) } else { None });
         let rotation = given.map_or_else(Quaternion::identity, |node| self.rotation(node));
         for (i, &point) in line.points.iter().enumerate() {
@@ -160,6 +158,13 @@ impl<S: Scalar> MechanismBuilder<S> {
                 Some((_, End::Node(node))) => node,
                 _ => self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
             });
+        }
+        if !sound {
+            // what the scene adds to this beam still finds its ends
+            if member.nodes.is_empty() {
+                member.nodes.push(self.body(&format!("{name}, node 1"), Vec3::zero(), rotation));
+            }
+            return member;
         }
         let elements = count / 2;
         for element in 0..elements {
@@ -226,8 +231,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
             let End::Node(node) = end else { continue };
             self.check_bodies(name, &[node]);
+            if self.model.nodes[node.0].kind != NodeKind::Body {
+                continue;
+            }
             let gap = (self.position(node) - point).norm().value();
-            if self.model.nodes[node.0].kind == NodeKind::Body && gap > 1e-9 * length {
+            if gap > 1e-9 * length {
                 self.mistakes.push(format!(
                     "\"{name}\" ends {gap:.3e} m from its node \"{}\": a beam ends in the origin of a body's frame; \
                      give it a node of its own and a fixed joint, or move the frame",
@@ -245,6 +253,23 @@ impl<S: Scalar> MechanismBuilder<S> {
             ));
         }
         self.mistakes.len() == mistakes
+    }
+
+    /// What a section's formulas take into account is topology: the same all along the beam.
+    fn check_kinds(&mut self, name: &str, elements: usize, section: &impl Fn(f64) -> Section<S>) -> bool {
+        let first = section(0.0).kind;
+        let shares = (0..elements).flat_map(|element| {
+            let share = move |xi: f64| (element as f64 + 0.5 * (xi + 1.0)) / elements as f64;
+            TWO.into_iter().chain(THREE).map(share)
+        });
+        let Some((share, other)) = shares.map(|share| (share, section(share).kind)).find(|(_, kind)| *kind != first) else {
+            return true;
+        };
+        self.mistakes.push(format!(
+            "the section of \"{name}\" is {first:?} at its start and {other:?} at {share:.4} of its length; make all its sections \
+             with the same functions, an offset or a damping may be zero"
+        ));
+        false
     }
 
     /// Weight of the beams added so far.

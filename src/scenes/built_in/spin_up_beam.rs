@@ -43,7 +43,8 @@ impl Scene for SpinUpBeam {
         ]
     }
     fn settings(&self) -> Settings {
-        Settings::new(20.0, 2000)
+        // the spline begins with 2e-6 rad/s
+        Settings::new(20.0, 2000).projecting_start()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [axial, bending, mass, length] = x else { return Err(format!("4 variables expected, {} given", x.len())) };
