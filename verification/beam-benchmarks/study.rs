@@ -268,7 +268,7 @@ fn vibrations(report: &mut Report) -> Result<(), String> {
         [("clamped", true, roots(&clamped, [1.9, 4.7, 7.9])), ("free", false, roots(&free, [4.7, 7.9, 11.0]))]
     {
         let mut largest = Vec::new();
-        for elements in [4, 8, 32] {
+        for elements in [8, 16, 64] {
             let mut member = slender(elements, 2e7);
             // torsion and the other bending lie far above; what shear and rotary inertia take off is 4e-6 of the third frequency
             (member.stiffness[3], member.stiffness[4]) = (100.0, 1e4);
@@ -277,18 +277,25 @@ fn vibrations(report: &mut Report) -> Result<(), String> {
                 .map_err(|error| error.to_string())?;
             let rigid = if is_clamped { 0 } else { 6 };
             let modes = prepared.modes(rigid + 3).map_err(|error| error.to_string())?;
-            let found: Vec<f64> = modes.iter().map(|mode| mode.frequency).collect();
-            if elements == 32 && !is_clamped {
-                let zeros = found[..rigid].iter().fold(0.0, |largest: f64, omega| largest.max(*omega));
-                report.at_most("vibrations/free/six rigid motions, largest frequency by the first", zeros / found[6], 1e-6);
-            }
-            let errors = found[rigid..].iter().zip(roots).map(|(omega, root)| (omega / (root * root) - 1.0).abs());
-            let worst = errors.fold(0.0, f64::max);
+            // the turn about the line itself has next to no inertia here, and its zero is beyond the digits of the others
+            let mut vibrations = modes.iter().map(|mode| mode.frequency).filter(|&omega| omega > 1.0);
+            let errors = roots.map(|root| (vibrations.next().unwrap_or(f64::NAN) / (root * root) - 1.0).abs());
+            let worst = errors.into_iter().fold(0.0, |worst: f64, error| if error <= worst { worst } else { error });
             report.inform(format!("vibrations/{name}/{elements} elements/largest relative error of three"), worst);
             largest.push(worst);
         }
-        report.at_most(format!("vibrations/{name}/32 elements/relative error of three frequencies"), largest[2], 1e-5);
-        report.compare(format!("vibrations/{name}/order, 4 to 8 elements"), order(largest[0], largest[1]), 4.0, 0.3);
+        report.at_most(format!("vibrations/{name}/64 elements/relative error of three frequencies"), largest[2], 1e-5);
+        report.compare(format!("vibrations/{name}/order, 8 to 16 elements"), order(largest[0], largest[1]), 4.0, 0.3);
     }
+    let stout = Member {
+        clamped: false,
+        inertia: [1.0, 1e-3],
+        ..Member::clamped(Rest::Arc(1.0, 1.0), 4, [1e4, 4e3, 4e3, 8.0, 10.0, 10.0])
+    };
+    let prepared =
+        Prepared::with(&stout, &[], Prepared::default_method(), Settings::new(1.0, 1)).map_err(|error| error.to_string())?;
+    let modes = prepared.modes(8).map_err(|error| error.to_string())?;
+    let rigid = modes.iter().filter(|mode| mode.frequency == 0.0 && mode.growth == 0.0).count();
+    report.compare("vibrations/free arc/rigid motions among the eight lowest modes", rigid as f64, 6.0, 0.0);
     Ok(())
 }
