@@ -5,7 +5,7 @@ use costate::elements::TimeFunction;
 use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{Material, Section};
 use costate::elements::forces::LoadFrame;
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Scalar, Vec3};
 use costate::scenes::{BeamLine, BeamMember, MechanismBuilder};
 
 /// What is tested of the beam.
@@ -36,11 +36,11 @@ use Reach::{Force, Later, Nothing, ProjectedInertia, ProjectedMass, Stored};
 
 /// Numbers of the builder, and what each can reach: sections of a soft material, so that 50 steps resolve the motion.
 pub const DESIGN: [(&str, f64, Reach); 20] = [
-    ("width", 0.4, ProjectedMass),
-    ("height", 0.3, ProjectedMass),
-    ("Young's modulus", 2e4, Stored),
+    ("width", 0.8, ProjectedMass),
+    ("height", 0.6, ProjectedMass),
+    ("Young's modulus", 1250.0, Stored),
     ("Poisson's ratio", 0.3, Stored),
-    ("density", 5.0, ProjectedMass),
+    ("density", 1.25, ProjectedMass),
     ("x2 of the section", 0.05, ProjectedInertia),
     ("x3 of the section", -0.03, ProjectedInertia),
     ("damping", 0.02, Force),
@@ -109,12 +109,11 @@ impl BeamSubject {
         }
     }
 
-    /// Adds the beam up to the elbow, where the whole scene is turned by `whole` about the shoulder.
+    /// Adds the beam from a clamp beside the shoulder up to the elbow, which alone turns with the start: the beam changes its length.
     pub fn add<S: Scalar>(
         &self,
         m: &mut MechanismBuilder<S>,
-        (shoulder, whole): (Vec3<S>, Quaternion<S>),
-        elbow: Vec3<S>,
+        [shoulder, elbow]: [Vec3<S>; 2],
         numbers: &[S],
         function: &[S],
     ) -> BeamMember {
@@ -122,11 +121,11 @@ impl BeamSubject {
             unreachable!("{} numbers", DESIGN.len())
         };
         let vector = |first: usize| Vec3::from_slice(&rest[first..]);
-        let clamp = shoulder + whole.rotate(vector(0));
-        let bulge = whole.rotate(vector(3));
+        let clamp = shoulder + vector(0);
+        let bulge = vector(3);
         let point = |share: f64| clamp + (elbow - clamp) * S::from(share) + bulge * S::from(4.0 * share * (1.0 - share));
         let points: Vec<Vec3<S>> = (0..=4).map(|i| point(0.25 * f64::from(i))).collect();
-        let line = BeamLine::through(&points, whole.rotate(vector(6))).twisted(*twist).clamped_start();
+        let line = BeamLine::through(&points, vector(6)).twisted(*twist).clamped_start();
         let material = Material { young: *young, poisson: *poisson, density: *density };
         let section = |share: f64| {
             let size = S::one() - *taper * share;

@@ -175,7 +175,11 @@ impl Case {
         let f: Vec<S> = self.function.iter().map(|&f| S::from(f)).collect();
         let flexible = match &self.subject {
             Beam(subject) => {
-                let own = subject.add(m, (shoulder, whole), elbow, beam, &f);
+                let own = subject.add(m, [shoulder, elbow], beam, &f);
+                // as if it were stretched: nodes in between are slower than the elbow
+                for (i, &node) in own.nodes.iter().enumerate().skip(1) {
+                    m.set_velocity(node, elbow_velocity * S::from(0.25 * i as f64), Vec3::zero());
+                }
                 m.revolute("elbow", [own.end(), arm], elbow, axis);
                 Some(own)
             }

@@ -83,6 +83,8 @@ impl Case {
             _ => of_subject,
         };
         let spin = if self.statics { Nothing } else { StartVelocity };
-        [of_subject, vec![StartPosition, spin, Sensor]].concat()
+        // the turn stretches a beam, and with it its mass
+        let turn = if matches!(self.subject, Subject::Beam(_)) { ProjectedMass } else { StartPosition };
+        [of_subject, vec![turn, spin, Sensor]].concat()
     }
 }

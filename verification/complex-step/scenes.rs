@@ -272,10 +272,12 @@ impl Scene for Case {
         }
         if self.projected {
             // off the constraints, so that the projection moves something
+            // less where nodes lie close to each other
+            let size = if matches!(self.subject, Subject::Beam(_)) { 0.2 } else { 1.0 };
             for node in m.model.nodes.iter().filter(|node| !node.fixed) {
                 for i in node.dofs.clone() {
-                    m.numbers.q[i] += S::from(0.01 * (3.0 * i as f64).sin());
-                    m.numbers.v[i] += S::from(0.05 * (2.0 * i as f64).cos());
+                    m.numbers.q[i] += S::from(size * 0.01 * (3.0 * i as f64).sin());
+                    m.numbers.v[i] += S::from(size * 0.05 * (2.0 * i as f64).cos());
                 }
             }
         }
