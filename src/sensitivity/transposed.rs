@@ -93,8 +93,9 @@ impl<'m> TransposedSolver<'m> {
 
         let mut at_bars = vec![VectorsAvq::zeros(dofs); asked.len()];
         let mut constraint_bars = at_bars.clone();
-        let mut p_bars: Vec<&mut Vec<f64>> =
-            back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect();
+        // gathered on their own: in a metric what stiff elements give at both points cancels, and would take other digits along
+        let mut own_p = vec![vec![0.0; p.len()]; asked.len()];
+        let mut p_bars: Vec<&mut Vec<f64>> = own_p.iter_mut().collect();
         let point = |at| ProductPoint { at, p, active: self.active, t: *t };
         system.add_element_products(
             &self.jacobian,
@@ -112,6 +113,9 @@ impl<'m> TransposedSolver<'m> {
             for (&k, own) in asked.iter().zip(own) {
                 base_bars[k] = own;
             }
+        }
+        for (&k, own) in asked.iter().zip(&own_p) {
+            back[k].p.iter_mut().zip(own).for_each(|(bar, own)| *bar += own);
         }
         for ((&k, adjoints), (at_bar, constraint_bar)) in
             asked.iter().zip(&mut all).zip(at_bars.iter().zip(&mut constraint_bars))
@@ -133,9 +137,10 @@ impl<'m> TransposedSolver<'m> {
             system.set_local_adjoints(equations, constraint_at, &unbalanced_x, &unbalanced_y, adjoints);
             system.add_local_products(true, equations, adjoints, &unknowns, constraint_at, constraint_bar);
             for i in 0..dofs {
-                base_bar.a[i] += at_bar.a[i] + constraint_bar.a[i];
-                base_bar.v[i] += at_bar.v[i] + constraint_bar.v[i];
-                base_bar.q[i] += at_bar.q[i] + constraint_bar.q[i];
+                // first what cancels
+                base_bar.a[i] = (base_bar.a[i] + at_bar.a[i]) + constraint_bar.a[i];
+                base_bar.v[i] = (base_bar.v[i] + at_bar.v[i]) + constraint_bar.v[i];
+                base_bar.q[i] = (base_bar.q[i] + at_bar.q[i]) + constraint_bar.q[i];
             }
         }
         Ok(base_bars)
