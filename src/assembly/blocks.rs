@@ -71,20 +71,8 @@ pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
     target.extend(values.iter().map(|&value| Lanes::constant(value)));
 }
 
-/// A row of K times N_R of one node; an empty N_R is the identity, and so are its first `plain` coordinates.
-fn multiply_row(row: &[f64], right: &[f64], plain: usize, target: &mut [f64]) {
-    if right.is_empty() {
-        target.copy_from_slice(row);
-        return;
-    }
-    target[..plain].copy_from_slice(&row[..plain]);
-    let columns = target.len();
-    for (entry, weights) in row.iter().zip(right.chunks_exact(columns)).skip(plain) {
-        for (target, weight) in target[plain..].iter_mut().zip(&weights[plain..]) {
-            *target += entry * weight;
-        }
-    }
-}
+/// Coordinates of a node, and how many of them at the front are unknowns themselves: a position and Euler parameters.
+const EULER: (usize, usize) = (7, 3);
 
 impl Assembly<'_> {
     /// Calls `f(lane, dof, dx, dy)` for the coordinates that reduced columns `first..first + 8` of a part move; returns their number.
@@ -201,41 +189,52 @@ impl Assembly<'_> {
         matrix.resize(n * n, 0.0);
         let state = real.state(part, &self.point.at);
         points.add_matrix(state, [gamma, beta, alpha], &self.p[part.parameters.clone()], self.t, own, matrix);
-        // K N_R, row-major
+        // N_L^T K, row-major
         reduced.clear();
-        reduced.resize(n * size, 0.0);
-        let (mut dof, mut column) = (0, 0);
-        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
-            let columns = self.system.nodes[node].columns.len();
-            let Bases { right, plain, .. } = &self.bases[node];
-            if columns > 0 {
-                for (row, target) in matrix.chunks_exact(n).zip(reduced.chunks_exact_mut(size)) {
-                    multiply_row(&row[dof..dof + segment.len()], right, *plain, &mut target[column..column + columns]);
-                }
-            }
-            dof += segment.len();
-            column += columns;
-        }
+        reduced.resize(size * n, 0.0);
         let (mut dof, mut first) = (0, 0);
         for (&node, segment) in part.nodes.iter().zip(&part.segments) {
             let rows = self.system.nodes[node].columns.len();
             let Bases { left, plain, .. } = &self.bases[node];
-            for row in 0..rows {
-                if left.is_empty() || row < *plain {
-                    for (column, value) in reduced[(dof + row) * size..(dof + row + 1) * size].iter().enumerate() {
-                        block[first + row + column * size] = *value;
-                    }
-                    continue;
-                }
-                for i in *plain..segment.len() {
-                    let weight = left[i * rows + row];
-                    for (column, value) in reduced[(dof + i) * size..(dof + i + 1) * size].iter().enumerate() {
-                        block[first + row + column * size] += weight * value;
-                    }
+            let plain = if left.is_empty() { rows } else { *plain };
+            reduced[first * n..(first + plain) * n].copy_from_slice(&matrix[dof * n..(dof + plain) * n]);
+            let turning = &mut reduced[(first + plain) * n..(first + rows) * n];
+            for (row, target) in turning.chunks_exact_mut(n).enumerate() {
+                for i in plain..segment.len() {
+                    let weight = left[i * rows + plain + row];
+                    let source = &matrix[(dof + i) * n..(dof + i + 1) * n];
+                    target.iter_mut().zip(source).for_each(|(sum, value)| *sum += weight * value);
                 }
             }
             dof += segment.len();
             first += rows;
+        }
+        // times N_R, column-major
+        let (mut dof, mut column) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let columns = self.system.nodes[node].columns.len();
+            let Bases { right, plain, .. } = &self.bases[node];
+            let plain = if right.is_empty() { columns } else { *plain };
+            let targets = block[column * size..(column + columns) * size].chunks_exact_mut(size);
+            for (own, target) in targets.enumerate() {
+                if own < plain {
+                    for (target, row) in target.iter_mut().zip(reduced.chunks_exact(n)) {
+                        *target = row[dof + own];
+                    }
+                } else if (segment.len(), plain) == EULER {
+                    let [a, b, c, d] = [3, 4, 5, 6].map(|i| right[i * columns + own]);
+                    for (target, row) in target.iter_mut().zip(reduced.chunks_exact(n)) {
+                        let [p, q, r, s] = [row[dof + 3], row[dof + 4], row[dof + 5], row[dof + 6]];
+                        *target = a * p + b * q + c * r + d * s;
+                    }
+                } else {
+                    for (target, row) in target.iter_mut().zip(reduced.chunks_exact(n)) {
+                        *target = (plain..segment.len()).map(|i| right[i * columns + own] * row[dof + i]).sum();
+                    }
+                }
+            }
+            dof += segment.len();
+            column += columns;
         }
     }
 

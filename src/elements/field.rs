@@ -59,6 +59,19 @@ pub trait Field: Send + Sync + 'static {
     fn add_matrix(&self, _point: usize, _s: State<f64>, _shift: [f64; 3], _p: &[f64], _matrix: &mut [f64]) -> bool {
         false
     }
+    /// Adds the gradient of lambda . r of a point, and says true; or says false, and r is differentiated.
+    ///
+    /// Not needed, as [`add_matrix`](Field::add_matrix).
+    fn add_products(
+        &self,
+        _point: usize,
+        _s: State<f64>,
+        _p: &[f64],
+        _lambda: &[f64],
+        _into: &mut PointGradient,
+    ) -> bool {
+        false
+    }
     /// True if r of every point is linear in (hddot, hdot, h) with constant coefficients.
     fn is_linear(&self) -> bool {
         false
@@ -71,6 +84,14 @@ pub trait Field: Send + Sync + 'static {
     fn kinks(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
+}
+
+/// Where the gradient of lambda . r of a point goes.
+pub struct PointGradient<'g> {
+    /// Towards (hddot, hdot, h).
+    pub state: [&'g mut [f64]; 3],
+    /// Towards the parameters that the point sees; empty where they are not asked for.
+    pub p: &'g mut [f64],
 }
 
 /// One point as an element whose coordinates are the interpolated numbers.
@@ -405,7 +426,19 @@ impl<F: Field> Job for PullBack<'_, F> {
             work.gradients.resize(3 * size * count, 0.0);
             let mut read = std::mem::take(&mut work.read);
             read.clear();
-            for kind in 0..3 {
+            let written = (0..count).all(|k| {
+                let own_gradient = &mut work.gradients[3 * k * size..][..3 * size];
+                let (a, rest) = own_gradient.split_at_mut(size);
+                let (v, q) = rest.split_at_mut(size);
+                let of_k = &mut gradients[k * variables + 3 * n..(k + 1) * variables];
+                let p_bar = if of_k.is_empty() { of_k } else { &mut of_k[own.clone()] };
+                let mut into = PointGradient { state: [a, v, q], p: p_bar };
+                let [real_a, real_v, real_q] = &work.real;
+                let here = State { a: real_a, v: real_v, q: real_q };
+                let lambda = &work.lambdas[k * size..(k + 1) * size];
+                element.0.add_products(point, here, &p[own.clone()], lambda, &mut into)
+            });
+            for kind in if written { 0..0 } else { 0..3 } {
                 let mut unit = [0.0; 3];
                 unit[kind] = 1.0;
                 if read_here[kind] && work.written(&element.0, point, unit, &p[own.clone()]) {
@@ -425,7 +458,7 @@ impl<F: Field> Job for PullBack<'_, F> {
                     }
                 }
             }
-            if variables > 3 * n {
+            if variables > 3 * n && !written {
                 for number in 0..own.len() {
                     read.push((3, number));
                 }

@@ -28,7 +28,7 @@ pub use constraint::Constraint;
 pub use element::{Element, State};
 pub(crate) use erased::compiled_here;
 pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingConstraintIn, RunScalar};
-pub use field::{ByPoints, Field, Flexible, Interpolation, PointWork};
+pub use field::{ByPoints, Field, Flexible, Interpolation, PointGradient, PointWork};
 pub use lagrangian::{Energies, lagrangian_residual};
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};

@@ -236,7 +236,9 @@ impl Measured {
                     .chain(rows.iter().map(|&row| sample.mu[row]))
                     .chain(p[parameters.clone()].iter().copied())
                     .collect();
-                let gradient = lanes_gradient(&places, |x| {
+                let reads = quantity.reads_states();
+                let varied = (0..places.len()).filter(|&place| place >= 3 * n || reads[place / n]);
+                let gradient = lanes_gradient(&places, varied, |x| {
                     let state = State { a: &x[..n], v: &x[n..2 * n], q: &x[2 * n..3 * n] };
                     let (mu, p) = x[3 * n..].split_at(rows.len());
                     Lanes::quantity(&**quantity).value_in(state, mu, p, t)
@@ -263,7 +265,7 @@ impl Measured {
                     .collect();
                 let (n, m) = (dofs.len(), joint.equations.len());
                 let own = n + m + joint.parameters.len();
-                let gradient = lanes_gradient(&places, |x| {
+                let gradient = lanes_gradient(&places, 0..places.len(), |x| {
                     load.value(&*joint.physics, &x[..n], &x[n..n + m], &x[n + m..own], &x[own..], t)
                 });
                 for (&dof, g) in dofs.iter().zip(&gradient) {
@@ -285,7 +287,7 @@ impl Measured {
                         .flat_map(|x| dofs.iter().map(|&dof| x[dof]))
                         .chain(p[element.parameters.clone()].iter().copied())
                         .collect();
-                    let gradient = lanes_gradient(&places, |x| {
+                    let gradient = lanes_gradient(&places, 0..places.len(), |x| {
                         let [t, v] = Lanes::element(&*element.physics).energy(&x[..n], &x[n..2 * n], &x[2 * n..]);
                         t + v
                     });
@@ -300,8 +302,9 @@ impl Measured {
             }
             Measured::Mass => {
                 for element in &model.elements {
-                    let gradient =
-                        lanes_gradient(&p[element.parameters.clone()], |p| Lanes::element(&*element.physics).mass_in(p));
+                    let own = &p[element.parameters.clone()];
+                    let mass = |p: &[Lanes]| Lanes::element(&*element.physics).mass_in(p);
+                    let gradient = lanes_gradient(own, 0..own.len(), mass);
                     for (place, g) in element.parameters.clone().zip(gradient) {
                         p_bar[place] += factor * g;
                     }
@@ -311,19 +314,20 @@ impl Measured {
     }
 }
 
-/// Gradient of a function of several numbers, eight at a time.
-fn lanes_gradient(at: &[f64], function: impl Fn(&[Lanes]) -> Lanes) -> Vec<f64> {
+/// Gradient of a function of several numbers towards the `varied` ones, eight at a time; 0 towards the others.
+fn lanes_gradient(at: &[f64], varied: impl Iterator<Item = usize>, function: impl Fn(&[Lanes]) -> Lanes) -> Vec<f64> {
     let mut x: Vec<Lanes> = at.iter().map(|&x| Lanes::constant(x)).collect();
-    let mut gradient = Vec::with_capacity(x.len());
-    for first in (0..x.len()).step_by(LANES) {
-        let lanes = LANES.min(x.len() - first);
-        for lane in 0..lanes {
-            x[first + lane].eps[lane] = 1.0;
+    let mut gradient = vec![0.0; x.len()];
+    let mut varied = varied.peekable();
+    while varied.peek().is_some() {
+        let group: SmallVec<[usize; LANES]> = varied.by_ref().take(LANES).collect();
+        for (lane, &place) in group.iter().enumerate() {
+            x[place].eps[lane] = 1.0;
         }
         let value = function(&x);
-        gradient.extend_from_slice(&value.eps[..lanes]);
-        for lane in 0..lanes {
-            x[first + lane].eps[lane] = 0.0;
+        for (lane, &place) in group.iter().enumerate() {
+            gradient[place] = value.eps[lane];
+            x[place].eps[lane] = 0.0;
         }
     }
     gradient

@@ -12,6 +12,10 @@ pub trait Quantity: Send + Sync + 'static {
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()
     }
+    /// Whether it depends on (a, v, q) of its nodes; what is not read is not differentiated.
+    fn reads(&self) -> [bool; 3] {
+        [true; 3]
+    }
     /// The value for states `s` of its nodes and multipliers `mu` of its constraints, one after the other.
     fn value<S: Scalar>(&self, s: State<S>, mu: &[S], p: &[S], t: S) -> S;
 }
@@ -28,6 +32,8 @@ pub trait AnyQuantity: QuantityIn<f64> + QuantityIn<Complex> + QuantityIn<Lanes>
     fn dof_count(&self) -> usize;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
+    /// Whether it depends on (a, v, q).
+    fn reads_states(&self) -> [bool; 3];
 }
 
 impl<Q: Quantity, S: Scalar> QuantityIn<S> for Q {
@@ -42,6 +48,9 @@ impl<Q: Quantity> AnyQuantity for Q {
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
+    }
+    fn reads_states(&self) -> [bool; 3] {
+        self.reads()
     }
 }
 

@@ -92,9 +92,10 @@ impl Factorization {
         }
         self.set_scales(values);
         for column in 0..self.pattern.size {
-            for place in self.entries(column) {
-                let factor = self.row_scale[self.pattern.rows[place]] * self.column_scale[column];
-                self.scaled[place] = values[place] * factor;
+            let (own, scale) = (self.entries(column), self.column_scale[column]);
+            let scaled = self.scaled[own.clone()].iter_mut().zip(&values[own.clone()]);
+            for ((scaled, value), &row) in scaled.zip(&self.pattern.rows[own]) {
+                *scaled = value * (self.row_scale[row] * scale);
             }
         }
         self.solver.factor(&self.scaled)?;
@@ -180,9 +181,9 @@ impl Factorization {
         let mut correction = std::mem::take(&mut self.correction);
         for _ in 0..self.refinements {
             for column in 0..self.pattern.size {
-                let product: f64 =
-                    self.entries(column).map(|place| self.scaled[place] * rhs[self.pattern.rows[place]]).sum();
-                correction[column] = self.work[column] - product;
+                let own = self.entries(column);
+                let entries = self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]);
+                correction[column] = self.work[column] - entries.map(|(entry, &row)| entry * rhs[row]).sum::<f64>();
             }
             self.solver.solve_transposed(&mut correction);
             rhs.iter_mut().zip(&correction).for_each(|(x, correction)| *x += correction);
@@ -218,10 +219,10 @@ impl Factorization {
         // rows of multipliers against the scaled unknowns of nodes, then their columns
         for column in 0..self.pattern.size {
             let scale = if self.column_scale[column] > 0.0 { self.column_scale[column] } else { 1.0 };
-            for place in self.entries(column) {
-                let row = self.pattern.rows[place];
+            let own = self.entries(column);
+            for (&row, value) in self.pattern.rows[own.clone()].iter().zip(&values[own]) {
                 if self.column_scale[row] == 0.0 {
-                    self.row_scale[row] = self.row_scale[row].max(values[place].abs() * scale);
+                    self.row_scale[row] = self.row_scale[row].max(value.abs() * scale);
                 }
             }
         }

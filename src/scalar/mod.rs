@@ -31,7 +31,7 @@ pub use complex::Complex;
 pub use curved::{Curved, Direction, curvature};
 pub use dual::Dual;
 pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gradients};
-pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed};
+pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub use taylor::Taylor;
 pub use vector::Vec3;
 pub(crate) use wide::{Job, widest};

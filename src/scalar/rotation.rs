@@ -130,6 +130,13 @@ pub fn rotation_gradient_transposed<S: Scalar>(e: Quaternion<S>, s: Vec3<S>, f: 
     [scalar, vector.0[0], vector.0[1], vector.0[2]]
 }
 
+/// J x for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
+#[inline(always)]
+pub fn tensor_times<S: Scalar>(j: &[S], x: Vec3<S>) -> Vec3<S> {
+    let [x, y, z] = x.0;
+    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
+}
+
 /// Angle [rad] in (-pi, pi] by which `to` is turned from `from` about the unit vector `axis`.
 pub fn angle_about<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>) -> S {
     axis.dot(from.cross(to)).atan2(from.dot(to))

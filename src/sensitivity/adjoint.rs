@@ -210,6 +210,7 @@ impl Sweep<'_> {
         weights: &[f64],
         back: &mut [Backward],
     ) -> Result<(), RunError> {
+        back.iter_mut().for_each(Backward::drop_negligible);
         let table = self.method.table.scheme(step.scheme);
         let dofs = self.problem.model.dofs;
         let (multipliers, rates) = (self.other.system.multipliers(), self.stage.system.options.stabilized);

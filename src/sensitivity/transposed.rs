@@ -33,6 +33,20 @@ pub(super) struct Backward {
     pub p: Vec<f64>,
 }
 
+/// Adjoint variables smaller than this, in any unit, change no digit of a gradient. A damped motion forgets: going back, they fall below the
+/// normal numbers, with which a processor calculates a hundred times slower.
+const NEGLIGIBLE: f64 = 1e-250;
+
+impl Backward {
+    /// Sets what is negligible to zero.
+    pub fn drop_negligible(&mut self) {
+        let carried = self.carried.iter_mut().flatten();
+        for bar in carried.chain(&mut self.rate).chain(&mut self.mu).filter(|bar| bar.abs() < NEGLIGIBLE) {
+            *bar = 0.0;
+        }
+    }
+}
+
 /// Solves transposed systems of one numbering; several functionals share each factorization.
 pub(super) struct TransposedSolver<'m> {
     pub system: Arc<System<'m>>,
@@ -93,9 +107,13 @@ impl<'m> TransposedSolver<'m> {
 
         let mut at_bars = vec![VectorsAvq::zeros(dofs); asked.len()];
         let mut constraint_bars = at_bars.clone();
-        // gathered on their own: in a metric what stiff elements give at both points cancels, and would take other digits along
-        let mut own_p = vec![vec![0.0; p.len()]; asked.len()];
-        let mut p_bars: Vec<&mut Vec<f64>> = own_p.iter_mut().collect();
+        // in a metric what stiff elements give at both points cancels, and would take other digits along: gathered on its own
+        let mut own_p = vec![vec![0.0; if equations.metric { p.len() } else { 0 }]; asked.len()];
+        let mut p_bars: Vec<&mut Vec<f64>> = if equations.metric {
+            own_p.iter_mut().collect()
+        } else {
+            back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect()
+        };
         let point = |at| ProductPoint { at, p, active: self.active, t: *t };
         system.add_element_products(
             &self.jacobian,

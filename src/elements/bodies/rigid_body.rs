@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Element, Parameter, State};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, Vec3, tensor_times};
 
 /// A rigid body with position r of its frame and Euler parameters e.
 ///
@@ -17,13 +17,6 @@ pub struct RigidBody;
 
 const fn new(name: &'static str, unit: &'static str) -> Parameter {
     Parameter::new(name, unit)
-}
-
-/// J omega for the six numbers of the symmetric tensor J.
-#[inline(always)]
-fn inertia_times<S: Scalar>(j: &[S], omega: Vec3<S>) -> Vec3<S> {
-    let [x, y, z] = omega.0;
-    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
 }
 
 impl Element for RigidBody {
@@ -46,7 +39,7 @@ impl Element for RigidBody {
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let velocity = Anchor::Body.velocity(v, q, Vec3::from_slice(&p[1..]));
         let omega = Quaternion::from_slice(&q[3..]).g_times(Quaternion::from_slice(&v[3..])) * S::from(2.0);
-        (velocity.dot(velocity) * p[0] + omega.dot(inertia_times(&p[4..], omega))) * 0.5
+        (velocity.dot(velocity) * p[0] + omega.dot(tensor_times(&p[4..], omega))) * 0.5
     }
 
     #[inline(always)]
@@ -58,8 +51,8 @@ impl Element for RigidBody {
 
         // omega = 2 G(e) e', domega/dt = 2 G(e) e'' because G(e') e' = 0
         let two = S::from(2.0);
-        let momentum = inertia_times(&p[4..], e.g_times(rate) * two);
-        let momentum_rate = inertia_times(&p[4..], e.g_times(second) * two);
+        let momentum = tensor_times(&p[4..], e.g_times(rate) * two);
+        let momentum_rate = tensor_times(&p[4..], e.g_times(second) * two);
         let inertial = e.g_transposed_times(momentum_rate * two);
         let gyroscopic = rate.g_transposed_times(momentum * S::from(4.0));
         for i in 0..4 {

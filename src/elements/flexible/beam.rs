@@ -1,7 +1,8 @@
-use super::beam_matrix::{Strained, add_inertia_matrix, add_strain_matrix, axes};
+use super::beam_matrix::{Strained, add_inertia_matrix, add_strain_matrix};
+use super::beam_products::{add_inertia_products, add_strain_products};
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
-use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State};
+use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
 use std::ops::Range;
 
 /// Geometrically exact Timoshenko beam of three nodes with position r and Euler parameters e.
@@ -53,26 +54,26 @@ pub(super) const INERTIA: usize = 10;
 
 /// What a tying point knows of the reference.
 #[derive(Clone, Copy, Debug)]
-struct Reference<S> {
-    metric: S,
+pub(super) struct Reference<S> {
+    pub metric: S,
     /// Columns of Lambda.
-    axes: [Vec3<S>; 3],
+    pub axes: [Vec3<S>; 3],
 }
 
 impl<S: Scalar> Reference<S> {
     #[inline(always)]
-    fn of(p: &[S]) -> Self {
+    pub fn of(p: &[S]) -> Self {
         let (tangent, second) = (Vec3::from_slice(&p[1..]), Vec3::from_slice(&p[4..]));
         Reference { metric: p[0], axes: [tangent, second, tangent.cross(second)] }
     }
     /// Lambda^T x.
     #[inline(always)]
-    fn components(&self, x: Vec3<S>) -> [S; 3] {
+    pub fn components(&self, x: Vec3<S>) -> [S; 3] {
         [self.axes[0].dot(x), self.axes[1].dot(x), self.axes[2].dot(x)]
     }
     /// Lambda x.
     #[inline(always)]
-    fn combine(&self, x: [S; 3]) -> Vec3<S> {
+    pub fn combine(&self, x: [S; 3]) -> Vec3<S> {
         self.axes[0] * x[0] + self.axes[1] * x[1] + self.axes[2] * x[2]
     }
     /// Strains from h = (dr/dxi, e, de/dxi).
@@ -98,7 +99,7 @@ impl BeamField {
 
     /// C strain.
     #[inline(always)]
-    fn stiffness_times<S: Scalar>(&self, stiffness: &[S], strain: [S; STRAINS]) -> [S; STRAINS] {
+    pub(super) fn stiffness_times<S: Scalar>(&self, stiffness: &[S], strain: [S; STRAINS]) -> [S; STRAINS] {
         let mut stress = strain;
         for i in 0..STRAINS {
             stress[i] *= stiffness[i];
@@ -180,13 +181,6 @@ impl BeamField {
             r[7 + i] += along_turn[i];
         }
     }
-}
-
-/// J omega for the six numbers (xx, yy, zz, xy, xz, yz) of a symmetric tensor.
-#[inline(always)]
-fn tensor_times<S: Scalar>(j: &[S], x: Vec3<S>) -> Vec3<S> {
-    let [x, y, z] = x.0;
-    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
 }
 
 impl Field for BeamField {
@@ -326,11 +320,22 @@ impl Field for BeamField {
         if self.damped {
             return false;
         }
-        let strain = Reference::of(p).strains(s.q);
+        let reference = Reference::of(p);
         let stiffness = &p[GEOMETRY..];
-        let stress = self.stiffness_times(stiffness, strain);
-        let at = Strained { h: s.q, metric: p[0], axes: axes(p), stiffness, stress };
-        add_strain_matrix(&at, shift[2], matrix);
+        let stress = self.stiffness_times(stiffness, reference.strains(s.q));
+        add_strain_matrix(&Strained { h: s.q, reference, stiffness, stress }, shift[2], matrix);
+        true
+    }
+
+    #[inline(always)]
+    fn add_products(&self, point: usize, s: State<f64>, p: &[f64], lambda: &[f64], into: &mut PointGradient) -> bool {
+        if point >= TYING_POINTS {
+            add_inertia_products(self, [s.a, s.v, s.q], p, lambda, into);
+        } else if self.damped {
+            return false;
+        } else {
+            add_strain_products(self, s.q, p, lambda, into);
+        }
         true
     }
 

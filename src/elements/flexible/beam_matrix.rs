@@ -1,8 +1,8 @@
 //! Matrices of a beam's points, written out because they take most of the time of a scene with beams: a tenth of that of their
 //! differentiation, which the contract tests hold against them.
 
-use super::beam::{GEOMETRY, STRAINS};
-use crate::scalar::{Quaternion, Vec3};
+use super::beam::{Reference, STRAINS};
+use crate::scalar::{Quaternion, Vec3, tensor_times};
 
 type Vector = Vec3<f64>;
 /// Three rows towards four Euler parameters.
@@ -43,9 +43,7 @@ fn rotation_back_rows(e: Quaternion<f64>, s: Vector) -> Rows {
 pub(super) struct Strained<'p> {
     /// (dr/dxi, e, de/dxi).
     pub h: &'p [f64],
-    pub metric: f64,
-    /// Tangent and section axes in the frame of the nodes.
-    pub axes: [Vector; 3],
+    pub reference: Reference<f64>,
     /// EA, GA2, GA3, GJ, EI2, EI3, then, if there are more, the entries above the diagonal by rows.
     pub stiffness: &'p [f64],
     /// Section forces.
@@ -63,14 +61,14 @@ const N: usize = 11;
 pub(super) fn add_strain_matrix(at: &Strained, factor: f64, matrix: &mut [f64]) {
     let (x, e, d) = (Vec3::from_slice(at.h), Quaternion::from_slice(&at.h[3..]), Quaternion::from_slice(&at.h[7..]));
     let inverse = 1.0 / e.norm_squared();
-    let scale = inverse / at.metric;
+    let scale = inverse / at.reference.metric;
     let (back, turned) = (e.rotate_back(x), e.g_times(d));
     let (by_e, g_e, g_d) = (rotation_back_rows(e, x), g_rows(e), g_rows(d));
     let columns = e.columns();
 
     // B: strains towards (x, e, d)
     let mut b = [[0.0; N]; STRAINS];
-    for (i, axis) in at.axes.iter().enumerate() {
+    for (i, axis) in at.reference.axes.iter().enumerate() {
         let axis = axis.0;
         for k in 0..3 {
             // R^T dx: its rows are the columns of R
@@ -95,7 +93,7 @@ pub(super) fn add_strain_matrix(at: &Strained, factor: f64, matrix: &mut [f64]) 
         }
     }
     // factor J C B
-    let weight = factor * at.metric;
+    let weight = factor * at.reference.metric;
     let mut cb = b;
     for i in 0..STRAINS {
         for k in 0..N {
@@ -128,8 +126,7 @@ pub(super) fn add_strain_matrix(at: &Strained, factor: f64, matrix: &mut [f64]) 
 
     // curvature of w / |e|^2
     let [n1, n2, n3, m1, m2, m3] = at.stress;
-    let nu = at.axes[0] * n1 + at.axes[1] * n2 + at.axes[2] * n3;
-    let mu = at.axes[0] * m1 + at.axes[1] * m2 + at.axes[2] * m3;
+    let (nu, mu) = (at.reference.combine([n1, n2, n3]), at.reference.combine([m1, m2, m3]));
     let pulled = e.rotate(nu);
     let by_nu = rotation_rows(e, nu);
     let (of_e, of_d) = (d.g_transposed_times(mu), e.g_transposed_times(mu));
@@ -182,13 +179,6 @@ pub(super) fn add_strain_matrix(at: &Strained, factor: f64, matrix: &mut [f64]) 
     }
 }
 
-/// J x for the six numbers (xx, yy, zz, xy, xz, yz) of a symmetric tensor.
-#[inline(always)]
-fn tensor_times(j: &[f64], x: Vector) -> Vector {
-    let [x, y, z] = x.0;
-    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
-}
-
 /// Adds gamma dr/da + beta dr/dv + alpha dr/dq of a Gauss point (seven numbers r, e) whose mass centre lies on the line, row-major.
 ///
 /// With omega = 2 G(e) e' / |e|^2, its rate, and M = J domega/dt + omega x J omega: (m a, 2 G(e)^T M / |e|^2).
@@ -226,12 +216,4 @@ pub(super) fn add_inertia_matrix([a, v, h]: [&[f64]; 3], [gamma, beta, alpha]: [
             matrix[(3 + i) * N + 3 + k] += turned[i] + of_unit[i] - shrink * force[i];
         }
     }
-}
-
-/// Tangent and section axes of a tying point from its parameters.
-#[inline(always)]
-pub(super) fn axes(p: &[f64]) -> [Vector; 3] {
-    debug_assert!(p.len() >= GEOMETRY);
-    let (tangent, second) = (Vec3::from_slice(&p[1..]), Vec3::from_slice(&p[4..]));
-    [tangent, second, tangent.cross(second)]
 }

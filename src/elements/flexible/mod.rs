@@ -3,6 +3,7 @@
 mod beam;
 mod beam_gravity;
 mod beam_matrix;
+mod beam_products;
 mod distributed_load;
 pub mod section;
 pub mod shape;

@@ -69,6 +69,9 @@ impl Quantity for SectionQuantity {
         }
         list
     }
+    fn reads(&self) -> [bool; 3] {
+        [false, self.beam.damped && matches!(self.measure, SectionMeasure::Force(_)), true]
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let (dofs, own) = (NODES * BeamField::COMPONENTS, self.parameters_of_an_element());
         let fibre = &p[self.places.len() * own..];
