@@ -4,8 +4,8 @@ use super::jacobian::{Bases, Point, node_seeds};
 use super::numbering::{Part, System};
 use super::residual::Local3;
 use super::{Equations, Level, Shift};
-use crate::elements::{AnyConstraint, ByPoints, PointWork, RunScalar, State};
-use crate::scalar::{Direction, LANES, Lanes, Taylor};
+use crate::elements::{AnyConstraint, ByPoints, PointWork, RunScalar, State, add_scaled, padded};
+use crate::scalar::{Direction, Job, LANES, Lanes, Taylor, widest};
 
 /// Where a matrix is assembled.
 pub(super) struct Assembly<'s> {
@@ -32,7 +32,6 @@ pub(super) struct BlockWork {
     products: Vec<Direction>,
     multipliers: Vec<f64>,
     points: PointWork,
-    matrix: Vec<f64>,
     reduced: Vec<f64>,
 }
 
@@ -71,8 +70,74 @@ pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
     target.extend(values.iter().map(|&value| Lanes::constant(value)));
 }
 
+/// N_L^T K N_R of one element, K given column after column with padded columns.
+struct Reduction<'j> {
+    assembly: &'j Assembly<'j>,
+    part: &'j Part,
+    matrix: &'j [f64],
+    reduced: &'j mut Vec<f64>,
+    block: &'j mut [f64],
+}
+
 /// Coordinates of a node, and how many of them at the front are unknowns themselves: a position and Euler parameters.
 const EULER: (usize, usize) = (7, 3);
+
+impl Job for Reduction<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Reduction { assembly: Assembly { system, bases, .. }, part, matrix, reduced, block } = self;
+        let (n, size) = (padded(part.dofs), part.columns.len());
+        // K N_R, column after column
+        reduced.clear();
+        reduced.resize(size * n, 0.0);
+        let (mut dof, mut first) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let columns = system.nodes[node].columns.len();
+            let Bases { right, plain, .. } = &bases[node];
+            let plain = if right.is_empty() { columns } else { *plain };
+            reduced[first * n..(first + plain) * n].copy_from_slice(&matrix[dof * n..(dof + plain) * n]);
+            let turning = &mut reduced[(first + plain) * n..(first + columns) * n];
+            for (column, target) in turning.chunks_exact_mut(n).enumerate() {
+                for i in plain..segment.len() {
+                    add_scaled(right[i * columns + plain + column], &matrix[(dof + i) * n..(dof + i + 1) * n], target);
+                }
+            }
+            dof += segment.len();
+            first += columns;
+        }
+        let (mut dof, mut first) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let rows = system.nodes[node].columns.len();
+            let Bases { left, plain, .. } = &bases[node];
+            let columns = reduced.chunks_exact(n).zip(block.chunks_exact_mut(size));
+            let columns = columns.map(|(own, target)| (&own[dof..dof + segment.len()], &mut target[first..first + rows]));
+            if left.is_empty() {
+                columns.for_each(|(own, target)| target.copy_from_slice(&own[..rows]));
+            } else if let (EULER, Some(left)) = ((segment.len(), *plain), left.first_chunk::<42>()) {
+                for (own, target) in columns {
+                    let (Some(own), Some(target)) = (own.first_chunk::<7>(), target.first_chunk_mut::<6>()) else {
+                        continue;
+                    };
+                    for i in 0..3 {
+                        target[i] = own[i];
+                        target[3 + i] = (3..7).map(|k| left[6 * k + 3 + i] * own[k]).sum();
+                    }
+                }
+            } else {
+                for (own, target) in columns {
+                    target[..*plain].copy_from_slice(&own[..*plain]);
+                    for (value, weights) in own.iter().zip(left.chunks_exact(rows)).skip(*plain) {
+                        let turning = target[*plain..].iter_mut().zip(&weights[*plain..]);
+                        turning.for_each(|(sum, weight)| *sum += weight * value);
+                    }
+                }
+            }
+            dof += segment.len();
+            first += rows;
+        }
+    }
+}
 
 impl Assembly<'_> {
     /// Calls `f(lane, dof, dx, dy)` for the coordinates that reduced columns `first..first + 8` of a part move; returns their number.
@@ -183,59 +248,10 @@ impl Assembly<'_> {
     /// The same for an element whose matrix comes from its points: N_L^T K N_R.
     fn element_by_points(&self, work: &mut BlockWork, part: &Part, points: &dyn ByPoints, block: &mut [f64]) {
         let Shift { gamma, beta, alpha } = self.equations.residual;
-        let (n, size) = (part.dofs, part.columns.len());
-        let BlockWork { real, points: own, matrix, reduced, .. } = work;
-        matrix.clear();
-        matrix.resize(n * n, 0.0);
-        let state = real.state(part, &self.point.at);
-        points.add_matrix(state, [gamma, beta, alpha], &self.p[part.parameters.clone()], self.t, own, matrix);
-        // N_L^T K, row-major
-        reduced.clear();
-        reduced.resize(size * n, 0.0);
-        let (mut dof, mut first) = (0, 0);
-        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
-            let rows = self.system.nodes[node].columns.len();
-            let Bases { left, plain, .. } = &self.bases[node];
-            let plain = if left.is_empty() { rows } else { *plain };
-            reduced[first * n..(first + plain) * n].copy_from_slice(&matrix[dof * n..(dof + plain) * n]);
-            let turning = &mut reduced[(first + plain) * n..(first + rows) * n];
-            for (row, target) in turning.chunks_exact_mut(n).enumerate() {
-                for i in plain..segment.len() {
-                    let weight = left[i * rows + plain + row];
-                    let source = &matrix[(dof + i) * n..(dof + i + 1) * n];
-                    target.iter_mut().zip(source).for_each(|(sum, value)| *sum += weight * value);
-                }
-            }
-            dof += segment.len();
-            first += rows;
-        }
-        // times N_R, column-major
-        let (mut dof, mut column) = (0, 0);
-        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
-            let columns = self.system.nodes[node].columns.len();
-            let Bases { right, plain, .. } = &self.bases[node];
-            let plain = if right.is_empty() { columns } else { *plain };
-            let targets = block[column * size..(column + columns) * size].chunks_exact_mut(size);
-            for (own, target) in targets.enumerate() {
-                if own < plain {
-                    for (target, row) in target.iter_mut().zip(reduced.chunks_exact(n)) {
-                        *target = row[dof + own];
-                    }
-                } else if (segment.len(), plain) == EULER {
-                    let [a, b, c, d] = [3, 4, 5, 6].map(|i| right[i * columns + own]);
-                    for (target, row) in target.iter_mut().zip(reduced.chunks_exact(n)) {
-                        let [p, q, r, s] = [row[dof + 3], row[dof + 4], row[dof + 5], row[dof + 6]];
-                        *target = a * p + b * q + c * r + d * s;
-                    }
-                } else {
-                    for (target, row) in target.iter_mut().zip(reduced.chunks_exact(n)) {
-                        *target = (plain..segment.len()).map(|i| right[i * columns + own] * row[dof + i]).sum();
-                    }
-                }
-            }
-            dof += segment.len();
-            column += columns;
-        }
+        let state = work.real.state(part, &self.point.at);
+        let p = &self.p[part.parameters.clone()];
+        let matrix = points.matrix(state, [gamma, beta, alpha], p, self.t, &mut work.points);
+        widest(Reduction { assembly: self, part, matrix, reduced: &mut work.reduced, block });
     }
 
     /// Adds to a block of zeros what constant matrices of an element are along N_R, reduced by N_L.

@@ -189,7 +189,9 @@ impl Jacobian {
 
         self.values.fill(0.0);
         let contributors = system.element_blocks.iter().chain(&system.constraint_blocks);
-        for (contributor, block) in contributors.chain(system.node_blocks.iter().map(|(_, c)| c)).zip(&self.blocks) {
+        let contributors = contributors.chain(system.node_blocks.iter().map(|(_, c)| c)).zip(&self.blocks).enumerate();
+        let is_zero = |index: usize| matches!(self.constants.get(index), Some(Some(all)) if all.iter().all(Vec::is_empty));
+        for (_, (contributor, block)) in contributors.filter(|(index, _)| !is_zero(*index)) {
             for (&position, &value) in contributor.positions.iter().zip(block) {
                 if position != NOWHERE {
                     self.values[position] += value;

@@ -133,7 +133,7 @@ impl System<'_> {
             let variables = 3 * n + if with_parameters { own.len() } else { 0 };
             work.gradients.clear();
             work.gradients.resize(variables * adjoints.len(), 0.0);
-            let known = jacobian.constants_of(index);
+            let known = jacobian.constants_of(index).filter(|_| element.physics.points().is_none());
             if let Some(matrices) = known {
                 let rows = work.weights.chunks_exact(n).zip(work.gradients.chunks_exact_mut(variables));
                 for (weights, gradient) in rows {
@@ -144,7 +144,7 @@ impl System<'_> {
                     }
                 }
             }
-            if let (Some(points), None) = (element.physics.points(), known) {
+            if let Some(points) = element.physics.points() {
                 let s = work.state.state(part, at);
                 points.pull_back(s, &p[own], t, &work.weights, &mut work.points, &mut work.gradients);
                 add_gradient_rows(part, &work.gradients, variables, bars);

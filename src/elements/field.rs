@@ -62,14 +62,7 @@ pub trait Field: Send + Sync + 'static {
     /// Adds the gradient of lambda . r of a point, and says true; or says false, and r is differentiated.
     ///
     /// Not needed, as [`add_matrix`](Field::add_matrix).
-    fn add_products(
-        &self,
-        _point: usize,
-        _s: State<f64>,
-        _p: &[f64],
-        _lambda: &[f64],
-        _into: &mut PointGradient,
-    ) -> bool {
+    fn add_products(&self, _point: usize, _s: State<f64>, _p: &[f64], _lambda: &[f64], _into: &mut PointGradient) -> bool {
         false
     }
     /// True if r of every point is linear in (hddot, hdot, h) with constant coefficients.
@@ -120,16 +113,24 @@ pub struct Flexible<F>(pub F);
 /// Numbers of one point: on the stack.
 type Few<S> = SmallVec<[S; 12]>;
 
+/// Room for some numbers; those that are there are left.
+#[inline(always)]
+fn fit<S: Scalar>(numbers: &mut Few<S>, count: usize) {
+    if numbers.len() != count {
+        numbers.resize(count, S::zero());
+    }
+}
+
 /// W x.
 #[inline(always)]
 fn interpolate<S: Scalar>(rows: &[Interpolation], components: usize, x: &[S], h: &mut Few<S>) {
-    h.clear();
-    for row in rows {
+    fit(h, rows.len());
+    for (h, row) in h.iter_mut().zip(rows) {
         let mut sum = x[row.component] * row.weights[0];
         for (node, &weight) in row.weights.iter().enumerate().skip(1) {
             sum += x[node * components + row.component] * weight;
         }
-        h.push(sum);
+        *h = sum;
     }
 }
 
@@ -138,8 +139,8 @@ fn interpolate<S: Scalar>(rows: &[Interpolation], components: usize, x: &[S], h:
 fn interpolate_if<S: Scalar>(read: bool, rows: &[Interpolation], components: usize, x: &[S], h: &mut Few<S>) {
     if read {
         interpolate(rows, components, x, h);
-    } else if h.len() != rows.len() {
-        h.resize(rows.len(), S::zero());
+    } else {
+        fit(h, rows.len());
     }
 }
 
@@ -214,8 +215,8 @@ impl<F: Field> Element for Flexible<F> {
             interpolate_if(in_a, rows, F::COMPONENTS, s.a, &mut a);
             interpolate_if(in_v, rows, F::COMPONENTS, s.v, &mut v);
             interpolate_if(in_q, rows, F::COMPONENTS, s.q, &mut q);
-            own.clear();
-            own.resize(rows.len(), S::zero());
+            fit(&mut own, rows.len());
+            own.fill(S::zero());
             let here = State { a: &a, v: &v, q: &q };
             add_point_residual(&self.0, point, here, &p[self.0.parameters_of(point)], t, &mut own);
             distribute(rows, F::COMPONENTS, &own, r);
@@ -234,8 +235,9 @@ impl<F: Field> Element for Flexible<F> {
 
 /// Derivatives of an element through its points.
 pub trait ByPoints: Send + Sync {
-    /// Adds gamma dR/da + beta dR/dv + alpha dR/dq, row-major, for `shift` = [gamma, beta, alpha].
-    fn add_matrix(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &mut PointWork, matrix: &mut [f64]);
+    /// gamma dR/da + beta dR/dv + alpha dR/dq for `shift` = [gamma, beta, alpha], column after column, each with room for
+    /// [`padded`] numbers of which the last ones are zero.
+    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &'w mut PointWork) -> &'w [f64];
     /// Adds the gradients of lambda . R with respect to (a, v, q) and, if there is room for them, p, one row of `gradients` for each row
     /// of `lambdas`.
     fn pull_back(&self, s: State<f64>, p: &[f64], t: f64, lambdas: &[f64], work: &mut PointWork, gradients: &mut [f64]);
@@ -269,7 +271,11 @@ pub struct PointWork {
     state: [Few<Lanes>; 3],
     p: Vec<Lanes>,
     r: Few<Lanes>,
+    /// dr/dh with padded rows; W^T dr/dh, row-major, and column after column; W^T dr/dh W, column after column.
+    even: Vec<f64>,
     half: Vec<f64>,
+    turned: Vec<f64>,
+    matrix: Vec<f64>,
     /// Places of the arguments that are read: which of (hddot, hdot, h, p), and its number there.
     read: Vec<(usize, usize)>,
     lambdas: Vec<f64>,
@@ -329,29 +335,25 @@ impl PointWork {
     }
 }
 
-/// The matrix of an element to be added.
-struct AddMatrix<'j, F>(&'j Flexible<F>, State<'j, f64>, [f64; 3], &'j [f64], f64, &'j mut PointWork, &'j mut [f64]);
+/// The matrix of an element to be computed.
+struct Matrix<'j, F>(&'j Flexible<F>, State<'j, f64>, [f64; 3], &'j [f64], f64, &'j mut PointWork);
 
-impl<F: Field> Job for AddMatrix<'_, F> {
+impl<F: Field> Job for Matrix<'_, F> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let AddMatrix(element, s, shift, p, t, work, matrix) = self;
+        let Matrix(element, s, shift, p, t, work) = self;
         let n = Flexible::<F>::DOFS;
+        let column = padded(n);
+        work.matrix.clear();
+        work.matrix.resize(n * column, 0.0);
         for (point, rows) in F::POINTS.iter().enumerate() {
             let size = rows.len();
             let read = element.read_at(point);
             work.interpolate(rows, F::COMPONENTS, [s.a, s.v, s.q], read);
             let p = &p[element.0.parameters_of(point)];
-            // (dr/dh) W, row-major
-            work.half.clear();
-            work.half.resize(size * n, 0.0);
             let mut next = if work.written(&element.0, point, shift, p) { size } else { 0 };
-            if next == size {
-                for (own, half) in work.own.chunks_exact(size).zip(work.half.chunks_exact_mut(n)) {
-                    distribute(rows, F::COMPONENTS, own, half);
-                }
-            } else {
+            if next < size {
                 work.load(read, p);
             }
             while next < size {
@@ -375,25 +377,68 @@ impl<F: Field> Job for AddMatrix<'_, F> {
                 }
                 work.evaluate(&element.0, point, t);
                 for (lane, &column) in columns[..count].iter().enumerate() {
-                    let Interpolation { component, weights } = rows[column];
-                    for (row, r) in work.half.chunks_exact_mut(n).zip(&work.r) {
-                        for (node, weight) in weights.iter().enumerate() {
-                            row[node * F::COMPONENTS + component] += weight * r.eps[lane];
-                        }
+                    for (row, r) in work.own.chunks_exact_mut(size).zip(&work.r) {
+                        row[column] = r.eps[lane];
                     }
                     for kind in 0..3 {
                         work.seed((kind, column), lane, 0.0);
                     }
                 }
             }
-            for (row, half) in rows.iter().zip(work.half.chunks_exact(n)) {
-                for (node, &weight) in row.weights.iter().enumerate() {
-                    let place = node * F::COMPONENTS + row.component;
-                    for (sum, half) in matrix[place * n..(place + 1) * n].iter_mut().zip(half) {
-                        *sum += weight * half;
-                    }
+            let PointWork { own, even, half, turned, matrix, .. } = &mut *work;
+            let row = padded(size);
+            even.clear();
+            even.resize(size * row, 0.0);
+            for (even, own) in even.chunks_exact_mut(row).zip(own.chunks_exact(size)) {
+                even[..size].copy_from_slice(own);
+            }
+            half.clear();
+            half.resize(n * row, 0.0);
+            add_scaled_rows(rows, F::COMPONENTS, even, row, half);
+            turned.clear();
+            turned.resize(size * column, 0.0);
+            for (place, half) in half.chunks_exact(row).enumerate() {
+                for (turned, value) in turned.chunks_exact_mut(column).zip(half) {
+                    turned[place] = *value;
                 }
             }
+            add_scaled_rows(rows, F::COMPONENTS, turned, column, matrix);
+        }
+    }
+}
+
+/// Room for a row of some numbers: a multiple of eight, so that whole vectors are read and written.
+pub const fn padded(count: usize) -> usize {
+    count.next_multiple_of(8)
+}
+
+/// target += factor source for rows of [`padded`] numbers.
+#[inline(always)]
+pub fn add_scaled(factor: f64, source: &[f64], target: &mut [f64]) {
+    /// Rows of W numbers.
+    #[inline(always)]
+    fn of<const W: usize>(factor: f64, source: &[f64], target: &mut [f64]) {
+        if let (Some(source), Some(target)) = (source.first_chunk::<W>(), target.first_chunk_mut::<W>()) {
+            for i in 0..W {
+                target[i] += factor * source[i];
+            }
+        }
+    }
+    match source.len() {
+        8 => of::<8>(factor, source, target),
+        16 => of::<16>(factor, source, target),
+        24 => of::<24>(factor, source, target),
+        _ => target.iter_mut().zip(source).for_each(|(target, source)| *target += factor * source),
+    }
+}
+
+/// target += W^T source for matrices with rows of some length: rows of numbers, and rows of coordinates.
+#[inline(always)]
+fn add_scaled_rows(rows: &[Interpolation], components: usize, source: &[f64], length: usize, target: &mut [f64]) {
+    for (row, source) in rows.iter().zip(source.chunks_exact(length)) {
+        for (node, &weight) in row.weights.iter().enumerate() {
+            let place = (node * components + row.component) * length;
+            add_scaled(weight, source, &mut target[place..place + length]);
         }
     }
 }
@@ -502,8 +547,9 @@ impl<F: Field> Job for PullBack<'_, F> {
 }
 
 impl<F: Field> ByPoints for Flexible<F> {
-    fn add_matrix(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &mut PointWork, matrix: &mut [f64]) {
-        widest(AddMatrix(self, s, shift, p, t, work, matrix));
+    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &'w mut PointWork) -> &'w [f64] {
+        widest(Matrix(self, s, shift, p, t, work));
+        &work.matrix
     }
     fn pull_back(&self, s: State<f64>, p: &[f64], t: f64, lambdas: &[f64], work: &mut PointWork, gradients: &mut [f64]) {
         widest(PullBack(self, s, p, t, lambdas, work, gradients));

@@ -1,14 +1,15 @@
 //! The list of functionals, and which design variables they cannot depend on.
 
+use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::Anchor;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::quantities::{
-    Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, TargetDistance, Velocity,
+    Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure, TargetDistance, Velocity,
 };
 use costate::functionals::{LoadKind, Over};
 use costate::scalar::{Scalar, Vec3};
-use costate::scenes::MechanismBuilder;
+use costate::scenes::{BeamMember, MechanismBuilder};
 
 /// A quantity of the library.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +27,9 @@ pub enum Measure {
     JointLoad,
     Energy,
     Mass,
+    SectionForce,
+    SectionStrain,
+    FibreStress,
 }
 
 const NORMALIZED: Over = Over::SmoothMaximum { sharpness: 3.0, normalized: true };
@@ -34,7 +38,7 @@ const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true }
 const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
 
 /// Every quantity and every use of one over time; a new one is a line here.
-const LIST: [(Measure, Over); 21] = [
+const LIST: [(Measure, Over); 24] = [
     (Measure::Position, Over::Initial),
     (Measure::Position, Over::Terminal),
     (Measure::Position, Over::Integral),
@@ -56,11 +60,25 @@ const LIST: [(Measure, Over); 21] = [
     (Measure::JointSpeed, Over::Integral),
     (Measure::JointLoad, Over::Integral),
     (Measure::Mass, Over::Integral),
+    (Measure::SectionForce, Over::Terminal),
+    (Measure::SectionStrain, Over::Integral),
+    (Measure::FibreStress, NORMALIZED),
 ];
 
-/// The list, without energies where an element has none.
-pub fn list(energies: bool) -> Vec<(Measure, Over)> {
-    LIST.into_iter().filter(|(measure, _)| energies || *measure != Measure::Energy).collect()
+impl Case {
+    /// The list: without energies where an element has none, without sections where there is no beam, and of equilibria what is
+    /// neither given with the start nor a velocity.
+    pub fn measures(&self) -> Vec<(Measure, Over)> {
+        use Measure::*;
+        let beam = matches!(self.subject, Subject::Beam(_));
+        let measured = |entry: &(Measure, Over)| match entry.0 {
+            SectionForce | SectionStrain | FibreStress if !beam => false,
+            Energy if !self.has_energies() => false,
+            Velocity | JointRate | JointSpeed if self.statics => false,
+            _ => !self.statics || entry.1 != Over::Initial,
+        };
+        LIST.into_iter().filter(measured).collect()
+    }
 }
 
 /// How far a design variable reaches: what does not lie on its way is zero.
@@ -97,7 +115,9 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     use Reach::*;
     match (measure, reach) {
         (_, Nothing) => true,
-        (_, Sensor) => matches!(measure, Coordinate | ReactionNorm | Energy | Measure::Mass),
+        (_, Sensor) => {
+            matches!(measure, Coordinate | ReactionNorm | Energy | Measure::Mass | SectionForce | SectionStrain)
+        }
         (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),
         _ if over != Over::Initial => false,
         (Reaction, _) => reach == Later,
@@ -127,7 +147,9 @@ pub fn reads((measure, over): (Measure, Over)) -> Reads {
         _ if over == Over::Initial => Reads::Start,
         Measure::Mass => Reads::Start,
         Measure::Reaction | Measure::ReactionNorm | Measure::JointLoad => Reads::Multipliers,
-        Measure::Velocity | Measure::Energy | Measure::JointRate | Measure::JointSpeed => Reads::Velocities,
+        Measure::Velocity | Measure::Energy | Measure::JointRate | Measure::JointSpeed | Measure::SectionForce => {
+            Reads::Velocities
+        }
         _ => Reads::Coordinates,
     }
 }
@@ -153,12 +175,12 @@ pub struct Seen {
     pub joint: ConstraintId,
     /// Its number of equations.
     pub equations: usize,
-    /// All elements state their energies.
-    pub energies: bool,
+    /// Whose sections are measured.
+    pub beam: Option<BeamMember>,
 }
 
 /// Adds the list to a scene; `sensor` scales all numbers of the functionals, which are parameters like any other.
-pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
+pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure, Over)], sensor: S) {
     let numbers = |values: &[f64]| -> Vec<S> { values.iter().map(|&value| sensor * value).collect() };
     let point_and_direction = numbers(&[0.3, 0.1, -0.2, 0.5, -0.6, 0.4]);
     let point_and_target = numbers(&[0.1, 0.2, 0.1, 0.4, 0.9, -0.3]);
@@ -170,7 +192,7 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
     let other = if free_point { (seen.second, Anchor::Point) } else { (seen.ground, Anchor::Body) };
     let angle = numbers(&[0.3, 0.5, 0.8, 0.8, 0.2, -0.5, 0.4, -0.7, 0.3]);
     let slide = numbers(&[0.3, 0.1, -0.2, -0.1, 0.2, 0.1, 0.5, -0.6, 0.4]);
-    for entry in list(seen.energies) {
+    for &entry in list {
         let (name, over) = (name(entry), entry.1);
         let of = Anchor::Body;
         match entry.0 {
@@ -202,6 +224,22 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, sensor: S) {
             }
             Measure::Energy => m.energy_functional(&name, over),
             Measure::Mass => m.mass_functional(&name, over),
+            // in the first element, whose parameters are varied, and between both
+            Measure::SectionForce => {
+                if let Some(beam) = &seen.beam {
+                    m.section_functional(&name, over, beam, 0.2, SectionMeasure::Force(1));
+                }
+            }
+            Measure::SectionStrain => {
+                if let Some(beam) = &seen.beam {
+                    m.section_functional(&name, over, beam, 0.5, SectionMeasure::Strain(4));
+                }
+            }
+            Measure::FibreStress => {
+                if let Some(beam) = &seen.beam {
+                    m.fibre_stress_functional(&name, over, (beam, 0.0), sensor * 40.0, [sensor * 0.2, sensor * -0.1]);
+                }
+            }
         }
     }
 }

@@ -105,11 +105,12 @@ fn soft<S: Scalar, J: Constraint>(
 }
 
 impl Case {
-    /// The host mechanism with the subject; returns the place of the subject's parameters.
-    pub fn mechanism<S: Scalar>(&self, start: &[S], m: &mut MechanismBuilder<S>) -> (Seen, Range<usize>) {
+    /// The host mechanism with the subject, a beam by its numbers; returns the place of the subject's parameters.
+    pub fn mechanism<S: Scalar>(&self, start: &[S], beam: &[S], m: &mut MechanismBuilder<S>) -> (Seen, Range<usize>) {
         use Subject::*;
         let at = |x: [f64; 3]| Vec3::<S>::from_f64(x);
         let [turn, spin] = start else { unreachable!("two start variables") };
+        let spin = &(if self.statics { S::zero() } else { *spin });
         // everything turns about the shoulder with `turn`, and every velocity grows with `spin`
         let whole = Quaternion::about(at([1.0, 2.0, -1.0]).normalized(), *turn);
         let shoulder = at([0.1, -0.2, 0.3]);
@@ -134,7 +135,7 @@ impl Case {
         let shoulder_joint = m.spherical("shoulder", [ground, arm], shoulder);
 
         // a subject on one body needs no second one
-        let alone = matches!(self.subject, RigidBody | GravityOnBody | Force(Anchor::Body, ..) | Torque(..));
+        let alone = matches!(self.subject, RigidBody | GravityOnBody | Force(Anchor::Body, ..) | Torque(..) | Beam(_));
         let position = place([0.8, -0.2, -0.8]);
         let velocity = elbow_velocity + second_omega.cross(position - elbow);
         let light = matches!(
@@ -171,11 +172,23 @@ impl Case {
             m.rigid_body("third", third, S::from(0.5), at([0.02, 0.03, -0.04]), inertia);
             third
         });
+        let f: Vec<S> = self.function.iter().map(|&f| S::from(f)).collect();
+        let flexible = match &self.subject {
+            Beam(subject) => {
+                let own = subject.add(m, [shoulder, elbow], beam, &f);
+                // as if it were stretched: nodes in between are slower than the elbow
+                for (i, &node) in own.nodes.iter().enumerate().skip(1) {
+                    m.set_velocity(node, elbow_velocity * S::from(0.25 * i as f64), Vec3::zero());
+                }
+                m.revolute("elbow", [own.end(), arm], elbow, axis);
+                Some(own)
+            }
+            _ => None,
+        };
         m.gravity(at([0.6, -0.9, -9.7]));
 
         let both = [arm, second];
         let ends = [place([0.2, 0.4, 0.1]), place([0.9, -0.5, -0.6])];
-        let f: Vec<S> = self.function.iter().map(|&f| S::from(f)).collect();
         let name = NAME;
         let hinge = place([-0.2, 0.3, 0.1]);
         let host = Host {
@@ -190,7 +203,7 @@ impl Case {
         };
         let mut joint = None;
         match &self.subject {
-            RigidBody | PointMass | GravityOnBody | GravityOnPoint => {}
+            RigidBody | PointMass | GravityOnBody | GravityOnPoint | Beam(_) => {}
             LineSpring => drop(m.line_spring(name, both, ends, S::from(60.0), S::from(0.7))),
             LineDamper => drop(m.line_damper(name, both, ends, S::from(3.0))),
             VectorDamper => drop(m.vector_damper(name, both, ends, S::from(2.0))),
@@ -230,6 +243,7 @@ impl Case {
             PointMass => "bob",
             GravityOnBody => "weight of arm",
             GravityOnPoint => "weight of bob",
+            Beam(subject) => subject.part().unwrap_or(name),
             _ => name,
         };
         let element = m.model.elements.iter().find(|e| e.name == subject).map(|e| e.parameters.clone());
@@ -238,7 +252,7 @@ impl Case {
         let equations = constraint.map_or(3, |constraint| constraint.equations.len());
         let second_is = if light { Anchor::Point } else { Anchor::Body };
         let joint = joint.unwrap_or(shoulder_joint);
-        let energies = self.has_energies();
-        (Seen { arm, second, second_is, ground, shoulder: shoulder_joint, joint, equations, energies }, places)
+        let shoulder = shoulder_joint;
+        (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible }, places)
     }
 }

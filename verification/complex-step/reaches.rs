@@ -62,6 +62,7 @@ impl Case {
             Subject::RollingSphere => own(13, Rate),
             Subject::Fixed => own(10, Geometry),
             Subject::Distance => own(7, Geometry),
+            Subject::Beam(subject) => subject.reaches(self.statics),
             Subject::Rotation(f) => [own(9, Geometry), drive(f)].concat(),
             Subject::Translation(f) => [own(9, Geometry), drive(f)].concat(),
         };
@@ -81,6 +82,9 @@ impl Case {
             }
             _ => of_subject,
         };
-        [of_subject, vec![StartPosition, StartVelocity, Sensor]].concat()
+        let spin = if self.statics { Nothing } else { StartVelocity };
+        // the turn stretches a beam, and with it its mass
+        let turn = if matches!(self.subject, Subject::Beam(_)) { ProjectedMass } else { StartPosition };
+        [of_subject, vec![turn, spin, Sensor]].concat()
     }
 }

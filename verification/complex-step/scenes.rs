@@ -1,5 +1,6 @@
 //! The list of small scenes: one element or constraint each, in unsymmetric spatial motion.
 
+use super::beam::{self, BeamSubject, Kind};
 use super::measures;
 use costate::design::DesignVariable;
 use costate::elements::forces::LoadFrame;
@@ -12,6 +13,8 @@ use std::sync::Arc;
 pub const END: f64 = 1.0;
 /// Steps of every run.
 pub const STEPS: usize = 50;
+/// Load steps of equilibria.
+const LOAD_STEPS: usize = 5;
 
 /// What a scene puts to the test; all its parameters are design variables.
 #[derive(Clone, Debug)]
@@ -52,6 +55,7 @@ pub enum Subject {
     RollingSphere,
     Rotation(TimeFunction),
     Translation(TimeFunction),
+    Beam(BeamSubject),
 }
 
 /// One scene of the list.
@@ -64,6 +68,8 @@ pub struct Case {
     pub function: Vec<f64>,
     /// The start violates the constraints and is projected onto them.
     pub projected: bool,
+    /// Equilibria under a growing load instead of a motion.
+    pub statics: bool,
     /// Variables at which the motion has no derivative: they stay out of the difference quotient.
     pub one_sided: &'static [&'static str],
 }
@@ -80,12 +86,15 @@ pub fn list() -> Vec<Case> {
         subject,
         function: function.into(),
         projected: false,
+        statics: false,
         one_sided: &[],
     };
-    let constraint =
-        |name, subject, function: &[f64]| Case { name, subject, function: function.into(), projected: true, one_sided: &[] };
+    let constraint = |name, subject, function: &[f64]| Case { projected: true, ..element(name, subject, function) };
+    // off their equilibrium, so that every strain is something to start with
+    let beam = |name, subject, function: &[f64]| constraint(name, Beam(subject), function);
     let soft = |joint: Subject| Soft(Box::new(joint));
     let table = TimeFunction::table(vec![-0.1, 0.12, 0.31, 0.6]).expect("the knots increase");
+    let lines = TimeFunction::lines(vec![-0.1, 0.31, 0.6]).expect("the knots increase");
     let (world, body) = (LoadFrame::World, LoadFrame::Body);
     let started = SmoothStart(Arc::new(Sine));
     let started = constraint("prescribed-translation-started", Translation(started), &[0.02, 0.1, 5.0, 0.2, 0.6]);
@@ -145,6 +154,14 @@ pub fn list() -> Vec<Case> {
         constraint("prescribed-rotation-sine", Rotation(Sine), &[0.02, 0.4, 5.0, 0.2]),
         constraint("prescribed-rotation-ramp", Rotation(SmoothRamp), &[-0.1, 1.2, -0.2, 1.4]),
         constraint("prescribed-translation-sine", Translation(Sine), &[0.02, 0.1, 5.0, 0.2]),
+        beam("beam", BeamSubject::Element(Kind::Plain), &[]),
+        beam("beam-eccentric", BeamSubject::Element(Kind::Eccentric), &[]),
+        beam("beam-offset-damped", BeamSubject::Element(Kind::Offset), &[]),
+        beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
+        beam("load-along-beam-world-lines", BeamSubject::Load(world, lines), &[1.0, 3.0, -2.0]),
+        beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
+        beam("beam-design", BeamSubject::Design, &[]),
+        Case { projected: false, statics: true, ..beam("beam-design-equilibrium", BeamSubject::Design, &[]) },
         // its second derivative has corners at both ends: a start or duration moves them off the steps' ends
         Case { one_sided: &["start", "duration"], ..inside },
         // and here the fourth derivative, which the extrapolation of the quotient asks for
@@ -174,6 +191,7 @@ impl Case {
                 | RackAndPinion
                 | JointAngle
                 | Gear
+                | Beam(_)
         )
     }
 
@@ -190,10 +208,18 @@ impl Case {
         !matches!(&self.subject, Subject::Soft(joint) if matches!(**joint, Subject::Rotation(_) | Subject::Translation(_)))
     }
 
+    /// The numbers that the builder takes for the beam, if they are what is varied.
+    fn is_design(&self) -> bool {
+        matches!(self.subject, Subject::Beam(BeamSubject::Design))
+    }
+
     /// The parameters of the subject as they are designed, before anything is varied.
     pub fn nominal(&self) -> (Vec<f64>, Vec<String>) {
+        if self.is_design() {
+            return (beam::design(), beam::DESIGN.iter().map(|(name, ..)| name.to_string()).collect());
+        }
         let mut m = MechanismBuilder::default();
-        let places = self.mechanism(&START.map(|(_, value)| value), &mut m).1;
+        let places = self.mechanism(&START.map(|(_, value)| value), &beam::design(), &mut m).1;
         let model = &m.model;
         let elements = model.elements.iter().map(|e| (&e.parameters, e.physics.parameter_list()));
         let joints = model.constraints.iter().map(|c| (&c.parameters, c.physics.parameter_list()));
@@ -204,7 +230,10 @@ impl Case {
         // nothing special: no unit vectors, right angles or closed loops that a wrong derivative could hide behind
         for (i, value) in values.iter_mut().take(own).enumerate() {
             let phase = i as f64;
-            *value = *value * (1.0 + 0.04 * (phase + 1.0).sin()) + 0.02 * value.abs().min(1.0) + 0.01 * (2.0 * phase).cos();
+            // inertia of a beam's points is small, and stays positive
+            let size = value.abs().min(1.0);
+            let added = if matches!(self.subject, Subject::Beam(_)) { size } else { 1.0 };
+            *value = *value * (1.0 + 0.04 * (phase + 1.0).sin()) + 0.02 * size + 0.01 * added * (2.0 * phase).cos();
         }
         (values, parameters.drain(..).map(|parameter| parameter.name.into_owned()).collect())
     }
@@ -224,27 +253,35 @@ impl Scene for Case {
         all.map(|(name, value)| DesignVariable::new(name, value, (value - 1.0, value + 1.0), "")).collect()
     }
     fn settings(&self) -> Settings {
+        if self.statics {
+            return Settings::statics(LOAD_STEPS);
+        }
         let settings = Settings::new(END, STEPS);
         if self.projected { settings.projecting_start() } else { settings }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let Some(own) = x.len().checked_sub(3) else { return Err(format!("too few variables: {}", x.len())) };
         let (subject, rest) = x.split_at(own);
-        let (seen, places) = self.mechanism(&rest[..2], m);
-        if places.len() != own {
-            return Err(format!("{} variables for {} parameters", own, places.len()));
+        let beam = if self.is_design() { subject.to_vec() } else { beam::design() };
+        let (seen, places) = self.mechanism(&rest[..2], &beam, m);
+        if !self.is_design() {
+            if places.len() != own {
+                return Err(format!("{} variables for {} parameters", own, places.len()));
+            }
+            m.numbers.p[places].copy_from_slice(subject);
         }
-        m.numbers.p[places].copy_from_slice(subject);
         if self.projected {
             // off the constraints, so that the projection moves something
+            // less where nodes lie close to each other
+            let size = if matches!(self.subject, Subject::Beam(_)) { 0.2 } else { 1.0 };
             for node in m.model.nodes.iter().filter(|node| !node.fixed) {
                 for i in node.dofs.clone() {
-                    m.numbers.q[i] += S::from(0.01 * (3.0 * i as f64).sin());
-                    m.numbers.v[i] += S::from(0.05 * (2.0 * i as f64).cos());
+                    m.numbers.q[i] += S::from(size * 0.01 * (3.0 * i as f64).sin());
+                    m.numbers.v[i] += S::from(size * 0.05 * (2.0 * i as f64).cos());
                 }
             }
         }
-        measures::add(m, &seen, rest[2]);
+        measures::add(m, &seen, &self.measures(), rest[2]);
         Ok(())
     }
 }

@@ -1,12 +1,15 @@
 //! Adjoint and tangent gradients against complex step and difference quotients, over the lists of everything.
 
+mod beam;
 mod measures;
 mod mechanism;
 mod reaches;
 mod scenes;
 
 use crate::verification::{Report, Study};
-use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, Table, TimeGrid, table_by_name, tables};
+use costate::integrators::{
+    ConstraintLevel, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name, table_named, tables,
+};
 use costate::scenes::{AnyScene, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 use measures::Reads;
@@ -60,6 +63,13 @@ fn members() -> Vec<Member> {
     tables().into_iter().map(equal).chain(choosing).collect()
 }
 
+/// A scene of equilibria: there are no velocities, and levels are all the same.
+fn of_equilibria(case: &Case) -> Option<(&Case, Member, ConstraintLevel)> {
+    let table = table_named(STATIC_TABLE).ok().flatten()?;
+    let member = Member { name: table.name.clone(), table, chooses_steps: false };
+    Some((case, member, ConstraintLevel::default()))
+}
+
 /// The study.
 pub struct ComplexStep;
 
@@ -74,9 +84,11 @@ impl Study for ComplexStep {
         let cases = scenes::list();
         let combinations: Vec<(&Case, Member, ConstraintLevel)> = cases
             .iter()
+            .filter(|case| !case.statics)
             .flat_map(|case| members().into_iter().map(move |member| (case, member)))
             .filter(|(case, member)| case.is_basic() || OF_FORMULAS.contains(&member.name.as_str()))
             .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case, member.clone(), level)))
+            .chain(cases.iter().filter(|case| case.statics).filter_map(of_equilibria))
             .collect();
         let outcomes: Vec<Result<Outcome, RunError>> =
             combinations.par_iter().map(|(case, member, level)| compare(case, member, *level)).collect();
@@ -217,7 +229,7 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
     let chosen = control.map(|_| [sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max)]);
     let mut outcome = Outcome { steps: forward.grid.steps(), chosen, limits, ..Outcome::default() };
-    for (index, entry) in measures::list(case.has_energies()).into_iter().enumerate() {
+    for (index, entry) in case.measures().into_iter().enumerate() {
         let rows = [&complex.rows[index], &adjoint.rows[index], &tangent.rows[index]];
         let differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
         let [adjoint, tangent] = match measures::reads(entry) {

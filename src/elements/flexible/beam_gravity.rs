@@ -1,5 +1,5 @@
 use super::shape::{AT_GAUSS_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State};
 use crate::scalar::{Quaternion, Scalar, Vec3, rotation_gradient_transposed};
 use std::ops::Range;
 
@@ -71,5 +71,19 @@ impl Field for BeamGravityField {
                 r[3 + i] += e.0[i] * shrink - turning[i] * inverse;
             }
         }
+    }
+    /// Without eccentricity lambda . r is -m lambda_r . g.
+    #[inline(always)]
+    fn add_products(&self, _point: usize, _s: State<f64>, p: &[f64], lambda: &[f64], into: &mut PointGradient) -> bool {
+        if self.eccentric {
+            return false;
+        }
+        if let [mass, _, _, _, gravity @ ..] = &mut *into.p {
+            for i in 0..3 {
+                *mass -= lambda[i] * p[4 + i];
+                gravity[i] -= lambda[i] * p[0];
+            }
+        }
+        true
     }
 }

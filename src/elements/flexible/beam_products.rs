@@ -45,9 +45,8 @@ pub(super) fn add_strain_products(beam: &BeamField, h: &[f64], p: &[f64], lambda
     let strain_bar = beam.stiffness_times(stiffness, d_strain).map(|stress| metric * stress);
     let stress = beam.stiffness_times(stiffness, strain);
     let d_strain_bar = stress.map(|stress| metric * stress);
-    let of = |bar: &[f64; STRAINS]| {
-        (reference.combine([bar[0], bar[1], bar[2]]), reference.combine([bar[3], bar[4], bar[5]]))
-    };
+    let of =
+        |bar: &[f64; STRAINS]| (reference.combine([bar[0], bar[1], bar[2]]), reference.combine([bar[3], bar[4], bar[5]]));
     let ((stretch_bar, bend_bar), (d_stretch_bar, d_bend_bar)) = (of(&strain_bar), of(&d_strain_bar));
     let back_bar = stretch_bar * scale + d_stretch_bar * d_scale;
     let turned_bar = bend_bar * scale + d_bend_bar * d_scale;
@@ -83,10 +82,8 @@ pub(super) fn add_strain_products(beam: &BeamField, h: &[f64], p: &[f64], lambda
     into.p[0] += energy - scale_bar * scale / metric;
     let mut axes_bar = [Vec3::zero(); 3];
     for (i, axis) in axes_bar.iter_mut().enumerate() {
-        *axis = stretch * strain_bar[i]
-            + d_stretch * d_strain_bar[i]
-            + bend * strain_bar[3 + i]
-            + d_bend * d_strain_bar[3 + i];
+        *axis =
+            stretch * strain_bar[i] + d_stretch * d_strain_bar[i] + bend * strain_bar[3 + i] + d_bend * d_strain_bar[3 + i];
     }
     let [tangent, second, _] = reference.axes;
     add(&mut into.p[1..4], 1.0, &(axes_bar[0] + second.cross(axes_bar[2])).0);
