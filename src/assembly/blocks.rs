@@ -3,7 +3,7 @@
 use super::jacobian::{Bases, Point, node_seeds};
 use super::numbering::{Part, System};
 use super::residual::Local3;
-use super::{Equations, Level, Shift};
+use super::{Equations, Impulse, Level, Shift};
 use crate::elements::{AnyConstraint, ByPoints, PointWork, RunScalar, State, add_scaled, padded};
 use crate::scalar::{Direction, Job, LANES, Lanes, Taylor, widest};
 
@@ -33,6 +33,9 @@ pub(super) struct BlockWork {
     multipliers: Vec<f64>,
     points: PointWork,
     reduced: Vec<f64>,
+    /// Factors of the velocity, and one term of an impulse.
+    scaled: [Vec<f64>; 2],
+    term: Vec<f64>,
 }
 
 /// dR/da, dR/dv, dR/dq of an element where these are the same everywhere, row-major; empty where they are zero.
@@ -218,15 +221,66 @@ impl Assembly<'_> {
     /// Columns gamma dR/da + beta dR/dv + alpha dR/dq along N_R, reduced by N_L.
     pub fn element(&self, work: &mut BlockWork, index: usize, block: &mut [f64]) {
         let part = &self.system.element_parts[index];
-        let Shift { gamma, beta, alpha } = self.equations.residual;
-        let size = part.columns.len();
         block.fill(0.0);
+        let mut real = std::mem::take(&mut work.real);
+        let state = real.state(part, &self.point.at);
+        match self.equations.variational {
+            None => self.element_at(work, index, state, self.equations.residual, block),
+            Some(step) => self.impulse(work, index, step.now(), state, block),
+        }
+        work.real = real;
+    }
+
+    /// The same for the impulse of an element.
+    fn impulse(&self, work: &mut BlockWork, index: usize, impulse: Impulse, state: State<f64>, block: &mut [f64]) {
+        let part = &self.system.element_parts[index];
+        let Shift { beta, alpha, .. } = self.equations.residual;
+        let (mut scaled, mut own) = (std::mem::take(&mut work.scaled), std::mem::take(&mut work.term));
+        for term in impulse.terms() {
+            for (scaled, factor) in scaled.iter_mut().zip([term.a, term.v]) {
+                scaled.clear();
+                scaled.extend(state.v.iter().map(|v| factor * v));
+            }
+            let [a, v] = &scaled;
+            own.clear();
+            own.resize(block.len(), 0.0);
+            let shift = Shift::new(term.a * beta, term.v * beta, alpha);
+            self.element_at(work, index, State { a, v, q: state.q }, shift, &mut own);
+            block.iter_mut().zip(&own).for_each(|(sum, own)| *sum += term.weight * own);
+        }
+        (work.scaled, work.term) = (scaled, own);
+        let physics = &*self.system.model.elements[index].physics;
+        if physics.has_constant_mass() || impulse.force == 0.0 {
+            return;
+        }
+        let BlockWork { v, q, p, r, .. } = work;
+        let size = part.columns.len();
+        load(p, &self.p[part.parameters.clone()]);
+        for first in (0..size).step_by(LANES) {
+            load(v, state.v);
+            load(q, state.q);
+            let lanes = self.for_lanes(part, first, |lane, dof, x, _| {
+                v[dof].eps[lane] = beta * x;
+                q[dof].eps[lane] = alpha * x;
+            });
+            r.clear();
+            r.resize(part.dofs, Lanes::default());
+            Lanes::element(physics).add_momentum_rate(v, q, p, r);
+            r.iter_mut().for_each(|r| *r = *r * impulse.force);
+            self.add_reduced_rows(part, |dof| &r[dof].eps, false, first..first + lanes, size, block);
+        }
+    }
+
+    /// Columns of R at a point that moves by a shift, added to a block of zeros.
+    fn element_at(&self, work: &mut BlockWork, index: usize, own: State<f64>, shift: Shift, block: &mut [f64]) {
+        let part = &self.system.element_parts[index];
+        let Shift { gamma, beta, alpha } = shift;
+        let size = part.columns.len();
         let physics = &*self.system.model.elements[index].physics;
         if let Some(points) = physics.points().filter(|_| self.equations.level != Level::Stabilized) {
-            return self.element_by_points(work, part, points, block);
+            return self.element_by_points(work, part, points, (own, shift), block);
         }
-        let BlockWork { real, a, v, q, p, r, .. } = work;
-        let own = real.state(part, &self.point.at);
+        let BlockWork { a, v, q, p, r, .. } = work;
         load(p, &self.p[part.parameters.clone()]);
         for first in (0..size).step_by(LANES) {
             load(a, own.a);
@@ -246,9 +300,15 @@ impl Assembly<'_> {
     }
 
     /// The same for an element whose matrix comes from its points: N_L^T K N_R.
-    fn element_by_points(&self, work: &mut BlockWork, part: &Part, points: &dyn ByPoints, block: &mut [f64]) {
-        let Shift { gamma, beta, alpha } = self.equations.residual;
-        let state = work.real.state(part, &self.point.at);
+    fn element_by_points(
+        &self,
+        work: &mut BlockWork,
+        part: &Part,
+        points: &dyn ByPoints,
+        (state, shift): (State<f64>, Shift),
+        block: &mut [f64],
+    ) {
+        let Shift { gamma, beta, alpha } = shift;
         let p = &self.p[part.parameters.clone()];
         let matrix = points.matrix(state, [gamma, beta, alpha], p, self.t, &mut work.points);
         widest(Reduction { assembly: self, part, matrix, reduced: &mut work.reduced, block });
@@ -257,7 +317,7 @@ impl Assembly<'_> {
     /// Adds to a block of zeros what constant matrices of an element are along N_R, reduced by N_L.
     pub fn constant_element(&self, work: &mut BlockWork, index: usize, constants: &Constants, block: &mut [f64]) {
         let part = &self.system.element_parts[index];
-        let Shift { gamma, beta, alpha } = self.equations.residual;
+        let Shift { gamma, beta, alpha } = self.equations.linear_shift();
         let (size, n) = (part.columns.len(), part.dofs);
         let BlockWork { directions, products, .. } = work;
         for first in (0..size).step_by(LANES) {
@@ -299,6 +359,7 @@ impl Assembly<'_> {
             self.add_curvature(joint.physics, part, work, p, second, size, block);
             let BlockWork { gradients, products, .. } = &mut *work;
             // columns of the multipliers: A^T, reduced
+            let sign = sign * self.equations.variational.map_or(1.0, |step| step.reaction());
             products.resize(part.dofs, [0.0; LANES]);
             let place = own_columns + if second { count } else { 0 };
             for first in (0..count).step_by(LANES) {
@@ -311,6 +372,13 @@ impl Assembly<'_> {
                 let columns = place + first..place + first + width;
                 self.add_reduced_rows(part, |dof| &products[dof], second, columns, size, block);
             }
+        }
+        if self.equations.variational.is_some() {
+            // the equations hold at another point than where the reactions act
+            let BlockWork { real, gradients, multipliers, .. } = &mut *work;
+            let q = real.state(part, &self.point.constraint_at).q;
+            let at = (q, p, self.equations.constraint_time(self.t));
+            joint.physics.linearize_reaction(at, multipliers, &[], gradients, &mut []);
         }
         self.add_equation_rows(joint.physics, part, work, p, count, size, block);
     }
@@ -329,8 +397,10 @@ impl Assembly<'_> {
     ) {
         let BlockWork { real, gradients, directions, products, multipliers, .. } = work;
         let columns = part.columns.len();
-        let alpha = self.equations.constraint.alpha;
-        let q = real.state(part, &self.point.constraint_at).q;
+        // a reaction at the start of a step does not move
+        let alpha = if self.equations.variational.is_some() { 0.0 } else { self.equations.constraint.alpha };
+        let q = real.state(part, self.point.reaction(self.equations)).q;
+        let t = self.equations.reaction_time(self.t);
         // room for the first time that there are multipliers
         directions.clear();
         directions.reserve(columns.div_ceil(LANES) * part.dofs);
@@ -350,7 +420,7 @@ impl Assembly<'_> {
             products.clear();
             products.resize(part.dofs, [0.0; LANES]);
             gradients.resize(multipliers.len() * part.dofs, 0.0);
-            physics.linearize_reaction((q, p, self.t), multipliers, directions, gradients, products);
+            physics.linearize_reaction((q, p, t), multipliers, directions, gradients, products);
             self.add_own_rows(part, products, second, size, block);
             return;
         }
@@ -363,7 +433,7 @@ impl Assembly<'_> {
         products.clear();
         products.resize(directions.len(), [0.0; LANES]);
         gradients.resize(multipliers.len() * part.dofs, 0.0);
-        physics.linearize_reaction((q, p, self.t), multipliers, directions, gradients, products);
+        physics.linearize_reaction((q, p, t), multipliers, directions, gradients, products);
         for (group, rows) in products.chunks_exact(part.dofs).enumerate() {
             let own = group * LANES..columns.min((group + 1) * LANES);
             self.add_reduced_rows(part, |dof| &rows[dof], second, own, size, block);

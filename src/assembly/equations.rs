@@ -1,3 +1,4 @@
+use super::{Term, Variational};
 use crate::scalar::{Scalar, Taylor};
 
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
@@ -42,12 +43,48 @@ pub struct Equations {
     pub level: Level,
     /// Subtract R at the base point: the metric of a projection instead of the equation of motion.
     pub metric: bool,
+    /// A step of a variational integrator instead of the equation of motion.
+    pub variational: Option<Variational>,
 }
 
 impl Equations {
     /// The equation of motion at a stage: both points move together.
     pub fn stage(shift: Shift, level: Level) -> Self {
-        Equations { residual: shift, constraint: shift, level, metric: false }
+        Equations { residual: shift, constraint: shift, level, metric: false, variational: None }
+    }
+
+    /// A step of a variational integrator; the acceleration is what functionals read, in the first step that of half a step.
+    pub fn variational(step: Variational) -> Self {
+        let Variational { alpha, h, first } = step;
+        let residual = Shift::new(if first { 2.0 } else { 1.0 }, h, alpha * h * h);
+        let constraint = Shift::new(0.0, 0.0, h * h);
+        Equations { residual, constraint, level: Level::Position, metric: false, variational: Some(step) }
+    }
+
+    /// How the unknown moves an R that is linear: the impulse of a linear element is that of its own shift.
+    pub(crate) fn linear_shift(&self) -> Shift {
+        let Some(step) = self.variational else { return self.residual };
+        let Shift { beta, alpha, .. } = self.residual;
+        let add = |sum: Shift, term: Term| {
+            let (gamma, rate) = (term.weight * term.a * beta, term.weight * term.v * beta);
+            Shift::new(sum.gamma + gamma, sum.beta + rate, sum.alpha + term.weight * alpha)
+        };
+        step.now().terms().into_iter().fold(Shift::new(0.0, 0.0, 0.0), add)
+    }
+
+    /// True where R, or what takes its place, at the base point is subtracted.
+    pub(crate) fn subtracts(&self) -> bool {
+        self.metric || self.variational.is_some()
+    }
+
+    /// Time at which constraints hold, for equations at time `t` [s].
+    pub(crate) fn constraint_time(&self, t: f64) -> f64 {
+        self.variational.map_or(t, |step| t + step.to_end())
+    }
+
+    /// Time at which reactions act [s].
+    pub(crate) fn reaction_time(&self, t: f64) -> f64 {
+        self.variational.map_or(t, |step| t + step.to_start())
     }
 
     /// The acceleration for given (v, q).
@@ -66,7 +103,7 @@ impl Equations {
     /// g(q + d) = 0.
     pub fn position_projection(stage: Shift) -> Self {
         let constraint = Shift::new(0.0, 0.0, stage.alpha);
-        Equations { residual: stage, constraint, level: Level::Position, metric: true }
+        Equations { residual: stage, constraint, level: Level::Position, metric: true, variational: None }
     }
 
     /// Projection of v onto dg/dt = 0 in the metric of a stage's matrix.
@@ -75,19 +112,19 @@ impl Equations {
     /// A (v + w) + g_t = 0.
     pub fn velocity_projection(stage: Shift) -> Self {
         let constraint = Shift::new(0.0, stage.beta, 0.0);
-        Equations { residual: stage, constraint, level: Level::Velocity, metric: true }
+        Equations { residual: stage, constraint, level: Level::Velocity, metric: true, variational: None }
     }
 
     /// Projection of an initial q onto g = 0 in the mass metric: x = d.
     pub fn initial_position_projection() -> Self {
         let constraint = Shift::new(0.0, 0.0, 1.0);
-        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Position, metric: true }
+        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Position, metric: true, variational: None }
     }
 
     /// Projection of an initial v onto dg/dt = 0 in the mass metric: x = w.
     pub fn initial_velocity_projection() -> Self {
         let constraint = Shift::new(0.0, 1.0, 0.0);
-        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Velocity, metric: true }
+        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Velocity, metric: true, variational: None }
     }
 
     /// What a nonholonomic constraint h = 0 is asked for here, and the factor of its rows: h at every level but that of accelerations;

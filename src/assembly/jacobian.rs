@@ -46,16 +46,28 @@ fn in_pieces(
 pub(super) struct Point {
     pub at: VectorsAvq<f64>,
     pub constraint_at: VectorsAvq<f64>,
+    /// Where reactions act, if that is another point.
+    pub reaction_at: VectorsAvq<f64>,
     pub unknowns: Unknowns<f64>,
 }
 
 impl Point {
+    /// Where reactions act.
+    pub fn reaction(&self, equations: &Equations) -> &VectorsAvq<f64> {
+        if equations.variational.is_some() { &self.reaction_at } else { &self.constraint_at }
+    }
+
     fn set<S: RunScalar>(&mut self, residual: &Residual<S>, unknowns: &Unknowns<S>) {
         let copy = |target: &mut Vec<f64>, values: &[S]| {
             target.clear();
             target.extend(values.iter().map(|value| value.value()));
         };
-        for (own, given) in [(&mut self.at, &residual.at), (&mut self.constraint_at, &residual.constraint_at)] {
+        let pairs = [
+            (&mut self.at, &residual.at),
+            (&mut self.constraint_at, &residual.constraint_at),
+            (&mut self.reaction_at, &residual.reaction_at),
+        ];
+        for (own, given) in pairs {
             copy(&mut own.a, &given.a);
             copy(&mut own.v, &given.v);
             copy(&mut own.q, &given.q);
@@ -151,7 +163,7 @@ impl Jacobian {
     ) {
         let mut point = std::mem::take(&mut self.point);
         point.set(residual, unknowns);
-        self.set_bases(system, equations, &point.constraint_at);
+        self.set_bases(system, equations, &point);
 
         let (bases, blocks) = (&self.bases, &mut self.blocks);
         let assembly = Assembly { system, equations, bases, point: &point, p, t };
@@ -205,13 +217,14 @@ impl Jacobian {
         self.constants.get(element)?.as_ref()
     }
 
-    fn set_bases(&mut self, system: &System, equations: &Equations, at: &VectorsAvq<f64>) {
+    fn set_bases(&mut self, system: &System, equations: &Equations, point: &Point) {
+        let (at, reaction_at) = (&point.constraint_at, point.reaction(equations));
         for local in system.eliminated() {
             let dofs = system.model.nodes[local.node].dofs.clone();
             let bases = &mut self.bases[local.node];
             let own = |x: &[f64]| LocalVec::from(&x[dofs.clone()]);
             let (a, v, q) = (own(&at.a), own(&at.v), own(&at.q));
-            let reaction = super::local::reaction_rows(local, &q);
+            let reaction = super::local::reaction_rows(local, &reaction_at.q[dofs.clone()]);
             super::local::complement(&reaction, local.equations.len(), q.len(), &mut bases.left);
             let rows = super::local::equation_rows(local, equations, State { a: &a, v: &v, q: &q });
             let copies = if equations.level == Level::Stabilized { 2 } else { 1 };

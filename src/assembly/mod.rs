@@ -21,6 +21,7 @@ mod products;
 mod quadratic;
 mod residual;
 mod sparse_pattern;
+mod variational;
 
 pub(crate) use equations::clone_fields;
 pub use equations::{Equations, Level, Shift, Unknowns, VectorsAvq};
@@ -30,3 +31,4 @@ pub use numbering::{System, SystemOptions};
 pub use products::{Adjoints, ProductBars, ProductPoint};
 pub use residual::Residual;
 pub use sparse_pattern::SparsePattern;
+pub use variational::{Impulse, Term, Variational};

@@ -1,7 +1,7 @@
 use super::blocks::load;
 use super::numbering::{GlobalConstraint, Part, System};
 use super::residual::{Local3, LocalVec, select, write_level};
-use super::{Equations, Jacobian, Level, Unknowns, VectorsAvq};
+use super::{Equations, Impulse, Jacobian, Level, Unknowns, VectorsAvq};
 use crate::elements::{ElementIn, PointWork, RunScalar, State};
 use crate::scalar::{Direction, LANES, Lanes, Rev, Taylor, add_gradients};
 use smallvec::SmallVec;
@@ -177,6 +177,83 @@ impl System<'_> {
             let values = [a, v, q, varied].into_iter().flatten().copied();
             add_gradients(values, record, &mut work.results, rows);
             add_gradient_rows(part, &work.gradients, variables, bars);
+        }
+    }
+
+    /// Adds `sign` times the gradient of lambda . (w_P P + w_F F) at (v, q) for every functional.
+    pub fn add_impulse_products(
+        &self,
+        jacobian: &Jacobian,
+        adjoints: &[Adjoints],
+        (impulse, sign): (Impulse, f64),
+        point: ProductPoint,
+        bars: &mut [ProductBars],
+    ) {
+        let ProductPoint { at: VectorsAvq { v, q, .. }, p, active, t } = point;
+        for term in impulse.terms() {
+            let scaled = |factor: f64| v.iter().map(|v| factor * v).collect();
+            let at = VectorsAvq { a: scaled(term.a), v: scaled(term.v), q: q.clone() };
+            let mut own = vec![VectorsAvq::zeros(q.len()); bars.len()];
+            let targets = own.iter_mut().zip(&mut *bars);
+            let mut targets: Vec<ProductBars> = targets.map(|(at, bar)| ProductBars { at, p: &mut *bar.p }).collect();
+            let there = ProductPoint { at: &at, p, active, t };
+            self.add_element_products(jacobian, adjoints, sign * term.weight, there, &mut targets);
+            drop(targets);
+            for (bar, own) in bars.iter_mut().zip(&own) {
+                let VectorsAvq { v, q, .. } = &mut *bar.at;
+                v.iter_mut().zip(own.a.iter().zip(&own.v)).for_each(|(v, (of_a, of_v))| *v += term.a * of_a + term.v * of_v);
+                q.iter_mut().zip(&own.q).for_each(|(q, own)| *q += own);
+            }
+        }
+        if impulse.force != 0.0 {
+            self.add_momentum_rate_products(adjoints, sign * impulse.force, point, bars);
+        }
+    }
+
+    /// Adds `factor` times the gradient of lambda . (dP/dq) v, eight arguments at a time.
+    fn add_momentum_rate_products(
+        &self,
+        adjoints: &[Adjoints],
+        factor: f64,
+        point: ProductPoint,
+        bars: &mut [ProductBars],
+    ) {
+        let mut work = Work::default();
+        for (element, part) in self.model.elements.iter().zip(&self.element_parts) {
+            if element.physics.has_constant_mass() {
+                continue;
+            }
+            let n = part.dofs;
+            let Work { state, lanes: [_, v, q, p, r, _], weights, gradients, .. } = &mut work;
+            weights.clear();
+            adjoints.iter().for_each(|adjoint| pick(part, &adjoint.f, weights));
+            let own = state.state(part, point.at);
+            load(v, own.v);
+            load(q, own.q);
+            load(p, &point.p[part.parameters.clone()]);
+            let with_parameters = point.active[part.parameters.clone()].contains(&true);
+            let variables = 3 * n + if with_parameters { p.len() } else { 0 };
+            gradients.clear();
+            gradients.resize(variables * adjoints.len(), 0.0);
+            // nothing depends on accelerations
+            for first in (n..variables).step_by(LANES) {
+                let width = LANES.min(variables - first);
+                for (argument, lane) in v.iter_mut().chain(&mut *q).chain(&mut *p).skip(first - n).zip(0..width) {
+                    argument.eps[lane] = 1.0;
+                }
+                r.clear();
+                r.resize(n, Lanes::default());
+                Lanes::element(&*element.physics).add_momentum_rate(v, q, p, r);
+                for (weights, gradient) in weights.chunks_exact(n).zip(gradients.chunks_exact_mut(variables)) {
+                    for (r, weight) in r.iter().zip(weights) {
+                        let targets = gradient[first..first + width].iter_mut();
+                        targets.zip(r.eps).for_each(|(target, r)| *target += factor * weight * r);
+                    }
+                }
+                let arguments = v.iter_mut().chain(&mut *q).chain(&mut *p).skip(first - n);
+                arguments.take(width).for_each(|argument| argument.eps = [0.0; LANES]);
+            }
+            add_gradient_rows(part, gradients, variables, bars);
         }
     }
 

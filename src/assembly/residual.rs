@@ -1,5 +1,5 @@
 use super::numbering::{Local, Part, System};
-use super::{Equations, Level, Unknowns, VectorsAvq};
+use super::{Equations, Impulse, Level, Unknowns, Variational, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::scalar::{Scalar, Taylor};
 use rayon::prelude::*;
@@ -95,8 +95,15 @@ pub struct Residual<S> {
     pub keep_values: bool,
     /// Leave unknowns as they are and move (a, v, q) to neighbouring numbers, some up and some down: what that changes is round-off.
     pub last_bits: bool,
-    /// R at the base point, for a metric.
+    /// Point at which reactions act, where that is another one than the constraints': in a step of a variational integrator.
+    pub reaction_at: VectorsAvq<S>,
+    /// What is subtracted: R at the base point, for a metric, or what the step before left.
     base: Vec<S>,
+    /// The base, moved to where constraints hold in a step of a variational integrator.
+    constraint_base: VectorsAvq<S>,
+    /// Where R is evaluated for an impulse, and their sum.
+    impulse_at: VectorsAvq<S>,
+    sum: Vec<S>,
     /// One place for each element's own residual, so that any number of threads adds in the same order.
     parts: Vec<S>,
     work: Workspace<S>,
@@ -124,7 +131,11 @@ impl<S: RunScalar> Residual<S> {
             g_second: second(system.multipliers()),
             keep_values: false,
             last_bits: false,
+            reaction_at: VectorsAvq::default(),
             base: vec![S::zero(); dofs],
+            constraint_base: VectorsAvq::default(),
+            impulse_at: VectorsAvq::default(),
+            sum: Vec::new(),
             parts: vec![S::zero(); if parallel { system.element_parts.iter().map(|part| part.dofs).sum() } else { 0 }],
             work,
             locals: Vec::new(),
@@ -159,6 +170,57 @@ impl<S: RunScalar> Residual<S> {
             self.add_elements(system, base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
         }
+        if let Some(step) = equations.variational {
+            let mut before = std::mem::take(&mut self.constraint_base);
+            Variational::write_moved(base, step.to_before(), &mut before);
+            self.add_impulses(system, &before, p, t + step.to_before(), step.before());
+            std::mem::swap(&mut self.f, &mut self.base);
+            self.constraint_base = before;
+        }
+    }
+
+    /// F = sum of the elements' impulses for (v, q) of a point.
+    fn add_impulses(&mut self, system: &System, point: &VectorsAvq<S>, p: &[S], t: f64, impulse: Impulse) {
+        let mut at = std::mem::take(&mut self.impulse_at);
+        let mut sum = std::mem::take(&mut self.sum);
+        sum.clear();
+        sum.resize(point.q.len(), S::zero());
+        at.q.clone_from(&point.q);
+        for term in impulse.terms() {
+            for (own, factor) in [(&mut at.a, term.a), (&mut at.v, term.v)] {
+                own.clear();
+                own.extend(point.v.iter().map(|&v| v * factor));
+            }
+            self.add_elements(system, &at, p, t);
+            sum.iter_mut().zip(&self.f).for_each(|(sum, &f)| *sum += f * term.weight);
+        }
+        if impulse.force != 0.0 {
+            let Workspace { state, force, .. } = &mut self.work;
+            for (element, part) in system.model.elements.iter().zip(&system.element_parts) {
+                if element.physics.has_constant_mass() {
+                    continue;
+                }
+                let own = state.state(part, point);
+                force.clear();
+                force.resize(part.dofs, S::zero());
+                S::element(&*element.physics).add_momentum_rate(own.v, own.q, &p[part.parameters.clone()], force);
+                force.iter_mut().for_each(|force| *force = *force * impulse.force);
+                add_segments(&part.segments, force, &mut sum);
+            }
+        }
+        std::mem::swap(&mut self.f, &mut sum);
+        (self.impulse_at, self.sum) = (at, sum);
+    }
+
+    /// The base from which unknowns move to where constraints hold.
+    fn move_base<'b>(
+        equations: &Equations,
+        base: &'b VectorsAvq<S>,
+        moved: &'b mut VectorsAvq<S>,
+    ) -> &'b VectorsAvq<S> {
+        let Some(step) = equations.variational else { return base };
+        Variational::write_moved(base, step.to_end(), moved);
+        moved
     }
 
     /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F, Y and G.
@@ -173,11 +235,18 @@ impl<S: RunScalar> Residual<S> {
     ) {
         // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
         let corrections = if S::PARTS == 0 { 1 } else { RESTORATIONS };
+        let mut moved = std::mem::take(&mut self.constraint_base);
+        let constraint_base = Self::move_base(equations, base, &mut moved);
         if !self.last_bits {
-            super::local::restore(system, equations, base, unknowns, self.keep_values, corrections, &mut self.restored);
+            let work = &mut self.restored;
+            super::local::restore(system, equations, constraint_base, unknowns, self.keep_values, corrections, work);
         }
         self.at.set_shifted(base, equations.residual, unknowns);
-        self.constraint_at.set_shifted(base, equations.constraint, unknowns);
+        self.constraint_at.set_shifted(constraint_base, equations.constraint, unknowns);
+        self.constraint_base = moved;
+        if let Some(step) = equations.variational {
+            Variational::write_moved(base, step.to_start(), &mut self.reaction_at);
+        }
         if self.last_bits {
             for at in [&mut self.at, &mut self.constraint_at] {
                 for (which, values) in [&mut at.a, &mut at.v, &mut at.q].into_iter().enumerate() {
@@ -186,9 +255,12 @@ impl<S: RunScalar> Residual<S> {
             }
         }
         let at = std::mem::take(&mut self.at);
-        self.add_elements(system, &at, p, t);
+        match equations.variational {
+            Some(step) => self.add_impulses(system, &at, p, t, step.now()),
+            None => self.add_elements(system, &at, p, t),
+        }
         self.at = at;
-        if equations.metric {
+        if equations.subtracts() {
             for (f, &r) in self.f.iter_mut().zip(&self.base) {
                 *f -= r;
             }
@@ -196,7 +268,7 @@ impl<S: RunScalar> Residual<S> {
         self.y.copy_from_slice(&unknowns.y);
         self.add_constraints(system, equations, unknowns, p, t);
         for local in system.eliminated() {
-            self.eliminate(system, local, unknowns);
+            self.eliminate(system, equations, local, unknowns);
         }
         for (node, unknowns) in system.model.nodes.iter().zip(&system.nodes) {
             if unknowns.columns.is_empty() {
@@ -207,7 +279,15 @@ impl<S: RunScalar> Residual<S> {
 
     /// Brings unknowns back onto the equations inside nodes, from which a step along an older basis leads away a little.
     pub fn restore(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
+        let mut moved = std::mem::take(&mut self.constraint_base);
+        let base = Self::move_base(equations, base, &mut moved);
         super::local::restore(system, equations, base, unknowns, self.keep_values, RESTORATIONS, &mut self.restored);
+        self.constraint_base = moved;
+    }
+
+    /// Where reactions act.
+    pub(super) fn reaction_point(&self, equations: &Equations) -> &VectorsAvq<S> {
+        if equations.variational.is_some() { &self.reaction_at } else { &self.constraint_at }
     }
 
     /// Force below which F is round-off at the point evaluated last: a share of the largest contribution of one element or joint,
@@ -302,15 +382,22 @@ impl<S: RunScalar> Residual<S> {
     /// Adds the reactions of joints to F (and Y), and writes their scaled equations to G.
     fn add_constraints(&mut self, system: &System, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) {
         let scales = equations.row_scales();
-        let time = S::from(t);
+        let (time, reaction_time) = (S::from(equations.constraint_time(t)), S::from(equations.reaction_time(t)));
         let Workspace { state, force, eta, g, .. } = &mut self.work;
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
             let physics = S::constraint(joint.physics);
-            let own = state.state(part, &self.constraint_at);
             let p = &p[part.parameters.clone()];
             force.clear();
             force.resize(part.dofs, S::zero());
-            physics.add_reaction(own.q, &unknowns.mu[joint.equations.clone()], p, time, force);
+            if let Some(step) = equations.variational {
+                let q = state.state(part, &self.reaction_at).q;
+                physics.add_reaction(q, &unknowns.mu[joint.equations.clone()], p, reaction_time, force);
+                force.iter_mut().for_each(|force| *force = *force * step.reaction());
+            }
+            let own = state.state(part, &self.constraint_at);
+            if equations.variational.is_none() {
+                physics.add_reaction(own.q, &unknowns.mu[joint.equations.clone()], p, time, force);
+            }
             add_segments(&part.segments, force, &mut self.f);
             if equations.level == Level::Stabilized {
                 eta.clear();
@@ -351,9 +438,9 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Sets the multipliers inside a node so that F (and Y) have no part along its reaction, and adds that reaction.
-    fn eliminate(&mut self, system: &System, local: &Local, unknowns: &mut Unknowns<S>) {
+    fn eliminate(&mut self, system: &System, equations: &Equations, local: &Local, unknowns: &mut Unknowns<S>) {
         let dofs = system.model.nodes[local.node].dofs.clone();
-        let rows = super::local::reaction_rows(local, &self.constraint_at.q[dofs.clone()]);
+        let rows = super::local::reaction_rows(local, &self.reaction_point(equations).q[dofs.clone()]);
         let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);
         super::local::add_combination(&rows, &mu, &mut self.f[dofs.clone()]);
         unknowns.local_mu[local.equations.clone()].copy_from_slice(&mu);

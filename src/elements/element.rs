@@ -1,4 +1,4 @@
-use super::{ByPoints, Parameter, lagrangian_residual};
+use super::{ByPoints, Parameter, lagrangian_momentum_rate, lagrangian_residual};
 use crate::scalar::Scalar;
 
 /// Accelerations, velocities and coordinates of an element's nodes, one after the other.
@@ -31,6 +31,9 @@ pub trait Element: Send + Sync + 'static {
     /// True if [`kinetic`](Element::kinetic) and [`potential`](Element::potential) hold all its energy: energy functionals
     /// refuse elements that say false. Loads and dampers without stored energy say true.
     const ENERGIES: bool = false;
+    /// True if R is M(p) a + f(v, q, p, t): the mass matrix depends on parameters alone, or there is none. The contract tests hold it
+    /// against R.
+    const CONSTANT_MASS: bool = false;
 
     /// Number of coordinates of this instance.
     fn dofs(&self) -> usize {
@@ -58,6 +61,12 @@ pub trait Element: Send + Sync + 'static {
     /// Adds the residual R(a, v, q, p, t) to `r`.
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         lagrangian_residual(self, s, p, t, r);
+    }
+    /// Adds (dP/dq) v with the momentum P = dT/dv to `r`: what the momentum changes by along the motion without acceleration.
+    ///
+    /// Not needed: it follows from the kinetic energy. Variational integrators ask for it unless the mass is constant.
+    fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
+        lagrangian_momentum_rate(self, v, q, p, r);
     }
     /// Mass [kg].
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {

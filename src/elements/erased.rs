@@ -88,6 +88,8 @@ pub(crate) use compiled_here;
 pub trait ElementIn<S> {
     /// Adds the residual to `r`.
     fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]);
+    /// Adds (dP/dq) v.
+    fn add_momentum_rate(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]);
     /// Kinetic and potential energy.
     fn energy(&self, v: &[S], q: &[S], p: &[S]) -> [S; 2];
     /// Mass.
@@ -104,6 +106,8 @@ pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + E
     fn has_energies(&self) -> bool;
     /// Whether the residual is linear with constant coefficients.
     fn has_constant_matrices(&self) -> bool;
+    /// Whether the mass matrix is constant.
+    fn has_constant_mass(&self) -> bool;
     /// Times at which a load jumps.
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
     /// Its derivatives through points, if it has any.
@@ -165,6 +169,11 @@ impl<E: Element, S: Scalar> ElementIn<S> for E {
     fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         S::run(Residual(self, s, p, t, r));
     }
+    fn add_momentum_rate(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
+        if !E::CONSTANT_MASS {
+            self.momentum_rate(v, q, p, r);
+        }
+    }
     fn energy(&self, v: &[S], q: &[S], p: &[S]) -> [S; 2] {
         [self.kinetic(v, q, p), self.potential(q, p)]
     }
@@ -185,6 +194,9 @@ impl<E: Element> AnyElement for E {
     }
     fn has_constant_matrices(&self) -> bool {
         self.is_linear()
+    }
+    fn has_constant_mass(&self) -> bool {
+        E::CONSTANT_MASS
     }
     fn kink_times(&self, p: &[f64]) -> Vec<f64> {
         self.kinks(p)

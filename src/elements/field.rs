@@ -1,4 +1,4 @@
-use super::{Element, Parameter, State, lagrangian_residual};
+use super::{Element, Parameter, State, lagrangian_momentum_rate, lagrangian_residual};
 use crate::scalar::{Job, LANES, Lanes, Scalar, widest};
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -29,6 +29,8 @@ pub trait Field: Send + Sync + 'static {
     const POINTS: &'static [&'static [Interpolation]];
     /// True if the energies of all points hold all its energy.
     const ENERGIES: bool = false;
+    /// True if the mass matrix depends on parameters alone, or there is none.
+    const CONSTANT_MASS: bool = false;
 
     /// Parameters of the element; points may share them.
     fn parameters(&self) -> Vec<Parameter>;
@@ -51,6 +53,10 @@ pub trait Field: Send + Sync + 'static {
     /// Adds r of a point.
     fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         lagrangian_residual(&AtPoint { field: self, point }, s, p, t, r);
+    }
+    /// Adds (dP/dh) hdot of a point with P = dT/dhdot, as [`Element::momentum_rate`].
+    fn momentum_rate<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], r: &mut [S]) {
+        point_momentum_rate(self, point, v, h, p, r);
     }
     /// Adds gamma dr/da + beta dr/dv + alpha dr/dq of a point for `shift` = [gamma, beta, alpha], row-major, and says true; or says false, and r is
     /// differentiated.
@@ -105,6 +111,18 @@ impl<F: Field + ?Sized> super::Energies for AtPoint<'_, F> {
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         self.field.add_force(self.point, v, q, p, t, force);
     }
+}
+
+/// (dP/dh) hdot of a point, from its kinetic energy.
+pub(crate) fn point_momentum_rate<F: Field + ?Sized, S: Scalar>(
+    field: &F,
+    point: usize,
+    v: &[S],
+    h: &[S],
+    p: &[S],
+    r: &mut [S],
+) {
+    lagrangian_momentum_rate(&AtPoint { field, point }, v, h, p, r);
 }
 
 /// The element that a [`Field`] makes.
@@ -172,6 +190,7 @@ fn distribute<S: Scalar>(rows: &[Interpolation], components: usize, h: &[S], x: 
 impl<F: Field> Element for Flexible<F> {
     const DOFS: usize = F::NODES * F::COMPONENTS;
     const ENERGIES: bool = F::ENERGIES;
+    const CONSTANT_MASS: bool = F::CONSTANT_MASS;
 
     fn is_linear(&self) -> bool {
         self.0.is_linear()
@@ -219,6 +238,17 @@ impl<F: Field> Element for Flexible<F> {
             own.fill(S::zero());
             let here = State { a: &a, v: &v, q: &q };
             add_point_residual(&self.0, point, here, &p[self.0.parameters_of(point)], t, &mut own);
+            distribute(rows, F::COMPONENTS, &own, r);
+        }
+    }
+    fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
+        let (mut rates, mut h, mut own) = (Few::new(), Few::new(), Few::new());
+        for (point, rows) in F::POINTS.iter().enumerate() {
+            interpolate(rows, F::COMPONENTS, v, &mut rates);
+            interpolate(rows, F::COMPONENTS, q, &mut h);
+            fit(&mut own, rows.len());
+            own.fill(S::zero());
+            self.0.momentum_rate(point, &rates, &h, &p[self.0.parameters_of(point)], &mut own);
             distribute(rows, F::COMPONENTS, &own, r);
         }
     }

@@ -86,6 +86,22 @@ impl<E: Energies + ?Sized, S: Scalar> Job for FromEnergies<'_, E, S> {
     }
 }
 
+/// Adds (dP/dq) v with P = dT/dv: the part of [`lagrangian_residual`] that the momentum changes by without acceleration.
+pub fn lagrangian_momentum_rate<E: Energies + ?Sized, S: Scalar>(element: &E, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
+    let moving_q: Local<Moving<S>> = q.iter().zip(v).map(|(&q, &v)| moving(q, v)).collect();
+    let mut moving_v: Local<Moving<S>> = v.iter().map(|&v| moving(v, S::zero())).collect();
+    let numbers: Local<Moving<S>> = p.iter().map(|&p| Dual::constant(Dual::constant(p))).collect();
+    for first in (0..q.len()).step_by(LANES) {
+        let lanes = LANES.min(q.len() - first);
+        (0..lanes).for_each(|lane| moving_v[first + lane].re.eps[lane] = S::one());
+        let kinetic = element.kinetic(&moving_v, &moving_q, &numbers);
+        for lane in 0..lanes {
+            r[first + lane] += kinetic.eps[0].eps[lane];
+            moving_v[first + lane].re.eps[lane] = S::zero();
+        }
+    }
+}
+
 /// A number with its rate along the motion.
 #[inline(always)]
 fn moving<S: Scalar>(value: S, rate: S) -> Moving<S> {

@@ -1,6 +1,6 @@
 //! Records as plain bytes, the same for files and checkpoints: numbers in order, little-endian, lists after their length.
 
-use crate::assembly::{Equations, Level, Shift, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Level, Shift, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Between, Checkpoint, FactoredAt, KeptFactorization, Prediction, Scheme, SolveRecord, StageRecord, StartRecord,
     StepRecord, Track,
@@ -151,7 +151,8 @@ macro_rules! flat {
 }
 flat! {
     Shift { gamma, beta, alpha }
-    Equations { residual, constraint, level, metric }
+    Variational { alpha, h, first }
+    Equations { residual, constraint, level, metric, variational }
     VectorsAvq<f64> { a, v, q }
     Unknowns<f64> { x, y, mu, eta, local_mu, local_eta }
     SolveRecord<f64> { t, equations, base, unknowns }

@@ -167,7 +167,7 @@ struct Trial {
 /// Unknowns are the displacements of coordinates.
 const EQUATIONS: Equations = {
     let shift = Shift::new(0.0, 0.0, 1.0);
-    Equations { residual: shift, constraint: shift, level: Level::Position, metric: false }
+    Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
 };
 
 impl Follower<'_> {

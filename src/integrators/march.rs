@@ -1,8 +1,8 @@
 use super::Counters;
 use super::newton::NewtonTolerance;
 use super::record::{Guide, Recorder, StageRecord};
-use super::{Combination, ConstraintLevel, InitialState, Marcher, RunError, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Level, Model, SystemOptions};
+use super::{Combination, ConstraintLevel, InitialState, Marcher, Quadrature, RunError, StartPlan, Systems, Table, TimeGrid};
+use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
 use crate::linalg::Backend;
 
@@ -50,9 +50,10 @@ impl Method {
         Method { table, level, tolerance: NewtonTolerance::default(), backend: Backend::default(), unreduced: false }
     }
 
-    /// The level at which constraints are kept: in an equilibrium that of positions, whatever is chosen for motions.
+    /// The level at which constraints are kept: in an equilibrium and by a variational integrator that of positions, whatever is chosen.
     pub fn constraint_level(&self) -> ConstraintLevel {
-        if self.table.is_static() { ConstraintLevel::Position } else { self.level }
+        let given = self.table.is_static() || self.table.variational.is_some();
+        if given { ConstraintLevel::Position } else { self.level }
     }
 
     /// The equations of the steps' systems: the same unknowns for all, or with rate corrections for the stages.
@@ -62,6 +63,9 @@ impl Method {
 
     /// The equations of stage `index` of one of the method's tables.
     pub(crate) fn stage_equations(&self, table: &Table, index: usize, h: f64, constrained: bool) -> Equations {
+        if let Some(Quadrature { alpha, first }) = table.variational {
+            return Equations::variational(Variational { alpha, h, first });
+        }
         let shift = table.shift(index, h);
         let level = match self.constraint_level() {
             ConstraintLevel::Position if constrained => Level::Position,

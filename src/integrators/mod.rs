@@ -27,6 +27,7 @@ mod step;
 mod systems;
 mod table;
 mod tables;
+mod variational_momentum;
 mod vibrations;
 
 pub use adaptive::{StepControl, Tolerance, march_adaptive};
@@ -46,8 +47,9 @@ pub use round_off::RoundOff;
 pub use start::{ConstraintPolicy, InitialState, StartPlan};
 pub use step::Marcher;
 pub use systems::Systems;
-pub use table::{Carried, Combination, Embedded, Scheme, Stage, Starter, Table};
+pub use table::{Carried, Combination, Embedded, Scheme, Stage, Quadrature, Starter, Table};
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_named, tables};
+pub use variational_momentum::discrete_momentum;
 pub use vibrations::{Mode, vibrations};
 
 /// On which time derivative the constraints are kept while stages are solved.

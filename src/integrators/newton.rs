@@ -169,9 +169,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let correction = self.step(None, &mut unknowns.clone());
         let near = match self.projected_size(equations, base) {
             Some((unit, size)) => unit * correction <= GUIDED * size,
-            None => correction <= GUIDED * scale || self.at_round_off(equations, unknowns, p, t, correction, scale),
+            None => correction <= GUIDED * scale,
         };
-        if near {
+        // where nothing moves yet there is no size to compare with
+        if near || self.at_round_off(equations, unknowns, p, t, correction, scale) {
             return Ok(());
         }
         Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })
@@ -478,7 +479,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let (own, other) = (old.residual, new.residual);
         let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);
         let free = |e: &Equations| self.nonholonomic && e.nonholonomic(false).is_none();
-        rows(old) == rows(new) && same && free(old) == free(new)
+        rows(old) == rows(new) && same && free(old) == free(new) && old.variational.is_some() == new.variational.is_some()
     }
 
     /// Factors the matrix of accelerations at a state: rows A of the kept constraint equations beside inertia.

@@ -52,6 +52,9 @@ impl StartPlan {
         if table.is_static() {
             check_stillness(problem)?;
         }
+        if table.variational.is_some() {
+            check_lagrangian(model, &table.name)?;
+        }
         check_consistency(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start })
@@ -83,6 +86,25 @@ fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
         }
     }
     Ok(())
+}
+
+/// A variational integrator needs momenta, and constraints that derive from positions.
+fn check_lagrangian(model: &Model, method: &str) -> Result<(), RunError> {
+    for element in &model.elements {
+        if !element.physics.has_constant_mass() && !element.physics.has_energies() {
+            return Err(RunError::Input(format!(
+                "method {method} needs the momentum of \"{}\", which states neither its kinetic energy nor that its mass is constant",
+                element.name
+            )));
+        }
+    }
+    match model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
+        Some(joint) => Err(RunError::Input(format!(
+            "method {method} cannot keep \"{}\", which restricts velocities only; take another method",
+            joint.name
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn check_nodes(model: &Model) -> Result<(), RunError> {

@@ -75,6 +75,17 @@ pub struct Table {
     pub embedded: Option<Embedded>,
     /// How a method that needs several steps behind it gets going.
     pub starter: Option<Starter>,
+    /// The one stage solves discrete Euler-Lagrange equations instead of R = 0.
+    pub variational: Option<Quadrature>,
+}
+
+/// How a variational integrator approximates the action of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quadrature {
+    /// Place of the only point within the step, from 0 to 1.
+    pub alpha: f64,
+    /// True for a step that starts from a velocity instead of a step before.
+    pub first: bool,
 }
 
 /// The solution of a step minus a second one of lower order from the same stages.

@@ -1,6 +1,6 @@
 //! One system of the sweep back.
 
-use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, VectorsAvq};
+use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, Variational, VectorsAvq};
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
 use crate::linalg::Factorization;
 use std::sync::Arc;
@@ -107,6 +107,7 @@ impl<'m> TransposedSolver<'m> {
 
         let mut at_bars = vec![VectorsAvq::zeros(dofs); asked.len()];
         let mut constraint_bars = at_bars.clone();
+        let mut before = VectorsAvq::default();
         // in a metric what stiff elements give at both points cancels, and would take other digits along: gathered on its own
         let mut own_p = vec![vec![0.0; if equations.metric { p.len() } else { 0 }]; asked.len()];
         let mut p_bars: Vec<&mut Vec<f64>> = if equations.metric {
@@ -114,20 +115,42 @@ impl<'m> TransposedSolver<'m> {
         } else {
             back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect()
         };
-        let point = |at| ProductPoint { at, p, active: self.active, t: *t };
-        system.add_element_products(
-            &self.jacobian,
-            &all,
-            1.0,
-            point(&self.residual.at),
-            &mut product_bars(&mut at_bars, &mut p_bars),
-        );
+        let point = |at, t| ProductPoint { at, p, active: self.active, t };
         let constraint_at = &self.residual.constraint_at;
-        let mut into = product_bars(&mut constraint_bars, &mut p_bars);
-        system.add_constraint_products(equations, &all, &unknowns, point(constraint_at), &mut into);
+        // where reactions act, and what the step before left: other points in a step of a variational integrator
+        let [mut reaction_bars, mut before_bars] = [Vec::new(), Vec::new()];
+        if let Some(step) = equations.variational {
+            reaction_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
+            before_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
+            let mut into = product_bars(&mut at_bars, &mut p_bars);
+            let there = point(&self.residual.at, *t);
+            system.add_impulse_products(&self.jacobian, &all, (step.now(), 1.0), there, &mut into);
+            Variational::write_moved(base, step.to_before(), &mut before);
+            let mut into = product_bars(&mut before_bars, &mut p_bars);
+            let there = point(&before, t + step.to_before());
+            system.add_impulse_products(&self.jacobian, &all, (step.before(), -1.0), there, &mut into);
+            let of_equations: Vec<Adjoints> = all.iter().map(|own| Adjoints { f: vec![0.0; dofs], ..own.clone() }).collect();
+            let mut into = product_bars(&mut constraint_bars, &mut p_bars);
+            let there = point(constraint_at, equations.constraint_time(*t));
+            system.add_constraint_products(equations, &of_equations, &unknowns, there, &mut into);
+            let of_reactions = |own: &Adjoints| {
+                let f = own.f.iter().map(|f| step.reaction() * f).collect();
+                Adjoints { f, g: vec![0.0; own.g.len()], ..own.clone() }
+            };
+            let of_reactions: Vec<Adjoints> = all.iter().map(of_reactions).collect();
+            let mut into = product_bars(&mut reaction_bars, &mut p_bars);
+            let there = point(&self.residual.reaction_at, equations.reaction_time(*t));
+            system.add_constraint_products(equations, &of_reactions, &unknowns, there, &mut into);
+        } else {
+            let mut into = product_bars(&mut at_bars, &mut p_bars);
+            system.add_element_products(&self.jacobian, &all, 1.0, point(&self.residual.at, *t), &mut into);
+            let mut into = product_bars(&mut constraint_bars, &mut p_bars);
+            system.add_constraint_products(equations, &all, &unknowns, point(constraint_at, *t), &mut into);
+        }
         if equations.metric {
             let mut own: Vec<VectorsAvq<f64>> = vec![VectorsAvq::zeros(dofs); asked.len()];
-            system.add_element_products(&self.jacobian, &all, -1.0, point(base), &mut product_bars(&mut own, &mut p_bars));
+            let mut into = product_bars(&mut own, &mut p_bars);
+            system.add_element_products(&self.jacobian, &all, -1.0, point(base, *t), &mut into);
             for (&k, own) in asked.iter().zip(own) {
                 base_bars[k] = own;
             }
@@ -135,11 +158,12 @@ impl<'m> TransposedSolver<'m> {
         for (&k, own) in asked.iter().zip(&own_p) {
             back[k].p.iter_mut().zip(own).for_each(|(bar, own)| *bar += own);
         }
-        for ((&k, adjoints), (at_bar, constraint_bar)) in
-            asked.iter().zip(&mut all).zip(at_bars.iter().zip(&mut constraint_bars))
+        for (place, ((&k, adjoints), (at_bar, constraint_bar))) in
+            asked.iter().zip(&mut all).zip(at_bars.iter().zip(&mut constraint_bars)).enumerate()
         {
             let (bar, base_bar) = (&bars[k], &mut base_bars[k]);
-            system.add_local_products(false, equations, adjoints, &unknowns, constraint_at, constraint_bar);
+            let reaction_bar = reaction_bars.get_mut(place).unwrap_or(&mut *constraint_bar);
+            system.add_local_products(false, equations, adjoints, &unknowns, constraint_at, reaction_bar);
             // what is left of x_bar + J^T lambda along the eliminated directions belongs to the equations inside nodes
             let (shift, inner) = (equations.residual, equations.constraint);
             let alpha_part = |i: usize| shift.alpha * at_bar.q[i] + inner.alpha * constraint_bar.q[i];
@@ -154,6 +178,16 @@ impl<'m> TransposedSolver<'m> {
             let unbalanced_y: Vec<f64> = rate_bars.map(|(i, y)| y + adjoints.y[i] + alpha_part(i)).collect();
             system.set_local_adjoints(equations, constraint_at, &unbalanced_x, &unbalanced_y, adjoints);
             system.add_local_products(true, equations, adjoints, &unknowns, constraint_at, constraint_bar);
+            if let Some(step) = equations.variational {
+                let (reaction, before) = (&reaction_bars[place].q, &before_bars[place]);
+                for i in 0..dofs {
+                    let of_constraint = constraint_bar.q[i];
+                    base_bar.q[i] = at_bar.q[i] + before.q[i] + of_constraint + reaction[i];
+                    let moved = step.to_end() * of_constraint + step.to_start() * reaction[i];
+                    base_bar.v[i] = at_bar.v[i] + before.v[i] + step.to_before() * before.q[i] + moved;
+                }
+                continue;
+            }
             for i in 0..dofs {
                 // first what cancels
                 base_bar.a[i] = (base_bar.a[i] + at_bar.a[i]) + constraint_bar.a[i];

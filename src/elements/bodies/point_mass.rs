@@ -10,6 +10,7 @@ impl Element for PointMass {
     const DOFS: usize = 3;
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn is_linear(&self) -> bool {
         true

@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Element, Parameter, State};
-use crate::scalar::{Quaternion, Scalar, Vec3, tensor_times};
+use crate::scalar::{Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
 
 /// A rigid body with position r of its frame and Euler parameters e.
 ///
@@ -57,6 +57,19 @@ impl Element for RigidBody {
         let gyroscopic = rate.g_transposed_times(momentum * S::from(4.0));
         for i in 0..4 {
             r[3 + i] += inertial[i] + gyroscopic[i];
+        }
+    }
+
+    /// With v_c = r' + B e': (0, B'^T m v_c + B^T m B' e' + 4 G(e')^T J G(e) e'), and m B' e' for r.
+    fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
+        let centre = Vec3::from_slice(&p[1..]);
+        let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
+        Anchor::Body.add_force(q, centre, rate.rotate_rate(rate, centre) * p[0], r);
+        let momentum = tensor_times(&p[4..], e.g_times(rate) * S::from(4.0));
+        let turned = rotation_gradient_transposed(rate, centre, Anchor::Body.velocity(v, q, centre) * p[0]);
+        let gyroscopic = rate.g_transposed_times(momentum);
+        for i in 0..4 {
+            r[3 + i] += turned[i] + gyroscopic[i];
         }
     }
 

@@ -1,7 +1,7 @@
 use super::beam_matrix::{Strained, add_inertia_matrix, add_strain_matrix};
 use super::beam_products::{add_inertia_products, add_strain_products};
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State, point_momentum_rate};
 use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
 use std::ops::Range;
 
@@ -306,6 +306,25 @@ impl Field for BeamField {
         }
         for i in 0..4 {
             r[3 + i] += turning[i];
+        }
+    }
+
+    /// With omega = 2 G(e) e' / |e|^2 and a mass centre on the line: 2 / |e|^2 (G(e') - 4 e . e' / |e|^2 G(e))^T J omega.
+    fn momentum_rate<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], r: &mut [S]) {
+        if point < TYING_POINTS {
+            return;
+        }
+        if self.eccentric {
+            return point_momentum_rate(self, point, v, h, p, r);
+        }
+        let (e, rate) = (Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&v[3..]));
+        let inverse = e.norm_squared().recip();
+        let twice = inverse + inverse;
+        let momentum = tensor_times(&p[4..], e.g_times(rate) * twice) * twice;
+        let (turned, own) = (rate.g_transposed_times(momentum), e.g_transposed_times(momentum));
+        let along = e.dot(rate) * (twice + twice);
+        for i in 0..4 {
+            r[3 + i] += turned[i] - own[i] * along;
         }
     }
 

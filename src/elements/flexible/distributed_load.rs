@@ -33,6 +33,7 @@ impl Field for DistributedLoadField {
     const COMPONENTS: usize = 7;
     const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         let mut numbers = vec![Parameter::new("length", "m")];

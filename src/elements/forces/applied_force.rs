@@ -27,6 +27,7 @@ impl Element for AppliedForce {
         Parameter::new("point z", "m"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.on.dofs()

@@ -18,6 +18,7 @@ impl Element for AppliedTorque {
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("axis x", "-"), Parameter::new("axis y", "-"), Parameter::new("axis z", "-")];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N m")).collect()

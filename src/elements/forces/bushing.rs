@@ -52,6 +52,7 @@ impl Element for Bushing {
         Parameter::non_negative("damping about z", "N m s/rad"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(Displacement.parameters()).collect()

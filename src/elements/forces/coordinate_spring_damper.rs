@@ -23,6 +23,7 @@ impl Element for CoordinateSpringDamper {
         Parameter::new("rest", "m, rad"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.of

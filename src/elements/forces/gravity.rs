@@ -23,6 +23,7 @@ impl Element for Gravity {
         Parameter::new("centre z", "m"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.on.dofs()

@@ -48,6 +48,7 @@ impl Element for LineDamper {
     const DOFS: usize = 14;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()

@@ -26,6 +26,7 @@ impl Element for LineSpring {
         Parameter::new("point b z", "m"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()

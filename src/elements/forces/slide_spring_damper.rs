@@ -47,6 +47,7 @@ impl SlideSpringDamper {
 impl Element for SlideSpringDamper {
     const DOFS: usize = 14;
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.soft().dofs()

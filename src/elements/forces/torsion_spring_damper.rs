@@ -38,6 +38,7 @@ impl Element for TorsionSpringDamper {
         Parameter::new("reference b z", "-"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {

@@ -19,6 +19,7 @@ impl Element for VectorDamper {
     const DOFS: usize = 14;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()

@@ -51,6 +51,7 @@ pub fn bdf(order: usize) -> Table {
     let starter = (order > 1)
         .then(|| Starter { table: Box::new(esdirk3().into_table().carrying(&carried, &update)), steps: order - 1 });
     Table {
+        variational: None,
         name: name.into(),
         order,
         stages: vec![Stage { c: 1.0, a, v, q, known: None }],

@@ -5,6 +5,7 @@ mod dirk;
 mod esdirk;
 mod newmark;
 mod statics;
+mod variational;
 
 use super::{Butcher, Table};
 
@@ -14,25 +15,41 @@ pub const DEFAULT_TABLE: &str = "esdirk4";
 /// Name of the table of equilibria, which is not among those of motions.
 pub const STATIC_TABLE: &str = "static";
 
-/// All integrators of motions.
+/// All integrators of motions that solve the equations of motion at their stages.
 pub fn tables() -> Vec<Table> {
     use {bdf::bdf, dirk::*, esdirk::*, newmark::*};
     let tableaus = [midpoint(), dirk2(), dirk3(), sdirk2(), sdirk3(), sdirk4(), esdirk3(), esdirk4(), esdirk5()];
-    let others = [newmark(), generalized_alpha("generalized-alpha", DEFAULT_RADIUS), bdf(1), bdf(2), bdf(3)];
+    let others = [
+        newmark(),
+        generalized_alpha("generalized-alpha", DEFAULT_RADIUS),
+        bdf(1),
+        bdf(2),
+        bdf(3),
+    ];
     tableaus.into_iter().map(Butcher::into_table).chain(others).collect()
 }
 
-/// The integrator with a given name, `static` included; `generalized-alpha:0.6` is generalized-alpha with that spectral radius.
+/// The integrator with a given name, `static` included; `generalized-alpha:0.6` is generalized-alpha with that spectral radius,
+/// `variational:0.6` the variational integrator with its quadrature point there.
 ///
 /// # Errors
 /// In words: a spectral radius that is no number from 0 to 1. An unknown name is `None`.
 pub fn table_named(name: &str) -> Result<Option<Table>, String> {
-    let Some(("generalized-alpha", radius)) = name.split_once(':') else {
-        return Ok(tables().into_iter().chain([statics::statics()]).find(|table| table.name == name));
+    let (kind, make): (_, fn(&str, f64) -> Table) = match name.split_once(':') {
+        Some(("generalized-alpha", _)) => ("spectral radius", newmark::generalized_alpha),
+        Some(("variational", _)) => ("quadrature point", variational::variational),
+        _ => {
+            let others = [statics::statics(), variational::variational("variational", variational::DEFAULT_ALPHA)];
+            return Ok(tables().into_iter().chain(others).find(|table| table.name == name));
+        }
     };
-    match radius.parse::<f64>() {
-        Ok(value) if (0.0..=1.0).contains(&value) => Ok(Some(newmark::generalized_alpha(name, value))),
-        _ => Err(format!("the spectral radius of \"{name}\" must be a number from 0 to 1, as in generalized-alpha:0.6")),
+    let number = name.split_once(':').and_then(|(_, number)| number.parse::<f64>().ok());
+    match number {
+        Some(value) if (0.0..=1.0).contains(&value) => Ok(Some(make(name, value))),
+        _ => {
+            let family = name.split(':').next().unwrap_or_default();
+            Err(format!("the {kind} of \"{name}\" must be a number from 0 to 1, as in {family}:0.6"))
+        }
     }
 }
 

@@ -57,5 +57,6 @@ pub fn generalized_alpha(name: &str, radius: f64) -> Table {
         stiffly_accurate: true,
         embedded: None,
         starter: None,
+        variational: None,
     }
 }

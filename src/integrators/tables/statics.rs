@@ -20,5 +20,6 @@ pub fn statics() -> Table {
         stiffly_accurate: true,
         embedded: None,
         starter: None,
+        variational: None,
     }
 }

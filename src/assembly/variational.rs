@@ -1,0 +1,102 @@
+//! Discrete Euler-Lagrange equations: what a step of a variational integrator solves instead of R = 0.
+
+use super::VectorsAvq;
+use crate::scalar::Scalar;
+use smallvec::{SmallVec, smallvec};
+
+/// One step of the variational integrator with the discrete Lagrangian L_d(q_n, q_n+1) = h L(q_n + alpha (q_n+1 - q_n), (q_n+1 - q_n) / h).
+///
+/// With the discrete velocity v = (q_n+1 - q_n) / h, the momentum P = dL/dv and the force F = dL/dq + Q of the elements, and `before` for
+/// the point of the step before, the equations divided by h are
+///
+/// P / h - (1 - alpha) F - (P / h + alpha F)_before + A(q_n)^T mu = 0,   g(q_n+1) = 0,
+///
+/// in the first step P(v_0, q_0) / h takes the place of the bracket (discrete Legendre transform) and the reaction acts for half a step.
+/// A system's base holds (v_before, q_n + alpha h v_before), and its unknown x is (v - v_before) / h.
+///
+/// Source: Leyendecker, Marsden & Ortiz (2008); Ebrahimi et al. (2019), equations (10) to (17).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variational {
+    /// Place of the quadrature point within the step, from 0 to 1.
+    pub alpha: f64,
+    /// Size of this step and of the one before [s].
+    pub h: f64,
+    /// True for the first step, which starts from a velocity.
+    pub first: bool,
+}
+
+/// `momentum` P + `force` F of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impulse {
+    /// Weight of P = dL/dv.
+    pub momentum: f64,
+    /// Weight of F = dL/dq + Q.
+    pub force: f64,
+}
+
+/// `weight` R(a v, v v, q) of an element, where `a` and `v` are factors of the velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Weight.
+    pub weight: f64,
+    /// The acceleration is this times the velocity [1/s].
+    pub a: f64,
+    /// The velocity is this times the velocity.
+    pub v: f64,
+}
+
+impl Impulse {
+    /// The impulse of an element with constant mass in terms of its residual; any other adds `force` times dP/dq v.
+    ///
+    /// R(a, v, q) = dP/dv a + dP/dq v - F with dP/dv v = P: with a = -(w_P / w_F) v, -w_F (R - dP/dq v) = w_P P + w_F F. Without a
+    /// force, P = R(v, 0, q) - R(0, 0, q).
+    pub fn terms(self) -> SmallVec<[Term; 2]> {
+        let Impulse { momentum, force } = self;
+        if force == 0.0 {
+            let term = |weight: f64, a: f64| Term { weight, a, v: 0.0 };
+            return smallvec![term(momentum, 1.0), term(-momentum, 0.0)];
+        }
+        smallvec![Term { weight: -force, a: -momentum / force, v: 1.0 }]
+    }
+}
+
+impl Variational {
+    /// The impulse of this step.
+    pub fn now(self) -> Impulse {
+        Impulse { momentum: 1.0 / self.h, force: -(1.0 - self.alpha) }
+    }
+
+    /// What the step before left.
+    pub fn before(self) -> Impulse {
+        Impulse { momentum: 1.0 / self.h, force: if self.first { 0.0 } else { self.alpha } }
+    }
+
+    /// Share of a step for which reactions act.
+    pub fn reaction(self) -> f64 {
+        if self.first { 0.5 } else { 1.0 }
+    }
+
+    /// From the base's coordinates to those at the end of the step, before x moves them: times the base's velocity [s].
+    pub fn to_end(self) -> f64 {
+        (1.0 - self.alpha) * self.h
+    }
+
+    /// To those at the start of the step, where reactions act [s].
+    pub fn to_start(self) -> f64 {
+        -self.alpha * self.h
+    }
+
+    /// To those of the point before [s].
+    pub fn to_before(self) -> f64 {
+        if self.first { self.to_start() } else { -self.h }
+    }
+
+    /// Writes the base's coordinates moved along its velocity; accelerations are zero.
+    pub(crate) fn write_moved<S: Scalar>(base: &VectorsAvq<S>, time: f64, to: &mut VectorsAvq<S>) {
+        to.a.clear();
+        to.a.resize(base.q.len(), S::zero());
+        to.v.clone_from(&base.v);
+        to.q.clear();
+        to.q.extend(base.q.iter().zip(&base.v).map(|(&q, &v)| q + v * time));
+    }
+}
