@@ -6,11 +6,11 @@ use super::options::SceneOptions;
 use super::results::check_folder;
 use clap::Args;
 use costate::design::DesignVariable;
-use costate::io::{Cell, Chart, IoError, Progress, Series, Style, Table, number, read_csv, write_csv, write_panels};
+use costate::io::{Cell, Chart, IoError, Progress, Series, Style, Table, read_csv, write_csv, write_panels};
 use costate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
-use costate::scenes::{AnyScene, OptimizationProblem, Sense, built_in};
+use costate::scenes::{AnyScene, Sense, built_in};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
@@ -178,25 +178,11 @@ fn start(options: &OptimizeOptions, optimization: &Optimization, path: &Path) ->
     Ok(best.design)
 }
 
-/// `psi`, or `2 a + 0.5 b`.
-fn objective_name(problem: &OptimizationProblem) -> String {
-    let term =
-        |(name, weight): &(String, f64)| if *weight == 1.0 { name.clone() } else { format!("{} {name}", number(*weight)) };
-    problem.objective.iter().map(term).collect::<Vec<_>>().join(" + ")
-}
-
-fn sense_name(sense: Sense) -> &'static str {
-    match sense {
-        Sense::Minimize => "minimize",
-        Sense::Maximize => "maximize",
-    }
-}
-
 fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
     let Optimization { scene, problem, method, settings, .. } = optimization;
     say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
     let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
-    say(format_args!("{} {}", sense_name(problem.sense), objective_name(problem)));
+    say(format_args!("{} {}", problem.sense.name(), problem.objective_name()));
     let constraints = count(problem.constraints.len(), "nonlinear constraint");
     let linear = count(problem.linear.len(), "linear constraint");
     let variables = count(optimization.varying().len(), "variable");
@@ -248,14 +234,8 @@ impl<'r> Report<'r> {
         let single = problem.objective.len() == 1;
         let unit = if single { unit_of(&problem.objective[0].0) } else { String::new() };
         let (before, after) = (first.objective, best.objective);
-        let mut rows = vec![Wanted {
-            kind: sense_name(problem.sense),
-            name: objective_name(problem),
-            limit: None,
-            before,
-            after,
-            unit,
-        }];
+        let mut rows =
+            vec![Wanted { kind: problem.sense.name(), name: problem.objective_name(), limit: None, before, after, unit }];
         for constraint in &problem.constraints {
             let (name, place) = (constraint.functional.clone(), functional(&constraint.functional));
             let limit = Some((constraint.limit.sign(), constraint.limit.value()));
@@ -445,9 +425,9 @@ fn charts(optimization: &Optimization, history: &DesignHistory, folder: &Path) -
     };
     let problem = &optimization.problem;
     let units: Vec<&str> = history.functionals.iter().map(|functional| functional.1.as_str()).collect();
-    let label = objective_name(problem);
+    let label = problem.objective_name();
     let objective = Chart {
-        title: format!("{}: {} {label}", optimization.scene.scene_name(), sense_name(problem.sense)),
+        title: format!("{}: {} {label}", optimization.scene.scene_name(), problem.sense.name()),
         x_label: "iteration".into(),
         y_label: if problem.objective.len() == 1 && units.len() == 1 {
             format!("objective [{}]", units[0])

@@ -186,6 +186,10 @@ impl<'p> Course<'p> {
     }
 
     fn known_place(&mut self, x: &[f64]) -> Result<usize, NoValue> {
+        if x.iter().any(|x| !x.is_finite()) {
+            // no point at all
+            return Err(NoValue::Failed);
+        }
         if let Some(place) = self.known.iter().position(|known| known.x == x) {
             return Ok(place);
         }

@@ -211,13 +211,16 @@ impl QuadraticProgram<'_> {
             });
             let Some((_, worst)) = violated.min_by(|a, b| a.0.total_cmp(&b.0)) else {
                 let mut multipliers = vec![0.0; self.rows.len()];
-                for (condition, force) in active.iter().zip(&forces) {
-                    if let Condition::Row { index, sign } = condition {
-                        multipliers[*index] = -sign * force;
-                    }
-                }
                 for (d, (lower, upper)) in d.iter_mut().zip(self.lower.iter().zip(self.upper)) {
                     *d = d.clamp(*lower, *upper);
+                }
+                for (condition, force) in active.iter().zip(&forces) {
+                    match *condition {
+                        Condition::Row { index, sign } => multipliers[index] = -sign * force,
+                        // to the last digit
+                        Condition::Lower(i) => d[i] = self.lower[i],
+                        Condition::Upper(i) => d[i] = self.upper[i],
+                    }
                 }
                 return if d.iter().all(|d| d.is_finite()) {
                     Ok(Step { step: d, multipliers })

@@ -17,6 +17,10 @@ pub struct Sqp;
 const FIRST_STEP: f64 = 0.2;
 /// Share of the predicted decrease that a step must bring.
 const ARMIJO: f64 = 1e-4;
+/// Share of a step to a point without values that is tried next.
+const SHORTER: f64 = 0.25;
+/// By how much the longest step grows from search to search after that.
+const LONGER: f64 = 2.0;
 /// Points tried along one direction.
 const TRIALS: usize = 16;
 /// Share of [`Stopping::change`](super::Stopping) below which a predicted change says that the point is optimal.
@@ -37,6 +41,8 @@ struct State {
     fresh: bool,
     /// Of the constraints' violations in the merit.
     penalties: Vec<f64>,
+    /// Longest step of a variable that is tried: finite near points without values, so that not every search runs into them.
+    reach: f64,
 }
 
 /// A direction, with the share of the violations that the linearized constraints leave.
@@ -59,7 +65,8 @@ impl Optimizer for Sqp {
         };
         let penalties = vec![0.0; course.constraints().len()];
         let hessian = Vec::new();
-        let mut state = State { x: start.to_vec(), values, gradients, hessian, fresh: false, penalties };
+        let (x, fresh, reach) = (start.to_vec(), false, f64::INFINITY);
+        let mut state = State { x, values, gradients, hessian, fresh, penalties, reach };
         state.forget();
         // points that are reached have values
         iterations(course, &mut state).unwrap_or(Reason::Stopped)
@@ -186,7 +193,7 @@ impl State {
 
     /// A better point along a direction, with its values and gradients.
     fn search(
-        &self,
+        &mut self,
         course: &mut Course,
         kinds: &[ConstraintKind],
         direction: &Direction,
@@ -197,7 +204,9 @@ impl State {
         if !(slope < 0.0) {
             return Ok(None);
         }
-        let mut share = 1.0;
+        let longest = direction.step.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+        let mut share = (self.reach / longest).min(1.0);
+        self.reach *= LONGER;
         for trial in 0..TRIALS {
             let limit = here + ARMIJO * share * slope;
             let x = self.along(course, &direction.step, share);
@@ -207,11 +216,12 @@ impl State {
             let merit = match self.taken(course, kinds, x, limit)? {
                 Tried::Taken(values, gradients, x) => return Ok(Some((x, values, gradients))),
                 Tried::Failed => {
-                    share *= 0.25;
+                    share *= SHORTER;
+                    self.reach = share * longest;
                     continue;
                 }
                 Tried::Worse(merit, constraints) => {
-                    if trial == 0 && !kinds.is_empty() {
+                    if trial == 0 && share == 1.0 && !kinds.is_empty() {
                         // curved constraints: the same linearization, set right by their values at the full step
                         let moved = self.gradients.constraints.iter().zip(&constraints);
                         let offsets: Vec<f64> = moved.map(|(row, c)| c - dot(row, &direction.step)).collect();
@@ -233,8 +243,13 @@ impl State {
     }
 
     fn along(&self, course: &Course, step: &[f64], share: f64) -> Vec<f64> {
-        let moved = self.x.iter().zip(step).zip(course.bounds());
-        moved.map(|((x, d), (lower, upper))| (x + share * d).clamp(*lower, *upper)).collect()
+        let place = |((x, d), (lower, upper)): ((&f64, &f64), &(f64, f64))| match share * d {
+            // to the last digit
+            d if d == lower - x => *lower,
+            d if d == upper - x => *upper,
+            d => (x + d).clamp(*lower, *upper),
+        };
+        self.x.iter().zip(step).zip(course.bounds()).map(place).collect()
     }
 
     /// Tries a point: it is taken if its merit is at most `limit` and it has gradients.

@@ -9,6 +9,16 @@ pub enum Sense {
     Maximize,
 }
 
+impl Sense {
+    /// `minimize` or `maximize`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sense::Minimize => "minimize",
+            Sense::Maximize => "maximize",
+        }
+    }
+}
+
 /// What a constrained quantity must be, in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
@@ -103,6 +113,12 @@ impl OptimizationProblem {
     /// A weighted sum of functionals is to become small or large.
     pub fn weighted(sense: Sense, objective: &[(&str, f64)]) -> Self {
         Self::new(sense, objective.iter().map(|&(name, weight)| (name.into(), weight)).collect())
+    }
+
+    /// The objective in words: `psi`, or `2 mass + 0.5 psi`.
+    pub fn objective_name(&self) -> String {
+        let term = |(name, weight): &(String, f64)| if *weight == 1.0 { name.clone() } else { format!("{weight} {name}") };
+        self.objective.iter().map(term).collect::<Vec<_>>().join(" + ")
     }
 
     /// The size of the objective that is of the order of 1.

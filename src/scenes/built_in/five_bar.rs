@@ -29,7 +29,8 @@ impl Scene for FiveBar {
         Settings::new(5.0, 500).dropping_redundant()
     }
     fn problem(&self) -> Option<OptimizationProblem> {
-        Some(OptimizationProblem::minimize("psi"))
+        // without dampers the motion is chaotic: psi would be no smooth function of the design
+        Some(OptimizationProblem::minimize("psi").varying(&["L01", "L02", "k1", "k2"]))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [l01, l02, k1, k2, c] = x else { return Err(format!("5 variables expected, {} given", x.len())) };

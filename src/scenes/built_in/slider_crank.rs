@@ -31,8 +31,8 @@ impl Scene for SliderCrank {
         Settings::new(2.5, 1000)
     }
     fn problem(&self) -> Option<OptimizationProblem> {
-        let problem = OptimizationProblem::minimize("largest driving moment");
-        let problem = problem.subject_to("x of the slider, integral", Limit::AtLeast(1.2));
+        let problem = OptimizationProblem::maximize("x of the slider, integral");
+        let problem = problem.subject_to("largest driving moment", Limit::AtMost(1.2));
         let problem =
             problem.linear("slope of the rod", &[("rod length", 1.0), ("crank length", -2.5)], Limit::AtLeast(0.0));
         Some(problem.varying(&["crank length", "rod length", "stiffness", "rest length"]))
