@@ -14,6 +14,7 @@
 //! functionals   f of the motion
 //! sensitivity   backwards: adjoint variables, df/dp, df/dx
 //! scenes        mechanisms as functions of x
+//! optimize      better designs: programs, optimizers, histories
 //! io            plots, pictures, tables, files
 //! ```
 //!
@@ -58,6 +59,8 @@ pub mod sensitivity;
 
 pub mod scenes;
 
+pub mod optimize;
+
 pub mod io;
 
 /// What a file with a user's own element or scene needs.
@@ -69,6 +72,6 @@ pub mod prelude {
     pub use crate::functionals::{Over, Quantity};
     pub use crate::integrators::{ConstraintLevel, Method, RunError, table_by_name};
     pub use crate::scalar::{Quaternion, Scalar, Vec3};
-    pub use crate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
+    pub use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Prepared, Scene, Settings};
     pub use crate::sensitivity::largest_difference;
 }

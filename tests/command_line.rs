@@ -103,6 +103,15 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["modes", "von-mises-trust"], &["scene \"von-mises-trust\"", "did you mean \"von-mises-truss\"?"]),
         (&["run", "double-pendulum", "--method", "statics"], &["--method \"statics\"", "\"static\"?"]),
         (&["run", "free-body", "--method", "static"], &["initial velocity", "in statics nothing moves"]),
+        (&["optimize", "pendulum"], &["\"pendulum\" states no optimization problem", "five-bar", "slider-crank"]),
+        (&["optimize", "five-bar", "--optimizer", "spq"], &["--optimizer \"spq\"", "did you mean \"sqp\"?"]),
+        (&["optimize", "five-bar", "--gradient", "difference:2"], &["--gradient", "'difference:2'", "between 0 and 1"]),
+        (&["optimize", "five-bar", "--iterations", "0"], &["--iterations", "'0'", "whole number from 1 to"]),
+        (&["optimize", "five-bar", "--change", "-1"], &["--change", "'-1'", "between 0 and 1"]),
+        (&["optimize", "five-bar", "--restart", "no.csv"], &["--restart no.csv", "cannot read no.csv"]),
+        (&["optimize", "five-bar", "--restart", "no.csv", "--set", "c=1"], &["--restart no.csv", "leave --set out"]),
+        (&["optimize", "five-bar", "--output-step", "0.1"], &["--output-step", "leave it out"]),
+        (&["optimize", "five-bar", "--set", "L01=9"], &["L01=9", "between 0.5 and 4 m"]),
         (&["verify", "--record"], &["--record", "<NAME>"]),
         (&["run"], &["<SCENE>"]),
     ];
@@ -365,4 +374,63 @@ fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     // beyond the limit of the load: a jump or a message, no panic
     let beyond = folder.run(&["run", "von-mises-truss", "--set", "load=4", "--tolerance", "1"]);
     assert!(matches!(beyond.status.code(), Some(0 | 1)), "{}", text(&beyond.stderr));
+}
+
+const OPTIMIZED: [&str; 5] = ["design.png", "design.svg", "optimization.csv", "optimization.png", "optimization.svg"];
+
+#[test]
+fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
+    let folder = Folder::new("optimize");
+    let common = ["optimize", "five-bar", "--end", "1", "--steps", "50", "--json"];
+    let output = folder.run(&[&common[..], &["--iterations", "3"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(folder.files("out/five-bar"), OPTIMIZED);
+    let (header, rows) = csv(&folder.0.join("out/five-bar/optimization.csv"));
+    assert_eq!(header[..6], ["evaluation", "iteration", "objective", "violation", "failed", "design L01 [m]"]);
+    let object = json(&output);
+    assert_eq!((&object["reason"], &object["iterations"]), (&"iterations".into(), &3.into()));
+    assert_eq!(object["simulations"], rows.len());
+    let number = |value: &Value| value.as_f64().unwrap();
+    let (before, after) = (number(&object["objective"]["before"]), number(&object["objective"]["after"]));
+    assert!(after < before, "{before} -> {after}");
+    let best = object["best_evaluation"].as_u64().unwrap() as usize;
+    assert_eq!([rows[0][2], rows[best][2]], [before, after]);
+    let table = text(&output.stdout);
+    for part in ["minimize  psi", "adjoint sweeps", "3 iterations: the limit of iterations", "--set L01="] {
+        assert!(table.contains(part), "{part} is not in {table}");
+    }
+
+    let file = "out/five-bar/optimization.csv";
+    let output = folder.run(&[&common[..], &["--restart", file]].concat());
+    let message = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && message.contains("--out"), "{message}");
+    let output = folder.run(&[&common[..], &["--restart", file, "--out", "second", "--gradient", "difference"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let object = json(&output);
+    assert_eq!(number(&object["objective"]["before"]), after, "the same design gives the same bits");
+    assert!(number(&object["objective"]["after"]) < after && object["optimum"] == true, "{object}");
+    let sweeps = object["gradient_sweeps"].as_u64().unwrap();
+    assert_eq!(sweeps % 4, 0, "one simulation for each of four variables");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_an_optimization_with_its_best_design() {
+    let folder = Folder::new("interrupted-optimization");
+    let mut command = folder.command(&["optimize", "five-bar", "--steps", "2000", "--json"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let file = folder.0.join("out/five-bar/optimization.csv");
+    let begun = Instant::now();
+    while !file.exists() && begun.elapsed() < Duration::from_secs(120) {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it wrote a point");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("best design") && message.contains("--restart"), "{message}");
+    assert_eq!(json(&output)["reason"], "stopped");
+    assert_eq!(csv(&file).1[0][1], 0.0, "the start");
+    assert_eq!(folder.files("out/five-bar"), OPTIMIZED);
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-const ORDER: [&str; 11] = [
+const ORDER: [&str; 12] = [
     "scalar",
     "design",
     "elements",
@@ -13,6 +13,7 @@ const ORDER: [&str; 11] = [
     "functionals",
     "sensitivity",
     "scenes",
+    "optimize",
     "io",
 ];
 

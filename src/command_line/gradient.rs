@@ -2,7 +2,7 @@ use super::console::{json_number, say, say_json};
 use super::failure::Failure;
 use super::options::SceneOptions;
 use super::run::report;
-use super::simulation::{Simulation, Work, functional_unit, long_number, say_work, simulate};
+use super::simulation::{Simulation, Work, long_number, say_work, simulate};
 use clap::Args;
 use costate::design::DesignVariable;
 use costate::history::Keep;
@@ -180,7 +180,7 @@ fn say_gradient(prepared: &Prepared, row: usize, adjoint: &Timed, check: Option<
         }
         table.row(cells);
     }
-    say(format_args!("gradient of {} [{} / unit of the variable]\n{table}\n", functional.name, functional_unit(functional)));
+    say(format_args!("gradient of {} [{} / unit of the variable]\n{table}\n", functional.name, functional.value_unit()));
 }
 
 fn work(simulation: &Simulation, adjoint: &Timed, check: Option<&Check>) -> Vec<(&'static str, Work)> {

@@ -22,6 +22,11 @@ pub fn run(options: &ListOptions) -> Result<(), Failure> {
             Some(method) => say(format_args!("{name}: {summary} ({method}, {} steps)", settings.steps)),
             None => say(format_args!("{name}: {summary} ({} s, {} steps)", settings.end, settings.steps)),
         }
+        let problem =
+            scene.optimization_problem().map(|problem| format!("{} {}", problem.sense.name(), problem.objective_name()));
+        if let Some(problem) = &problem {
+            say(format_args!("  costate optimize {name}: {problem}"));
+        }
         let mut table = Table::new(&["  variable", "initial", "from", "to", "unit"]);
         let mut variables: Vec<Value> = Vec::new();
         for v in scene.design_variables() {
@@ -31,8 +36,14 @@ pub fn run(options: &ListOptions) -> Result<(), Failure> {
         }
         say(format_args!("{table}\n"));
         let end = json_number(settings.end);
-        scenes
-            .push(json!({"scene": name, "summary": summary, "end_s": end, "steps": settings.steps, "variables": variables}));
+        scenes.push(json!({
+            "scene": name,
+            "summary": summary,
+            "end_s": end,
+            "steps": settings.steps,
+            "variables": variables,
+            "optimization": problem,
+        }));
     }
     say_json(options.json, &json!({ "scenes": scenes }));
     Ok(())

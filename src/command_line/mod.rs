@@ -7,6 +7,7 @@ mod interrupt;
 mod list;
 mod modes;
 mod names;
+mod optimize;
 mod options;
 mod results;
 mod run;
@@ -32,6 +33,8 @@ enum Command {
     Run(run::RunOptions),
     /// Simulate a scene and differentiate its functionals by the discrete adjoint
     Gradient(gradient::GradientOptions),
+    /// Improve a scene's design by what the scene states: objective, limits, variables
+    Optimize(optimize::OptimizeOptions),
     /// Frequencies and shapes of small vibrations about the start of a scene or another equilibrium
     Modes(modes::ModesOptions),
     /// Measure a study of verification/ against its reference; without a name: list the studies
@@ -46,6 +49,7 @@ pub fn main() -> ExitCode {
     let done = interrupt::install().and_then(|()| match command {
         Command::Run(options) => run::run(&options),
         Command::Gradient(options) => gradient::run(&options),
+        Command::Optimize(options) => optimize::run(&options),
         Command::Modes(options) => modes::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::List(options) => list::run(&options),

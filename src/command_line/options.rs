@@ -5,7 +5,7 @@ use costate::design::{DesignVariable, check_design};
 use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
 };
-use costate::scenes::{AnyScene, Prepared, built_in};
+use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::path::PathBuf;
 
 /// Most steps of a run.
@@ -140,6 +140,33 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed; or why the scene cannot start.
     pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
+        let (method, settings) = self.simulation(scene)?;
+        let x = self.design(scene)?;
+        let prepared = Prepared::with(scene, &x, method, settings);
+        prepared.map_err(|error| {
+            let failure = Failure::from(error);
+            Failure { message: format!("scene \"{}\": {}", self.scene, failure.message), ..failure }
+        })
+    }
+
+    /// The design that `--set` asks for.
+    ///
+    /// # Errors
+    /// A name or a value that makes no sense.
+    pub fn design(&self, scene: &dyn AnyScene) -> Result<Vec<f64>, Failure> {
+        changed_design(&scene.design_variables(), &self.set)
+    }
+
+    /// Whether `--set` was given.
+    pub fn sets_design(&self) -> bool {
+        !self.set.is_empty()
+    }
+
+    /// The chosen method, duration and steps.
+    ///
+    /// # Errors
+    /// The option, its value and what is allowed.
+    pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
         let mut settings = scene.default_settings();
         let name = self.method.as_deref().or(settings.method).unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(|message| Failure::input(format!("--method: {message}")))?;
@@ -172,12 +199,7 @@ impl SceneOptions {
                 settings.end
             )));
         }
-        let x = changed_design(&scene.design_variables(), &self.set)?;
-        let prepared = Prepared::with(scene, &x, method, settings);
-        prepared.map_err(|error| {
-            let failure = Failure::from(error);
-            Failure { message: format!("scene \"{}\": {}", self.scene, failure.message), ..failure }
-        })
+        Ok((method, settings))
     }
 
     /// Time between the rows of the histories [s], if it is not that of the steps.

@@ -3,7 +3,6 @@ use super::failure::Failure;
 use super::interrupt::Guard;
 use super::options::SceneOptions;
 use super::results::{Results, check_folder};
-use costate::functionals::{Functional, Over};
 use costate::history::{Observer, Usage};
 use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepRecord};
 use costate::io::{Cell, Progress, Table};
@@ -128,15 +127,6 @@ fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
     Failure { message, ..failure }
 }
 
-/// Unit of a functional, with the second of an integral.
-pub fn functional_unit(functional: &Functional) -> String {
-    match (functional.over, functional.unit) {
-        (Over::Integral, "-") => "s".into(),
-        (Over::Integral, unit) => format!("{unit} s"),
-        (_, unit) => unit.into(),
-    }
-}
-
 /// Thirteen digits, all of which a gradient deserves: ` 5.864291303063e+01`.
 pub fn long_number(value: f64) -> String {
     let text = format!("{value:.12e}");
@@ -157,7 +147,7 @@ impl Simulation {
         }
         let mut table = Table::new(&["functional", "value", "unit"]);
         for (functional, &value) in prepared.functionals().iter().zip(&self.forward.values) {
-            table.row([functional.name.as_str().into(), long_number(value).into(), functional_unit(functional).into()]);
+            table.row([functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()]);
         }
         say(format_args!("{table}\n"));
     }
@@ -203,7 +193,7 @@ impl Simulation {
         let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
         let functionals = prepared.functionals().iter().zip(&self.forward.values);
         let functionals: Vec<Value> = functionals
-            .map(|(f, &value)| json!({"name": f.name, "value": json_number(value), "unit": functional_unit(f)}))
+            .map(|(f, &value)| json!({"name": f.name, "value": json_number(value), "unit": f.value_unit()}))
             .collect();
         let mut object = Map::new();
         object.insert("scene".into(), json!(prepared.scene.scene_name()));

@@ -148,6 +148,15 @@ impl Sample<f64> {
 }
 
 impl Functional {
+    /// Unit of its value: an integral has the second of the integration in it.
+    pub fn value_unit(&self) -> String {
+        match (self.over, self.unit) {
+            (Over::Integral, "-") => "s".into(),
+            (Over::Integral, unit) => format!("{unit} s"),
+            (_, unit) => unit.into(),
+        }
+    }
+
     /// Whether it reads multipliers.
     pub fn reads_multipliers(&self) -> bool {
         match &self.measured {

@@ -10,10 +10,12 @@ mod motion;
 mod picture;
 mod plot;
 mod progress;
+mod read;
 mod table;
 
 pub use chart::{Chart, Series, Style, write_panels};
 pub use file::{IoError, write_file, write_json, write_with};
 pub use motion::{Frame, Motion, Polyline, Trail, View};
 pub use progress::Progress;
+pub use read::read_csv;
 pub use table::{Cell, CsvFile, Table, number, write_csv};

@@ -1,6 +1,7 @@
 //! Scenes: mechanisms as generic functions of their design variables.
 
 mod builder;
+mod optimization_problem;
 mod prepared;
 mod scene;
 mod sketch;
@@ -10,6 +11,7 @@ mod violation;
 pub mod built_in;
 
 pub use builder::{BeamLine, BeamMember, Drawing, MechanismBuilder};
+pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};

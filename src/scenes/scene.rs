@@ -1,4 +1,5 @@
 use super::builder::MechanismBuilder;
+use super::optimization_problem::OptimizationProblem;
 use super::prepared::Settings;
 use crate::design::DesignVariable;
 use crate::scalar::{Complex, Lanes, Rev, Scalar};
@@ -17,6 +18,10 @@ pub trait Scene {
     fn variables(&self) -> Vec<DesignVariable>;
     /// Duration, steps, and what to do about redundant constraints.
     fn settings(&self) -> Settings;
+    /// What is to be optimized, if anything.
+    fn problem(&self) -> Option<OptimizationProblem> {
+        None
+    }
     /// Builds the mechanism for the design `x`.
     ///
     /// # Errors
@@ -34,6 +39,8 @@ pub trait AnyScene: Sync {
     fn design_variables(&self) -> Vec<DesignVariable>;
     /// Defaults of its runs.
     fn default_settings(&self) -> Settings;
+    /// What is to be optimized.
+    fn optimization_problem(&self) -> Option<OptimizationProblem>;
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// With a complex step.
@@ -62,6 +69,9 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn default_settings(&self) -> Settings {
         self.settings()
+    }
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
+        self.problem()
     }
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)

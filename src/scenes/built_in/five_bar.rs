@@ -1,7 +1,7 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, Vec3};
-use crate::scenes::{MechanismBuilder, Scene, Settings};
+use crate::scenes::{MechanismBuilder, OptimizationProblem, Scene, Settings};
 
 /// A planar five-bar mechanism of four rigid bodies with two spring-dampers at its tip.
 ///
@@ -27,6 +27,10 @@ impl Scene for FiveBar {
     }
     fn settings(&self) -> Settings {
         Settings::new(5.0, 500).dropping_redundant()
+    }
+    fn problem(&self) -> Option<OptimizationProblem> {
+        // without dampers the motion is chaotic: psi would be no smooth function of the design
+        Some(OptimizationProblem::minimize("psi").varying(&["L01", "L02", "k1", "k2"]))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [l01, l02, k1, k2, c] = x else { return Err(format!("5 variables expected, {} given", x.len())) };

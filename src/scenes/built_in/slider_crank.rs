@@ -2,7 +2,7 @@ use crate::design::DesignVariable;
 use crate::elements::TimeFunction;
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, Vec3};
-use crate::scenes::{MechanismBuilder, Scene, Settings};
+use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
 use std::f64::consts::TAU;
 
 /// A crank driven from rest through some turns and stopped again, a rod, and a slider against a spring.
@@ -29,6 +29,13 @@ impl Scene for SliderCrank {
     }
     fn settings(&self) -> Settings {
         Settings::new(2.5, 1000)
+    }
+    fn problem(&self) -> Option<OptimizationProblem> {
+        let problem = OptimizationProblem::maximize("x of the slider, integral");
+        let problem = problem.subject_to("largest driving moment", Limit::AtMost(1.2));
+        let problem =
+            problem.linear("slope of the rod", &[("rod length", 1.0), ("crank length", -2.5)], Limit::AtLeast(0.0));
+        Some(problem.varying(&["crank length", "rod length", "stiffness", "rest length"]))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [crank_length, rod_length, slider_mass, stiffness, rest_length, turns] = x else {

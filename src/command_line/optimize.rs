@@ -1,0 +1,478 @@
+use super::console::{count, json_number, say, say_json, seconds};
+use super::failure::{Failure, INTERRUPTED};
+use super::interrupt::Guard;
+use super::names::unknown;
+use super::options::SceneOptions;
+use super::results::check_folder;
+use clap::Args;
+use costate::design::DesignVariable;
+use costate::io::{Cell, Chart, IoError, Progress, Series, Style, Table, read_csv, write_csv, write_panels};
+use costate::optimize::{
+    DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
+};
+use costate::scenes::{AnyScene, Sense, built_in};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// Options of `costate optimize`.
+#[derive(Args)]
+pub struct OptimizeOptions {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Optimizer: sqp, and with the feature `nlopt` nlopt-slsqp, nlopt-mma, nlopt-ccsaq, nlopt-auglag
+    #[arg(long, value_name = "NAME", default_value = "sqp")]
+    optimizer: String,
+    /// Where gradients come from: adjoint, complex-step, or difference:SHARE, one simulation for each variable at that share more of
+    /// its value
+    #[arg(long, value_name = "WHICH", default_value = "adjoint", value_parser = gradient_by)]
+    gradient: GradientBy,
+    /// Most iterations
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = iteration_count, allow_negative_numbers = true)]
+    iterations: usize,
+    /// End after five iterations in a row that change the objective by less than this share
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = share, allow_negative_numbers = true)]
+    change: f64,
+    /// Start at the best design of an earlier optimization.csv
+    #[arg(long, value_name = "FILE")]
+    restart: Option<PathBuf>,
+}
+
+/// Relative change of variables for differences that balances their error and round-off.
+const DEFAULT_SHARE: f64 = 1e-7;
+/// Most iterations.
+const MOST_ITERATIONS: usize = 1_000_000;
+/// Most curves of variables in one chart: those that move most.
+const MOST_CURVES: usize = 10;
+
+fn gradient_by(text: &str) -> Result<GradientBy, String> {
+    match text.split_once(':') {
+        None if text == "adjoint" => return Ok(GradientBy::Adjoint),
+        None if text == "complex-step" => return Ok(GradientBy::ComplexStep),
+        None if text == "difference" => return Ok(GradientBy::Difference { share: DEFAULT_SHARE }),
+        Some(("difference", size)) => {
+            if let Ok(share) = share(size) {
+                return Ok(GradientBy::Difference { share });
+            }
+        }
+        _ => {}
+    }
+    Err("it must be adjoint, complex-step, difference, or difference:SHARE with a number between 0 and 1, as in difference:0.01".into())
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
+        _ => Err("it must be a number between 0 and 1, as in 1e-6".into()),
+    }
+}
+
+fn iteration_count(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if (1..=MOST_ITERATIONS).contains(&count) => Ok(count),
+        _ => Err(format!("it must be a whole number from 1 to {MOST_ITERATIONS}")),
+    }
+}
+
+/// Name in JSON.
+fn gradient_name(gradient: GradientBy) -> &'static str {
+    match gradient {
+        GradientBy::Adjoint => "adjoint",
+        GradientBy::Difference { .. } => "difference",
+        GradientBy::ComplexStep => "complex-step",
+    }
+}
+
+/// Writes the history whenever it changes, moves the progress bar, and stops at Ctrl-C.
+struct Recording<'g> {
+    path: PathBuf,
+    guard: &'g Guard,
+    progress: Progress,
+    failed: Option<IoError>,
+}
+
+impl Watcher for Recording<'_> {
+    fn changed(&mut self, history: &DesignHistory) -> bool {
+        if let Some(iteration) = history.points.iter().rev().find_map(|point| point.iteration) {
+            self.progress.set(iteration as u64);
+        }
+        self.failed = write_csv(&self.path, &history.header(), history.rows()).err();
+        self.failed.is_none()
+    }
+    fn wants_to_stop(&self) -> bool {
+        self.guard.requested()
+    }
+}
+
+/// `costate optimize`: improves a scene's design, writes the history, prints before and after.
+pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
+    let scene = options.scene.scene()?;
+    let optimizer = optimizer(&options.optimizer)?;
+    let problem = scene.optimization_problem().ok_or_else(|| no_problem(&*scene))?;
+    if options.scene.output_step().is_some() {
+        return Err(Failure::input("--output-step: an optimization writes no histories of motions; leave it out"));
+    }
+    let (method, settings) = options.scene.simulation(&*scene)?;
+    let mut optimization = Optimization::new(&*scene, problem, method, settings)?;
+    optimization.gradient = options.gradient;
+    optimization.stopping.iterations = options.iterations;
+    optimization.stopping.change = options.change;
+    let folder = options.scene.folder();
+    let path = folder.join("optimization.csv");
+    let start = start(options, &optimization, &path)?;
+    check_folder(&folder)?;
+
+    announce(&optimization, &*optimizer);
+    let guard = Guard::new();
+    let progress = Progress::new("optimizing", options.iterations as u64);
+    let mut recording = Recording { path: path.clone(), guard: &guard, progress, failed: None };
+    let optimized = optimization.run(&*optimizer, &start, &mut recording)?;
+    let Recording { failed, progress, .. } = recording;
+    progress.finish();
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    let report = Report::new(&optimization, &*optimizer, &optimized)?;
+    let mut files = vec![path];
+    files.extend(charts(&optimization, &optimized.history, &folder)?);
+    report.say();
+    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_json(options.scene.json, &report.json(&files));
+    report.verdict()
+}
+
+fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
+    let known: Vec<String> = optimizers().iter().map(|optimizer| optimizer.name().into()).collect();
+    optimizers().into_iter().find(|optimizer| optimizer.name() == name).ok_or_else(|| {
+        let mut message = unknown("--optimizer", name, &known);
+        if name.starts_with("nlopt") && cfg!(not(feature = "nlopt")) {
+            message += "; those of NLopt need a program built with --features nlopt";
+        }
+        Failure::input(message)
+    })
+}
+
+fn no_problem(scene: &dyn AnyScene) -> Failure {
+    let all = built_in::all();
+    let names: Vec<String> =
+        all.iter().filter(|scene| scene.optimization_problem().is_some()).map(|scene| scene.scene_name()).collect();
+    let (name, names) = (scene.scene_name(), names.join(", "));
+    Failure::input(format!("the scene \"{name}\" states no optimization problem; scenes that do: {names}"))
+}
+
+/// The design of `--restart` or `--set`.
+fn start(options: &OptimizeOptions, optimization: &Optimization, path: &Path) -> Result<Vec<f64>, Failure> {
+    let Some(file) = &options.restart else { return options.scene.design(optimization.scene) };
+    let named = |message: String| Failure::input(format!("--restart {}: {message}", file.display()));
+    if options.scene.sets_design() {
+        return Err(named("the design comes from the file; leave --set out".into()));
+    }
+    let same = |file: &Path, other: &Path| Some(file.canonicalize().ok()? == other.canonicalize().ok()?);
+    if same(file, path) == Some(true) {
+        return Err(named("the new history would take its place; give another folder by --out".into()));
+    }
+    let (header, rows) = read_csv(file).map_err(named)?;
+    let maximize = optimization.problem.sense == Sense::Maximize;
+    let (variables, tolerance) = (optimization.variables(), optimization.stopping.violation);
+    let best = DesignHistory::best_of_table(&header, &rows, variables, maximize, tolerance).map_err(named)?;
+    say(format_args!("starts at evaluation {} of {}", best.evaluation, file.display()));
+    Ok(best.design)
+}
+
+fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
+    let Optimization { scene, problem, method, settings, .. } = optimization;
+    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
+    say(format_args!("{} {}", problem.sense.name(), problem.objective_name()));
+    let constraints = count(problem.constraints.len(), "nonlinear constraint");
+    let linear = count(problem.linear.len(), "linear constraint");
+    let variables = count(optimization.varying().len(), "variable");
+    say(format_args!(
+        "{variables}, {constraints}, {linear}; {}, gradients by {}",
+        optimizer.name(),
+        gradient_name(optimization.gradient)
+    ));
+    say(format_args!("each design: {}, {steps} over {} s\n", method.table.name, settings.end));
+}
+
+/// Before and after.
+struct Report<'r> {
+    optimization: &'r Optimization<'r>,
+    optimizer: &'r dyn Optimizer,
+    optimized: &'r Optimized,
+    first: &'r DesignPoint,
+    best: &'r DesignPoint,
+}
+
+/// A row of what is wanted: name, relation and limit, before, after, unit.
+struct Wanted {
+    kind: &'static str,
+    name: String,
+    limit: Option<(&'static str, f64)>,
+    before: f64,
+    after: f64,
+    unit: String,
+}
+
+impl<'r> Report<'r> {
+    fn new(
+        optimization: &'r Optimization<'r>,
+        optimizer: &'r dyn Optimizer,
+        optimized: &'r Optimized,
+    ) -> Result<Self, Failure> {
+        let history = &optimized.history;
+        match (history.points.first(), history.best()) {
+            (Some(first), Some(best)) => Ok(Report { optimization, optimizer, optimized, first, best }),
+            _ => Err(Failure::run("no design could be simulated")),
+        }
+    }
+
+    fn wanted(&self) -> Vec<Wanted> {
+        let Report { optimization, optimized, first, best, .. } = self;
+        let problem = &optimization.problem;
+        let functional = |name: &str| optimized.history.functionals.iter().position(|own| own.0 == name).unwrap_or_default();
+        let unit_of = |name: &str| optimized.history.functionals[functional(name)].1.clone();
+        let single = problem.objective.len() == 1;
+        let unit = if single { unit_of(&problem.objective[0].0) } else { String::new() };
+        let (before, after) = (first.objective, best.objective);
+        let mut rows =
+            vec![Wanted { kind: problem.sense.name(), name: problem.objective_name(), limit: None, before, after, unit }];
+        for constraint in &problem.constraints {
+            let (name, place) = (constraint.functional.clone(), functional(&constraint.functional));
+            let limit = Some((constraint.limit.sign(), constraint.limit.value()));
+            let (before, after, unit) = (first.functionals[place], best.functionals[place], unit_of(&name));
+            rows.push(Wanted { kind: "limit", name, limit, before, after, unit });
+        }
+        let [before, after] = [first, best].map(|point| optimization.linear_values(&point.design));
+        for ((constraint, before), after) in problem.linear.iter().zip(before).zip(after) {
+            let limit = Some((constraint.limit.sign(), constraint.limit.value()));
+            rows.push(Wanted { kind: "linear", name: constraint.name.clone(), limit, before, after, unit: String::new() });
+        }
+        rows
+    }
+
+    /// Variables that vary, with what they were, what they are, and the bound they are at.
+    fn variables(&self) -> Vec<(&DesignVariable, f64, f64, Option<&'static str>)> {
+        let at_bound = |variable: &DesignVariable, x: f64| {
+            let close =
+                |bound: f64| (x - bound).abs() <= 1e-6 * (variable.upper - variable.lower).min(bound.abs().max(x.abs()));
+            match () {
+                () if close(variable.lower) => Some("lower"),
+                () if close(variable.upper) => Some("upper"),
+                () => None,
+            }
+        };
+        let row = |i: usize| {
+            let (variable, after) = (&self.optimization.variables()[i], self.best.design[i]);
+            (variable, self.first.design[i], after, at_bound(variable, after))
+        };
+        self.optimization.varying().into_iter().map(row).collect()
+    }
+
+    fn say(&self) {
+        let Report { optimized, best, .. } = self;
+        let (history, ended) = (&optimized.history, &optimized.ended);
+        let mut table = Table::new(&["iteration", "simulations", "objective", "violation"]);
+        let mut simulations = 0;
+        for point in &history.points {
+            simulations += point.work.simulations;
+            if let Some(iteration) = point.iteration {
+                let counts = [iteration.to_string(), simulations.to_string()].map(|text| Cell::Text(format!("{text:>9}")));
+                let [iteration, simulations] = counts;
+                table.row([iteration, simulations, point.objective.into(), point.violation.into()]);
+            }
+        }
+        say(format_args!("{table}\n"));
+        let mut table = Table::new(&["", "", "", "limit", "before", "after", "unit"]);
+        for Wanted { kind, name, limit, before, after, unit } in self.wanted() {
+            let sign = limit.map_or(Cell::Empty, |(sign, _)| sign.into());
+            table.row([
+                kind.into(),
+                name.into(),
+                sign,
+                limit.map(|limit| limit.1).into(),
+                before.into(),
+                after.into(),
+                unit.into(),
+            ]);
+        }
+        say(format_args!("{table}\n"));
+        let mut table = Table::new(&["variable", "before", "after", "from", "to", "unit", ""]);
+        for (variable, before, after, bound) in self.variables() {
+            let mark = bound.map_or(Cell::Empty, |bound| format!("at its {bound} bound").into());
+            let DesignVariable { name, lower, upper, unit, .. } = variable;
+            table.row([
+                name.as_str().into(),
+                before.into(),
+                after.into(),
+                (*lower).into(),
+                (*upper).into(),
+                (*unit).into(),
+                mark,
+            ]);
+        }
+        say(format_args!("{table}\n"));
+        let work = history.work();
+        let mut table = Table::new(&["", "number", "time"]);
+        let simulations = ("simulations", work.simulations, work.simulation_seconds);
+        let sweeps = match self.optimization.gradient {
+            GradientBy::Adjoint => "adjoint sweeps",
+            GradientBy::Difference { .. } => "simulations for differences",
+            GradientBy::ComplexStep => "complex-step simulations",
+        };
+        for (name, number, time) in [simulations, (sweeps, work.sweeps, work.gradient_seconds)] {
+            table.row([name.into(), format!("{number:>6}").into(), format!("{:>10}", seconds(time)).into()]);
+        }
+        say(format_args!("{table}\n"));
+        say(format_args!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
+        if ended.failed > 0 {
+            let why = optimized.failure.as_ref().map_or_else(String::new, |error| format!("; the last one: {error}"));
+            say(format_args!("{} could not be simulated{why}", count(ended.failed, "design")));
+        }
+        say(format_args!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
+    }
+
+    /// `--set` options that repeat the best design.
+    fn settings(&self) -> String {
+        let quote = |name: &str| name.contains(' ').then_some("\"").unwrap_or_default();
+        let option = |(variable, _, after, _): (&DesignVariable, f64, f64, Option<&str>)| {
+            let quote = quote(&variable.name);
+            format!(" --set {quote}{}={after}{quote}", variable.name)
+        };
+        self.variables().into_iter().map(option).collect()
+    }
+
+    fn json(&self, files: &[PathBuf]) -> Value {
+        let Report { optimization, optimizer, optimized, best, .. } = self;
+        let (history, ended, work) = (&optimized.history, &optimized.ended, optimized.history.work());
+        let wanted = |row: &Wanted| {
+            let [before, after] = [row.before, row.after].map(json_number);
+            let (sign, limit) =
+                row.limit.map_or((Value::Null, Value::Null), |(sign, limit)| (json!(sign), json_number(limit)));
+            json!({"kind": row.kind, "name": row.name, "sign": sign, "limit": limit, "before": before, "after": after, "unit": row.unit})
+        };
+        let rows = self.wanted();
+        let variables = self.variables().into_iter().map(|(variable, before, after, bound)| {
+            let [before, after, lower, upper] = [before, after, variable.lower, variable.upper].map(json_number);
+            json!({"name": variable.name, "before": before, "after": after, "lower": lower, "upper": upper, "unit": variable.unit, "at_bound": bound})
+        });
+        let mut simulations = 0;
+        let mut iterations: Vec<Value> = Vec::new();
+        for point in &history.points {
+            simulations += point.work.simulations;
+            if let Some(iteration) = point.iteration {
+                let [objective, violation] = [point.objective, point.violation].map(json_number);
+                iterations.push(json!({"iteration": iteration, "simulations": simulations, "objective": objective, "violation": violation}));
+            }
+        }
+        let design = optimization.variables().iter().zip(&best.design).map(|(v, &x)| (v.name.clone(), json_number(x)));
+        json!({
+            "scene": optimization.scene.scene_name(),
+            "method": optimization.method.table.name,
+            "optimizer": optimizer.name(),
+            "gradient": gradient_name(optimization.gradient),
+            "reason": ended.reason.name(),
+            "optimum": ended.reason.is_optimum(),
+            "objective": wanted(&rows[0]),
+            "constraints": rows[1..].iter().map(wanted).collect::<Vec<_>>(),
+            "largest_violation": json_number(best.violation),
+            "variables": variables.collect::<Vec<_>>(),
+            "design": design.collect::<Map<_, _>>(),
+            "best_evaluation": best.evaluation,
+            "iterations": ended.iterations,
+            "simulations": work.simulations,
+            "simulation_newton_iterations": work.simulation.iterations,
+            "simulation_factorizations": work.simulation.factorizations,
+            "simulation_s": json_number(work.simulation_seconds),
+            "gradient_sweeps": work.sweeps,
+            "gradient_factorizations": work.gradient.factorizations,
+            "gradient_s": json_number(work.gradient_seconds),
+            "failed_designs": ended.failed,
+            "history": iterations,
+            "files": files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        })
+    }
+
+    /// What the program ends with.
+    fn verdict(&self) -> Result<(), Failure> {
+        let Report { optimization, optimized, best, .. } = self;
+        let tolerance = optimization.stopping.violation;
+        match optimized.ended.reason {
+            Reason::Stopped => Err(Failure {
+                code: INTERRUPTED,
+                message: format!(
+                    "stopped after {}; the best design so far is printed, and optimization.csv can be taken up by --restart",
+                    count(optimized.ended.iterations, "iteration")
+                ),
+            }),
+            reason if !(best.violation <= tolerance) => Err(Failure::run(format!(
+                "no design keeps all limits: the best one violates them by {:.1e} of their scale ({reason})",
+                best.violation
+            ))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Objective, violation, and variables over iterations.
+fn charts(optimization: &Optimization, history: &DesignHistory, folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    let mut reached: Vec<(f64, &DesignPoint)> =
+        history.points.iter().filter_map(|point| Some((point.iteration? as f64, point))).collect();
+    reached.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let curve = |name: &str, value: &dyn Fn(&DesignPoint) -> f64| Series {
+        name: name.into(),
+        points: reached.iter().map(|(iteration, point)| (*iteration, value(point))).collect(),
+        style: Style::Both,
+    };
+    let problem = &optimization.problem;
+    let units: Vec<&str> = history.functionals.iter().map(|functional| functional.1.as_str()).collect();
+    let label = problem.objective_name();
+    let objective = Chart {
+        title: format!("{}: {} {label}", optimization.scene.scene_name(), problem.sense.name()),
+        x_label: "iteration".into(),
+        y_label: if problem.objective.len() == 1 && units.len() == 1 {
+            format!("objective [{}]", units[0])
+        } else {
+            "objective".into()
+        },
+        series: vec![curve("", &|point| point.objective)],
+        ..Chart::default()
+    };
+    let mut panels = vec![objective];
+    if reached.iter().any(|(_, point)| point.violation > 0.0) {
+        panels.push(Chart {
+            x_label: "iteration".into(),
+            y_label: "violation".into(),
+            series: vec![curve("", &|point| point.violation)],
+            log_y: true,
+            ..Chart::default()
+        });
+    }
+    write_panels(&panels, &folder.join("optimization"))?;
+
+    let relative = |i: usize, point: &DesignPoint| {
+        let DesignVariable { lower, upper, .. } = &optimization.variables()[i];
+        let range = upper - lower;
+        if range.is_finite() { (point.design[i] - lower) / range } else { point.design[i] / history.points[0].design[i] }
+    };
+    let moved = |i: usize| {
+        let values = reached.iter().map(|(_, point)| relative(i, point));
+        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+    };
+    let mut places = optimization.varying();
+    if places.len() > MOST_CURVES {
+        places.sort_by(|&a, &b| moved(b).total_cmp(&moved(a)));
+        places.truncate(MOST_CURVES);
+        places.sort_unstable();
+    }
+    let series = places.iter().map(|&i| curve(&optimization.variables()[i].name, &|point| relative(i, point)));
+    let design = Chart {
+        title: format!("{}: design variables between their bounds", optimization.scene.scene_name()),
+        x_label: "iteration".into(),
+        y_label: "0: lower bound, 1: upper bound".into(),
+        series: series.collect(),
+        ..Chart::default()
+    };
+    design.write(&folder.join("design"))?;
+    let names = ["optimization.png", "optimization.svg", "design.png", "design.svg"];
+    Ok(names.map(|name| folder.join(name)).to_vec())
+}

@@ -1,0 +1,265 @@
+use super::{ConstraintKind, Gradients, NoValue, NonlinearProgram, Values};
+use std::fmt;
+
+/// When an optimization ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stopping {
+    /// Largest relative change of the objective from iteration to iteration that counts as none.
+    pub change: f64,
+    /// How many iterations in a row must bring no change.
+    pub in_a_row: usize,
+    /// Most iterations.
+    pub iterations: usize,
+    /// Largest violation of a constraint, in the scale of the program, that counts as none.
+    pub violation: f64,
+}
+
+impl Default for Stopping {
+    /// Relative change below 1e-6 in five iterations, at most 60 of them.
+    ///
+    /// Source: Ebrahimi et al. (2019), section 6.
+    fn default() -> Self {
+        Stopping { change: 1e-6, in_a_row: 5, iterations: 60, violation: 1e-6 }
+    }
+}
+
+/// Why an optimization ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The objective no longer changes.
+    Change,
+    /// The conditions of optimality hold.
+    Optimal,
+    /// The limit of iterations.
+    Iterations,
+    /// No better point was found along the search direction: the accuracy of values or gradients is used up.
+    Stalled,
+    /// The violation of the constraints has a minimum here that is not zero.
+    Infeasible,
+    /// Someone asked to stop.
+    Stopped,
+    /// There are no values or gradients at the start.
+    StartFailed,
+}
+
+impl Reason {
+    /// Whether the point reached is taken for an optimum.
+    pub fn is_optimum(self) -> bool {
+        matches!(self, Reason::Change | Reason::Optimal)
+    }
+    /// Name in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Reason::Change => "no-change",
+            Reason::Optimal => "optimal",
+            Reason::Iterations => "iterations",
+            Reason::Stalled => "stalled",
+            Reason::Infeasible => "infeasible",
+            Reason::Stopped => "stopped",
+            Reason::StartFailed => "start-failed",
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Reason::Change => "the objective no longer changes",
+            Reason::Optimal => "the conditions of optimality hold",
+            Reason::Iterations => "the limit of iterations is reached",
+            Reason::Stalled => "no better point along the search direction: the accuracy of values or gradients is used up",
+            Reason::Infeasible => "the constraints cannot be satisfied nearby",
+            Reason::Stopped => "stopped by request",
+            Reason::StartFailed => "there is no gradient at the start",
+        })
+    }
+}
+
+/// A point with its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Variables.
+    pub x: Vec<f64>,
+    /// Objective and constraints.
+    pub values: Values,
+    /// Largest violation of a constraint.
+    pub violation: f64,
+}
+
+/// What an optimization did and where it ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// Why it ended.
+    pub reason: Reason,
+    /// The best point of all: that of least objective where the constraints hold, else that of least violation.
+    pub best: Option<Point>,
+    /// Iterations.
+    pub iterations: usize,
+    /// Points at which values were computed, failed ones included.
+    pub evaluations: usize,
+    /// Points at which gradients were computed.
+    pub gradients: usize,
+    /// Points without values or gradients.
+    pub failed: usize,
+}
+
+struct Known {
+    x: Vec<f64>,
+    values: Result<Values, NoValue>,
+    gradients: Option<Result<Gradients, NoValue>>,
+}
+
+/// Points kept, so that an optimizer may ask for objective, constraints and gradients separately.
+const KEPT: usize = 4;
+
+/// A program on its way: what is known, what is best, when to end. Optimizers work on it.
+pub struct Course<'p> {
+    program: &'p mut dyn NonlinearProgram,
+    stopping: Stopping,
+    bounds: Vec<(f64, f64)>,
+    kinds: Vec<ConstraintKind>,
+    known: Vec<Known>,
+    last: Option<f64>,
+    calm: usize,
+    begun: bool,
+    ended: Ended,
+}
+
+impl<'p> Course<'p> {
+    /// The course of a program from its start.
+    pub fn new(program: &'p mut dyn NonlinearProgram, stopping: Stopping) -> Self {
+        let (bounds, kinds) = (program.bounds(), program.constraints());
+        let (reason, best) = (Reason::Stopped, None);
+        let ended = Ended { reason, best, iterations: 0, evaluations: 0, gradients: 0, failed: 0 };
+        Course { program, stopping, bounds, kinds, known: Vec::new(), last: None, calm: 0, begun: false, ended }
+    }
+
+    /// Bounds of the variables.
+    pub fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    /// What the constraints are.
+    pub fn constraints(&self) -> &[ConstraintKind] {
+        &self.kinds
+    }
+
+    /// When it ends.
+    pub fn stopping(&self) -> &Stopping {
+        &self.stopping
+    }
+
+    /// Largest violation of a constraint.
+    pub fn violation(&self, values: &Values) -> f64 {
+        violation(&self.kinds, &values.constraints)
+    }
+
+    /// Objective and constraints.
+    ///
+    /// # Errors
+    /// See [`NoValue`]; a point with a value that is not finite is a failed one.
+    pub fn values(&mut self, x: &[f64]) -> Result<Values, NoValue> {
+        let place = self.known_place(x)?;
+        self.known[place].values.clone()
+    }
+
+    /// Gradients of objective and constraints.
+    ///
+    /// # Errors
+    /// As [`Course::values`].
+    pub fn gradients(&mut self, x: &[f64]) -> Result<Gradients, NoValue> {
+        let place = self.known_place(x)?;
+        self.known[place].values.clone()?;
+        if let Some(gradients) = &self.known[place].gradients {
+            return gradients.clone();
+        }
+        let gradients = self.program.gradients(x);
+        if gradients == Err(NoValue::Stop) {
+            return gradients;
+        }
+        let finite = |g: &Gradients| g.constraints.iter().chain([&g.objective]).flatten().all(|g| g.is_finite());
+        let gradients = gradients.and_then(|g| if finite(&g) { Ok(g) } else { Err(NoValue::Failed) });
+        self.ended.gradients += 1;
+        self.ended.failed += usize::from(gradients.is_err());
+        self.known[place].gradients = Some(gradients.clone());
+        gradients
+    }
+
+    fn known_place(&mut self, x: &[f64]) -> Result<usize, NoValue> {
+        if x.iter().any(|x| !x.is_finite()) {
+            // no point at all
+            return Err(NoValue::Failed);
+        }
+        if let Some(place) = self.known.iter().position(|known| known.x == x) {
+            return Ok(place);
+        }
+        let values = self.program.values(x);
+        if values == Err(NoValue::Stop) {
+            return Err(NoValue::Stop);
+        }
+        let finite = |v: &Values| v.constraints.iter().chain([&v.objective]).all(|v| v.is_finite());
+        let values = values.and_then(|v| if finite(&v) { Ok(v) } else { Err(NoValue::Failed) });
+        self.ended.evaluations += 1;
+        match &values {
+            Ok(values) => {
+                let violation = self.violation(values);
+                let point = Point { x: x.to_vec(), values: values.clone(), violation };
+                if self.ended.best.as_ref().is_none_or(|best| better(&point, best, self.stopping.violation)) {
+                    self.ended.best = Some(point);
+                }
+            }
+            Err(_) => self.ended.failed += 1,
+        }
+        if self.known.len() == KEPT {
+            self.known.remove(0);
+        }
+        self.known.push(Known { x: x.to_vec(), values, gradients: None });
+        Ok(self.known.len() - 1)
+    }
+
+    /// An iteration has led to a point, or the start is known: says whether that is the end.
+    ///
+    /// # Errors
+    /// A point without values.
+    pub fn reach(&mut self, x: &[f64]) -> Result<Option<Reason>, NoValue> {
+        let values = self.values(x)?;
+        self.ended.iterations += usize::from(self.begun);
+        self.begun = true;
+        let (objective, satisfied) = (values.objective, self.violation(&values) <= self.stopping.violation);
+        let small = |last: f64| (objective - last).abs() <= self.stopping.change * objective.abs().max(last.abs());
+        let calm = satisfied && self.last.is_some_and(small);
+        self.calm = if calm { self.calm + 1 } else { 0 };
+        self.last = Some(objective);
+        Ok(if !self.program.reached(x, self.ended.iterations) {
+            Some(Reason::Stopped)
+        } else if self.calm >= self.stopping.in_a_row {
+            Some(Reason::Change)
+        } else if self.ended.iterations >= self.stopping.iterations {
+            Some(Reason::Iterations)
+        } else {
+            None
+        })
+    }
+
+    /// The end.
+    pub fn end(self, reason: Reason) -> Ended {
+        Ended { reason, ..self.ended }
+    }
+}
+
+/// Largest violation of constraints with the values `c`.
+pub(super) fn violation(kinds: &[ConstraintKind], c: &[f64]) -> f64 {
+    let violation = |(kind, &c): (&ConstraintKind, &f64)| match kind {
+        ConstraintKind::Equality => c.abs(),
+        ConstraintKind::AtMostZero => c.max(0.0),
+    };
+    kinds.iter().zip(c).map(violation).fold(0.0, f64::max)
+}
+
+fn better(point: &Point, than: &Point, tolerance: f64) -> bool {
+    match (point.violation <= tolerance, than.violation <= tolerance) {
+        (true, true) => point.values.objective < than.values.objective,
+        (false, false) => point.violation < than.violation,
+        (feasible, _) => feasible,
+    }
+}

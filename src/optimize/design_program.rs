@@ -1,0 +1,316 @@
+use super::course::violation;
+use super::optimization::{GradientBy, Optimization, Watcher};
+use super::scaling::Scaling;
+use super::{ConstraintKind, DesignHistory, DesignPoint, Gradients, NoValue, NonlinearProgram, Values, Work};
+use crate::history::Watch;
+use crate::integrators::{RunError, StepRecord};
+use crate::scenes::{Limit, Prepared, Sense};
+use crate::sensitivity::Forward;
+use std::time::Instant;
+
+/// factor (sum of weights times functionals) + constant.
+pub(super) struct Combination {
+    pub weights: Vec<(usize, f64)>,
+    pub constant: f64,
+    pub factor: f64,
+}
+
+impl Combination {
+    pub fn value(&self, values: &[f64]) -> f64 {
+        self.factor * (self.weights.iter().map(|&(index, weight)| weight * values[index]).sum::<f64>() + self.constant)
+    }
+
+    /// Its derivatives with respect to its own `n` quantities.
+    pub fn slopes(&self, n: usize) -> Vec<f64> {
+        let mut slopes = vec![0.0; n];
+        self.weights.iter().for_each(|&(index, weight)| slopes[index] += self.factor * weight);
+        slopes
+    }
+
+    /// Its gradient from those of its quantities.
+    fn gradient(&self, rows: &[Vec<f64>]) -> Vec<f64> {
+        let columns = rows.first().map_or(0, Vec::len);
+        let entry = |j: usize| self.weights.iter().map(|&(index, weight)| weight * rows[index][j]).sum::<f64>();
+        (0..columns).map(|j| self.factor * entry(j)).collect()
+    }
+}
+
+/// Kind of a limit, and the sign with which the quantity enters c.
+pub(super) fn sided(limit: Limit) -> (ConstraintKind, f64) {
+    match limit {
+        Limit::AtMost(_) => (ConstraintKind::AtMostZero, 1.0),
+        Limit::AtLeast(_) => (ConstraintKind::AtMostZero, -1.0),
+        Limit::Equal(_) => (ConstraintKind::Equality, 1.0),
+    }
+}
+
+/// A simulated design, as its gradient needs it.
+struct Simulated<'s> {
+    prepared: Prepared<'s>,
+    forward: Forward,
+    /// Place in the history.
+    place: usize,
+}
+
+/// The program of a scene's optimization problem: one simulation for the values at a point, one sweep for its gradients.
+pub(super) struct DesignProgram<'o, 'w> {
+    optimization: &'o Optimization<'o>,
+    scaling: Scaling,
+    /// Of functionals.
+    objective: Combination,
+    /// Of functionals.
+    nonlinear: Vec<Combination>,
+    /// Of scaled variables.
+    linear: Vec<Combination>,
+    kinds: Vec<ConstraintKind>,
+    latest: Option<Simulated<'o>>,
+    pub history: DesignHistory,
+    /// What the last design without values or gradients failed with.
+    pub failure: Option<RunError>,
+    watcher: &'w mut dyn Watcher,
+    /// The watcher wants no more.
+    stopped: bool,
+}
+
+impl<'o, 'w> DesignProgram<'o, 'w> {
+    /// Simulates the start, which gives objective and constraints their scales.
+    ///
+    /// # Errors
+    /// Those of the simulation.
+    pub fn begin(
+        optimization: &'o Optimization<'o>,
+        scaling: Scaling,
+        linear: Vec<Combination>,
+        start: &[f64],
+        watcher: &'w mut dyn Watcher,
+    ) -> Result<Self, RunError> {
+        let problem = &optimization.problem;
+        let maximize = problem.sense == Sense::Maximize;
+        let names = &optimization.functionals;
+        let index = |name: &str| names.iter().position(|known| known.0 == name).unwrap_or_default();
+        let variables = optimization.variables.iter().map(|v| (v.name.clone(), v.unit.into())).collect();
+        let weights = problem.objective.iter().map(|(name, weight)| (index(name), *weight)).collect();
+        let objective = Combination { weights, constant: 0.0, factor: if maximize { -1.0 } else { 1.0 } };
+        let nonlinear = problem.constraints.iter().map(|constraint| Combination {
+            weights: vec![(index(&constraint.functional), 1.0)],
+            constant: -constraint.limit.value(),
+            factor: sided(constraint.limit).1,
+        });
+        let kinds = problem.constraints.iter().map(|c| c.limit).chain(problem.linear.iter().map(|c| c.limit));
+        let mut program = DesignProgram {
+            optimization,
+            scaling,
+            objective,
+            nonlinear: nonlinear.collect(),
+            linear,
+            kinds: kinds.map(|limit| sided(limit).0).collect(),
+            latest: None,
+            history: DesignHistory {
+                variables,
+                functionals: names.clone(),
+                maximize,
+                tolerance: optimization.stopping.violation,
+                points: Vec::new(),
+            },
+            failure: None,
+            watcher,
+            stopped: false,
+        };
+        let begun = Instant::now();
+        let (prepared, forward) = program.simulate(start)?;
+        let values = &forward.values;
+        let size = |wanted: Option<f64>, natural: &[f64]| {
+            wanted.or(natural.iter().map(|n| n.abs()).find(|&n| n > 0.0 && n.is_finite())).unwrap_or(1.0)
+        };
+        program.objective.factor /= size(problem.scale, &[program.objective.value(values)]);
+        for (row, constraint) in program.nonlinear.iter_mut().zip(&problem.constraints) {
+            row.factor /= size(constraint.scale, &[constraint.limit.value(), row.value(values)]);
+        }
+        let y = program.scaling.scaled(start);
+        program.keep(&y, start.to_vec(), Ok((prepared, forward)), begun.elapsed().as_secs_f64()).ok();
+        Ok(program)
+    }
+
+    /// Builds a design and simulates it.
+    fn simulate(&self, design: &[f64]) -> Result<(Prepared<'o>, Forward), RunError> {
+        let Optimization { scene, method, settings, functionals, keep, .. } = self.optimization;
+        let mut prepared = Prepared::with(*scene, design, method.clone(), *settings)?;
+        let known = |name: &str| functionals.iter().position(|functional| functional.0 == name);
+        prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
+        prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));
+        prepared.keep = keep.clone();
+        let watcher = &self.watcher;
+        let mut watch = Watch(|_: &StepRecord<f64>| !watcher.wants_to_stop());
+        let (forward, stopped) = prepared.analysis().observed(design, &mut watch)?;
+        if watcher.wants_to_stop() {
+            return Err(RunError::Interrupted { steps: forward.history.steps() });
+        }
+        stopped.map_or(Ok(()), Err)?;
+        match forward.values.iter().position(|value| !value.is_finite()) {
+            Some(k) => Err(RunError::Input(format!(
+                "functional \"{}\" is {}; a smooth maximum needs steps that resolve its peak: try a smaller step or sharpness",
+                functionals[k].0, forward.values[k]
+            ))),
+            None => Ok((prepared, forward)),
+        }
+    }
+
+    fn values_at(&self, y: &[f64], functionals: &[f64]) -> Values {
+        let constraints = self.nonlinear.iter().map(|row| row.value(functionals));
+        let constraints = constraints.chain(self.linear.iter().map(|row| row.value(y))).collect();
+        Values { objective: self.objective.value(functionals), constraints }
+    }
+
+    /// Adds a point to the history, makes it the latest one, and tells the watcher.
+    fn keep(
+        &mut self,
+        y: &[f64],
+        design: Vec<f64>,
+        run: Result<(Prepared<'o>, Forward), RunError>,
+        seconds: f64,
+    ) -> Result<Values, NoValue> {
+        let mut work = Work { simulations: 1, simulation_seconds: seconds, ..Work::default() };
+        let nothing = vec![f64::NAN; self.history.functionals.len()];
+        let place = self.history.points.len();
+        let (functionals, values) = match run {
+            Ok((prepared, forward)) => {
+                work.simulation = forward.counters;
+                let values = self.values_at(y, &forward.values);
+                let functionals = forward.values.clone();
+                self.latest = Some(Simulated { prepared, forward, place });
+                (functionals, Ok(values))
+            }
+            Err(error) => {
+                self.failure = Some(error);
+                (nothing, Err(NoValue::Failed))
+            }
+        };
+        let weighted = |&(index, weight): &(usize, f64)| weight * functionals[index];
+        let (objective, violation) = match &values {
+            Ok(values) => (self.objective.weights.iter().map(weighted).sum(), violation(&self.kinds, &values.constraints)),
+            Err(_) => (f64::NAN, f64::NAN),
+        };
+        self.history.points.push(DesignPoint {
+            evaluation: place,
+            iteration: None,
+            design,
+            functionals,
+            objective,
+            violation,
+            work,
+        });
+        self.tell();
+        values
+    }
+
+    /// Tells the watcher of a change.
+    fn tell(&mut self) {
+        self.stopped |= !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
+    }
+
+    /// Gradients of the functionals with respect to all design variables.
+    fn rows(&self, simulated: &Simulated, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
+        let Simulated { prepared, forward, .. } = simulated;
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let gradient = match self.optimization.gradient {
+            GradientBy::Adjoint => {
+                work.sweeps += 1;
+                analysis.adjoint(x, forward)?
+            }
+            GradientBy::ComplexStep => {
+                work.sweeps += x.len();
+                analysis.complex_step(x, forward)?
+            }
+            GradientBy::Difference { share } => return self.differences(simulated, share, work),
+        };
+        work.gradient += gradient.counters;
+        Ok(gradient.rows)
+    }
+
+    /// One simulation for each variable that varies, at a design that differs by a share of its value (of its scale where it is 0).
+    fn differences(&self, simulated: &Simulated, share: f64, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
+        let Simulated { prepared, forward, .. } = simulated;
+        let analysis = prepared.analysis().on_steps_of(forward);
+        let mut rows = vec![vec![0.0; prepared.x.len()]; forward.values.len()];
+        for (&variable, &(_, size)) in self.scaling.varying.iter().zip(&self.scaling.measures) {
+            let mut x = prepared.x.clone();
+            let step = share * if x[variable] == 0.0 { size } else { x[variable].abs() };
+            let inside = x[variable] + step <= prepared.variables[variable].upper;
+            x[variable] += if inside { step } else { -step };
+            let step = x[variable] - prepared.x[variable];
+            let Forward { values, counters, .. } = analysis.forward(&x)?;
+            work.sweeps += 1;
+            work.gradient += counters;
+            for ((row, value), here) in rows.iter_mut().zip(values).zip(&forward.values) {
+                row[variable] = (value - here) / step;
+            }
+            if self.watcher.wants_to_stop() {
+                return Err(RunError::Interrupted { steps: 0 });
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Simulates a design unless it is the latest one.
+    fn simulated(&mut self, y: &[f64]) -> Result<Values, NoValue> {
+        if self.stopped || self.watcher.wants_to_stop() {
+            return Err(NoValue::Stop);
+        }
+        let design = self.scaling.design(y);
+        if let Some(latest) = self.latest.as_ref().filter(|latest| latest.prepared.x == design) {
+            return Ok(self.values_at(y, &latest.forward.values));
+        }
+        let begun = Instant::now();
+        let run = self.simulate(&design);
+        if matches!(run, Err(RunError::Interrupted { .. })) {
+            return Err(NoValue::Stop);
+        }
+        self.keep(y, design, run, begun.elapsed().as_secs_f64())
+    }
+}
+
+impl NonlinearProgram for DesignProgram<'_, '_> {
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        self.scaling.bounds()
+    }
+    fn constraints(&self) -> Vec<ConstraintKind> {
+        self.kinds.clone()
+    }
+    fn values(&mut self, y: &[f64]) -> Result<Values, NoValue> {
+        self.simulated(y)
+    }
+    fn gradients(&mut self, y: &[f64]) -> Result<Gradients, NoValue> {
+        // an optimizer may have gone on to other points since
+        self.simulated(y)?;
+        let Some(latest) = self.latest.take() else { return Err(NoValue::Failed) };
+        let mut work = Work::default();
+        let begun = Instant::now();
+        let rows = self.rows(&latest, &mut work);
+        work.gradient_seconds = begun.elapsed().as_secs_f64();
+        let point = &mut self.history.points[latest.place];
+        point.work += work;
+        let rows = match rows {
+            Ok(rows) => rows,
+            Err(RunError::Interrupted { .. }) => return Err(NoValue::Stop),
+            Err(error) => {
+                // a design that cannot be differentiated is no place to go on from
+                self.failure = Some(error);
+                return Err(NoValue::Failed);
+            }
+        };
+        self.latest = Some(latest);
+        let constraints = self.nonlinear.iter().map(|row| self.scaling.gradient(&row.gradient(&rows)));
+        let constraints = constraints.chain(self.linear.iter().map(|row| row.slopes(y.len()))).collect();
+        let gradients = Gradients { objective: self.scaling.gradient(&self.objective.gradient(&rows)), constraints };
+        self.tell();
+        Ok(gradients)
+    }
+    fn reached(&mut self, y: &[f64], iteration: usize) -> bool {
+        let design = self.scaling.design(y);
+        if let Some(point) = self.history.points.iter_mut().rev().find(|point| point.design == design) {
+            point.iteration = Some(iteration);
+        }
+        self.tell();
+        !self.stopped
+    }
+}

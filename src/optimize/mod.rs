@@ -1,0 +1,25 @@
+//! Optimization: designs that make a functional small or large within bounds and constraints.
+//!
+//! A scene states its [`OptimizationProblem`](crate::scenes::OptimizationProblem) by names of functionals and design variables.
+//! [`Optimization`] makes a [`NonlinearProgram`] of it, in scaled variables: each point is one simulation, and one adjoint sweep
+//! where gradients are wanted, for all functionals of the problem together. An [`Optimizer`] goes from point to point along a
+//! [`Course`], which remembers values, keeps the best point and says when to end. [`Sqp`] is the default one.
+
+mod course;
+mod design_program;
+mod history;
+#[cfg(feature = "nlopt")]
+mod nlopt;
+mod optimization;
+mod optimizer;
+mod program;
+mod quadratic;
+mod scaling;
+mod sqp;
+
+pub use course::{Course, Ended, Point, Reason, Stopping};
+pub use history::{DesignHistory, DesignPoint, Work};
+pub use optimization::{GradientBy, Optimization, Optimized, Watcher};
+pub use optimizer::{Optimizer, minimize, optimizers};
+pub use program::{ConstraintKind, Gradients, NoValue, NonlinearProgram, Values};
+pub use sqp::Sqp;

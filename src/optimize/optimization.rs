@@ -1,0 +1,226 @@
+use super::design_program::{Combination, DesignProgram, sided};
+use super::quadratic::QuadraticProgram;
+use super::scaling::Scaling;
+use super::{ConstraintKind, DesignHistory, Ended, Optimizer, Stopping, minimize};
+use crate::design::{DesignVariable, check_design};
+use crate::history::Keep;
+use crate::integrators::{Method, RunError};
+use crate::scenes::{AnyScene, LinearConstraint, OptimizationProblem, Prepared, Settings};
+
+/// Where gradients come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GradientBy {
+    /// One adjoint sweep, whatever the number of variables.
+    Adjoint,
+    /// One more simulation for each variable that varies, at `share` more of its value; not exact.
+    Difference {
+        /// Relative change of the variable.
+        share: f64,
+    },
+    /// One complex-step simulation for each variable.
+    ComplexStep,
+}
+
+/// Sees an optimization go on, and may end it.
+pub trait Watcher {
+    /// The history has a new point or a new iteration; `false` ends the optimization.
+    fn changed(&mut self, _history: &DesignHistory) -> bool {
+        true
+    }
+    /// Asked at every step of every simulation.
+    fn wants_to_stop(&self) -> bool {
+        false
+    }
+}
+
+impl Watcher for () {}
+
+/// A scene with its problem, checked, and how it is simulated.
+///
+/// ```no_run
+/// use costate::optimize::{Optimization, Sqp};
+/// use costate::scenes::built_in::FiveBar;
+/// let optimization = Optimization::of(&FiveBar)?;
+/// let optimized = optimization.run(&Sqp, &optimization.initial(), &mut ())?;
+/// println!("{:?}", optimized.history.best());
+/// # Ok::<(), costate::integrators::RunError>(())
+/// ```
+pub struct Optimization<'s> {
+    /// The scene.
+    pub scene: &'s dyn AnyScene,
+    /// What is wanted.
+    pub problem: OptimizationProblem,
+    /// How designs are integrated.
+    pub method: Method,
+    /// Their duration and steps.
+    pub settings: Settings,
+    /// How their steps are kept for gradients.
+    pub keep: Keep,
+    /// Where gradients come from.
+    pub gradient: GradientBy,
+    /// When to end.
+    pub stopping: Stopping,
+    pub(super) variables: Vec<DesignVariable>,
+    /// Names and units of the functionals that the problem names.
+    pub(super) functionals: Vec<(String, String)>,
+}
+
+/// Where an optimization ended.
+#[derive(Debug)]
+pub struct Optimized {
+    /// Why it ended, and its counts. The best point of this is in scaled variables; see [`DesignHistory::best`].
+    pub ended: Ended,
+    /// All designs that were simulated.
+    pub history: DesignHistory,
+    /// What the last failed design failed with.
+    pub failure: Option<RunError>,
+}
+
+impl<'s> Optimization<'s> {
+    /// A scene's own problem, with its own method and settings.
+    ///
+    /// # Errors
+    /// A scene without a problem, and those of [`Optimization::new`].
+    pub fn of(scene: &'s dyn AnyScene) -> Result<Self, RunError> {
+        let problem = scene.optimization_problem();
+        let problem = problem.ok_or_else(|| {
+            RunError::Input(format!("the scene \"{}\" states no optimization problem", scene.scene_name()))
+        })?;
+        let settings = scene.default_settings();
+        Self::new(scene, problem, Prepared::method_of(&settings)?, settings)
+    }
+
+    /// Checks a problem against a scene.
+    ///
+    /// # Errors
+    /// A name that the scene has not, or a number that makes no sense.
+    pub fn new(
+        scene: &'s dyn AnyScene,
+        problem: OptimizationProblem,
+        method: Method,
+        settings: Settings,
+    ) -> Result<Self, RunError> {
+        let variables = scene.design_variables();
+        let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
+        let mechanism = scene.build_real(&initial).map_err(RunError::Input)?;
+        let named = |name: &str| {
+            problem.objective.iter().any(|(own, _)| own == name)
+                || problem.constraints.iter().any(|constraint| constraint.functional == name)
+        };
+        let all = mechanism.functionals.iter();
+        let names: Vec<&str> = all.clone().map(|functional| functional.name.as_str()).collect();
+        let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.scene_name()));
+        problem.check(&variables, &names).map_err(problem_of)?;
+        let functionals = all.filter(|f| named(&f.name)).map(|f| (f.name.clone(), f.value_unit())).collect();
+        let (keep, gradient, stopping) = (Keep::default(), GradientBy::Adjoint, Stopping::default());
+        Ok(Optimization { scene, problem, method, settings, keep, gradient, stopping, variables, functionals })
+    }
+
+    /// The design variables.
+    pub fn variables(&self) -> &[DesignVariable] {
+        &self.variables
+    }
+
+    /// Names and units of the functionals that the problem names.
+    pub fn functionals(&self) -> &[(String, String)] {
+        &self.functionals
+    }
+
+    /// The scene's own design.
+    pub fn initial(&self) -> Vec<f64> {
+        self.variables.iter().map(|variable| variable.initial).collect()
+    }
+
+    /// Places of the variables that vary.
+    pub fn varying(&self) -> Vec<usize> {
+        let varies = |name: &String| self.problem.varying.as_ref().is_none_or(|names| names.contains(name));
+        (0..self.variables.len()).filter(|&i| varies(&self.variables[i].name)).collect()
+    }
+
+    /// The values of the linear constraints' sums at a design.
+    pub fn linear_values(&self, design: &[f64]) -> Vec<f64> {
+        let of =
+            |name: &String| self.variables.iter().zip(design).find(|(own, _)| own.name == *name).map_or(0.0, |(_, x)| *x);
+        let sum = |coefficients: &[(String, f64)]| coefficients.iter().map(|(name, factor)| factor * of(name)).sum();
+        self.problem.linear.iter().map(|constraint| sum(&constraint.coefficients)).collect()
+    }
+
+    /// Linear constraints in scaled variables, each of the order of 1; those variables that do not vary are constants.
+    fn linear(&self, scaling: &Scaling, start: &[f64]) -> Vec<Combination> {
+        let row = |constraint: &LinearConstraint| {
+            let mut weights: Vec<(usize, f64)> = Vec::new();
+            let mut constant = -constraint.limit.value();
+            for (name, coefficient) in &constraint.coefficients {
+                let index = self.variables.iter().position(|variable| variable.name == *name).unwrap_or_default();
+                match scaling.varying.iter().position(|&varying| varying == index) {
+                    Some(place) => {
+                        let (offset, size) = scaling.measures[place];
+                        weights.push((place, coefficient * size));
+                        constant += coefficient * offset;
+                    }
+                    None => constant += coefficient * start[index],
+                }
+            }
+            let largest = weights.iter().fold(0.0, |most: f64, (_, weight)| most.max(weight.abs()));
+            let size = if largest > 0.0 { largest } else { constraint.limit.value().abs().max(1.0) };
+            Combination { weights, constant, factor: sided(constraint.limit).1 / size }
+        };
+        self.problem.linear.iter().map(row).collect()
+    }
+
+    /// The nearest design, in scaled variables, that satisfies the linear constraints.
+    fn linear_start(&self, start: &[f64]) -> Result<Vec<f64>, RunError> {
+        let scaling = Scaling::new(&self.variables, start, self.varying());
+        let linear = self.linear(&scaling, start);
+        let y = scaling.scaled(start);
+        let offsets: Vec<f64> = linear.iter().map(|row| row.value(&y)).collect();
+        let kinds: Vec<ConstraintKind> = self.problem.linear.iter().map(|constraint| sided(constraint.limit).0).collect();
+        if super::course::violation(&kinds, &offsets) <= self.stopping.violation {
+            return Ok(start.to_vec());
+        }
+        let n = y.len();
+        let hessian: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+        let rows: Vec<Vec<f64>> = linear.iter().map(|row| row.slopes(n)).collect();
+        let (lower, upper): (Vec<f64>, Vec<f64>) =
+            scaling.bounds().iter().zip(&y).map(|((lower, upper), y)| (lower - y, upper - y)).unzip();
+        let program = QuadraticProgram {
+            hessian: &hessian,
+            gradient: &vec![0.0; n],
+            rows: &rows,
+            offsets: &offsets,
+            kinds: &kinds,
+            lower: &lower,
+            upper: &upper,
+        };
+        let names: Vec<&str> = self.problem.linear.iter().map(|constraint| constraint.name.as_str()).collect();
+        let step = program.solve().map_err(|_| {
+            RunError::Input(format!(
+                "no design within the bounds satisfies the linear constraints {} together; the variables that may change: {}",
+                names.join(", "),
+                scaling.varying.iter().map(|&i| self.variables[i].name.as_str()).collect::<Vec<_>>().join(", ")
+            ))
+        })?;
+        Ok(scaling.design(&y.iter().zip(&step.step).map(|(y, d)| y + d).collect::<Vec<_>>()))
+    }
+
+    /// Optimizes from a design. If that violates linear constraints, the nearest one which satisfies them is the start.
+    ///
+    /// # Errors
+    /// A design out of bounds, linear constraints that contradict each other, a start that cannot be simulated, a problem that the
+    /// optimizer does not treat. A later design that cannot be simulated is no error: the optimizer steps back from it, and it is
+    /// counted.
+    pub fn run(&self, optimizer: &dyn Optimizer, start: &[f64], watcher: &mut dyn Watcher) -> Result<Optimized, RunError> {
+        check_design(&self.variables, start).map_err(RunError::Input)?;
+        let start = self.linear_start(start)?;
+        let scaling = Scaling::new(&self.variables, &start, self.varying());
+        let linear = self.linear(&scaling, &start);
+        let y = scaling.scaled(&start);
+        let mut program = DesignProgram::begin(self, scaling, linear, &start, watcher)?;
+        let ended = minimize(optimizer, &mut program, &y, self.stopping).map_err(RunError::Input)?;
+        let DesignProgram { history, failure, .. } = program;
+        if ended.reason == super::Reason::StartFailed {
+            return Err(failure.unwrap_or_else(|| RunError::Input("the start has no gradient".into())));
+        }
+        Ok(Optimized { ended, history, failure })
+    }
+}

@@ -1,0 +1,53 @@
+use super::{Course, Ended, NonlinearProgram, Reason, Sqp, Stopping};
+
+/// A method that minimizes a [`NonlinearProgram`] by its gradients. A new one is a file here and a line in [`optimizers`].
+pub trait Optimizer {
+    /// Name on the command line.
+    fn name(&self) -> &'static str;
+    /// Why it cannot treat a program, in words.
+    ///
+    /// # Errors
+    /// A kind of constraint that it does not know.
+    fn check(&self, _course: &Course) -> Result<(), String> {
+        Ok(())
+    }
+    /// Goes from `start` along a course until it ends; says [`Course::reach`] after each iteration.
+    fn go(&self, course: &mut Course, start: &[f64]) -> Reason;
+}
+
+/// Minimizes a program from a start.
+///
+/// # Errors
+/// A start of the wrong size or not finite; a program that the optimizer does not treat.
+pub fn minimize(
+    optimizer: &dyn Optimizer,
+    program: &mut dyn NonlinearProgram,
+    start: &[f64],
+    stopping: Stopping,
+) -> Result<Ended, String> {
+    let mut course = Course::new(program, stopping);
+    let n = course.bounds().len();
+    if start.len() != n {
+        return Err(format!("the program has {n} variables, but the start has {} values", start.len()));
+    }
+    if let Some(i) = start.iter().position(|x| !x.is_finite()) {
+        return Err(format!("variable {i} starts at {}; it must be finite", start[i]));
+    }
+    if let Some(i) = course.bounds().iter().position(|(lower, upper)| !(lower <= upper)) {
+        let (lower, upper) = course.bounds()[i];
+        return Err(format!("variable {i} must lie between {lower} and {upper}, where nothing lies"));
+    }
+    optimizer.check(&course)?;
+    let inside: Vec<f64> = start.iter().zip(course.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
+    let reason = optimizer.go(&mut course, &inside);
+    Ok(course.end(reason))
+}
+
+/// All optimizers, the default one first.
+pub fn optimizers() -> Vec<Box<dyn Optimizer>> {
+    #[allow(unused_mut)]
+    let mut all: Vec<Box<dyn Optimizer>> = vec![Box::new(Sqp)];
+    #[cfg(feature = "nlopt")]
+    all.extend(super::nlopt::all());
+    all
+}
