@@ -9,7 +9,7 @@ mod violation;
 
 pub mod built_in;
 
-pub use builder::{BeamLine, BeamMember, Drawing, MechanismBuilder};
+pub use builder::{BeamLine, BeamMember, CableLine, CableMember, Drawing, MechanismBuilder};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};

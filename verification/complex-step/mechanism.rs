@@ -202,7 +202,7 @@ impl Case {
             }
             Torque(frame, size) => {
                 let p = [[0.7, 0.4, -0.5].map(S::from).to_vec(), f].concat();
-                m.element(name, &[arm], AppliedTorque { frame: *frame, size: size.clone() }, &p);
+                m.element(name, &[arm], AppliedTorque { on: Anchor::Body, frame: *frame, size: size.clone() }, &p);
             }
             SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, [60.0, 2.0, 0.1].map(S::from))),
             CoordinateSpringDamper => {

@@ -19,6 +19,20 @@ const fn new(name: &'static str, unit: &'static str) -> Parameter {
     Parameter::new(name, unit)
 }
 
+/// Mass, mass centre and inertia: the parameters of every rigid body.
+pub(super) const INERTIA: &[Parameter] = &[
+    Parameter::positive("mass", "kg"),
+    new("centre x", "m"),
+    new("centre y", "m"),
+    new("centre z", "m"),
+    Parameter::non_negative("inertia xx", "kg m2"),
+    Parameter::non_negative("inertia yy", "kg m2"),
+    Parameter::non_negative("inertia zz", "kg m2"),
+    new("inertia xy", "kg m2"),
+    new("inertia xz", "kg m2"),
+    new("inertia yz", "kg m2"),
+];
+
 /// J omega for the six numbers of the symmetric tensor J.
 #[inline(always)]
 fn inertia_times<S: Scalar>(j: &[S], omega: Vec3<S>) -> Vec3<S> {
@@ -28,18 +42,7 @@ fn inertia_times<S: Scalar>(j: &[S], omega: Vec3<S>) -> Vec3<S> {
 
 impl Element for RigidBody {
     const DOFS: usize = 7;
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::positive("mass", "kg"),
-        new("centre x", "m"),
-        new("centre y", "m"),
-        new("centre z", "m"),
-        Parameter::non_negative("inertia xx", "kg m2"),
-        Parameter::non_negative("inertia yy", "kg m2"),
-        Parameter::non_negative("inertia zz", "kg m2"),
-        new("inertia xy", "kg m2"),
-        new("inertia xz", "kg m2"),
-        new("inertia yz", "kg m2"),
-    ];
+    const PARAMETERS: &'static [Parameter] = INERTIA;
     const ENERGIES: bool = true;
 
     #[inline(always)]
