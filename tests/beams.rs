@@ -119,7 +119,7 @@ impl Scene for Bar {
             What::Determinate => {
                 let beam = m.beam("beam", cantilever(LENGTH, ELEMENTS), &Section::new([number(STIFF); STRAINS]));
                 growing_force(m, "force", beam.end(), (LoadFrame::World, TIP[0]), along(LENGTH));
-                let moment = AppliedTorque { frame: LoadFrame::World, size: TimeFunction::Constant };
+                let moment = AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size: TimeFunction::Constant };
                 m.element("moment", &[beam.end()], moment, &[&TIP[1].map(S::from)[..], &[S::one()]].concat());
                 let direction = (LoadFrame::World, Vec3::from_f64(ALONG));
                 m.distributed_load("load", &beam, direction, TimeFunction::Constant, &[S::one()]);

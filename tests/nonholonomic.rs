@@ -4,7 +4,7 @@ mod support;
 
 use costate::design::DesignVariable;
 use costate::elements::joints::{RollingDisc, RollingSphere};
-use costate::elements::{AnyConstraint, ConstraintIn, Nonholonomic, State, TimeFunction};
+use costate::elements::{Anchor, AnyConstraint, ConstraintIn, Nonholonomic, State, TimeFunction};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
 use costate::scalar::{Complex, Quaternion, Scalar, Taylor, Vec3};
@@ -105,8 +105,10 @@ fn differences(scene: &(impl Scene + Sync), level: ConstraintLevel, table: &str)
 #[test]
 fn rows_and_reactions_follow_from_h() {
     let mut random = Random::new(3);
-    let constraints: [(&str, Box<dyn AnyConstraint>, usize); 2] =
-        [("sphere", Box::new(Nonholonomic(RollingSphere)), 13), ("disc", Box::new(Nonholonomic(RollingDisc)), 16)];
+    let constraints: [(&str, Box<dyn AnyConstraint>, usize); 2] = [
+        ("sphere", Box::new(Nonholonomic(RollingSphere { a: Anchor::Body, b: Anchor::Body })), 13),
+        ("disc", Box::new(Nonholonomic(RollingDisc { a: Anchor::Body, b: Anchor::Body })), 16),
+    ];
     let complex = |x: &[f64]| x.iter().map(|&x| Complex::from(x)).collect::<Vec<_>>();
     let stepped = |x: &[f64], place: usize| {
         let mut x = complex(x);

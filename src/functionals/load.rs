@@ -1,7 +1,7 @@
 use super::FunctionalScalar;
 use crate::elements::forces::LoadFrame;
-use crate::elements::{AnyConstraint, Parameter};
-use crate::scalar::{Quaternion, Vec3};
+use crate::elements::{Anchor, AnyConstraint, Frame, Parameter};
+use crate::scalar::Vec3;
 use std::ops::Range;
 
 /// Which load of a joint.
@@ -19,7 +19,8 @@ pub enum LoadKind {
 
 /// Force F or moment M about a point, with which a joint or driver acts on one of its nodes, from -A^T mu whatever the joint.
 ///
-/// For a body with generalized forces (f, f_e): F = f, and M = R(e) G(e) f_e / 2 - (x - r) x F about the point x.
+/// For a body with generalized forces (f, f_e): F = f, and M = R(e) G(e) f_e / 2 - (x - r) x F about the point x; with natural
+/// coordinates and forces f_u, f_v, f_w on the axes, M = u x f_u + v x f_v + w x f_w - (x - r) x F.
 ///
 /// * `direction x, y, z`  d, in the world or in the frame of the body [-]; ignored by norms
 /// * `point x, y, z`  in the frame of the body [m]; read by moments
@@ -28,8 +29,10 @@ pub struct JointLoad {
     pub kind: LoadKind,
     /// The frame of the direction.
     pub frame: LoadFrame,
-    /// Coordinates of the node among those of the joint; three for a point, seven for a body.
+    /// Coordinates of the node among those of the joint.
     pub node: Range<usize>,
+    /// What they are.
+    pub on: Anchor,
 }
 
 impl JointLoad {
@@ -58,17 +61,13 @@ impl JointLoad {
         let (q, generalized) = (&q[self.node.clone()], &reaction[self.node.clone()]);
         let mut load = -Vec3::from_slice(generalized);
         let mut direction = Vec3::from_slice(p);
-        if let [_, _, _, e @ ..] = q
-            && e.len() == 4
-        {
-            let e = Quaternion::from_slice(e);
+        if self.on.has_axes() {
+            let frame = Frame::of(self.on, q);
             if matches!(self.kind, LoadKind::Moment | LoadKind::MomentNorm) {
-                let moment = e.g_times(Quaternion::from_slice(&generalized[3..])) * S::from(-0.5);
-                let arm = e.rotate(Vec3::from_slice(&p[3..]));
-                load = e.rotate(moment) - arm.cross(load);
+                load = -self.on.moment(q, generalized) - frame.direction(&p[3..]).cross(load);
             }
             if self.frame == LoadFrame::Body {
-                direction = e.rotate(direction);
+                direction = frame.direction(p);
             }
         }
         match self.kind {

@@ -5,7 +5,7 @@
 //! and mu* = M (M^T M)^-1 Q F, a smooth function of the state that depends on the choice K only by round-off.
 
 use crate::assembly::{Model, NodeKind};
-use crate::elements::RunScalar;
+use crate::elements::{Anchor, RunScalar};
 use crate::scalar::{Direction, LANES, Lanes, Quaternion, Scalar, Vec3};
 
 type Matrix<S> = Vec<Vec<S>>;
@@ -51,7 +51,7 @@ impl Columns {
         let first = model.nodes.iter().map(|node| {
             (!node.fixed).then(|| {
                 let first = count;
-                count += if node.kind == NodeKind::Body { 6 } else { node.dofs.len() };
+                count += if node.kind.has_axes() { 6 } else { node.dofs.len() };
                 first
             })
         });
@@ -59,7 +59,8 @@ impl Columns {
     }
 }
 
-/// Rows A of all constraint equations towards `columns`; the moment on a body is G(e) f / 2 in its frame.
+/// Rows A of all constraint equations towards `columns`; the moment on a body is G(e) f / 2 in its frame, with natural coordinates the
+/// sum of axis x force on it in the world.
 fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64) -> Matrix<S> {
     let mut all = vec![vec![S::zero(); columns.count]; model.equations];
     for joint in &model.constraints {
@@ -79,9 +80,14 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64
                 local += count;
                 let Some(first) = columns.first[node.0] else { continue };
                 let target = &mut all[equation][first..];
-                if kind == NodeKind::Body {
-                    let e = Quaternion::from_slice(&place[3..]);
-                    let moment = e.g_times(Quaternion::from_slice(&force[3..])) * S::from(0.5);
+                if kind.has_axes() {
+                    let moment = match kind {
+                        NodeKind::Body => {
+                            let e = Quaternion::from_slice(&place[3..]);
+                            e.g_times(Quaternion::from_slice(&force[3..])) * S::from(0.5)
+                        }
+                        _ => Anchor::Natural.moment(place, force),
+                    };
                     target.iter_mut().zip(force[..3].iter().chain(&moment.0)).for_each(|(target, &f)| *target += f);
                 } else {
                     target.iter_mut().zip(force).for_each(|(target, &f)| *target += f);
@@ -222,7 +228,7 @@ fn add_row_gradient(
         let n = own.len();
         let mut force = vec![0.0; n];
         f64::constraint(&*joint.physics).add_reaction(&own, alpha, own_p, t, &mut force);
-        // beta as a movement of the coordinates: forces on bodies are (f, G f_e / 2)
+        // beta as a movement of the coordinates: forces on bodies are (f, G f_e / 2) or (f, sum of axis x force)
         let mut along = vec![0.0; n];
         let mut local = 0;
         for node in &joint.nodes {
@@ -239,6 +245,14 @@ fn add_row_gradient(
                 let of_e = Quaternion::from_slice(&force[places.start + 3..]).g_transposed_times(half);
                 let target = &mut q_bar[dofs[places.start] + 3..];
                 target.iter_mut().zip(of_e).for_each(|(bar, g)| *bar -= g);
+            } else if model.nodes[node.0].kind == NodeKind::Natural {
+                let turn = Vec3::from_slice(&beta[first + 3..]);
+                along[places.start..places.start + 3].copy_from_slice(&beta[first..first + 3]);
+                for axis in (3..12).step_by(3).map(|axis| places.start + axis) {
+                    along[axis..axis + 3].copy_from_slice(&turn.cross(Vec3::from_slice(&own[axis..])).0);
+                    let of_axis = Vec3::from_slice(&force[axis..]).cross(turn);
+                    q_bar[dofs[axis]..].iter_mut().zip(of_axis.0).for_each(|(bar, g)| *bar += g);
+                }
             } else {
                 along[places].copy_from_slice(&beta[first..first + count]);
             }

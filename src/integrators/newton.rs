@@ -1,7 +1,7 @@
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::failure::{Failure, FailureKind};
-use crate::assembly::{Equations, Jacobian, Level, NodeKind, Residual, System, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Jacobian, Level, Node, NodeKind, Residual, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::linalg::{Backend, Factorization, Singular};
 use smallvec::SmallVec;
@@ -186,7 +186,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             .flat_map(|node| &base.q[node.dofs.start..node.dofs.start + 3])
             .fold(0.0, |largest: f64, q| largest.max(q.value().abs()));
         let lever = if largest > 0.0 { largest } else { 1.0 };
-        for node in nodes.iter().filter(|node| node.kind == NodeKind::Body) {
+        let turning = |node: &&Node| matches!(node.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
+        for node in nodes.iter().filter(turning) {
             self.levers[node.dofs.start + 3..node.dofs.end].fill(lever);
         }
     }

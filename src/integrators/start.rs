@@ -2,9 +2,10 @@ use super::newton::Newton;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, NodeId, NodeKind, Residual, System, SystemOptions, VectorsAvq};
-use crate::elements::{RunScalar, State};
+use crate::elements::bodies::OrthonormalAxes;
+use crate::elements::{Constraint, RunScalar, State};
 use crate::linalg::{Backend, independent_rows};
-use crate::scalar::{Quaternion, Taylor};
+use crate::scalar::{Dual, Quaternion, Taylor};
 use std::sync::Arc;
 
 /// Coordinates and velocities at t = 0.
@@ -140,6 +141,22 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
             return Err(RunError::Input(format!(
                 "body \"{}\": the rates of its Euler parameters change their length (e . de/dt = {along:.3e} 1/s); \
                  give an angular velocity instead or ask for the start to be projected",
+                node.name
+            )));
+        }
+    }
+    for node in problem.model.nodes.iter().filter(|node| node.kind == NodeKind::Natural && !policy.project_start) {
+        let (q, v) = (&problem.start.q[node.dofs.clone()], &problem.start.v[node.dofs.clone()]);
+        let moving: Vec<Dual<f64, 1>> = q.iter().zip(v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
+        let mut g = [Dual::default(); OrthonormalAxes::EQUATIONS];
+        OrthonormalAxes.g(&moving, &[], Dual::default(), &mut g);
+        let largest = |part: fn(&Dual<f64, 1>) -> f64| g.iter().map(part).fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let (off, rate) = (largest(|g| g.re), largest(|g| g.eps[0]));
+        let speed = v[3..].iter().fold(1.0, |largest: f64, v| largest.max(v.abs()));
+        if off > INCONSISTENT || rate > INCONSISTENT * speed {
+            return Err(RunError::Input(format!(
+                "body \"{}\": its axes are off from orthonormal by {off:.3e}, and their rates move them off by {rate:.3e} 1/s; \
+                 give a rotation and an angular velocity or ask for the start to be projected",
                 node.name
             )));
         }

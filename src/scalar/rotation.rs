@@ -108,6 +108,25 @@ impl<S: Scalar> Quaternion<S> {
     pub fn rate_of_body_velocity(self, omega_body: Vec3<S>) -> [S; 4] {
         self.g_transposed_times(omega_body * S::from(0.5))
     }
+    /// Euler parameters of the rotation with the given orthonormal columns; the largest of the four is taken positive and divides.
+    ///
+    /// Source: Shepperd (1978).
+    pub fn of_columns(columns: &[Vec3<S>; 3]) -> Self {
+        let entry = |i: usize, j: usize| columns[j].0[i];
+        let (xx, yy, zz) = (entry(0, 0), entry(1, 1), entry(2, 2));
+        // four times the squares
+        let squares = [xx + yy + zz + 1.0, xx - yy - zz + 1.0, yy - xx - zz + 1.0, zz - xx - yy + 1.0];
+        let largest = (0..4).max_by(|&i, &j| squares[i].value().total_cmp(&squares[j].value())).unwrap_or(0);
+        let twice = squares[largest].sqrt();
+        let with_scalar = |i: usize| entry((i + 2) % 3, (i + 1) % 3) - entry((i + 1) % 3, (i + 2) % 3);
+        let together = |i: usize, j: usize| entry(i, j) + entry(j, i);
+        let products: [S; 4] = std::array::from_fn(|k| match (largest, k) {
+            (0, 0) | (1, 1) | (2, 2) | (3, 3) => squares[largest],
+            (0, k) | (k, 0) => with_scalar(k - 1),
+            (i, j) => together(i - 1, j - 1),
+        });
+        Quaternion(products.map(|product| product / (twice * 2.0)))
+    }
     /// |e|^2.
     pub fn norm_squared(self) -> S {
         self.dot(self)
@@ -151,6 +170,18 @@ pub fn combine_columns<S: Scalar>(columns: &[Vec3<S>; 3], s: Vec3<S>) -> Vec3<S>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn euler_parameters_come_back_from_columns_whichever_is_largest() {
+        for largest in 0..4 {
+            let mut e = [0.3, -0.2, 0.1, -0.25];
+            e[largest] = 0.9;
+            let norm = e.iter().map(|e| e * e).sum::<f64>().sqrt();
+            let e = Quaternion(e.map(|e| e / norm));
+            let back = Quaternion::of_columns(&e.columns());
+            assert!(e.0.iter().zip(back.0).all(|(e, back)| (e - back).abs() < 1e-15), "{e:?} {back:?}");
+        }
+    }
 
     #[test]
     fn columns_rotate_like_the_formula_for_any_length() {

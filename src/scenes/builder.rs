@@ -1,4 +1,5 @@
 mod beams;
+mod cables;
 mod forces;
 mod functionals;
 mod joints;
@@ -6,11 +7,12 @@ mod loads;
 mod rolling;
 
 pub use beams::{BeamLine, BeamMember};
+pub use cables::{CableLine, CableMember};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 use crate::design::ModelNumbers;
-use crate::elements::bodies::{PointMass, RigidBody};
-use crate::elements::{Anchor, AnyConstraint, AnyElement, Nonholonomic, NonholonomicConstraint};
+use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
+use crate::elements::{Anchor, AnyConstraint, AnyElement, Frame, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, Over};
 use crate::scalar::{Quaternion, Scalar, Vec3};
 
@@ -46,6 +48,8 @@ pub struct MechanismBuilder<S> {
     masses: Vec<(NodeId, S, Vec3<S>)>,
     /// Elements of beams whose weight has not been added: name, nodes, inertia of their Gauss points, whether eccentric.
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
+    /// Elements of cables whose weight has not been added: name, nodes, length and mass for each length.
+    heavy_cables: Vec<(String, [NodeId; 2], [S; 2])>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vec3<S>)>,
     mistakes: Vec<String>,
@@ -65,6 +69,12 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn body(&mut self, name: &str, position: Vec3<S>, rotation: Quaternion<S>) -> NodeId {
         let q: Vec<S> = position.0.into_iter().chain(rotation.0).collect();
         self.add_node(name, NodeKind::Body, false, &q)
+    }
+
+    /// A rigid body's node in natural coordinates, at rest: position of its frame [m] and rotation, by Euler parameters of unit length.
+    pub fn natural_body(&mut self, name: &str, position: Vec3<S>, rotation: Quaternion<S>) -> NodeId {
+        let q: Vec<S> = position.0.into_iter().chain(rotation.columns().into_iter().flat_map(|axis| axis.0)).collect();
+        self.add_node(name, NodeKind::Natural, false, &q)
     }
 
     /// A point's node at rest [m].
@@ -96,7 +106,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         ground
     }
 
-    /// Gives a node a velocity [m/s] and, if it is a body, an angular velocity in world components [rad/s].
+    /// Gives a node a velocity [m/s] and, if it is a body or a cable's node, an angular velocity in world components [rad/s].
     pub fn set_velocity(&mut self, node: NodeId, velocity: Vec3<S>, omega_world: Vec3<S>) {
         if let NodeKind::Coordinates(_) = self.model.nodes[node.0].kind {
             let name = &self.model.nodes[node.0].name;
@@ -108,23 +118,28 @@ impl<S: Scalar> MechanismBuilder<S> {
         for (place, v) in (first..).zip(velocity.0) {
             self.numbers.v[place] = v;
         }
-        if self.model.nodes[node.0].kind == NodeKind::Body {
-            let e = self.rotation(node);
-            for (place, rate) in (first + 3..).zip(e.rate_of_body_velocity(e.rotate_back(omega_world))) {
-                self.numbers.v[place] = rate;
+        let rates: Vec<S> = match self.model.nodes[node.0].kind {
+            NodeKind::Body => {
+                let e = Quaternion::from_slice(&self.numbers.q[first + 3..]);
+                e.rate_of_body_velocity(e.rotate_back(omega_world)).to_vec()
             }
-            self.set_angle_rates();
+            NodeKind::Natural | NodeKind::Slope => {
+                let own = &self.numbers.q[self.model.nodes[node.0].dofs.clone()][3..];
+                own.chunks_exact(3).flat_map(|vector| omega_world.cross(Vec3::from_slice(vector)).0).collect()
+            }
+            _ => Vec::new(),
+        };
+        for (place, rate) in (first + 3..).zip(rates) {
+            self.numbers.v[place] = rate;
         }
+        self.set_angle_rates();
     }
 
     /// Initial angular velocity of a body in world components [rad/s].
     pub fn angular_velocity(&self, node: NodeId) -> Vec3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
-        if *kind != NodeKind::Body {
-            return Vec3::zero();
-        }
-        let e = self.rotation(node);
-        e.rotate(e.g_times(Quaternion::from_slice(&self.numbers.v[dofs.start + 3..])) * S::from(2.0))
+        let (v, q) = (&self.numbers.v[dofs.clone()], &self.numbers.q[dofs.clone()]);
+        kind.anchor().map_or_else(Vec3::zero, |anchor| anchor.angular_velocity(v, q))
     }
 
     /// Initial position of a node's frame [m]; that of the world where it has no place in space.
@@ -141,43 +156,46 @@ impl<S: Scalar> MechanismBuilder<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         match kind {
             NodeKind::Body => Quaternion::from_slice(&self.numbers.q[dofs.start + 3..]),
+            NodeKind::Natural => Quaternion::of_columns(&Anchor::Natural.axes(&self.numbers.q[dofs.clone()])),
             _ => Quaternion::identity(),
         }
     }
 
-    /// A world point [m] in the frame of a node; zero for a point node, whose own position it is.
+    /// A world point [m] in the frame of a body; zero for other nodes, whose own position it is.
     pub fn local_point(&self, node: NodeId, point: Vec3<S>) -> Vec3<S> {
-        match self.model.nodes[node.0].kind {
-            NodeKind::Body => self.rotation(node).rotate_back(point - self.position(node)),
-            _ => Vec3::zero(),
+        if self.model.nodes[node.0].kind.has_axes() {
+            return self.local_direction(node, point - self.position(node));
         }
+        Vec3::zero()
     }
 
     /// A world direction in the frame of a body.
     pub fn local_direction(&self, node: NodeId, direction: Vec3<S>) -> Vec3<S> {
-        self.rotation(node).rotate_back(direction)
+        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        match kind {
+            NodeKind::Natural => Frame::of(Anchor::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
+            _ => self.rotation(node).rotate_back(direction),
+        }
     }
 
     fn anchor(&mut self, owner: &str, node: NodeId) -> Anchor {
-        match self.model.nodes[node.0].kind {
-            NodeKind::Point => Anchor::Point,
-            NodeKind::Body => Anchor::Body,
-            NodeKind::Coordinates(_) => {
-                let name = &self.model.nodes[node.0].name;
-                self.mistakes.push(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
-                Anchor::Point
-            }
-        }
+        self.model.nodes[node.0].kind.anchor().unwrap_or_else(|| {
+            let name = &self.model.nodes[node.0].name;
+            self.mistakes.push(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
+            Anchor::Point
+        })
     }
 
-    /// Axes and angles need bodies.
-    fn check_bodies(&mut self, owner: &str, nodes: &[NodeId]) {
-        for node in nodes.iter().map(|node| &self.model.nodes[node.0]).filter(|node| node.kind != NodeKind::Body) {
-            self.mistakes.push(format!(
-                "\"{owner}\" needs a body, which has axes, but node \"{}\" is none: make it a body, or take a joint for points",
-                node.name
-            ));
+    /// How to take hold of a body: axes and angles need one.
+    fn body_anchor(&mut self, owner: &str, node: NodeId) -> Anchor {
+        let Node { kind, name, .. } = &self.model.nodes[node.0];
+        if let Some(anchor) = kind.anchor().filter(|anchor| anchor.has_axes()) {
+            return anchor;
         }
+        self.mistakes.push(format!(
+            "\"{owner}\" needs a body, which has axes, but node \"{name}\" is none: make it a body, or take a joint for points"
+        ));
+        Anchor::Body
     }
 
     /// A vector of length one along an axis or normal.
@@ -248,11 +266,15 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.constraint(name, nodes, Nonholonomic(constraint), p)
     }
 
-    /// Inertia of a body: mass [kg], mass centre in the body frame [m], tensor about it (xx, yy, zz, xy, xz, yz) [kg m2].
+    /// Inertia of a body, in Euler parameters or natural coordinates: mass [kg], mass centre in the body frame [m], tensor about it
+    /// (xx, yy, zz, xy, xz, yz) [kg m2].
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vec3<S>, inertia: [S; 6]) -> ElementId {
         self.masses.push((node, mass, centre));
         let p: Vec<S> = [mass].into_iter().chain(centre.0).chain(inertia).collect();
-        self.add_element(name, &[node], RigidBody.into(), &p)
+        match self.body_anchor(name, node) {
+            Anchor::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
+            _ => self.add_element(name, &[node], RigidBody.into(), &p),
+        }
     }
 
     /// A mass [kg] at a point.

@@ -10,7 +10,7 @@ mod violation;
 
 pub mod built_in;
 
-pub use builder::{BeamLine, BeamMember, Drawing, MechanismBuilder};
+pub use builder::{BeamLine, BeamMember, CableLine, CableMember, Drawing, MechanismBuilder};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};

@@ -1,27 +1,24 @@
 use super::builder::MechanismBuilder;
 use crate::assembly::{NodeId, NodeKind};
-use crate::elements::Parameter;
+use crate::elements::{Anchor, Parameter};
 use crate::functionals::Measured;
-use crate::scalar::{Quaternion, Vec3};
+use crate::scalar::Vec3;
 use std::ops::Range;
 
 /// A point that moves with a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodePoint {
     dofs: Range<usize>,
-    body: bool,
+    anchor: Anchor,
     fixed: bool,
-    /// In the frame of the body [m]; zero for a point node.
+    /// In the frame of the body [m]; zero for other nodes.
     local: [f64; 3],
 }
 
 impl NodePoint {
     /// Its place in the world [m] at coordinates `q` of the whole mechanism.
     pub fn at(&self, q: &[f64]) -> [f64; 3] {
-        let own = &q[self.dofs.clone()];
-        let origin = Vec3::from_slice(own);
-        let place = if self.body { origin + Quaternion::from_slice(&own[3..]).rotate(Vec3(self.local)) } else { origin };
-        place.0
+        self.anchor.position(&q[self.dofs.clone()], Vec3(self.local)).0
     }
 }
 
@@ -73,23 +70,24 @@ impl MechanismBuilder<f64> {
                 && let Some(local) = self.named_vector(&list, parameters.clone(), "point")
                 && let Some(point) = self.node_point(node, local)
             {
-                let name = if point.body { format!("point of {}", functional.name) } else { self.node_name(&point) };
+                let name =
+                    if point.anchor.has_axes() { format!("point of {}", functional.name) } else { self.node_name(&point) };
                 sketch.follow(name, point);
             }
         }
         for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Point) {
-            let point = NodePoint { dofs: node.dofs.clone(), body: false, fixed: node.fixed, local: [0.0; 3] };
-            sketch.follow(node.name.clone(), point);
+            let (dofs, anchor) = (node.dofs.clone(), Anchor::Point);
+            sketch.follow(node.name.clone(), NodePoint { dofs, anchor, fixed: node.fixed, local: [0.0; 3] });
         }
         if sketch.followed.is_empty() {
             // of a beam its ends
             let lines = self.drawings.iter().filter(|drawing| drawing.joins_nodes());
             let inner: Vec<NodeId> =
                 lines.flat_map(|line| &line.points[1..line.points.len() - 1]).map(|corner| corner.0).collect();
-            let bodies = self.model.nodes.iter().enumerate().filter(|(_, node)| node.kind == NodeKind::Body);
-            for (_, node) in bodies.filter(|(index, _)| !inner.contains(&NodeId(*index))) {
-                let point = NodePoint { dofs: node.dofs.clone(), body: true, fixed: node.fixed, local: [0.0; 3] };
-                sketch.follow(node.name.clone(), point);
+            for index in (0..self.model.nodes.len()).filter(|&index| !inner.contains(&NodeId(index))) {
+                if let Some(point) = self.node_point(NodeId(index), [0.0; 3]) {
+                    sketch.follow(self.model.nodes[index].name.clone(), point);
+                }
             }
         }
         sketch
@@ -102,12 +100,9 @@ impl MechanismBuilder<f64> {
     /// `None` for a node without a place in space.
     fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
         let node = &self.model.nodes[node.0];
-        let (dofs, fixed) = (node.dofs.clone(), node.fixed);
-        match node.kind {
-            NodeKind::Body => Some(NodePoint { dofs, body: true, fixed, local }),
-            NodeKind::Point => Some(NodePoint { dofs, body: false, fixed, local: [0.0; 3] }),
-            NodeKind::Coordinates(_) => None,
-        }
+        let anchor = node.kind.anchor()?;
+        let local = if anchor.has_axes() { local } else { [0.0; 3] };
+        Some(NodePoint { dofs: node.dofs.clone(), anchor, fixed: node.fixed, local })
     }
 
     /// The three parameters `name x`, `name y`, `name z`.

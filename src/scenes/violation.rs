@@ -1,6 +1,7 @@
 use super::Prepared;
 use crate::assembly::NodeKind;
-use crate::elements::{RunScalar, State};
+use crate::elements::bodies::OrthonormalAxes;
+use crate::elements::{Constraint, RunScalar, State};
 use crate::scalar::{Quaternion, Taylor};
 
 /// How far a state is from the constraints, at the worst of them.
@@ -49,6 +50,12 @@ impl Prepared<'_> {
         for node in model.nodes.iter().filter(|node| node.kind == NodeKind::Body) {
             let length = Quaternion::from_slice(&q[node.dofs.start + 3..]).norm_squared().sqrt();
             worst = worst.worse(Violation { norm: (length - 1.0).abs(), ..Violation::default() });
+        }
+        for node in model.nodes.iter().filter(|node| node.kind == NodeKind::Natural) {
+            let mut g = [0.0; OrthonormalAxes::EQUATIONS];
+            OrthonormalAxes.g(&q[node.dofs.clone()], &[], t, &mut g);
+            let norm = g.iter().fold(0.0, |largest: f64, g| largest.max(g.abs()));
+            worst = worst.worse(Violation { norm, ..Violation::default() });
         }
         worst
     }

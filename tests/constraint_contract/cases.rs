@@ -1,17 +1,18 @@
 //! The list of constraints and the configurations in which they are zero.
 
+use super::support::motion::body_coordinates;
 use super::support::time_functions::time_functions;
-use costate::elements::bodies::EulerParameterNorm;
+use costate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
 use costate::elements::joints::{
-    AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
-    PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
-    SphericalJoint, UniversalJoint,
+    AngleCoordinate, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HeldSlope, HelicalJoint, PlanarJoint,
+    PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint,
+    RigidLink, SphericalJoint, UniversalJoint,
 };
 use costate::elements::{Anchor, AnyConstraint, Constraint, TimeFunction};
 use costate::scalar::{Quaternion, Vec3};
 use std::f64::consts::TAU;
 
-use Anchor::{Body, Point};
+use Anchor::{Body, Natural, Point, Slope};
 
 /// Where the last body b stands relative to the first a: its turn, and the vector from the point of a to the point of b, both seen
 /// from a.
@@ -83,8 +84,8 @@ impl Case {
         let scalars = constraint.dofs() - places;
         let mut ignored = vec![];
         if let [a, b] = *nodes {
-            ignored.extend((a == Point).then_some("point a"));
-            ignored.extend((b == Point).then_some("point b"));
+            ignored.extend((!a.has_axes()).then_some("point a"));
+            ignored.extend((!b.has_axes()).then_some("point b"));
         }
         Case {
             name,
@@ -111,21 +112,22 @@ impl Case {
             q.extend(position.0);
             let mut point = position + placed.offset;
             let mut turn_b = placed.turn;
-            if a == Body {
-                q.extend(turn.0);
+            let mut slope = AXIS;
+            if a.has_axes() {
+                q = body_coordinates(a, position, turn);
                 point = position + turn.rotate(placed.offset + POINT_A);
                 turn_b = turn.times(placed.turn);
+                slope = turn_b.rotate(AXIS);
+            } else if a == Slope {
+                q.extend(slope.0);
             }
-            if let [_, _, _] = self.nodes[..] {
-                q.extend((position + turn.rotate(NORMAL_U)).0);
-                q.extend(turn.times(placed.pinion).0);
+            if let [_, pinion, _] = self.nodes[..] {
+                q.extend(body_coordinates(pinion, position + turn.rotate(NORMAL_U), turn.times(placed.pinion)));
             }
             match self.nodes[1..].last() {
                 Some(Point) => q.extend(point.0),
-                Some(Body) => {
-                    q.extend((point - turn_b.rotate(POINT_B)).0);
-                    q.extend(turn_b.0);
-                }
+                Some(Slope) => q.extend(point.0.into_iter().chain(slope.0)),
+                Some(&body) => q.extend(body_coordinates(body, point - turn_b.rotate(POINT_B), turn_b)),
                 None => {}
             }
         }
@@ -145,7 +147,28 @@ pub const NORMAL_W: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
 const X: Vec3<f64> = Vec3([1.0, 0.0, 0.0]);
 const Y: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
 const Z: Vec3<f64> = Vec3([0.0, 0.0, 1.0]);
-const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
+const PAIRS: [[Anchor; 2]; 10] = [
+    [Point, Point],
+    [Point, Body],
+    [Body, Point],
+    [Body, Body],
+    [Natural, Natural],
+    [Natural, Point],
+    [Body, Natural],
+    [Natural, Slope],
+    [Slope, Body],
+    [Slope, Slope],
+];
+/// Nodes of two bodies.
+const BODIES: [[Anchor; 2]; 4] = [[Body, Body], [Natural, Natural], [Body, Natural], [Natural, Body]];
+
+/// A body and what it guides.
+const GUIDED: [[Anchor; 2]; 5] = [[Body, Point], [Body, Body], [Natural, Slope], [Natural, Natural], [Natural, Body]];
+
+/// The name of a joint between two bodies.
+fn between(name: &str, [a, b]: [Anchor; 2]) -> String {
+    if [a, b] == [Body, Body] { name.into() } else { format!("{name} {a:?} to {b:?}") }
+}
 
 /// Drives of motion: everything but jumps, which no motion can follow.
 pub fn drives() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
@@ -167,68 +190,73 @@ pub fn cases() -> Vec<Case> {
     let rolled = Placement { offset: NORMAL_W * (radius * 2.9), pinion: Quaternion::about(AXIS, 2.9), ..together };
     let mut list = vec![
         Case::new("Euler parameter norm", EulerParameterNorm, &[Body], &[], together),
-        Case::new("fixed", FixedJoint, &[Body, Body], &[&points[..], &skew.0].concat(), together)
+        Case::new("orthonormal axes", OrthonormalAxes, &[Natural], &[], together),
+        Case::new("gear", GearJoint, &[], &[0.5, -0.2, 0.31], Placement { scalars: [1.02, 1.0], ..together })
+            .shows("roll", &[], |placed| Placement { scalars: [3.02, 6.0], ..placed })
+            .shows("turn the first", &[0], |placed| placed.counted(2.0 * STEP)),
+    ];
+    for [a, b] in BODIES {
+        list.extend([
+        Case::new(between("fixed", [a, b]), FixedJoint { a, b }, &[a, b], &[&points[..], &skew.0].concat(), together)
             .shows("turn about x", &[3], |placed| placed.turned(X, STEP))
             .shows("turn about y", &[4], |placed| placed.turned(Y, STEP))
             .shows("turn about z", &[5], |placed| placed.turned(Z, STEP))
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("Euler parameters of the other sign", &[], |placed| Placement { turn: Quaternion(placed.turn.0.map(|e| -e)), ..placed }),
-        Case::new("revolute", RevoluteJoint, &[Body, Body], &[&points[..], &along].concat(), hinged)
+        Case::new(between("revolute", [a, b]), RevoluteJoint { a, b }, &[a, b], &[&points[..], &along].concat(), hinged)
             .shows("turn about the axis", &[], |placed| placed.turned(AXIS, 2.0))
             .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
             .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
-        Case::new("prismatic", PrismaticJoint, &[Body, Body], &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
+        Case::new(between("prismatic", [a, b]), PrismaticJoint { a, b }, &[a, b], &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
             .shows("shift along the axis", &[], |placed| placed.shifted(AXIS * 0.8))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP))
             .shows("turn about y", &[3], |placed| placed.turned(Y, STEP)),
-        Case::new("cylindrical", CylindricalJoint, &[Body, Body], &[&points[..], &along].concat(), slid)
+        Case::new(between("cylindrical", [a, b]), CylindricalJoint { a, b }, &[a, b], &[&points[..], &along].concat(), slid)
             .shows("turn about and shift along the axis", &[], |placed| placed.turned(AXIS, 2.0).shifted(AXIS * 0.8))
             .shows("shift across", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("tilt about u", &[3], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[2], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new("planar", PlanarJoint, &[Body, Body], &[&points[..], &along].concat(), lying)
+        Case::new(between("planar", [a, b]), PlanarJoint { a, b }, &[a, b], &[&points[..], &along].concat(), lying)
             .shows("turn about the normal and slide", &[], |placed| placed.turned(AXIS, 2.0).shifted(NORMAL_U * 0.8))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)),
-        Case::new("planar where the points meet", PlanarJoint, &[Body, Body], &[&points[..], &along].concat(), hinged)
+        Case::new(between("planar where the points meet", [a, b]), PlanarJoint { a, b }, &[a, b], &[&points[..], &along].concat(), hinged)
             .shows("tilt about u", &[2], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[1], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new("universal", UniversalJoint, &[Body, Body], &[&points[..], &AXIS.0, &NORMAL_U.0].concat(), hinged)
+        Case::new(between("universal", [a, b]), UniversalJoint { a, b }, &[a, b], &[&points[..], &AXIS.0, &NORMAL_U.0].concat(), hinged)
             .shows("turn about the pin of a", &[], |placed| placed.turned(AXIS, 0.5))
             .shows("turn about the pin of b", &[], |placed| placed.turned(placed.turn.rotate(NORMAL_U), 0.5))
             .shows("turn about neither", &[3], |placed| placed.turned(AXIS.cross(placed.turn.rotate(NORMAL_U)), STEP))
             .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
-        Case::new("helical", HelicalJoint, &[Body, Body], &[&points[..], &along, &NORMAL_U.0, &[pitch]].concat(), screwed)
+        Case::new(between("helical", [a, b]), HelicalJoint { a, b }, &[a, b], &[&points[..], &along, &NORMAL_U.0, &[pitch]].concat(), screwed)
             .shows("six turns on", &[], |placed| placed.turned(AXIS, 6.0 * TAU).shifted(AXIS * (6.0 * 0.35)))
             .shows("shift along the axis", &[4], |placed| placed.shifted(AXIS * STEP))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP)),
-        Case::new("rack and pinion", RackAndPinion, &[Body, Body, Body], &[&points[..], &angle, &NORMAL_W.0, &[radius]].concat(), rolled)
+        Case::new(between("rack and pinion", [a, b]), RackAndPinion { nodes: [a, b, b] }, &[a, b, b], &[&points[..], &angle, &NORMAL_W.0, &[radius]].concat(), rolled)
             .shows("turn and lift the rack", &[], |placed| placed.turned(NORMAL_U, 0.4).shifted(AXIS * 0.3))
             .shows("shift the rack", &[0], |placed| placed.shifted(NORMAL_W * STEP)),
-        Case::new("angle coordinate", AngleCoordinate, &[Body, Body], &angle, hinged.counted(0.7))
+        Case::new(between("angle coordinate", [a, b]), AngleCoordinate { a, b }, &[a, b], &angle, hinged.counted(0.7))
             .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("count on", &[0], |placed| placed.counted(STEP)),
-        Case::new("gear", GearJoint, &[], &[0.5, -0.2, 0.31], Placement { scalars: [1.02, 1.0], ..together })
-            .shows("roll", &[], |placed| Placement { scalars: [3.02, 6.0], ..placed })
-            .shows("turn the first", &[0], |placed| placed.counted(2.0 * STEP)),
-    ];
-    for b in [Point, Body] {
-        let relative = if b == Body { &skew.0[..] } else { &[] };
-        let offset = POINT_A - if b == Body { skew.rotate(POINT_B) } else { Vec3::zero() };
-        let rows = if b == Body { vec![3] } else { vec![] };
-        list.push(Case::new(format!("rigid link to {b:?}"), RigidLink { b }, &[Body, b], &[&offset.0, relative].concat(), together)
+        ]);
+    }
+    for [a, b] in GUIDED {
+        let relative = if b.has_axes() { &skew.0[..] } else { &[] };
+        let offset = POINT_A - if b.has_axes() { skew.rotate(POINT_B) } else { Vec3::zero() };
+        let rows = if b.has_axes() { vec![3] } else { vec![] };
+        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink { a, b }, &[a, b], &[&offset.0, relative].concat(), together)
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("turn about x with the node in place", &rows, |placed| {
                 let turned = placed.turned(X, STEP);
-                let point = if b == Body { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vec3::zero() };
+                let point = if b.has_axes() { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vec3::zero() };
                 turned.shifted(point)
             }));
-        list.push(Case::new(format!("{b:?} on line"), PointOnLine { b }, &[Body, b], &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
+        list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine { a, b }, &[a, b], &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
             .shows("any turn and shift along the line", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(AXIS))
             .shows("shift along u", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("shift along w", &[1], |placed| placed.shifted(NORMAL_W * STEP)));
-        list.push(Case::new(format!("{b:?} in plane"), PointInPlane { b }, &[Body, b], &[&points[..], &AXIS.0].concat(), together.shifted(NORMAL_W))
+        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane { a, b }, &[a, b], &[&points[..], &AXIS.0].concat(), together.shifted(NORMAL_W))
             .shows("any turn and slide", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(NORMAL_U))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
@@ -244,18 +272,38 @@ pub fn cases() -> Vec<Case> {
             .shows("another direction", &[], |placed| Placement { offset: Vec3([-1.7, 0.0, 0.0]), ..placed })
             .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
+    for a in [Body, Natural] {
+        let slope = AXIS.0;
+        list.extend([
+            Case::new(format!("cable clamped to {a:?}"), CableEnd { a, held: HeldSlope::Direction }, &[a, Slope], &[&POINT_A.0[..], &across].concat(), Placement::default())
+                .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
+                .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
+                .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
+                .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
+            Case::new(format!("cable welded to {a:?}"), CableEnd { a, held: HeldSlope::Vector }, &[a, Slope], &[&POINT_A.0[..], &slope].concat(), Placement::default())
+                .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
+                .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
+                .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
+            Case::new(format!("cable on a hinge of {a:?}"), CableEnd { a, held: HeldSlope::Plane }, &[a, Slope], &[POINT_A.0, NORMAL_W.0].concat(), Placement::default())
+                .shows("turn about the hinge", &[], |placed| placed.turned(NORMAL_W, 0.7))
+                .shows("tilt", &[3], |placed| placed.turned(NORMAL_U, STEP))
+                .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)),
+        ]);
+    }
     for (of_time, function, own) in drives() {
         let now = function.value(NOW, &own);
         let driven = Placement { turn: Quaternion::about(AXIS, now), ..Placement::default() };
         let p = [&angle[..], &own].concat();
-        list.push(Case::new(format!("{of_time} rotation"), PrescribedRotation { angle: function.clone() }, &[Body, Body], &p, driven)
+        for [a, b] in BODIES {
+        list.push(Case::new(between(&format!("{of_time} rotation"), [a, b]), PrescribedRotation { a, b, angle: function.clone() }, &[a, b], &p, driven)
             .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
-        for b in [Point, Body] {
+        }
+        for [a, b] in GUIDED {
             let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
-            let drive = PrescribedTranslation { b, displacement: function.clone() };
-            list.push(Case::new(format!("{of_time} translation of {b:?}"), drive, &[Body, b], &[&points[..], &AXIS.0, &own].concat(), slid)
+            let drive = PrescribedTranslation { a, b, displacement: function.clone() };
+            list.push(Case::new(format!("{of_time} translation of {b:?} by {a:?}"), drive, &[a, b], &[&points[..], &AXIS.0, &own].concat(), slid)
                 .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
                 .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))
                 .shows("shift along the axis", &[0], |placed| placed.shifted(AXIS * STEP)));

@@ -2,8 +2,10 @@
 
 use super::Contract;
 use super::support::time_functions::time_functions;
-use costate::elements::bodies::{PointMass, RigidBody};
-use costate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField};
+use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
+use costate::elements::flexible::{
+    BeamField, BeamGravityField, CableField, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
+};
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
     SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
@@ -15,7 +17,7 @@ use costate::elements::joints::{
 };
 use costate::elements::{Anchor, Constraint, Element, Field, Flexible, TimeFunction};
 
-use Anchor::{Body, Point};
+use Anchor::{Body, Natural, Point, Slope};
 
 /// What a rigid motion of all nodes does to the element.
 #[derive(Clone, Copy, PartialEq)]
@@ -58,20 +60,37 @@ impl Case {
         let p: Vec<f64> = (0..field.parameters().len()).map(|i| 0.6 + 0.5 * (1.7 * i as f64 + 0.3).sin()).collect();
         Case { neighbours: true, ..Case::new(name, Flexible(field), &[Body; 3], &p) }
     }
+    /// An element of a cable between two nodes.
+    fn cable(name: &str, element: impl Element, p: &[f64]) -> Case {
+        Case { neighbours: true, ..Case::new(name, element, &[Slope, Slope], p) }
+    }
     fn bound_to_world(self, bound: bool) -> Case {
         Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
     }
-    /// `names` are not read if their node is a point.
+    /// `name` is not read if its node has no axes.
     fn ignoring(mut self, name: &'static str, node: Anchor) -> Case {
-        if node == Point {
+        if !node.has_axes() {
             self.ignored.push(name);
         }
         self
     }
 }
 
-const ANCHORS: [Anchor; 2] = [Point, Body];
-pub const PAIRS: [[Anchor; 2]; 4] = [[Point, Point], [Point, Body], [Body, Point], [Body, Body]];
+const ANCHORS: [Anchor; 4] = [Point, Body, Natural, Slope];
+pub const PAIRS: [[Anchor; 2]; 8] = [
+    [Point, Point],
+    [Point, Body],
+    [Body, Point],
+    [Body, Body],
+    [Natural, Natural],
+    [Natural, Slope],
+    [Slope, Body],
+    [Point, Natural],
+];
+/// Nodes of two bodies.
+const BODIES: [[Anchor; 2]; 4] = [[Body, Body], [Natural, Natural], [Body, Natural], [Natural, Body]];
+/// A body and what it guides.
+const GUIDED: [[Anchor; 2]; 5] = [[Body, Point], [Body, Body], [Natural, Slope], [Natural, Natural], [Natural, Body]];
 pub const FRAMES: [LoadFrame; 2] = [LoadFrame::World, LoadFrame::Body];
 
 #[rustfmt::skip]
@@ -81,37 +100,45 @@ pub fn cases() -> Vec<Case> {
     let mut list = vec![
         Case::new("point mass", PointMass, &[Point], &[1.7]),
         Case::new("rigid body", RigidBody, &[Body], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
-        Case::new("torsion spring damper", TorsionSpringDamper, &[Body, Body], &torsion),
+        Case::new("natural body", NaturalBody, &[Natural], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
+        Case::cable("inertia of a cable", CableInertia, &[0.8, 1.3]),
+        Case::cable("weight of a cable", CableGravity, &[0.8, 1.3, 0.4, -0.9, -9.8]).bound_to_world(true),
+        Case::cable("cable", Flexible(CableField { damped: false }), &[0.8, 5.0, 2.0]),
+        Case::cable("cable, internal damper", Flexible(CableField { damped: true }), &[0.8, 5.0, 2.0, 0.3]),
+        Case::cable("cable for small strains", Flexible(SmallStrainCableField), &[0.8, 5.0, 2.0]),
     ];
     let (u, w, axis, turned) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.8, 0.36, 0.48, 0.0]);
     let guide = [&ends[..], &u, &w, &axis].concat();
     let angle = [axis, u, w].concat();
     let six = [3.0, 5.0, 7.0, 2.0, 4.0, 6.0];
-    let both = [Body, Body];
+    list.push(Case::new("coordinate spring damper", CoordinateSpringDamper { of: 3, index: 1 }, &[], &[3.1, 0.7, 0.2]));
+    list.push(Case::soft("gear", GearJoint, &[], &[0.5, -0.2, 0.3]));
+    for [a, b] in BODIES {
+    let both = [a, b];
     list.extend([
-        Case::new("coordinate spring damper", CoordinateSpringDamper { of: 3, index: 1 }, &[], &[3.1, 0.7, 0.2]),
-        Case::new("bushing spring damper", Bushing, &both, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
-        Case::soft("fixed", FixedJoint, &both, &[&ends[..], &turned].concat()),
-        Case::soft("revolute", RevoluteJoint, &both, &guide),
-        Case::soft("cylindrical", CylindricalJoint, &both, &guide),
-        Case::soft("planar", PlanarJoint, &both, &guide),
-        Case::soft("prismatic", PrismaticJoint, &both, &[&guide[..12], &turned].concat()),
-        Case::soft("universal", UniversalJoint, &both, &guide[..12]),
-        Case::soft("helical", HelicalJoint, &both, &[&guide[..], &u, &[2.5]].concat()),
-        Case::soft("rack and pinion", RackAndPinion, &[Body; 3], &[&ends[..], &angle, &w, &[0.4]].concat()),
-        Case::soft("angle coordinate", AngleCoordinate, &both, &angle),
-        Case::soft("gear", GearJoint, &[], &[0.5, -0.2, 0.3]),
-        Case::soft("rotation", PrescribedRotation { angle: TimeFunction::Sine }, &both, &[&angle[..], &[0.2, 1.4, 2.3, 0.6]].concat()),
+        Case::new("torsion spring damper", TorsionSpringDamper { a, b }, &both, &torsion),
+        Case::new("bushing spring damper", Bushing { a, b }, &both, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
+        Case::soft("fixed", FixedJoint { a, b }, &both, &[&ends[..], &turned].concat()),
+        Case::soft("revolute", RevoluteJoint { a, b }, &both, &guide),
+        Case::soft("cylindrical", CylindricalJoint { a, b }, &both, &guide),
+        Case::soft("planar", PlanarJoint { a, b }, &both, &guide),
+        Case::soft("prismatic", PrismaticJoint { a, b }, &both, &[&guide[..12], &turned].concat()),
+        Case::soft("universal", UniversalJoint { a, b }, &both, &guide[..12]),
+        Case::soft("helical", HelicalJoint { a, b }, &both, &[&guide[..], &u, &[2.5]].concat()),
+        Case::soft("rack and pinion", RackAndPinion { nodes: [a, b, a] }, &[a, b, a], &[&ends[..], &angle, &w, &[0.4]].concat()),
+        Case::soft("angle coordinate", AngleCoordinate { a, b }, &both, &angle),
+        Case::soft("rotation", PrescribedRotation { a, b, angle: TimeFunction::Sine }, &both, &[&angle[..], &[0.2, 1.4, 2.3, 0.6]].concat()),
     ]);
-    for b in ANCHORS {
+    }
+    for [a, b] in GUIDED {
         let slide = [&[3.1, 0.7, 0.2], &ends[..], &axis].concat();
-        let link = if b == Body { &[0.3, -0.2, 0.5, 0.8, 0.36, 0.48, 0.0][..] } else { &ends[..3] };
+        let link = if b.has_axes() { &[0.3, -0.2, 0.5, 0.8, 0.36, 0.48, 0.0][..] } else { &ends[..3] };
         list.extend([
-            Case::new(format!("slide spring damper of {b:?}"), SlideSpringDamper { b }, &[Body, b], &slide),
-            Case::soft("point on line", PointOnLine { b }, &[Body, b], &guide[..12]),
-            Case::soft("point in plane", PointInPlane { b }, &[Body, b], &guide[..9]),
-            Case::soft("rigid link", RigidLink { b }, &[Body, b], link),
-            Case::soft("translation", PrescribedTranslation { b, displacement: TimeFunction::Sine }, &[Body, b],
+            Case::new(format!("slide spring damper of {b:?} on {a:?}"), SlideSpringDamper { a, b }, &[a, b], &slide),
+            Case::soft("point on line", PointOnLine { a, b }, &[a, b], &guide[..12]),
+            Case::soft("point in plane", PointInPlane { a, b }, &[a, b], &guide[..9]),
+            Case::soft("rigid link", RigidLink { a, b }, &[a, b], link),
+            Case::soft("translation", PrescribedTranslation { a, b, displacement: TimeFunction::Sine }, &[a, b],
                 &[&ends[..], &axis, &[0.2, 1.4, 2.3, 0.6]].concat()),
         ].map(|case| case.ignoring("point b", b)));
     }
@@ -167,15 +194,17 @@ pub fn cases() -> Vec<Case> {
     }
     for (of_time, size, own) in time_functions() {
         for frame in FRAMES {
-            let torque = AppliedTorque { frame, size: size.clone() };
-            list.push(Case::new(format!("{of_time} torque in {frame:?}"), torque, &[Body], &[&[0.3, -0.5, 0.7], &own[..]].concat())
-                .bound_to_world(frame == LoadFrame::World));
+            for on in [Body, Natural] {
+                let torque = AppliedTorque { on, frame, size: size.clone() };
+                list.push(Case::new(format!("{of_time} torque in {frame:?} on {on:?}"), torque, &[on], &[&[0.3, -0.5, 0.7], &own[..]].concat())
+                    .bound_to_world(frame == LoadFrame::World));
+            }
             for on in ANCHORS {
                 let force = AppliedForce { on, frame, size: size.clone() };
                 let p = [&[0.3, -0.5, 0.7, 0.2, 0.4, -0.1], &own[..]].concat();
-                // a point has no frame of its own, so its loads are all dead ones
+                // a node without axes has no frame of its own, so its loads are all dead ones
                 list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &[on], &p)
-                    .bound_to_world(frame == LoadFrame::World || on == Point).ignoring("point", on));
+                    .bound_to_world(frame == LoadFrame::World || !on.has_axes()).ignoring("point", on));
             }
         }
     }

@@ -6,7 +6,7 @@ mod support;
 
 use cases::UnderRigidMotion::Invariant;
 use cases::{Case, FRAMES, PAIRS, cases};
-use costate::elements::Anchor::Body;
+use costate::elements::Anchor::{Body, Slope};
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, LineDamper, LoadFrame, Soft, TorsionSpringDamper, VectorDamper,
 };
@@ -67,7 +67,13 @@ fn samples(case: &Case) -> Vec<Sample> {
     let sample = |_| {
         let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
         q.extend(random.vector(case.scalars));
-        if case.neighbours {
+        if case.neighbours && case.nodes[0] == Slope {
+            // the second node of a cable about as far as its length
+            for i in 0..3 {
+                q[6 + i] = q[i] + case.p[0] * q[3 + i] + random.uniform(-0.15, 0.15);
+                q[9 + i] = q[3 + i] + random.uniform(-0.15, 0.15);
+            }
+        } else if case.neighbours {
             let first: Vec<f64> = q[3..7].to_vec();
             for node in q.chunks_exact_mut(7).skip(1) {
                 node[3..].iter_mut().zip(&first).for_each(|(e, first)| *e = first + random.uniform(-0.15, 0.15));
@@ -333,7 +339,7 @@ fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular
     let axis = Vec3([0.6, 0.0, 0.8]);
     for frame in FRAMES {
         let size = TimeFunction::Constant;
-        let body = Case::new("load", AppliedTorque { frame, size: size.clone() }, &[Body], &[0.3, -0.5, 0.7, 1.3]);
+        let body = Case::new("load", AppliedTorque { on: Body, frame, size: size.clone() }, &[Body], &[0.3, -0.5, 0.7, 1.3]);
         for Sample { mut v, mut q, t, a } in samples(&body) {
             // a rotation of unit length that turns by 0.9 rad/s about `axis`, exactly
             let unit = Quaternion::about(axis, t);
@@ -345,7 +351,7 @@ fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular
             let force = AppliedForce { on: Body, frame, size: size.clone() };
             let of_force = power(&force, &sample, &[0.3, -0.5, 0.7, 0.2, 0.4, -0.1, 1.3]);
             assert_close("force", &[of_force], &[1.3 * in_world(direction).dot(velocity)], 1e-13, 1.0);
-            let of_torque = power(&AppliedTorque { frame, size: size.clone() }, &sample, &body.p);
+            let of_torque = power(&AppliedTorque { on: Body, frame, size: size.clone() }, &sample, &body.p);
             assert_close("torque", &[of_torque], &[1.3 * 0.9 * in_world(direction).dot(axis)], 1e-13, 1.0);
         }
     }
@@ -369,11 +375,12 @@ fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
         let q = [&at[..], &of_a.0, &at, &of_b.0].concat();
         let v = [&at[..], &rate_a, &at, &rate_b].concat();
         let sample = Sample { a: vec![0.0; 14], v, q, t: 0.0 };
-        let [_, potential] = TorsionSpringDamper.energy(&sample.v, &sample.q, &p);
+        let spring = TorsionSpringDamper { a: Body, b: Body };
+        let [_, potential] = spring.energy(&sample.v, &sample.q, &p);
         assert_close("energy", &[potential], &[0.5 * stiffness * (angle - rest) * (angle - rest)], 1e-13, 1.0);
-        let taken = power(&TorsionSpringDamper, &sample, &p);
+        let taken = power(&spring, &sample, &p);
         assert_close("power", &[taken], &[-damping * rate * rate], 1e-13, 1.0);
-        let balance = TorsionSpringDamper.energy_rate(sample.state(), &p).eps[0];
+        let balance = spring.energy_rate(sample.state(), &p).eps[0];
         assert_close("rate of energy", &[balance], &[stiffness * (angle - rest) * rate], 1e-13, 1.0);
     }
 }
@@ -392,12 +399,13 @@ fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
         for (shift, angle) in [(0.2, 0.0), (-0.1, 0.3), (0.0, -1.4)] {
             let place = of_a.rotate(Vec3(point) + axis_of_a * shift);
             let q = [&[0.0; 3][..], &of_a.0, &place.0, &of_a.times(Quaternion::about(axis_of_a, angle)).0].concat();
-            let [_, energy] = Bushing.energy(&[0.0; 14], &q, &p);
+            let bushing = Bushing { a: Body, b: Body };
+            let [_, energy] = bushing.energy(&[0.0; 14], &q, &p);
             let turn = 2.0 * (0.5 * angle).sin();
             let expected = 0.5 * (along[axis] * shift * shift + about[axis] * turn * turn);
             assert_close("energy", &[energy], &[expected], 1e-13, 1.0);
             let mut r = vec![0.0; 14];
-            Bushing.add_residual(State { a: &[0.0; 14], v: &[0.0; 14], q: &q }, &p, 0.0, &mut r);
+            bushing.add_residual(State { a: &[0.0; 14], v: &[0.0; 14], q: &q }, &p, 0.0, &mut r);
             assert_close("pull", &r[7..10], &(of_a.rotate(axis_of_a) * (along[axis] * shift)).0, 1e-13, 1.0);
         }
     }
@@ -405,7 +413,7 @@ fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
 
 #[test]
 fn a_soft_drive_pulls_towards_its_moving_target() {
-    let drive = Soft(PrescribedTranslation { b: Body, displacement: TimeFunction::ConstantRate });
+    let drive = Soft(PrescribedTranslation { a: Body, b: Body, displacement: TimeFunction::ConstantRate });
     let (stiffness, damping, offset, rate, t) = (30.0, 4.0, 0.1, 0.7, 0.5);
     let p = [&[stiffness, damping][..], &[0.0; 6], &[1.0, 0.0, 0.0], &[offset, rate]].concat();
     let unit = Quaternion::identity().0;

@@ -4,13 +4,14 @@ use super::Random;
 use costate::elements::Anchor;
 use costate::scalar::{Quaternion, Vec3};
 
-/// Positions in [-1, 1) and, for bodies, Euler parameters of the length that `norm` gives.
+/// Positions in [-1, 1) and, for bodies, Euler parameters or axes of the length that `norm` gives, for cables' nodes slopes of it.
 pub fn random_coordinates(nodes: &[Anchor], random: &mut Random, norm: impl Fn(&mut Random) -> f64) -> Vec<f64> {
     let mut q = Vec::new();
     for node in nodes {
         q.extend(random.vector(3));
-        if *node == Anchor::Body {
-            let e = random.vector(4);
+        let size = if *node == Anchor::Body { 4 } else { 3 };
+        for _ in 0..(node.dofs() - 3) / size {
+            let e = random.vector(size);
             let scale = norm(random) / e.iter().map(|e| e * e).sum::<f64>().sqrt();
             q.extend(e.iter().map(|e| e * scale));
         }
@@ -43,12 +44,24 @@ impl RigidMotion {
         let turn = Quaternion(self.rotation.0.map(|e| e / norm));
         let mut turned = Vec::new();
         for node in nodes {
-            let rate = &rates[turned.len()..];
-            turned.extend(turn.rotate(Vec3::from_slice(rate)).0);
+            let rate = &rates[turned.len()..][..node.dofs()];
             if *node == Anchor::Body {
+                turned.extend(turn.rotate(Vec3::from_slice(rate)).0);
                 turned.extend(turn.times(Quaternion::from_slice(&rate[3..])).0);
+            } else {
+                turned.extend(rate.chunks_exact(3).flat_map(|vector| turn.rotate(Vec3::from_slice(vector)).0));
             }
         }
         turned
     }
+}
+
+/// Coordinates of a body's node at a place with the given rotation.
+pub fn body_coordinates(node: Anchor, position: Vec3<f64>, turn: Quaternion<f64>) -> Vec<f64> {
+    let rotation = match node {
+        Anchor::Body => turn.0.to_vec(),
+        Anchor::Natural => turn.columns().iter().flat_map(|axis| axis.0).collect(),
+        Anchor::Point | Anchor::Slope => panic!("{node:?} is no body"),
+    };
+    [&position.0[..], &rotation].concat()
 }

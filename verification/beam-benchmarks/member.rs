@@ -157,7 +157,7 @@ impl Scene for Member {
                 }
                 TipLoad::Moment(direction, course) => {
                     let p = [direction.map(S::from), course.map(S::from)].concat();
-                    m.element(&name, &[beam.end()], AppliedTorque { frame: LoadFrame::World, size }, &p);
+                    m.element(&name, &[beam.end()], AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size }, &p);
                 }
             }
         }

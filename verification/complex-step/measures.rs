@@ -205,16 +205,25 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             Measure::Coordinate => m.functional(&name, "-", over, (arm, &[]), Coordinate { of: 7, index: 4 }, &[]),
             Measure::Reaction => m.reaction_functional(&name, over, seen.joint, &weights),
             Measure::ReactionNorm => m.reaction_norm_functional(&name, over, seen.shoulder),
-            Measure::JointAngle => m.functional(&name, "rad", over, (&[seen.arm, seen.ground], &[]), JointAngle, &angle),
+            Measure::JointAngle => {
+                m.functional(&name, "rad", over, (&[seen.arm, seen.ground], &[]), JointAngle { a: of, b: of }, &angle)
+            }
             Measure::JointRate => {
-                m.functional(&name, "rad/s", over, (&[seen.arm, seen.ground], &[]), JointRate, &point_and_target[..3]);
+                m.functional(
+                    &name,
+                    "rad/s",
+                    over,
+                    (&[seen.arm, seen.ground], &[]),
+                    JointRate { a: of, b: of },
+                    &point_and_target[..3],
+                );
             }
             Measure::JointDisplacement => {
-                let quantity = JointDisplacement { b: other.1 };
+                let quantity = JointDisplacement { a: of, b: other.1 };
                 m.functional(&name, "m", over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointSpeed => {
-                let quantity = JointSpeed { b: other.1 };
+                let quantity = JointSpeed { a: of, b: other.1 };
                 m.functional(&name, "m/s", over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointLoad => {

@@ -80,16 +80,17 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
 /// Adds the soft version of a joint.
 fn softened<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) {
     let add = |m: &mut MechanismBuilder<S>| add_joint(kind, host, m);
+    let a = Anchor::Body;
     match kind {
-        Subject::Spherical(b) => soft(joints::SphericalJoint { a: Anchor::Body, b: *b }, add, m),
-        Subject::Revolute => soft(joints::RevoluteJoint, add, m),
-        Subject::Prismatic => soft(joints::PrismaticJoint, add, m),
-        Subject::Universal => soft(joints::UniversalJoint, add, m),
-        Subject::Helical => soft(joints::HelicalJoint, add, m),
+        Subject::Spherical(b) => soft(joints::SphericalJoint { a, b: *b }, add, m),
+        Subject::Revolute => soft(joints::RevoluteJoint { a, b: a }, add, m),
+        Subject::Prismatic => soft(joints::PrismaticJoint { a, b: a }, add, m),
+        Subject::Universal => soft(joints::UniversalJoint { a, b: a }, add, m),
+        Subject::Helical => soft(joints::HelicalJoint { a, b: a }, add, m),
         Subject::Gear => soft(joints::GearJoint, add, m),
-        Subject::Rotation(angle) => soft(joints::PrescribedRotation { angle: angle.clone() }, add, m),
+        Subject::Rotation(angle) => soft(joints::PrescribedRotation { a, b: a, angle: angle.clone() }, add, m),
         Subject::Translation(path) => {
-            soft(joints::PrescribedTranslation { b: Anchor::Body, displacement: path.clone() }, add, m);
+            soft(joints::PrescribedTranslation { a, b: a, displacement: path.clone() }, add, m);
         }
         other => unreachable!("{other:?} is no joint with a soft version"),
     }
@@ -215,7 +216,7 @@ impl Case {
             }
             Torque(frame, size) => {
                 let p = [[0.7, 0.4, -0.5].map(S::from).to_vec(), f].concat();
-                m.element(name, &[arm], AppliedTorque { frame: *frame, size: size.clone() }, &p);
+                m.element(name, &[arm], AppliedTorque { on: Anchor::Body, frame: *frame, size: size.clone() }, &p);
             }
             SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, [60.0, 2.0, 0.1].map(S::from))),
             CoordinateSpringDamper => {

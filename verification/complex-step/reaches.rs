@@ -26,8 +26,8 @@ impl Case {
             _ => vec![Geometry; self.function.len()],
         };
         let with_point = |points: &Anchor, before: usize, after: usize| match points {
-            Anchor::Body => own(before + 3 + after, Geometry),
-            Anchor::Point => [own(before, Geometry), own(3, Nothing), own(after, Geometry)].concat(),
+            Anchor::Body | Anchor::Natural => own(before + 3 + after, Geometry),
+            Anchor::Point | Anchor::Slope => [own(before, Geometry), own(3, Nothing), own(after, Geometry)].concat(),
         };
         let inertia = if self.projected { ProjectedInertia } else { Inertia };
         let of_subject = match self.kind() {
@@ -43,8 +43,8 @@ impl Case {
             Subject::CoordinateSpringDamper => vec![Stored, Force, Stored],
             Subject::Bushing => [own(6, Stored), own(6, Force), own(14, Stored)].concat(),
             Subject::Soft(_) => unreachable!("its kind is that of a joint"),
-            Subject::Force(Anchor::Body, _, f) => [own(6, Force), load(f)].concat(),
-            Subject::Force(Anchor::Point, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
+            Subject::Force(Anchor::Body | Anchor::Natural, _, f) => [own(6, Force), load(f)].concat(),
+            Subject::Force(Anchor::Point | Anchor::Slope, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
             Subject::Torque(_, f) => [own(3, Force), load(f)].concat(),
             Subject::Spherical(of) => with_point(of, 3, 0),
             Subject::PointOnLine(of) => with_point(of, 3, 6),

@@ -1,14 +1,18 @@
-//! Elements with inertia, and the constraint inside a body node.
+//! Elements with inertia, and the constraints inside the nodes of bodies.
 
 mod euler_parameter_norm;
+mod natural_body;
+mod orthonormal_axes;
 mod point_mass;
 mod rigid_body;
 
 pub use euler_parameter_norm::EulerParameterNorm;
+pub use natural_body::NaturalBody;
+pub use orthonormal_axes::OrthonormalAxes;
 pub use point_mass::PointMass;
 pub use rigid_body::RigidBody;
 
 use super::AnyElement;
 use super::erased::compiled_here;
 
-compiled_here!(dyn AnyElement: PointMass, RigidBody);
+compiled_here!(dyn AnyElement: NaturalBody, PointMass, RigidBody);

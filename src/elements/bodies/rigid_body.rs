@@ -19,20 +19,23 @@ const fn new(name: &'static str, unit: &'static str) -> Parameter {
     Parameter::new(name, unit)
 }
 
+/// Mass, mass centre and inertia: the parameters of every rigid body.
+pub(super) const INERTIA: &[Parameter] = &[
+    Parameter::positive("mass", "kg"),
+    new("centre x", "m"),
+    new("centre y", "m"),
+    new("centre z", "m"),
+    Parameter::non_negative("inertia xx", "kg m2"),
+    Parameter::non_negative("inertia yy", "kg m2"),
+    Parameter::non_negative("inertia zz", "kg m2"),
+    new("inertia xy", "kg m2"),
+    new("inertia xz", "kg m2"),
+    new("inertia yz", "kg m2"),
+];
+
 impl Element for RigidBody {
     const DOFS: usize = 7;
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::positive("mass", "kg"),
-        new("centre x", "m"),
-        new("centre y", "m"),
-        new("centre z", "m"),
-        Parameter::non_negative("inertia xx", "kg m2"),
-        Parameter::non_negative("inertia yy", "kg m2"),
-        Parameter::non_negative("inertia zz", "kg m2"),
-        new("inertia xy", "kg m2"),
-        new("inertia xz", "kg m2"),
-        new("inertia yz", "kg m2"),
-    ];
+    const PARAMETERS: &'static [Parameter] = INERTIA;
     const ENERGIES: bool = true;
 
     #[inline(always)]

@@ -4,16 +4,27 @@ mod beam;
 mod beam_gravity;
 mod beam_matrix;
 mod beam_products;
+mod cable;
+mod cable_gravity;
+mod cable_inertia;
+mod cable_section;
 mod distributed_load;
+pub mod hermite;
 pub mod section;
 pub mod shape;
+mod small_strain_cable;
 
 pub use beam::{Beam, BeamField, STRAINS, TYING_POINTS};
 pub use beam_gravity::{BeamGravity, BeamGravityField};
+pub use cable::{Cable, CableField};
+pub use cable_gravity::CableGravity;
+pub use cable_inertia::CableInertia;
+pub use cable_section::{CableSection, CableStrain};
 pub use distributed_load::{DistributedLoad, DistributedLoadField};
 pub use section::{Material, Section};
+pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;
 use super::erased::compiled_here;
 
-compiled_here!(dyn AnyElement: Beam, BeamGravity, DistributedLoad);
+compiled_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, SmallStrainCable);

@@ -1,6 +1,6 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Parameter, TimeFunction};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
+use crate::scalar::{Scalar, Vec3};
 
 /// A force F = d f(t) [N] at a point of a body or at a point mass.
 ///
@@ -17,7 +17,7 @@ pub struct AppliedForce {
 }
 
 impl Element for AppliedForce {
-    const DOFS: usize = 7;
+    const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("direction x", "-"),
         Parameter::new("direction y", "-"),
@@ -33,15 +33,15 @@ impl Element for AppliedForce {
         self.on.dofs()
     }
     fn is_linear(&self) -> bool {
-        self.on == Anchor::Point
+        matches!(self.on, Anchor::Point | Anchor::Slope) || (self.on == Anchor::Natural && self.frame == LoadFrame::World)
     }
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
     }
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         let mut direction = Vec3::from_slice(p);
-        if self.frame == LoadFrame::Body && self.on == Anchor::Body {
-            direction = Quaternion::from_slice(&q[3..]).rotate(direction);
+        if self.frame == LoadFrame::Body && self.on.has_axes() {
+            direction = Frame::of(self.on, q).direction(p);
         }
         self.on.add_force(q, Vec3::from_slice(&p[3..]), direction * self.size.value(t, &p[6..]), force);
     }

@@ -1,42 +1,71 @@
 use super::Soft;
 use crate::elements::joints::{POINTS, gap};
-use crate::elements::{Anchor, Constraint, Element, Parameter, State};
+use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
 use crate::scalar::{Quaternion, Scalar};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
 ///
-/// u = f_a* (x_b - x_a) [m] and w = 2 vec(f_a* f_b) [rad for small angles, at most 2] with the frames f_a = e_a e_af, f_b = e_b e_bf;
+/// u = f_a* (x_b - x_a) [m] and w = 2 vec(f_a* f_b) [rad for small angles, at most 2] with the frames f_a = e_a e_af, f_b = e_b e_bf; where
+/// a body has natural coordinates, w is half the vector of F_a^T F_b - F_b^T F_a [at most 1] with the matrices of the frames;
 /// F = k u + c du/dt, M = k w + c dw/dt, V = 1/2 sum k u^2 + 1/2 sum k w^2 [J].
 ///
 /// * `stiffness along x, y, z` [N/m], `stiffness about x, y, z` [N m/rad], 0 or greater
 /// * `damping along x, y, z` [N s/m], `damping about x, y, z` [N m s/rad], 0 or greater
 /// * `point a`, `point b`  in the frames of the bodies [m]: together at rest
 /// * `frame a e0..e3`, `frame b e0..e3`  e_af, e_bf, Euler parameters in the frames of the bodies: together at rest
-pub struct Bushing;
+pub struct Bushing {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 /// (u, w) with the parameters behind stiffness and damping.
-struct Displacement;
+struct Displacement {
+    ends: [Anchor; 2],
+}
 
 impl Constraint for Displacement {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.ends.iter().map(|end| end.dofs()).sum()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let frame = |of| (0..4).map(move |i| Parameter::named(format!("frame {of} e{i}"), "-"));
         POINTS.into_iter().chain(frame("a")).chain(frame("b")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let frame = |e: &[S], own: &[S]| Quaternion::from_slice(e).times(Quaternion::from_slice(own));
-        let (fa, fb) = (frame(&q[3..], &p[6..]), frame(&q[10..], &p[10..]));
-        g[..3].copy_from_slice(&fa.rotate_back(gap([Anchor::Body; 2], q, p)).0);
-        g[3..].copy_from_slice(&(fa.conjugate().times(fb).parts().1 * S::from(2.0)).0);
+        if self.ends == [Anchor::Body; 2] {
+            let frame = |e: &[S], own: &[S]| Quaternion::from_slice(e).times(Quaternion::from_slice(own));
+            let (fa, fb) = (frame(&q[3..], &p[6..]), frame(&q[10..], &p[10..]));
+            g[..3].copy_from_slice(&fa.rotate_back(gap(self.ends, q, p)).0);
+            g[3..].copy_from_slice(&(fa.conjugate().times(fb).parts().1 * S::from(2.0)).0);
+            return;
+        }
+        let [a, b] = Frame::pair(self.ends, q);
+        let own = |frame: &Frame<S>, e: &[S]| Quaternion::from_slice(e).columns().map(|axis| frame.direction(&axis.0));
+        let (fa, fb) = (own(&a, &p[6..]), own(&b, &p[10..]));
+        let between = b.point(&p[3..]) - a.point(p);
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            g[i] = fa[i].dot(between);
+            g[3 + i] = (fa[k].dot(fb[j]) - fa[j].dot(fb[k])) * S::from(0.5);
+        }
+    }
+}
+
+impl Bushing {
+    fn displacement(&self) -> Displacement {
+        Displacement { ends: [self.a, self.b] }
     }
 }
 
 impl Element for Bushing {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness along x", "N/m"),
         Parameter::non_negative("stiffness along y", "N/m"),
@@ -54,18 +83,21 @@ impl Element for Bushing {
     const ENERGIES: bool = true;
     const CONSTANT_MASS: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
-        Self::PARAMETERS.iter().cloned().chain(Displacement.parameters()).collect()
+        Self::PARAMETERS.iter().cloned().chain(self.displacement().parameters()).collect()
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        Soft(Displacement).potential(q, p)
+        Soft(self.displacement()).potential(q, p)
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        Soft(Displacement).add_force(v, q, p, t, force);
+        Soft(self.displacement()).add_force(v, q, p, t, force);
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        Soft(Displacement).residual(s, p, t, r);
+        Soft(self.displacement()).residual(s, p, t, r);
     }
 }

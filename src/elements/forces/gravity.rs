@@ -12,7 +12,7 @@ pub struct Gravity {
 }
 
 impl Element for Gravity {
-    const DOFS: usize = 7;
+    const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("mass", "kg"),
         Parameter::new("gravity x", "m/s2"),

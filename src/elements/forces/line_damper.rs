@@ -45,7 +45,7 @@ pub(super) fn add_damping<S: Scalar>(
 }
 
 impl Element for LineDamper {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
     const ENERGIES: bool = true;
     const CONSTANT_MASS: bool = true;

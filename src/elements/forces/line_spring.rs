@@ -14,7 +14,7 @@ pub struct LineSpring {
 }
 
 impl Element for LineSpring {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness", "N/m"),
         Parameter::non_negative("rest length", "m"),

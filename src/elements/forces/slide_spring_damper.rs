@@ -1,6 +1,6 @@
 use super::Soft;
 use crate::elements::joints::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Element, Parameter, State};
+use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
 use crate::scalar::Scalar;
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt [N], s = n_a . (x_b - x_a).
@@ -11,41 +11,44 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct SlideSpringDamper {
+    /// What guides: a body.
+    pub a: Anchor,
     /// What slides.
     pub b: Anchor,
 }
 
 /// s - s0 with the parameters (s0, points, axis).
 struct Slide {
+    a: Anchor,
     b: Anchor,
 }
 
 impl Constraint for Slide {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
-        Anchor::Body.dofs() + self.b.dofs()
+        self.a.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
         [Parameter::new("rest displacement", "m")].into_iter().chain(POINTS).chain(vectors(&["axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        components(q, &p[7..], gap([Anchor::Body, self.b], q, &p[1..]), g);
+        components(&Frame::of(self.a, q), &p[7..], gap([self.a, self.b], q, &p[1..]), g);
         g[0] -= p[0];
     }
 }
 
 impl SlideSpringDamper {
     fn soft(&self) -> Soft<Slide> {
-        Soft(Slide { b: self.b })
+        Soft(Slide { a: self.a, b: self.b })
     }
 }
 
 impl Element for SlideSpringDamper {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const ENERGIES: bool = true;
     const CONSTANT_MASS: bool = true;
 

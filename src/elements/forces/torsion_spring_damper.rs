@@ -1,5 +1,5 @@
-use crate::elements::{Element, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
+use crate::elements::{Anchor, Element, Frame, Parameter};
+use crate::scalar::{Scalar, angle_about};
 
 /// A torsion spring and damper about an axis between two bodies: M = k (theta - theta0) + c dtheta/dt [N m].
 ///
@@ -11,18 +11,23 @@ use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
 /// * `rest angle`  theta0 [rad]
 /// * `axis`, `reference a`  unit vectors in the frame of body a, at right angles
 /// * `reference b`  unit vector in the frame of body b
-pub struct TorsionSpringDamper;
+pub struct TorsionSpringDamper {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl TorsionSpringDamper {
-    fn angle<S: Scalar>(q: &[S], p: &[S]) -> S {
-        let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-        let vector = |i: usize| Vec3::from_slice(&p[i..]);
-        angle_about(ea.rotate(vector(3)), ea.rotate(vector(6)), eb.rotate(vector(9)))
+    #[inline(always)]
+    fn angle<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        angle_about(a.direction(&p[3..]), a.direction(&p[6..]), b.direction(&p[9..]))
     }
 }
 
 impl Element for TorsionSpringDamper {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness", "N m/rad"),
         Parameter::non_negative("damping", "N m s/rad"),
@@ -40,23 +45,22 @@ impl Element for TorsionSpringDamper {
     const ENERGIES: bool = true;
     const CONSTANT_MASS: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        let twist = Self::angle(q, p) - p[2];
+        let twist = self.angle(q, p) - p[2];
         twist * twist * p[0] * 0.5
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
-        let [(ea, wa), (eb, wb)] = [3, 10].map(|i| {
-            let e = Quaternion::from_slice(&q[i..]);
-            (e, e.g_times(Quaternion::from_slice(&v[i..])) * S::from(2.0))
-        });
-        let axis = ea.rotate(Vec3::from_slice(&p[3..]));
-        let rate = axis.dot(eb.rotate(wb) - ea.rotate(wa));
-        let moment = axis * (rate * p[1] * 2.0);
-        let (on_a, on_b) = (ea.g_transposed_times(ea.rotate_back(moment)), eb.g_transposed_times(eb.rotate_back(moment)));
-        for i in 0..4 {
-            force[3 + i] += on_a[i];
-            force[10 + i] -= on_b[i];
-        }
+        let split = self.a.dofs();
+        let ((qa, qb), (va, vb)) = (q.split_at(split), v.split_at(split));
+        let axis = Frame::of(self.a, qa).direction(&p[3..]);
+        let rate = axis.dot(self.b.angular_velocity(vb, qb) - self.a.angular_velocity(va, qa));
+        let moment = axis * (rate * p[1]);
+        let (force_a, force_b) = force.split_at_mut(split);
+        self.a.add_moment(qa, moment, force_a);
+        self.b.add_moment(qb, -moment, force_b);
     }
 }

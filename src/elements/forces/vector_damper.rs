@@ -16,7 +16,7 @@ pub struct VectorDamper {
 }
 
 impl Element for VectorDamper {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
     const ENERGIES: bool = true;
     const CONSTANT_MASS: bool = true;
@@ -25,7 +25,7 @@ impl Element for VectorDamper {
         self.a.dofs() + self.b.dofs()
     }
     fn is_linear(&self) -> bool {
-        [self.a, self.b] == [Anchor::Point; 2]
+        [self.a, self.b].iter().all(|end| *end != Anchor::Body)
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
         add_damping([self.a, self.b], v, q, p, force, |_, velocity| velocity);

@@ -1,5 +1,5 @@
 use super::{ANGLE, angle_between};
-use crate::elements::{Constraint, Parameter};
+use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::Scalar;
 
 /// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 [rad].
@@ -11,16 +11,24 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-pub struct AngleCoordinate;
+pub struct AngleCoordinate {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for AngleCoordinate {
-    const DOFS: usize = 15;
+    const DOFS: usize = 25;
     const EQUATIONS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &ANGLE;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs() + 1
+    }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g[0] = angle_between(q, p, q[14]);
+        g[0] = angle_between([self.a, self.b], q, p, q[self.a.dofs() + self.b.dofs()]);
     }
 }

@@ -1,6 +1,6 @@
-use super::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use super::{POINTS, components, vectors};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::Scalar;
 
 /// A slider that may turn: the point of b stays on an axis of a [m], and the axis of b parallel to it [-].
 ///
@@ -9,20 +9,28 @@ use crate::scalar::{Quaternion, Scalar, Vec3};
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
-pub struct CylindricalJoint;
+pub struct CylindricalJoint {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for CylindricalJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let axis = Quaternion::from_slice(&q[10..]).rotate(Vec3::from_slice(&p[12..]));
-        components(q, &p[6..12], gap([Anchor::Body; 2], q, p), &mut g[..2]);
-        components(q, &p[6..12], axis, &mut g[2..]);
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
+        components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..]);
     }
 }

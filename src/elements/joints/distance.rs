@@ -16,7 +16,7 @@ pub struct DistanceJoint {
 }
 
 impl Constraint for DistanceJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
     const REACTION: bool = true;
     const STEADY: bool = true;

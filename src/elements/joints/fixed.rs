@@ -8,19 +8,27 @@ use crate::scalar::Scalar;
 ///
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
-pub struct FixedJoint;
+pub struct FixedJoint {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for FixedJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g[..3].copy_from_slice(&gap([Anchor::Body; 2], q, p).0);
-        g[3..].copy_from_slice(&remaining_rotation(q, &p[6..]).0);
+        g[..3].copy_from_slice(&gap([self.a, self.b], q, p).0);
+        g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[6..]).0);
     }
 }

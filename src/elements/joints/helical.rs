@@ -1,6 +1,6 @@
-use super::{POINTS, angle_beyond, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use super::{POINTS, angle_beyond, components, vectors};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::{Scalar, Vec3, combine_columns};
 use std::f64::consts::TAU;
 
 /// A screw: like a cylindrical joint, and b advances along the axis of a by the pitch with every turn [m].
@@ -13,27 +13,34 @@ use std::f64::consts::TAU;
 /// * `axis`  n_b, unit vector in the frame of b
 /// * `reference b`  unit vector in the frame of b at right angles to the axis: it stands along u_a where d = 0
 /// * `pitch`  [m per turn], not 0; negative for a left-handed thread
-pub struct HelicalJoint;
+pub struct HelicalJoint {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for HelicalJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let vectors = vectors(&["normal u", "normal w", "axis", "reference b"]);
         POINTS.into_iter().chain(vectors).chain([Parameter::non_zero("pitch", "m")]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-        let vector = |i: usize| Vec3::from_slice(&p[i..]);
-        let (u, pitch) = (ea.rotate(vector(6)), p[18]);
-        let axis = ea.rotate(vector(6).cross(vector(9)));
-        let between = gap([Anchor::Body; 2], q, p);
-        components(q, &p[6..12], between, &mut g[..2]);
-        components(q, &p[6..12], eb.rotate(vector(12)), &mut g[2..4]);
-        let beyond = angle_beyond(axis, u, eb.rotate(vector(15)), axis.dot(between) * TAU / pitch);
-        g[4] = beyond * pitch / TAU;
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        let pitch = p[18];
+        let axis = combine_columns(&a.axes, Vec3::from_slice(&p[6..]).cross(Vec3::from_slice(&p[9..])));
+        let between = b.point(&p[3..]) - a.point(p);
+        components(&a, &p[6..12], between, &mut g[..2]);
+        components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..4]);
+        let turn = axis.dot(between) * TAU / pitch;
+        g[4] = angle_beyond(axis, a.direction(&p[6..]), b.direction(&p[15..]), turn) * pitch / TAU;
     }
 }

@@ -1,6 +1,7 @@
 //! Joints and motion drivers: each file holds g(q, p, t) and nothing else.
 
 mod angle_coordinate;
+mod cable_end;
 mod cylindrical;
 mod distance;
 mod fixed;
@@ -20,6 +21,7 @@ mod spherical;
 mod universal;
 
 pub use angle_coordinate::AngleCoordinate;
+pub use cable_end::{CableEnd, HeldSlope};
 pub use cylindrical::CylindricalJoint;
 pub use distance::DistanceJoint;
 pub use fixed::FixedJoint;
@@ -39,11 +41,11 @@ pub use spherical::SphericalJoint;
 pub use universal::UniversalJoint;
 
 use super::erased::compiled_here;
-use super::{Anchor, AnyConstraint, Nonholonomic, Parameter};
+use super::{Anchor, AnyConstraint, Frame, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
 use std::f64::consts::TAU;
 
-compiled_here!(dyn AnyConstraint: AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
+compiled_here!(dyn AnyConstraint: AngleCoordinate, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
 pub(crate) const POINTS: [Parameter; 6] = [
@@ -95,18 +97,26 @@ fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vec3<S>, r:
 
 /// Components of a world vector along vectors of body a, which `vectors` gives in its frame, one after the other.
 #[inline(always)]
-pub(crate) fn components<S: Scalar>(a: &[S], vectors: &[S], world: Vec3<S>, g: &mut [S]) {
-    let seen_from_a = Quaternion::from_slice(&a[3..]).rotate_back(world);
+pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vec3<S>, g: &mut [S]) {
+    let seen_from_a = a.seen(world);
     for (g, vector) in g.iter_mut().zip(vectors.chunks_exact(3)) {
         *g = seen_from_a.dot(Vec3::from_slice(vector));
     }
 }
 
-/// 2 vec(e_a* e_b e_ab*): for small angles the rotation that b has beyond `relative`, in the frame of a [rad].
+/// For small angles the rotation that b has beyond `relative`, in the frame of a [rad]: 2 vec(e_a* e_b e_ab*) between Euler parameters,
+/// otherwise (c_1 x d_1 + c_2 x d_2 + c_3 x d_3) / 2 with the axes d_k of b seen from a, and where they should be, c_k = R(e_ab) e_k.
 #[inline(always)]
-fn remaining_rotation<S: Scalar>(q: &[S], relative: &[S]) -> Vec3<S> {
-    let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-    ea.conjugate().times(eb).times(Quaternion::from_slice(relative).conjugate()).parts().1 * S::from(2.0)
+fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> Vec3<S> {
+    let relative = Quaternion::from_slice(relative);
+    if ends == [Anchor::Body; 2] {
+        let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
+        return ea.conjugate().times(eb).times(relative.conjugate()).parts().1 * S::from(2.0);
+    }
+    let [a, b] = Frame::pair(ends, q);
+    let (wanted, own) = (relative.columns(), b.axes);
+    let beyond = |k: usize| wanted[k].cross(a.seen(own[k]));
+    (beyond(0) + beyond(1) + beyond(2)) * S::from(0.5)
 }
 
 /// The angle about `axis` from `from` to `to` less `turn`, in [-pi, pi] [rad]: any number of whole turns is left out of it.
@@ -118,8 +128,7 @@ fn angle_beyond<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>, turn: S) -
 
 /// The same between two bodies with the parameters [`ANGLE`].
 #[inline(always)]
-pub(crate) fn angle_between<S: Scalar>(q: &[S], p: &[S], turn: S) -> S {
-    let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-    let vector = |i: usize| Vec3::from_slice(&p[i..]);
-    angle_beyond(ea.rotate(vector(0)), ea.rotate(vector(3)), eb.rotate(vector(6)), turn)
+pub(crate) fn angle_between<S: Scalar>(ends: [Anchor; 2], q: &[S], p: &[S], turn: S) -> S {
+    let [a, b] = Frame::pair(ends, q);
+    angle_beyond(a.direction(p), a.direction(&p[3..]), b.direction(&p[6..]), turn)
 }

@@ -1,6 +1,6 @@
-use super::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use super::{POINTS, components, vectors};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::Scalar;
 
 /// Two faces that slide on each other: the points stay at one height [m] and the normals parallel [-].
 ///
@@ -9,20 +9,29 @@ use crate::scalar::{Quaternion, Scalar, Vec3};
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `tangent u`, `tangent w`  unit vectors of the plane in the frame of a, not parallel
 /// * `normal`  n_b, unit vector in the frame of b
-pub struct PlanarJoint;
+pub struct PlanarJoint {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for PlanarJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 3;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["tangent u", "tangent w", "normal"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let normal = Quaternion::from_slice(&q[10..]).rotate(Vec3::from_slice(&p[12..]));
-        g[0] = normal.dot(gap([Anchor::Body; 2], q, p));
-        components(q, &p[6..12], normal, &mut g[1..]);
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        let normal = b.direction(&p[12..]);
+        g[0] = normal.dot(b.point(&p[3..]) - a.point(p));
+        components(&a, &p[6..12], normal, &mut g[1..]);
     }
 }

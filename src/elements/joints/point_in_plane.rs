@@ -1,5 +1,5 @@
 use super::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
 /// A point of b in a plane of a: g = n_a . (x_b - x_a) [m]. The multiplier is minus the force on b along the normal [N].
@@ -7,23 +7,26 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `normal`  n_a, unit vector in the frame of a
 pub struct PointInPlane {
+    /// What guides: a body.
+    pub a: Anchor,
     /// What slides.
     pub b: Anchor,
 }
 
 impl Constraint for PointInPlane {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
-        Anchor::Body.dofs() + self.b.dofs()
+        self.a.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        components(q, &p[6..], gap([Anchor::Body, self.b], q, p), g);
+        let ends = [self.a, self.b];
+        components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
     }
 }

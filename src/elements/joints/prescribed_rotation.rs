@@ -1,5 +1,5 @@
 use super::{ANGLE, angle_between};
-use crate::elements::{Constraint, Parameter, TimeFunction};
+use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
 /// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 [rad].
@@ -11,21 +11,28 @@ use crate::scalar::Scalar;
 /// * `reference b`  unit vector in the frame of b
 /// * parameters of f(t) [rad]
 pub struct PrescribedRotation {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
     /// Angle over time.
     pub angle: TimeFunction,
 }
 
 impl Constraint for PrescribedRotation {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &ANGLE;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         ANGLE.into_iter().chain(self.angle.parameters("rad")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
-        g[0] = angle_between(q, p, self.angle.value(t, &p[9..]));
+        g[0] = angle_between([self.a, self.b], q, p, self.angle.value(t, &p[9..]));
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.angle.kinks(&p[9..])

@@ -1,6 +1,6 @@
 use super::{POINTS, gap, vectors};
-use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::elements::{Anchor, Constraint, Frame, Parameter, TimeFunction};
+use crate::scalar::Scalar;
 
 /// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 [m].
 ///
@@ -10,6 +10,8 @@ use crate::scalar::{Quaternion, Scalar, Vec3};
 /// * `axis`  n_a, unit vector in the frame of a
 /// * parameters of f(t) [m]
 pub struct PrescribedTranslation {
+    /// What guides: a body.
+    pub a: Anchor,
     /// What is driven.
     pub b: Anchor,
     /// Displacement over time.
@@ -17,19 +19,19 @@ pub struct PrescribedTranslation {
 }
 
 impl Constraint for PrescribedTranslation {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
     fn dofs(&self) -> usize {
-        Anchor::Body.dofs() + self.b.dofs()
+        self.a.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["axis"])).chain(self.displacement.parameters("m")).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
-        let axis = Quaternion::from_slice(&q[3..]).rotate(Vec3::from_slice(&p[6..]));
-        g[0] = axis.dot(gap([Anchor::Body, self.b], q, p)) - self.displacement.value(t, &p[9..]);
+        let axis = Frame::of(self.a, q).direction(&p[6..]);
+        g[0] = axis.dot(gap([self.a, self.b], q, p)) - self.displacement.value(t, &p[9..]);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.displacement.kinks(&p[9..])

@@ -1,5 +1,5 @@
-use super::{POINTS, RELATIVE_ROTATION, components, gap, remaining_rotation, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
+use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
 /// A slider without rotation: the point of b stays on a line of a [m], and twice the vector part of the remaining rotation is
@@ -10,19 +10,28 @@ use crate::scalar::Scalar;
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
-pub struct PrismaticJoint;
+pub struct PrismaticJoint {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for PrismaticJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal u", "normal w"])).chain(RELATIVE_ROTATION).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        components(q, &p[6..12], gap([Anchor::Body; 2], q, p), &mut g[..2]);
-        g[2..].copy_from_slice(&remaining_rotation(q, &p[12..]).0);
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
+        g[2..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[12..]).0);
     }
 }

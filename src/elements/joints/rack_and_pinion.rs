@@ -1,6 +1,6 @@
 use super::{ANGLE, POINTS, angle_between, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::{Scalar, Vec3};
 
 /// A rack that rolls on a pinion, both on a common carrier: r theta - s = 0 [m].
 ///
@@ -15,23 +15,30 @@ use crate::scalar::{Quaternion, Scalar, Vec3};
 /// * `reference b`  unit vector in the frame of the pinion
 /// * `direction`  n_c, unit vector in the frame of the carrier
 /// * `pitch radius`  r [m], greater than 0
-pub struct RackAndPinion;
+pub struct RackAndPinion {
+    /// Carrier, pinion and rack.
+    pub nodes: [Anchor; 3],
+}
 
 impl Constraint for RackAndPinion {
-    const DOFS: usize = 21;
+    const DOFS: usize = 36;
     const EQUATIONS: usize = 1;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.nodes.iter().map(|node| node.dofs()).sum()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let radius = Parameter::positive("pitch radius", "m");
         POINTS.into_iter().chain(ANGLE).chain(vectors(&["direction"])).chain([radius]).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let (carrier, rack, radius) = (&q[..7], &q[14..], p[18]);
-        let position = |q, point: &[S]| Anchor::Body.position(q, Vec3::from_slice(point));
-        let direction = Quaternion::from_slice(&carrier[3..]).rotate(Vec3::from_slice(&p[15..]));
-        let path = direction.dot(position(rack, &p[3..]) - position(carrier, p));
-        g[0] = angle_between(q, &p[6..], path / radius) * radius;
+        let [carrier, pinion, rack] = self.nodes;
+        let behind = carrier.dofs() + pinion.dofs();
+        let (frame, radius) = (Frame::of(carrier, q), p[18]);
+        let between = rack.position(&q[behind..], Vec3::from_slice(&p[3..])) - frame.point(p);
+        let path = frame.direction(&p[15..]).dot(between);
+        g[0] = angle_between([carrier, pinion], q, &p[6..], path / radius) * radius;
     }
 }

@@ -1,6 +1,6 @@
 use super::{RELATIVE_ROTATION, remaining_rotation};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::{Scalar, Vec3};
 
 /// A rigid connection between two nodes: b keeps its place in the frame of a [m] and, if it is a body, its orientation [rad].
 ///
@@ -10,33 +10,35 @@ use crate::scalar::{Quaternion, Scalar, Vec3};
 /// * `offset`  c, place of the node b in the frame of a [m]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
 pub struct RigidLink {
+    /// What guides: a body.
+    pub a: Anchor,
     /// What is carried along.
     pub b: Anchor,
 }
 
 impl Constraint for RigidLink {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("offset x", "m"), Parameter::new("offset y", "m"), Parameter::new("offset z", "m")];
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
-        Anchor::Body.dofs() + self.b.dofs()
+        self.a.dofs() + self.b.dofs()
     }
     fn equations(&self) -> usize {
-        if self.b == Anchor::Body { 6 } else { 3 }
+        if self.b.has_axes() { 6 } else { 3 }
     }
     fn parameters(&self) -> Vec<Parameter> {
-        let rotation = if self.b == Anchor::Body { &RELATIVE_ROTATION[..] } else { &[] };
+        let rotation = if self.b.has_axes() { &RELATIVE_ROTATION[..] } else { &[] };
         [Self::PARAMETERS, rotation].concat()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let offset = Quaternion::from_slice(&q[3..]).rotate(Vec3::from_slice(p));
-        g[..3].copy_from_slice(&(Vec3::from_slice(&q[7..]) - Vec3::from_slice(q) - offset).0);
-        if self.b == Anchor::Body {
-            g[3..].copy_from_slice(&remaining_rotation(q, &p[3..]).0);
+        let carried = Frame::of(self.a, q).point(p);
+        g[..3].copy_from_slice(&(Vec3::from_slice(&q[self.a.dofs()..]) - carried).0);
+        if self.b.has_axes() {
+            g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).0);
         }
     }
 }

@@ -1,20 +1,19 @@
-use crate::elements::{Constraint, NonholonomicConstraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::elements::{Anchor, Constraint, Frame, NonholonomicConstraint, Parameter};
+use crate::scalar::{Scalar, Vec3};
 
 /// Velocity of the material point of a body that is at the world point `place` now [m/s]: v + omega x (place - r).
 #[inline(always)]
-fn velocity_at<S: Scalar>(v: &[S], q: &[S], place: Vec3<S>) -> Vec3<S> {
-    let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
-    let omega = e.rotate(e.g_times(rate) * S::from(2.0));
-    Vec3::from_slice(v) + omega.cross(place - Vec3::from_slice(q))
+fn velocity_at<S: Scalar>(body: Anchor, v: &[S], q: &[S], place: Vec3<S>) -> Vec3<S> {
+    Vec3::from_slice(v) + body.angular_velocity(v, q).cross(place - Vec3::from_slice(q))
 }
 
 /// The sliding velocity of b on a plane of a at their point of contact, along two directions u and w of the plane.
 #[inline(always)]
-fn sliding<S: Scalar>(v: &[S], q: &[S], [u, w]: [Vec3<S>; 2], contact: Vec3<S>, h: &mut [S]) {
-    let velocity = velocity_at(&v[7..], &q[7..], contact) - velocity_at(v, q, contact);
-    let e = Quaternion::from_slice(&q[3..]);
-    (h[0], h[1]) = (e.rotate(u).dot(velocity), e.rotate(w).dot(velocity));
+fn sliding<S: Scalar>([a, b]: [Anchor; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2], contact: Vec3<S>, h: &mut [S]) {
+    let split = a.dofs();
+    let velocity = velocity_at(b, &v[split..], &q[split..], contact) - velocity_at(a, v, q, contact);
+    let frame = Frame::of(a, q);
+    (h[0], h[1]) = (frame.direction(u).dot(velocity), frame.direction(w).dot(velocity));
 }
 
 const fn new(name: &'static str, unit: &'static str) -> Parameter {
@@ -31,10 +30,15 @@ const fn new(name: &'static str, unit: &'static str) -> Parameter {
 /// * `radius`  r [m], greater than 0
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
-pub struct RollingSphere;
+pub struct RollingSphere {
+    /// The body with the plane.
+    pub a: Anchor,
+    /// What rolls.
+    pub b: Anchor,
+}
 
 impl NonholonomicConstraint for RollingSphere {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 2;
     const PARAMETERS: &'static [Parameter] = &[
         new("centre x", "m"),
@@ -52,11 +56,13 @@ impl NonholonomicConstraint for RollingSphere {
         Parameter::positive("radius", "m"),
     ];
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
-        let [centre, u, w, normal] = [0, 3, 6, 9].map(|i| Vec3::from_slice(&p[i..]));
-        let normal = Quaternion::from_slice(&q[3..]).rotate(normal);
-        let centre = Vec3::from_slice(&q[7..]) + Quaternion::from_slice(&q[10..]).rotate(centre);
-        sliding(v, q, [u, w], centre - normal * p[12], h);
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        let contact = b.point(p) - a.direction(&p[9..]) * p[12];
+        sliding([self.a, self.b], v, q, [&p[3..], &p[6..]], contact, h);
     }
 }
 
@@ -75,12 +81,10 @@ const DISC: [Parameter; 10] = [
 
 /// Centre of the disc, and the vector from it to the lowest point of its edge: -r (n - (n . b) b) / |n - (n . b) b|.
 #[inline(always)]
-fn disc<S: Scalar>(q: &[S], p: &[S]) -> (Vec3<S>, Vec3<S>) {
-    let [centre, axis, normal] = [0, 3, 6].map(|i| Vec3::from_slice(&p[i..]));
-    let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
-    let (normal, axis) = (ea.rotate(normal), eb.rotate(axis));
+fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vec3<S>, Vec3<S>) {
+    let (axis, normal) = (b.direction(&p[3..]), a.direction(&p[6..]));
     let up = normal - axis * normal.dot(axis);
-    (Vec3::from_slice(&q[7..]) + eb.rotate(centre), up * (-p[9] / up.norm()))
+    (b.point(p), up * (-p[9] / up.norm()))
 }
 
 /// The edge of a thin disc b touches a plane of a: g = n . (x_c + c - x_a) [m] with the vector c from the centre to the lowest point.
@@ -90,20 +94,27 @@ fn disc<S: Scalar>(q: &[S], p: &[S]) -> (Vec3<S>, Vec3<S>) {
 /// * `normal`  n, unit vector in the frame of a
 /// * `radius`  r [m], greater than 0
 /// * `point`  x_a, of the plane, in the frame of a [m]
-pub struct DiscOnPlane;
+pub struct DiscOnPlane {
+    /// The body with the plane.
+    pub a: Anchor,
+    /// What rolls.
+    pub b: Anchor,
+}
 
 impl Constraint for DiscOnPlane {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         DISC.iter().cloned().chain(["point x", "point y", "point z"].map(|name| new(name, "m"))).collect()
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let (centre, lowest) = disc(q, p);
-        let ea = Quaternion::from_slice(&q[3..]);
-        let point = Vec3::from_slice(q) + ea.rotate(Vec3::from_slice(&p[10..]));
-        g[0] = ea.rotate(Vec3::from_slice(&p[6..])).dot(centre + lowest - point);
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        let (centre, lowest) = disc([a, b], p);
+        g[0] = a.direction(&p[6..]).dot(centre + lowest - a.point(&p[10..]));
     }
 }
 
@@ -116,17 +127,25 @@ impl Constraint for DiscOnPlane {
 /// * `u`, `w`  unit vectors of the plane in the frame of a, at right angles
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
-pub struct RollingDisc;
+pub struct RollingDisc {
+    /// The body with the plane.
+    pub a: Anchor,
+    /// What rolls.
+    pub b: Anchor,
+}
 
 impl NonholonomicConstraint for RollingDisc {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 2;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         DISC.iter().cloned().chain(["u x", "u y", "u z", "w x", "w y", "w z"].map(|name| new(name, "-"))).collect()
     }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
-        let (centre, lowest) = disc(q, p);
-        sliding(v, q, [10, 13].map(|i| Vec3::from_slice(&p[i..])), centre + lowest, h);
+        let (centre, lowest) = disc(Frame::pair([self.a, self.b], q), p);
+        sliding([self.a, self.b], v, q, [&p[10..], &p[13..]], centre + lowest, h);
     }
 }

@@ -13,7 +13,7 @@ pub struct SphericalJoint {
 }
 
 impl Constraint for SphericalJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 3;
     const PARAMETERS: &'static [Parameter] = &POINTS;
     const SEPARABLE: bool = true;

@@ -1,6 +1,6 @@
-use super::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use super::{POINTS, components, vectors};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::Scalar;
 
 /// A universal (Cardan, Hooke) joint: points held together [m] and the two pins of the cross at right angles [-].
 ///
@@ -9,20 +9,28 @@ use crate::scalar::{Quaternion, Scalar, Vec3};
 /// * `point a`, `point b`  in the frames of the bodies [m]
 /// * `pin a`  n_a, unit vector in the frame of a
 /// * `pin b`  n_b, unit vector in the frame of b
-pub struct UniversalJoint;
+pub struct UniversalJoint {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Constraint for UniversalJoint {
-    const DOFS: usize = 14;
+    const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
     const STEADY: bool = true;
 
+    fn dofs(&self) -> usize {
+        self.a.dofs() + self.b.dofs()
+    }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["pin a", "pin b"])).collect()
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let pin = Quaternion::from_slice(&q[10..]).rotate(Vec3::from_slice(&p[9..]));
-        g[..3].copy_from_slice(&gap([Anchor::Body; 2], q, p).0);
-        components(q, &p[6..9], pin, &mut g[3..]);
+        let [a, b] = Frame::pair([self.a, self.b], q);
+        g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).0);
+        components(&a, &p[6..9], b.direction(&p[9..]), &mut g[3..]);
     }
 }

@@ -1,5 +1,5 @@
 use crate::elements::joints::{ANGLE, angle_between};
-use crate::elements::{Parameter, State};
+use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -9,15 +9,20 @@ use crate::scalar::Scalar;
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-pub struct JointAngle;
+pub struct JointAngle {
+    /// First body.
+    pub a: Anchor,
+    /// Second body.
+    pub b: Anchor,
+}
 
 impl Quantity for JointAngle {
     const PARAMETERS: &'static [Parameter] = &ANGLE;
 
     fn dofs(&self) -> usize {
-        14
+        self.a.dofs() + self.b.dofs()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        angle_between(s.q, p, S::zero())
+        angle_between([self.a, self.b], s.q, p, S::zero())
     }
 }

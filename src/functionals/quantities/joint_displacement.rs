@@ -1,5 +1,5 @@
 use crate::elements::joints::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Parameter, State};
+use crate::elements::{Anchor, Frame, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Dual, Scalar};
 use smallvec::SmallVec;
@@ -9,42 +9,46 @@ use smallvec::SmallVec;
 /// * `point a`, `point b`  in the frames of the bodies [m]: s = 0 where they meet
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct JointDisplacement {
+    /// The body with the axis.
+    pub a: Anchor,
     /// What slides.
     pub b: Anchor,
 }
 
 impl Quantity for JointDisplacement {
     fn dofs(&self) -> usize {
-        Anchor::Body.dofs() + self.b.dofs()
+        self.a.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["axis"])).collect()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let mut displacement = [S::zero()];
-        components(s.q, &p[6..], gap([Anchor::Body, self.b], s.q, p), &mut displacement);
+        components(&Frame::of(self.a, s.q), &p[6..], gap([self.a, self.b], s.q, p), &mut displacement);
         displacement[0]
     }
 }
 
 /// Its rate ds/dt [m/s], with the same parameters.
 pub struct JointSpeed {
+    /// The body with the axis.
+    pub a: Anchor,
     /// What slides.
     pub b: Anchor,
 }
 
 impl Quantity for JointSpeed {
     fn dofs(&self) -> usize {
-        JointDisplacement { b: self.b }.dofs()
+        JointDisplacement { a: self.a, b: self.b }.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
-        JointDisplacement { b: self.b }.parameters()
+        JointDisplacement { a: self.a, b: self.b }.parameters()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
         // one dual direction along the motion
-        let q: SmallVec<[Dual<S, 1>; 14]> = s.q.iter().zip(s.v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
+        let q: SmallVec<[Dual<S, 1>; 24]> = s.q.iter().zip(s.v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
         let p: SmallVec<[Dual<S, 1>; 9]> = p.iter().map(|&p| Dual::constant(p)).collect();
         let along = State { a: &[], v: &[], q: &q };
-        JointDisplacement { b: self.b }.value(along, &[], &p, Dual::constant(t)).eps[0]
+        JointDisplacement { a: self.a, b: self.b }.value(along, &[], &p, Dual::constant(t)).eps[0]
     }
 }

@@ -230,8 +230,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut rotations = Vec::new();
         for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
             let End::Node(node) = end else { continue };
-            self.check_bodies(name, &[node]);
             if self.model.nodes[node.0].kind != NodeKind::Body {
+                let own = &self.model.nodes[node.0].name;
+                self.mistakes.push(format!(
+                    "\"{name}\" needs a body with Euler parameters at its end, but node \"{own}\" is none: make it a body, or give the \
+                     beam a node of its own and a joint"
+                ));
                 continue;
             }
             let gap = (self.position(node) - point).norm().value();

@@ -19,6 +19,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.add_element(&name, &[node], Gravity { on }.into(), &p);
         }
         self.beam_gravity(gravity);
+        self.cable_gravity(gravity);
     }
 
     /// A spring along the line between world points of two nodes: stiffness [N/m], rest length [m].
@@ -67,9 +68,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vec3<S>,
         [stiffness, damping, rest_angle]: [S; 3],
     ) -> ElementId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let p = [vec![stiffness, damping, rest_angle], self.angle_frame(name, nodes, axis)].concat();
-        self.add_element(name, &nodes, TorsionSpringDamper.into(), &p)
+        self.add_element(name, &nodes, TorsionSpringDamper { a, b }.into(), &p)
     }
 
     /// A spring and damper along a world axis fixed in a: [N/m], [N s/m], rest displacement [m] of the world point of b from `origin`.
@@ -81,12 +82,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vec3<S>,
         coefficients: [S; 3],
     ) -> ElementId {
-        self.check_bodies(name, &nodes[..1]);
-        let b = self.anchor(name, nodes[1]);
+        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis).0;
         let p = [&coefficients[..], &self.points_between(nodes, [origin, point]), &axis].concat();
-        self.add_element(name, &nodes, SlideSpringDamper { b }.into(), &p)
+        self.add_element(name, &nodes, SlideSpringDamper { a, b }.into(), &p)
     }
 
     /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
@@ -110,15 +110,15 @@ impl<S: Scalar> MechanismBuilder<S> {
         axes: Quaternion<S>,
         [stiffness, damping]: [[S; 6]; 2],
     ) -> ElementId {
-        self.check_bodies(name, &nodes);
-        let [a, b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
-        let p = [&stiffness[..], &damping, &self.points_between(nodes, [point; 2]), &a, &b].concat();
-        self.add_element(name, &nodes, Bushing.into(), &p)
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [on_a, on_b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
+        let p = [&stiffness[..], &damping, &self.points_between(nodes, [point; 2]), &on_a, &on_b].concat();
+        self.add_element(name, &nodes, Bushing { a, b }.into(), &p)
     }
 
     /// A soft version of the joint that `add` adds, which must be one of `joint`'s kind: springs and dampers for its equations.
     ///
-    /// `m.soft(RevoluteJoint, [&stiffness, &damping], |m| m.revolute("mount", [frame, engine], point, axis));`
+    /// `m.soft(RevoluteJoint { a: Anchor::Body, b: Anchor::Body }, [&stiffness, &damping], |m| m.revolute("mount", [frame, engine], point, axis));`
     pub fn soft<J: Constraint>(
         &mut self,
         joint: J,

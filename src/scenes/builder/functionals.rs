@@ -51,17 +51,17 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
     pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vec3<S>) {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let p = self.angle_frame(name, nodes, axis);
-        self.add_functional(name, "rad", over, (&nodes, &[]), JointAngle.into(), &p);
+        self.add_functional(name, "rad", over, (&nodes, &[]), JointAngle { a, b }.into(), &p);
     }
 
     /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
     pub fn joint_rate_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vec3<S>) {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
         let p = self.local_direction(nodes[0], axis).0;
-        self.add_functional(name, "rad/s", over, (&nodes, &[]), JointRate.into(), &p);
+        self.add_functional(name, "rad/s", over, (&nodes, &[]), JointRate { a, b }.into(), &p);
     }
 
     /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on [m].
@@ -73,21 +73,20 @@ impl<S: Scalar> MechanismBuilder<S> {
         point: Vec3<S>,
         axis: Vec3<S>,
     ) {
-        let (b, p) = self.slide(name, nodes, point, axis);
-        self.add_functional(name, "m", over, (&nodes, &[]), JointDisplacement { b }.into(), &p);
+        let ([a, b], p) = self.slide(name, nodes, point, axis);
+        self.add_functional(name, "m", over, (&nodes, &[]), JointDisplacement { a, b }.into(), &p);
     }
 
     /// A functional of the rate of that displacement [m/s].
     pub fn joint_speed_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) {
-        let (b, p) = self.slide(name, nodes, point, axis);
-        self.add_functional(name, "m/s", over, (&nodes, &[]), JointSpeed { b }.into(), &p);
+        let ([a, b], p) = self.slide(name, nodes, point, axis);
+        self.add_functional(name, "m/s", over, (&nodes, &[]), JointSpeed { a, b }.into(), &p);
     }
 
-    fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> (Anchor, Vec<S>) {
-        self.check_bodies(name, &nodes[..1]);
+    fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ([Anchor; 2], Vec<S>) {
         let axis = self.unit(name, axis);
         let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], axis).0].concat();
-        (self.anchor(name, nodes[1]), p)
+        ([self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])], p)
     }
 
     /// A functional of one coordinate of a node.

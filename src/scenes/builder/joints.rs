@@ -2,12 +2,12 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{ConstraintId, Node, NodeId, NodeKind};
+use crate::elements::TimeFunction;
 use crate::elements::joints::{
     AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
     PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
     SphericalJoint, UniversalJoint,
 };
-use crate::elements::{Anchor, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, Vec3};
 
 /// How far from a right angle the pins of a universal joint may be.
@@ -46,58 +46,57 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A revolute joint at a world point [m] about a world axis.
     pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
-        self.add_constraint(name, &nodes, RevoluteJoint.into(), &p)
+        self.add_constraint(name, &nodes, RevoluteJoint { a, b }.into(), &p)
     }
 
     /// Two bodies welded together at a world point [m].
     pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let p = [self.points_between(nodes, [point; 2]), self.relative_rotation(nodes).0.to_vec()].concat();
-        self.add_constraint(name, &nodes, FixedJoint.into(), &p)
+        self.add_constraint(name, &nodes, FixedJoint { a, b }.into(), &p)
     }
 
     /// Node b, a point or a body, carried along by body a as it stands at the start.
     pub fn rigid_link(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        self.check_bodies(name, &nodes[..1]);
-        let b = self.anchor(name, nodes[1]);
+        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let mut p = self.local_point(nodes[0], self.position(nodes[1])).0.to_vec();
-        if b == Anchor::Body {
+        if b.has_axes() {
             p.extend(self.relative_rotation(nodes).0);
         }
-        self.add_constraint(name, &nodes, RigidLink { b }.into(), &p)
+        self.add_constraint(name, &nodes, RigidLink { a, b }.into(), &p)
     }
 
     /// A prismatic joint: b slides along a world axis of a without turning; the world point [m] is where forces are measured.
     pub fn prismatic(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
         let normals = &self.guide(nodes, axis)[..6];
         let p = [&self.points_between(nodes, [point; 2])[..], normals, &self.relative_rotation(nodes).0].concat();
-        self.add_constraint(name, &nodes, PrismaticJoint.into(), &p)
+        self.add_constraint(name, &nodes, PrismaticJoint { a, b }.into(), &p)
     }
 
     /// A cylindrical joint: b slides along and turns about a world axis through a world point [m].
     pub fn cylindrical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
-        self.add_constraint(name, &nodes, CylindricalJoint.into(), &p)
+        self.add_constraint(name, &nodes, CylindricalJoint { a, b }.into(), &p)
     }
 
     /// A planar joint: b slides on the plane of a through a world point [m] with a world normal, and turns about the normal.
     pub fn planar(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, normal: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let normal = self.unit(name, normal);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, normal)].concat();
-        self.add_constraint(name, &nodes, PlanarJoint.into(), &p)
+        self.add_constraint(name, &nodes, PlanarJoint { a, b }.into(), &p)
     }
 
     /// A universal joint at a world point [m]; its cross has one pin in a and one in b, at right angles.
     pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, pins: [Vec3<S>; 2]) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let [pin_a, pin_b] = pins.map(|pin| self.unit(name, pin));
         let cosine = pin_a.dot(pin_b).value();
         if cosine.abs() > RIGHT_ANGLE {
@@ -109,35 +108,33 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let pins = [self.local_direction(nodes[0], pin_a).0, self.local_direction(nodes[1], pin_b).0].concat();
         let p = [self.points_between(nodes, [point; 2]), pins].concat();
-        self.add_constraint(name, &nodes, UniversalJoint.into(), &p)
+        self.add_constraint(name, &nodes, UniversalJoint { a, b }.into(), &p)
     }
 
     /// A screw along a world axis through a world point [m]: b advances by the pitch [m per turn], negative for a left-handed thread.
     pub fn helical(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, axis: Vec3<S>, pitch: S) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
         let reference = self.local_direction(nodes[1], axis.perpendiculars()[0]).0;
         let points = self.points_between(nodes, [point; 2]);
         let p = [&points[..], &self.guide(nodes, axis), &reference, &[pitch]].concat();
-        self.add_constraint(name, &nodes, HelicalJoint.into(), &p)
+        self.add_constraint(name, &nodes, HelicalJoint { a, b }.into(), &p)
     }
 
     /// A world point [m] of b, a point or a body, on the line of a through it along a world direction.
     pub fn point_on_line(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, along: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes[..1]);
-        let b = self.anchor(name, nodes[1]);
+        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let normals = self.unit(name, along).perpendiculars().map(|normal| self.local_direction(nodes[0], normal).0);
         let p = [self.points_between(nodes, [point; 2]), normals.concat()].concat();
-        self.add_constraint(name, &nodes, PointOnLine { b }.into(), &p)
+        self.add_constraint(name, &nodes, PointOnLine { a, b }.into(), &p)
     }
 
     /// A world point [m] of b, a point or a body, in the plane of a through it with a world normal.
     pub fn point_in_plane(&mut self, name: &str, nodes: [NodeId; 2], point: Vec3<S>, normal: Vec3<S>) -> ConstraintId {
-        self.check_bodies(name, &nodes[..1]);
-        let b = self.anchor(name, nodes[1]);
+        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let normal = self.unit(name, normal);
         let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], normal).0].concat();
-        self.add_constraint(name, &nodes, PointInPlane { b }.into(), &p)
+        self.add_constraint(name, &nodes, PointInPlane { a, b }.into(), &p)
     }
 
     /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
@@ -149,7 +146,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         [centre, contact]: [Vec3<S>; 2],
         axis: Vec3<S>,
     ) -> ConstraintId {
-        self.check_bodies(name, &nodes);
+        let kinds = nodes.map(|node| self.body_anchor(name, node));
         let [carrier, pinion, rack] = nodes;
         let axis = self.unit(name, axis);
         let arm = contact - centre;
@@ -159,17 +156,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         let direction = axis.cross(self.unit(name, arm));
         let direction = self.local_direction(carrier, direction).0;
         let p = [&points[..], &self.angle_frame(name, [carrier, pinion], axis), &direction, &[radius]].concat();
-        self.add_constraint(name, &nodes, RackAndPinion.into(), &p)
+        self.add_constraint(name, &nodes, RackAndPinion { nodes: kinds }.into(), &p)
     }
 
     /// A coordinate that counts the angle of b against a about a world axis over any number of turns [rad], zero at the start.
     ///
     /// It is a node: for gears, springs, drivers and functionals of the angle. A joint must hold the axis.
     pub fn joint_angle(&mut self, name: &str, nodes: [NodeId; 2], axis: Vec3<S>) -> NodeId {
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let angle = self.coordinates(name, &[S::zero()], &[S::zero()]);
         let p = self.angle_frame(name, nodes, axis);
-        self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate.into(), &p);
+        self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate { a, b }.into(), &p);
         self.angles.push((angle, nodes, axis.normalized()));
         self.set_angle_rates();
         angle
@@ -220,9 +217,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         function_parameters: &[S],
     ) -> ConstraintId {
         self.check_driver(name, &angle);
-        self.check_bodies(name, &nodes);
+        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let p = [self.angle_frame(name, nodes, axis), function_parameters.to_vec()].concat();
-        self.add_constraint(name, &nodes, PrescribedRotation { angle }.into(), &p)
+        self.add_constraint(name, &nodes, PrescribedRotation { a, b, angle }.into(), &p)
     }
 
     /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` [m].
@@ -236,11 +233,10 @@ impl<S: Scalar> MechanismBuilder<S> {
         function_parameters: &[S],
     ) -> ConstraintId {
         self.check_driver(name, &displacement);
-        self.check_bodies(name, &nodes[..1]);
-        let b = self.anchor(name, nodes[1]);
+        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis);
         let p = [self.points_between(nodes, [origin, point]), axis.0.to_vec(), function_parameters.to_vec()].concat();
-        self.add_constraint(name, &nodes, PrescribedTranslation { b, displacement }.into(), &p)
+        self.add_constraint(name, &nodes, PrescribedTranslation { a, b, displacement }.into(), &p)
     }
 }

@@ -1,7 +1,7 @@
 //! Forces and moments of joints.
 
 use super::MechanismBuilder;
-use crate::assembly::{ConstraintId, NodeId, NodeKind};
+use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::forces::LoadFrame;
 use crate::functionals::{Functional, JointLoad, LoadKind, Measured, Over};
 use crate::scalar::{Scalar, Vec3};
@@ -27,19 +27,20 @@ impl<S: Scalar> MechanismBuilder<S> {
         };
         let first = self.model.dof_count(&constraint.nodes[..place]);
         let node = first..first + self.model.dof_count(&[on]);
-        let body = self.model.nodes[on.0].kind == NodeKind::Body;
+        let body = self.model.nodes[on.0].kind.has_axes();
         let moment = matches!(kind, LoadKind::Moment | LoadKind::MomentNorm);
-        if matches!(self.model.nodes[on.0].kind, NodeKind::Coordinates(_)) || (moment && !body) {
+        let anchor = self.model.nodes[on.0].kind.anchor().filter(|_| body || !moment);
+        let Some(anchor) = anchor else {
             let (node, what) = (&self.model.nodes[on.0].name, if moment { "moment" } else { "force" });
             self.mistakes.push(format!("\"{name}\" asks for a {what} on \"{node}\", which takes none"));
             return;
-        }
+        };
         let turns = body && frame == LoadFrame::Body;
         let direction = if turns { self.local_direction(on, direction) } else { direction };
         let p = [direction.0, self.local_point(on, point).0].concat();
         let parameters = self.model.add_parameters(p.len());
         self.numbers.p.extend(p);
-        let measured = Measured::Load { joint, parameters, load: JointLoad { kind, frame, node } };
+        let measured = Measured::Load { joint, parameters, load: JointLoad { kind, frame, node, on: anchor } };
         let unit = if moment { "N m" } else { "N" };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }

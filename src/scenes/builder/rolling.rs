@@ -17,13 +17,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         normal: Vec3<S>,
         radius: S,
     ) -> [ConstraintId; 2] {
+        let [a, b] = nodes.map(|node| self.body_anchor(rolling, node));
         let normal = normal.normalized();
         let touching = self.point_in_plane(contact, nodes, centre, normal);
         let [u, w] = normal.perpendiculars();
         let mut p = self.local_point(nodes[1], centre).0.to_vec();
         p.extend([u, w, normal].into_iter().flat_map(|vector| self.local_direction(nodes[0], vector).0));
         p.push(radius);
-        [touching, self.add_constraint(rolling, &nodes, Nonholonomic(RollingSphere).into(), &p)]
+        [touching, self.add_constraint(rolling, &nodes, Nonholonomic(RollingSphere { a, b }).into(), &p)]
     }
 
     /// A thin disc rolls on its edge without sliding on a plane of another body: nodes (plane, disc), world centre [m] and axis of the
@@ -37,6 +38,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         radius: S,
     ) -> [ConstraintId; 2] {
         let [plane, disc] = nodes;
+        let [a, b] = nodes.map(|node| self.body_anchor(rolling, node));
         let normal = normal.normalized();
         let [u, w] = normal.perpendiculars();
         let mut p = self.local_point(disc, centre).0.to_vec();
@@ -46,8 +48,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let touching = [&p[..], &self.local_point(plane, point).0].concat();
         p.extend([u, w].into_iter().flat_map(|vector| self.local_direction(plane, vector).0));
         [
-            self.add_constraint(contact, &nodes, DiscOnPlane.into(), &touching),
-            self.add_constraint(rolling, &nodes, Nonholonomic(RollingDisc).into(), &p),
+            self.add_constraint(contact, &nodes, DiscOnPlane { a, b }.into(), &touching),
+            self.add_constraint(rolling, &nodes, Nonholonomic(RollingDisc { a, b }).into(), &p),
         ]
     }
 }

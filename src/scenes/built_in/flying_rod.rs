@@ -50,7 +50,7 @@ impl Scene for FlyingRod {
         m.element("push", &[end], push, &p);
         for (name, axis, size) in [("moment about y", [0.0, 1.0, 0.0], -100.0), ("moment about z", [0.0, 0.0, 1.0], -200.0)]
         {
-            let torque = AppliedTorque { frame: LoadFrame::World, size: pulse.clone() };
+            let torque = AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size: pulse.clone() };
             m.element(name, &[end], torque, &[axis.map(S::from), [zero, S::from(size), zero]].concat());
         }
         m.position_functional("x of the upper end", Over::Terminal, rod.end(), upper, point(1.0, 0.0, 0.0));

@@ -7,6 +7,7 @@ mod chain;
 mod double_pendulum;
 mod five_bar;
 mod flexible_four_bar;
+mod flexible_pendulum;
 mod flyball_governor;
 mod flying_rod;
 mod free_body;
@@ -15,6 +16,7 @@ mod heavy_top;
 mod pendulum;
 mod princeton_beam;
 mod right_angle_cantilever;
+mod rigid_spring_beam;
 mod screw;
 mod slider_crank;
 mod spatial_slider_crank;
@@ -30,6 +32,7 @@ pub use chain::{Chain, ChainVariables};
 pub use double_pendulum::DoublePendulum;
 pub use five_bar::FiveBar;
 pub use flexible_four_bar::FlexibleFourBar;
+pub use flexible_pendulum::FlexiblePendulum;
 pub use flyball_governor::FlyballGovernor;
 pub use flying_rod::FlyingRod;
 pub use free_body::FreeBody;
@@ -38,6 +41,7 @@ pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
 pub use princeton_beam::PrincetonBeam;
 pub use right_angle_cantilever::RightAngleCantilever;
+pub use rigid_spring_beam::RigidSpringBeam;
 pub use screw::Screw;
 pub use slider_crank::SliderCrank;
 pub use spatial_slider_crank::SpatialSliderCrank;
@@ -67,6 +71,8 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(GearTrain),
         Box::new(FlyballGovernor),
         Box::new(FlexibleFourBar::default()),
+        Box::new(FlexiblePendulum),
+        Box::new(RigidSpringBeam),
         Box::new(PrincetonBeam::default()),
         Box::new(SpinUpBeam),
         Box::new(FlyingRod),

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
-use crate::elements::TimeFunction;
 use crate::elements::forces::{AppliedTorque, LoadFrame};
+use crate::elements::{Anchor, TimeFunction};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, Vec3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
@@ -57,7 +57,7 @@ impl Scene for UniversalShaft {
         m.universal("universal joint", [input, output], Vec3::zero(), [y, y.cross(axes[1])]);
         let drive =
             m.prescribed_rotation("drive", [ground, input], axes[0], TimeFunction::ConstantRate, &[S::zero(), *rate]);
-        let braking = AppliedTorque { frame: LoadFrame::Body, size: TimeFunction::Constant };
+        let braking = AppliedTorque { on: Anchor::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
         m.element("brake", &[output], braking, &[-S::one(), zero, zero, *brake]);
 
         let tip = axes[1] * S::from(0.4) + y * S::from(0.08);

@@ -1,0 +1,77 @@
+use crate::elements::{Element, Parameter, State};
+use crate::scalar::Scalar;
+
+/// A rigid body in natural coordinates: position r of its frame and its axes u, v, w, whose mass matrix is constant.
+///
+/// With the velocity of a body point dr/dt + E' s, E = [u v w],
+///
+/// T = m/2 |dr/dt|^2 + m dr/dt . E' c + 1/2 sum over i, j of P_ij e_i' . e_j',   P = J_E + m c c^T,   J_E = tr(J)/2 1 - J,
+///
+/// where P is the second moment of mass about the origin of the frame, m c the first, and e_1..e_3 are the axes; R = M a. For c = 0 and
+/// principal axes M is diagonal with m and (J2 + J3 - J1)/2, (J1 + J3 - J2)/2, (J1 + J2 - J3)/2.
+///
+/// * `mass`  m [kg], greater than 0
+/// * `centre x, y, z`  c, mass centre in the body frame [m]
+/// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
+///
+/// Source: Ebrahimi et al., eqs. (39), (60), (61).
+pub struct NaturalBody;
+
+impl NaturalBody {
+    /// Moments of mass of orders 0, 1 and 2 about the origin: m, m c and P with index 0 for the origin, 1 to 3 for the axes.
+    #[inline(always)]
+    fn moments<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
+        let (mass, centre, half) = (p[0], &p[1..4], S::from(0.5));
+        let (xx, yy, zz) = (p[4], p[5], p[6]);
+        let euler = [
+            [(yy + zz - xx) * half, -p[7], -p[8]],
+            [-p[7], (xx + zz - yy) * half, -p[9]],
+            [-p[8], -p[9], (xx + yy - zz) * half],
+        ];
+        let mut moments = [[mass; 4]; 4];
+        for i in 0..3 {
+            moments[0][i + 1] = mass * centre[i];
+            moments[i + 1][0] = mass * centre[i];
+            for j in 0..3 {
+                moments[i + 1][j + 1] = euler[i][j] + mass * centre[i] * centre[j];
+            }
+        }
+        moments
+    }
+}
+
+impl Element for NaturalBody {
+    const DOFS: usize = 12;
+    const PARAMETERS: &'static [Parameter] = super::rigid_body::INERTIA;
+    const ENERGIES: bool = true;
+
+    fn is_linear(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
+        let moments = Self::moments(p);
+        let mut twice = S::zero();
+        for i in 0..4 {
+            for j in 0..4 {
+                let product = v[3 * i] * v[3 * j] + v[3 * i + 1] * v[3 * j + 1] + v[3 * i + 2] * v[3 * j + 2];
+                twice += moments[i][j] * product;
+            }
+        }
+        twice * 0.5
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        let moments = Self::moments(p);
+        for i in 0..4 {
+            for j in 0..4 {
+                for k in 0..3 {
+                    r[3 * i + k] += moments[i][j] * s.a[3 * j + k];
+                }
+            }
+        }
+    }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[0]
+    }
+}

@@ -1,0 +1,41 @@
+use crate::elements::Constraint;
+use crate::scalar::{Scalar, Vec3};
+
+/// Axes u, v, w of a body in natural coordinates, of unit length and at right angles:
+/// g = ((u . u - 1) / 2, (v . v - 1) / 2, (w . w - 1) / 2, u . v, u . w, v . w) [-].
+///
+/// They belong to one node and are eliminated there: of 12 coordinates and 6 equations, 6 unknowns reach the system matrix.
+///
+/// Source: Ebrahimi et al., eq. (38).
+pub struct OrthonormalAxes;
+
+impl Constraint for OrthonormalAxes {
+    const DOFS: usize = 12;
+    const EQUATIONS: usize = 6;
+    const STEADY: bool = true;
+    const REACTION: bool = true;
+
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
+        let [u, v, w] = [3, 6, 9].map(|first| Vec3::from_slice(&q[first..]));
+        let half = S::from(0.5);
+        g[0] = (u.dot(u) - 1.0) * half;
+        g[1] = (v.dot(v) - 1.0) * half;
+        g[2] = (w.dot(w) - 1.0) * half;
+        g[3] = u.dot(v);
+        g[4] = u.dot(w);
+        g[5] = v.dot(w);
+    }
+    #[inline(always)]
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], _p: &[S], _t: S, r: &mut [S]) {
+        // the symmetric matrix of multipliers takes each axis to the force on it
+        let multipliers = [[mu[0], mu[3], mu[4]], [mu[3], mu[1], mu[5]], [mu[4], mu[5], mu[2]]];
+        for axis in 0..3 {
+            for other in 0..3 {
+                for i in 0..3 {
+                    r[3 + 3 * axis + i] += q[3 + 3 * other + i] * multipliers[axis][other];
+                }
+            }
+        }
+    }
+}

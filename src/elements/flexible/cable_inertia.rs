@@ -1,0 +1,65 @@
+use super::hermite::{COMPONENTS, NODES};
+use crate::elements::{Element, Parameter, State};
+use crate::scalar::Scalar;
+
+/// Inertia of a cable element: R = M a with the constant matrix M = m l times the integral of S^T S, which is exact.
+///
+/// * `length`  l [m], greater than 0
+/// * `mass`  m, for each length [kg/m], greater than 0
+///
+/// Source: Ebrahimi et al., eqs. (30), (58).
+pub struct CableInertia;
+
+/// 420 times the integrals of products of the Hermite functions; each slope brings a factor l.
+const PRODUCTS: [[f64; 4]; 4] =
+    [[156.0, 22.0, 54.0, -13.0], [22.0, 4.0, 13.0, -3.0], [54.0, 13.0, 156.0, -22.0], [-13.0, -3.0, -22.0, 4.0]];
+
+/// Entries of M between (r_1, r_1x, r_2, r_2x).
+#[inline(always)]
+fn matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
+    let (length, share) = (p[0], p[0] * p[1] / 420.0);
+    let factors = [S::one(), length, S::one(), length];
+    let mut matrix = [[share; 4]; 4];
+    for i in 0..4 {
+        for j in 0..4 {
+            matrix[i][j] = share * factors[i] * factors[j] * PRODUCTS[i][j];
+        }
+    }
+    matrix
+}
+
+impl Element for CableInertia {
+    const DOFS: usize = NODES * COMPONENTS;
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("length", "m"), Parameter::positive("mass", "kg/m")];
+    const ENERGIES: bool = true;
+
+    fn is_linear(&self) -> bool {
+        true
+    }
+    #[inline(always)]
+    fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
+        let matrix = matrix(p);
+        let mut twice = S::zero();
+        for i in 0..4 {
+            for j in 0..4 {
+                let product = v[3 * i] * v[3 * j] + v[3 * i + 1] * v[3 * j + 1] + v[3 * i + 2] * v[3 * j + 2];
+                twice += matrix[i][j] * product;
+            }
+        }
+        twice * 0.5
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        let matrix = matrix(p);
+        for i in 0..4 {
+            for j in 0..4 {
+                for k in 0..3 {
+                    r[3 * i + k] += matrix[i][j] * s.a[3 * j + k];
+                }
+            }
+        }
+    }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[0] * p[1]
+    }
+}

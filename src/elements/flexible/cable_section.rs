@@ -1,0 +1,68 @@
+use super::cable::{green_strain, square_of_curvature};
+use super::section::{Material, Shape};
+use crate::scalar::{Scalar, Vec3};
+
+/// Which strains a cable's energy is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CableStrain {
+    /// Green's axial strain and the exact curvature: see [`CableField`](super::CableField).
+    #[default]
+    Exact,
+    /// Strain of the chord and second derivative: see [`SmallStrainCableField`](super::SmallStrainCableField).
+    Small,
+}
+
+impl CableStrain {
+    /// Axial strain [-] and curvature [1/m] from r_x, r_xx, the vector between the nodes, and the length of the element.
+    pub fn of<S: Scalar>(self, first: Vec3<S>, second: Vec3<S>, chord: Vec3<S>, length: S) -> [S; 2] {
+        match self {
+            CableStrain::Exact => [green_strain(first), square_of_curvature(first, second).sqrt()],
+            CableStrain::Small => [chord.norm() / length - 1.0, second.norm()],
+        }
+    }
+}
+
+/// Stiffness and inertia of a cable for each length; bending is the same about every axis at right angles to it.
+#[derive(Clone, Copy, Debug)]
+pub struct CableSection<S> {
+    /// EA [N].
+    pub axial: S,
+    /// EI [N m2].
+    pub bending: S,
+    /// Mass for each length [kg/m].
+    pub mass: S,
+    /// Damping proportional to stiffness [s].
+    pub damping: S,
+    /// Whether damping is asked for: topology, so that a design variable that is zero now can still be differentiated.
+    pub damped: bool,
+    /// Strains of the energy.
+    pub strain: CableStrain,
+}
+
+impl<S: Scalar> CableSection<S> {
+    /// A section by its stiffnesses EA [N] and EI [N m2] and its mass for each length [kg/m].
+    pub fn new(axial: S, bending: S, mass: S) -> Self {
+        CableSection { axial, bending, mass, damping: S::zero(), damped: false, strain: CableStrain::Exact }
+    }
+
+    /// A section of a material and a shape, which bends about axis 2 of the shape or is as stiff about every axis.
+    pub fn of(material: Material<S>, shape: Shape<S>) -> Self {
+        let Material { young, density, .. } = material;
+        CableSection::new(young * shape.area, young * shape.second_moments[0], density * shape.area)
+    }
+
+    /// With damping proportional to stiffness, eta [s].
+    #[must_use]
+    pub fn damped(mut self, damping: S) -> Self {
+        self.damping = damping;
+        self.damped = true;
+        self
+    }
+
+    /// With the simplified formulas for small strains.
+    #[must_use]
+    pub fn small_strains(mut self) -> Self {
+        self.strain = CableStrain::Small;
+        self
+    }
+}

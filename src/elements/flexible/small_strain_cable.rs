@@ -1,0 +1,71 @@
+use super::cable::cable_parameters;
+use super::hermite::{BENDING_AT_TWO, CHORD, COMPONENTS, NODES};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
+use crate::scalar::{Scalar, Vec3};
+use std::ops::Range;
+
+/// The cable of [`CableField`](super::CableField) for small strains:
+///
+/// V = EA l/2 eps^2 + integral of EI/2 kappa^2 dx,   eps = |r_2 - r_1| / l - 1,   kappa = |r_xx|,
+///
+/// so that the strain is constant in the element and bending has a constant stiffness matrix. Bending is integrated exactly by two Gauss
+/// points. An element bent by the angle phi seems shortened by phi^2 / 24: keep elements short.
+///
+/// * `length`, `axial stiffness`, `bending stiffness`  as there
+///
+/// Source: Ebrahimi et al., eqs. (31), (33); the transverse matrix of (59) with the factor EI / l^3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SmallStrainCableField;
+
+/// The cable for small strains as an element.
+pub type SmallStrainCable = Flexible<SmallStrainCableField>;
+
+/// r_xx from the shares of positions and slopes.
+#[inline(always)]
+fn second_derivative<S: Scalar>(h: &[S], length: S) -> Vec3<S> {
+    let inverse = length.recip();
+    (Vec3::from_slice(h) * inverse + Vec3::from_slice(&h[3..])) * inverse
+}
+
+impl Field for SmallStrainCableField {
+    const NODES: usize = NODES;
+    const COMPONENTS: usize = COMPONENTS;
+    const POINTS: &'static [&'static [Interpolation]] = &[&CHORD, &BENDING_AT_TWO[0], &BENDING_AT_TWO[1]];
+    const ENERGIES: bool = true;
+
+    fn parameters(&self) -> Vec<Parameter> {
+        cable_parameters(false)
+    }
+    fn parameters_of(&self, _point: usize) -> Range<usize> {
+        0..3
+    }
+    fn reads(&self, _point: usize, _number: usize) -> [bool; 3] {
+        [false, false, true]
+    }
+    #[inline(always)]
+    fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
+        if point == 0 {
+            let strain = Vec3::from_slice(h).norm() / p[0] - 1.0;
+            return strain * strain * p[0] * p[1] * 0.5;
+        }
+        let curvature = second_derivative(h, p[0]);
+        curvature.dot(curvature) * p[0] * p[2] * 0.25
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        if point == 0 {
+            let chord = Vec3::from_slice(s.q);
+            let tension = (p[0].recip() - chord.norm().recip()) * p[1];
+            for i in 0..3 {
+                r[i] += chord.0[i] * tension;
+            }
+            return;
+        }
+        let curvature = second_derivative(s.q, p[0]);
+        for i in 0..3 {
+            let moment = curvature.0[i] * p[2] * 0.5;
+            r[i] += moment / p[0];
+            r[3 + i] += moment;
+        }
+    }
+}

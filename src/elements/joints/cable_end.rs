@@ -1,0 +1,67 @@
+use super::{components, vectors};
+use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::scalar::{Scalar, Vec3};
+
+/// What a body holds of the slope r_x of a cable's node, beside its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeldSlope {
+    /// The direction: u_a . r_x = 0, w_a . r_x = 0. The stretch |r_x| stays free, so that the strain at the end is what the load makes it.
+    Direction,
+    /// The whole vector: R_a^T r_x = s. It keeps the stretch at the end, too, which adds a layer of stress where the end is loaded along
+    /// the cable.
+    Vector,
+    /// A plane: n_a . r_x = 0. The end turns about the normal as on a hinge, and tilts no other way.
+    Plane,
+}
+
+/// The end b of a cable held by a body a: the place [m], and the slope [-].
+///
+/// g = (r_b - x_a, (u_a . r_x, w_a . r_x) or R_a^T r_x - s or n_a . r_x). A cable has no torsion, so none of them holds it.
+///
+/// * `point a`  in the frame of the body [m]
+/// * `normal u`, `normal w`  unit vectors in the frame of a at right angles to the slope, or `slope` s in that frame, or the `normal` n
+///
+/// Source: Ebrahimi et al., eqs. (41), (42).
+pub struct CableEnd {
+    /// The body.
+    pub a: Anchor,
+    /// What it holds of the slope.
+    pub held: HeldSlope,
+}
+
+impl Constraint for CableEnd {
+    const DOFS: usize = 18;
+    const EQUATIONS: usize = 6;
+    const STEADY: bool = true;
+
+    fn dofs(&self) -> usize {
+        self.a.dofs() + Anchor::Slope.dofs()
+    }
+    fn equations(&self) -> usize {
+        match self.held {
+            HeldSlope::Direction => 5,
+            HeldSlope::Vector => 6,
+            HeldSlope::Plane => 4,
+        }
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        let point = ["point a x", "point a y", "point a z"].map(|name| Parameter::new(name, "m"));
+        let held = match self.held {
+            HeldSlope::Direction => vectors(&["normal u", "normal w"]),
+            HeldSlope::Vector => vectors(&["slope"]),
+            HeldSlope::Plane => vectors(&["normal"]),
+        };
+        point.into_iter().chain(held).collect()
+    }
+    #[inline(always)]
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
+        let (frame, end) = (Frame::of(self.a, q), &q[self.a.dofs()..]);
+        g[..3].copy_from_slice(&(Vec3::from_slice(end) - frame.point(p)).0);
+        let slope = Vec3::from_slice(&end[3..]);
+        if self.held == HeldSlope::Vector {
+            g[3..].copy_from_slice(&(frame.seen(slope) - Vec3::from_slice(&p[3..])).0);
+        } else {
+            components(&frame, &p[3..], slope, &mut g[3..]);
+        }
+    }
+}

@@ -1,0 +1,24 @@
+use crate::elements::{Anchor, Parameter, State};
+use crate::functionals::Quantity;
+use crate::scalar::{Scalar, Vec3};
+
+/// Deflection of a cable's node b seen from its node a, across the tangent there: (n x t) . (r_b - r_a) [m] with t = r_x / |r_x| at a.
+///
+/// * `normal x, y, z`  n, unit vector in the world: of the plane in which the cable bends
+///
+/// Source: Ebrahimi et al., section 6.1.
+pub struct CableDeflection;
+
+impl Quantity for CableDeflection {
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("normal x", "-"), Parameter::new("normal y", "-"), Parameter::new("normal z", "-")];
+
+    fn dofs(&self) -> usize {
+        2 * Anchor::Slope.dofs()
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
+        let slope = Vec3::from_slice(&s.q[3..]);
+        let across = Vec3::from_slice(p).cross(slope);
+        across.dot(Vec3::from_slice(&s.q[6..]) - Vec3::from_slice(s.q)) / slope.norm()
+    }
+}

@@ -1,0 +1,295 @@
+//! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
+
+use super::{Drawing, MechanismBuilder};
+use crate::assembly::{ConstraintId, ElementId, NodeId, NodeKind};
+use crate::elements::Flexible;
+use crate::elements::flexible::{CableField, CableGravity, CableInertia, CableSection, CableStrain, SmallStrainCableField};
+use crate::elements::joints::{CableEnd, HeldSlope};
+use crate::functionals::Over;
+use crate::functionals::quantities::{CableDeflection, CableMeasure, CableQuantity};
+use crate::scalar::{Scalar, Vec3};
+
+/// A straight cable at t = 0, in the world, as long as in its reference.
+#[derive(Clone, Copy, Debug)]
+pub struct CableLine<S> {
+    /// Both ends [m].
+    points: [Vec3<S>; 2],
+    elements: usize,
+    ends: [CableLineEnd; 2],
+}
+
+/// What a cable ends in.
+#[derive(Clone, Copy, Debug)]
+enum CableLineEnd {
+    /// A node of its own.
+    Free,
+    /// A node that never moves.
+    Clamped,
+    /// A cable's node that is there already.
+    Node(NodeId),
+}
+
+impl<S: Scalar> CableLine<S> {
+    /// A line of equal elements.
+    pub fn straight(points: [Vec3<S>; 2], elements: usize) -> Self {
+        CableLine { points, elements, ends: [CableLineEnd::Free; 2] }
+    }
+    /// Goes on from the end of another cable, in the same direction.
+    #[must_use]
+    pub fn from_node(mut self, node: NodeId) -> Self {
+        self.ends[0] = CableLineEnd::Node(node);
+        self
+    }
+    /// Ends in the start of another cable, in the same direction.
+    #[must_use]
+    pub fn to_node(mut self, node: NodeId) -> Self {
+        self.ends[1] = CableLineEnd::Node(node);
+        self
+    }
+    /// Starts in a node that never moves, slope and stretch included.
+    #[must_use]
+    pub fn clamped_start(mut self) -> Self {
+        self.ends[0] = CableLineEnd::Clamped;
+        self
+    }
+    /// Ends in a node that never moves, slope and stretch included.
+    #[must_use]
+    pub fn clamped_end(mut self) -> Self {
+        self.ends[1] = CableLineEnd::Clamped;
+        self
+    }
+}
+
+/// A cable of a mechanism: where joints and loads take hold of it, and where it is read.
+#[derive(Clone, Debug)]
+pub struct CableMember {
+    /// Nodes, one more than elements.
+    pub nodes: Vec<NodeId>,
+    /// Its elastic elements.
+    pub elements: Vec<ElementId>,
+    strain: CableStrain,
+    name: String,
+}
+
+impl CableMember {
+    /// First node.
+    pub fn start(&self) -> NodeId {
+        self.nodes[0]
+    }
+    /// Last node.
+    pub fn end(&self) -> NodeId {
+        self.nodes[self.nodes.len() - 1]
+    }
+}
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// A cable along a line: see [`CableSection`].
+    pub fn cable(&mut self, name: &str, line: CableLine<S>, section: &CableSection<S>) -> CableMember {
+        let CableLine { points: [from, to], elements, ends } = line;
+        let whole = (to - from).norm();
+        let mut member = CableMember { nodes: Vec::new(), elements: Vec::new(), strain: section.strain, name: name.into() };
+        let sound = elements > 0 && whole.value() > 0.0 && whole.value().is_finite();
+        if !sound {
+            let (apart, number) = (whole.value(), elements);
+            self.mistakes.push(format!(
+                "\"{name}\" has {number} elements on a line of {apart} m; a cable needs one element or more and ends that lie apart"
+            ));
+        }
+        if section.damped && section.strain == CableStrain::Small {
+            self.mistakes.push(format!(
+                "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
+            ));
+        }
+        let direction = if sound { (to - from) * whole.recip() } else { Vec3::from_f64([1.0, 0.0, 0.0]) };
+        for i in 0..=elements {
+            let end = if i == 0 { Some(ends[0]) } else { (i == elements).then_some(ends[1]) };
+            let point = from + (to - from) * S::from(i as f64 / elements.max(1) as f64);
+            let q: Vec<S> = point.0.into_iter().chain(direction.0).collect();
+            member.nodes.push(match end {
+                Some(CableLineEnd::Node(node)) => {
+                    self.check_continued(name, node, point, direction, whole);
+                    node
+                }
+                _ => {
+                    let fixed = matches!(end, Some(CableLineEnd::Clamped));
+                    self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
+                }
+            });
+        }
+        if !sound {
+            return member;
+        }
+        let length = whole * S::from(1.0 / elements as f64);
+        for (element, nodes) in member.nodes.windows(2).enumerate() {
+            let own = format!("{name}, element {}", element + 1);
+            let stiffness = [length, section.axial, section.bending, section.damping];
+            let damped = section.damped && section.strain == CableStrain::Exact;
+            let elastic = match section.strain {
+                CableStrain::Exact => Flexible(CableField { damped }).into(),
+                CableStrain::Small => Flexible(SmallStrainCableField).into(),
+            };
+            member.elements.push(self.add_element(&own, nodes, elastic, &stiffness[..if damped { 4 } else { 3 }]));
+            let inertia = [length, section.mass];
+            self.add_element(&format!("inertia of {own}"), nodes, CableInertia.into(), &inertia);
+            self.heavy_cables.push((own, [nodes[0], nodes[1]], inertia));
+        }
+        let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
+        self.drawings.push(Drawing { points });
+        member
+    }
+
+    /// A node in which two cables meet holds one slope.
+    fn check_continued(&mut self, name: &str, node: NodeId, point: Vec3<S>, direction: Vec3<S>, length: S) {
+        let own = &self.model.nodes[node.0];
+        if own.kind != NodeKind::Slope {
+            self.mistakes.push(format!(
+                "\"{name}\" ends in \"{}\", which is no node of a cable: give it a node of its own and a joint",
+                own.name
+            ));
+            return;
+        }
+        let q = &self.numbers.q[own.dofs.clone()];
+        let gap = (Vec3::from_slice(q) - point).norm().value();
+        let turned = (Vec3::from_slice(&q[3..]) - direction).norm().value();
+        if gap > 1e-9 * length.value() || turned > 1e-9 {
+            self.mistakes.push(format!(
+                "\"{name}\" meets its node \"{}\" at a distance of {gap:.3e} m and with a slope that differs by {turned:.3e}; \
+                 cables that share a node go on in one direction, others meet in a body",
+                own.name
+            ));
+        }
+    }
+
+    /// Weight of the cables added so far.
+    pub(super) fn cable_gravity(&mut self, gravity: Vec3<S>) {
+        for (name, nodes, inertia) in std::mem::take(&mut self.heavy_cables) {
+            let p = [&inertia[..], &gravity.0].concat();
+            self.add_element(&format!("weight of {name}"), &nodes, CableGravity.into(), &p);
+        }
+    }
+
+    /// A cable's node welded to a body as it stands at the start: nodes (body, cable's node).
+    ///
+    /// [`HeldSlope::Direction`] leaves the stretch free; [`HeldSlope::Vector`] keeps it.
+    pub fn cable_weld(&mut self, name: &str, nodes: [NodeId; 2], held: HeldSlope) -> ConstraintId {
+        let Some((a, slope)) = self.cable_end(name, nodes) else { return ConstraintId(usize::MAX) };
+        let own = match held {
+            HeldSlope::Vector => self.local_direction(nodes[0], slope).0.to_vec(),
+            HeldSlope::Direction => {
+                slope.normalized().perpendiculars().map(|normal| self.local_direction(nodes[0], normal).0).concat()
+            }
+            HeldSlope::Plane => {
+                self.mistakes
+                    .push(format!("\"{name}\": a weld holds the direction or the vector of the slope; take cable_hinge"));
+                return ConstraintId(usize::MAX);
+            }
+        };
+        let p = [&self.local_point(nodes[0], self.position(nodes[1])).0[..], &own].concat();
+        self.add_constraint(name, &nodes, CableEnd { a, held }.into(), &p)
+    }
+
+    /// A cable's node on a hinge of a body about a world axis, which must be at right angles to the cable: nodes (body, cable's node).
+    pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vec3<S>) -> ConstraintId {
+        let axis = self.unit(name, axis);
+        let Some((a, slope)) = self.cable_end(name, nodes) else { return ConstraintId(usize::MAX) };
+        let cosine = axis.dot(slope.normalized()).value();
+        if cosine.abs() > 1e-9 {
+            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+            self.mistakes.push(format!(
+                "the axis of \"{name}\" is at {angle:.6} degrees to the cable; it must be at 90: a cable cannot be told to turn about itself"
+            ));
+        }
+        let p = [self.local_point(nodes[0], self.position(nodes[1])).0, self.local_direction(nodes[0], axis).0].concat();
+        self.add_constraint(name, &nodes, CableEnd { a, held: HeldSlope::Plane }.into(), &p)
+    }
+
+    /// The body and the slope at the start.
+    fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::Anchor, Vec3<S>)> {
+        let a = self.body_anchor(name, body);
+        let own = &self.model.nodes[node.0];
+        if own.kind != NodeKind::Slope {
+            self.mistakes.push(format!(
+                "\"{name}\" needs a cable's node as the second, but \"{}\" is none: name the body first, then the node",
+                own.name
+            ));
+            return None;
+        }
+        Some((a, Vec3::from_slice(&self.numbers.q[own.dofs.start + 3..])))
+    }
+
+    /// A functional of a strain of a cable at a share of its length, from 0 to 1.
+    pub fn cable_strain_functional(
+        &mut self,
+        name: &str,
+        over: Over,
+        cable: &CableMember,
+        share: f64,
+        measure: CableMeasure,
+    ) {
+        let unit = match measure {
+            CableMeasure::Strain => "-",
+            CableMeasure::Curvature => "1/m",
+            CableMeasure::Stress => {
+                self.mistakes.push(format!("\"{name}\": a stress needs Young's modulus: take cable_stress_functional"));
+                return;
+            }
+        };
+        self.add_cable_quantity((name, unit), over, (cable, share), measure, &[]);
+    }
+
+    /// A functional of the axial stress E (eps + z kappa) of a cable [N/m2], for Young's modulus E [N/m2] and a distance z [m] of the fibre
+    /// from the axis: 0 without bending, positive on the outside of the bend.
+    pub fn cable_stress_functional(
+        &mut self,
+        name: &str,
+        over: Over,
+        (cable, share): (&CableMember, f64),
+        young: S,
+        distance: S,
+    ) {
+        self.add_cable_quantity((name, "N/m2"), over, (cable, share), CableMeasure::Stress, &[young, distance]);
+    }
+
+    fn add_cable_quantity(
+        &mut self,
+        (name, unit): (&str, &'static str),
+        over: Over,
+        (cable, share): (&CableMember, f64),
+        measure: CableMeasure,
+        own: &[S],
+    ) {
+        if !(0.0..=1.0).contains(&share) {
+            let of = &cable.name;
+            self.mistakes.push(format!("\"{name}\" asks for {share} of the length of \"{of}\"; shares are 0 to 1"));
+            return;
+        }
+        let count = cable.elements.len();
+        let place = share * count as f64;
+        let nearest = place.round();
+        // a share such as 1/3 of three elements is an end of elements in spite of its last digit
+        let places: Vec<(usize, f64)> = if (place - nearest).abs() < 1e-9 && nearest > 0.0 && nearest < count as f64 {
+            vec![(nearest as usize - 1, 1.0), (nearest as usize, 0.0)]
+        } else {
+            let element = (place as usize).min(count.saturating_sub(1));
+            vec![(element, place - element as f64)]
+        };
+        let (mut nodes, mut p) = (Vec::new(), Vec::new());
+        for &(element, _) in &places {
+            // an element that was refused has been reported already
+            let Some(attached) = cable.elements.get(element).and_then(|id| self.model.elements.get(id.0)) else { return };
+            nodes.extend_from_slice(&cable.nodes[element..element + 2]);
+            p.push(self.numbers.p[attached.parameters.start]);
+        }
+        p.extend_from_slice(own);
+        let places = places.into_iter().map(|(_, xi)| xi).collect();
+        let quantity = CableQuantity { measure, strain: cable.strain, places };
+        self.add_functional(name, unit, over, (&nodes, &[]), quantity.into(), &p);
+    }
+
+    /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal [m]: nodes (tangent,
+    /// deflected).
+    pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vec3<S>) {
+        let normal = self.unit(name, normal);
+        self.add_functional(name, "m", over, (&nodes, &[]), CableDeflection.into(), &normal.0);
+    }
+}
