@@ -118,13 +118,25 @@ impl Equations {
     /// Projection of an initial q onto g = 0 in the mass metric: x = d.
     pub fn initial_position_projection() -> Self {
         let constraint = Shift::new(0.0, 0.0, 1.0);
-        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Position, metric: true, variational: None }
+        Equations {
+            residual: Shift::new(1.0, 0.0, 0.0),
+            constraint,
+            level: Level::Position,
+            metric: true,
+            variational: None,
+        }
     }
 
     /// Projection of an initial v onto dg/dt = 0 in the mass metric: x = w.
     pub fn initial_velocity_projection() -> Self {
         let constraint = Shift::new(0.0, 1.0, 0.0);
-        Equations { residual: Shift::new(1.0, 0.0, 0.0), constraint, level: Level::Velocity, metric: true, variational: None }
+        Equations {
+            residual: Shift::new(1.0, 0.0, 0.0),
+            constraint,
+            level: Level::Velocity,
+            metric: true,
+            variational: None,
+        }
     }
 
     /// What a nonholonomic constraint h = 0 is asked for here, and the factor of its rows: h at every level but that of accelerations;

@@ -211,13 +211,7 @@ impl System<'_> {
     }
 
     /// Adds `factor` times the gradient of lambda . (dP/dq) v, eight arguments at a time.
-    fn add_momentum_rate_products(
-        &self,
-        adjoints: &[Adjoints],
-        factor: f64,
-        point: ProductPoint,
-        bars: &mut [ProductBars],
-    ) {
+    fn add_momentum_rate_products(&self, adjoints: &[Adjoints], factor: f64, point: ProductPoint, bars: &mut [ProductBars]) {
         let mut work = Work::default();
         for (element, part) in self.model.elements.iter().zip(&self.element_parts) {
             if element.physics.has_constant_mass() {

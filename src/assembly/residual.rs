@@ -213,11 +213,7 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// The base from which unknowns move to where constraints hold.
-    fn move_base<'b>(
-        equations: &Equations,
-        base: &'b VectorsAvq<S>,
-        moved: &'b mut VectorsAvq<S>,
-    ) -> &'b VectorsAvq<S> {
+    fn move_base<'b>(equations: &Equations, base: &'b VectorsAvq<S>, moved: &'b mut VectorsAvq<S>) -> &'b VectorsAvq<S> {
         let Some(step) = equations.variational else { return base };
         Variational::write_moved(base, step.to_end(), moved);
         moved

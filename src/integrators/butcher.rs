@@ -191,7 +191,7 @@ impl Butcher {
             stiffly_accurate,
             embedded,
             starter: None,
-        variational: None,
+            variational: None,
         }
     }
 }

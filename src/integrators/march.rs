@@ -1,7 +1,9 @@
 use super::Counters;
 use super::newton::NewtonTolerance;
 use super::record::{Guide, Recorder, StageRecord};
-use super::{Combination, ConstraintLevel, InitialState, Marcher, Quadrature, RunError, StartPlan, Systems, Table, TimeGrid};
+use super::{
+    Combination, ConstraintLevel, InitialState, Marcher, Quadrature, RunError, StartPlan, Systems, Table, TimeGrid,
+};
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
 use crate::linalg::Backend;

@@ -47,7 +47,7 @@ pub use round_off::RoundOff;
 pub use start::{ConstraintPolicy, InitialState, StartPlan};
 pub use step::Marcher;
 pub use systems::Systems;
-pub use table::{Carried, Combination, Embedded, Scheme, Stage, Quadrature, Starter, Table};
+pub use table::{Carried, Combination, Embedded, Quadrature, Scheme, Stage, Starter, Table};
 pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_named, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::{Mode, vibrations};

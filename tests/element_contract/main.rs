@@ -11,7 +11,9 @@ use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, LineDamper, LoadFrame, Soft, TorsionSpringDamper, VectorDamper,
 };
 use costate::elements::joints::PrescribedTranslation;
-use costate::elements::{AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_residual, padded};
+use costate::elements::{
+    AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_momentum_rate, lagrangian_residual, padded,
+};
 use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
 use std::sync::Arc;
 use support::Random;
@@ -21,6 +23,7 @@ use support::time_functions::time_functions;
 /// An element beside what only its energies tell; every `Element` is one.
 pub trait Contract: AnyElement {
     fn residual_of_energies(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64>;
+    fn momentum_rate_of_energies(&self, v: &[f64], q: &[f64], p: &[f64]) -> Vec<f64>;
     fn force(&self, v: &[f64], q: &[f64], p: &[f64], t: f64) -> Vec<f64>;
     /// T + V with its rate along the motion.
     fn energy_rate(&self, s: State<f64>, p: &[f64]) -> Dual<f64, 1>;
@@ -30,6 +33,11 @@ impl<E: Element> Contract for E {
     fn residual_of_energies(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
         let mut r = vec![0.0; s.q.len()];
         lagrangian_residual(self, s, p, t, &mut r);
+        r
+    }
+    fn momentum_rate_of_energies(&self, v: &[f64], q: &[f64], p: &[f64]) -> Vec<f64> {
+        let mut r = vec![0.0; q.len()];
+        lagrangian_momentum_rate(self, v, q, p, &mut r);
         r
     }
     fn force(&self, v: &[f64], q: &[f64], p: &[f64], t: f64) -> Vec<f64> {
@@ -226,6 +234,30 @@ fn derivatives_through_points_are_those_of_the_whole_element() {
                     lambdas.chunks_exact(n).flat_map(|lambda| columns[..variables].iter().map(|c| product(lambda, c)));
                 assert_close(&case.name, &gradients, &rows.collect::<Vec<_>>(), 1e-13, 1e-3);
             }
+        }
+    }
+}
+
+#[test]
+fn momenta_change_along_the_motion_as_the_kinetic_energy_says() {
+    for case in cases().into_iter().filter(|case| case.element.has_energies()) {
+        for sample in samples(&case) {
+            let s = sample.state();
+            let mut own = vec![0.0; s.q.len()];
+            ElementIn::<f64>::add_momentum_rate(&*case.element, s.v, s.q, &case.p, &mut own);
+            assert_close(&case.name, &own, &case.element.momentum_rate_of_energies(s.v, s.q, &case.p), 1e-12, 1e-3);
+        }
+    }
+}
+
+#[test]
+fn masses_that_are_called_constant_are() {
+    for case in cases().into_iter().filter(|case| case.element.has_constant_mass()) {
+        let masses = |sample: &Sample| columns_by_lanes(&case, &inputs(&case, sample))[..case.element.dof_count()].concat();
+        let samples = samples(&case);
+        let first = masses(&samples[0]);
+        for sample in &samples[1..] {
+            assert_close(&case.name, &masses(sample), &first, 1e-13, 1e-3);
         }
     }
 }

@@ -44,6 +44,7 @@ impl Element for NaturalBody {
     const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = super::rigid_body::INERTIA;
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn is_linear(&self) -> bool {
         true

@@ -112,6 +112,7 @@ impl Field for CableField {
     const COMPONENTS: usize = COMPONENTS;
     const POINTS: &'static [&'static [Interpolation]] = &[&STRAINS_AT_THREE[0], &STRAINS_AT_THREE[1], &STRAINS_AT_THREE[2]];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         cable_parameters(self.damped)

@@ -28,6 +28,7 @@ impl Element for CableGravity {
         Parameter::new("gravity z", "m/s2"),
     ];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn is_linear(&self) -> bool {
         true

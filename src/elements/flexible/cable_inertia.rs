@@ -32,6 +32,7 @@ impl Element for CableInertia {
     const DOFS: usize = NODES * COMPONENTS;
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("length", "m"), Parameter::positive("mass", "kg/m")];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn is_linear(&self) -> bool {
         true

@@ -32,6 +32,7 @@ impl Field for SmallStrainCableField {
     const COMPONENTS: usize = COMPONENTS;
     const POINTS: &'static [&'static [Interpolation]] = &[&CHORD, &BENDING_AT_TWO[0], &BENDING_AT_TWO[1]];
     const ENERGIES: bool = true;
+    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         cable_parameters(false)

@@ -55,6 +55,7 @@ impl<J: Constraint> Soft<J> {
 impl<J: Constraint> Element for Soft<J> {
     const DOFS: usize = J::DOFS;
     const ENERGIES: bool = J::STEADY;
+    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.0.dofs()

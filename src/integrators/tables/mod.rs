@@ -19,13 +19,7 @@ pub const STATIC_TABLE: &str = "static";
 pub fn tables() -> Vec<Table> {
     use {bdf::bdf, dirk::*, esdirk::*, newmark::*};
     let tableaus = [midpoint(), dirk2(), dirk3(), sdirk2(), sdirk3(), sdirk4(), esdirk3(), esdirk4(), esdirk5()];
-    let others = [
-        newmark(),
-        generalized_alpha("generalized-alpha", DEFAULT_RADIUS),
-        bdf(1),
-        bdf(2),
-        bdf(3),
-    ];
+    let others = [newmark(), generalized_alpha("generalized-alpha", DEFAULT_RADIUS), bdf(1), bdf(2), bdf(3)];
     tableaus.into_iter().map(Butcher::into_table).chain(others).collect()
 }
 
