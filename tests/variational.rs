@@ -3,10 +3,9 @@
 use costate::history::Watch;
 use costate::integrators::{StepRecord, discrete_momentum, march, table_named};
 use costate::prelude::*;
-use costate::scalar::rotation_gradient_transposed;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{
-    DoublePendulum, FiveBar, FlexibleFourBar, FlyingRod, FreeBody, HeavyTop, Pendulum, SliderCrank, SpinUpBeam,
+    DoublePendulum, FiveBar, FlexibleFourBar, FlexiblePendulum, FlyingRod, FreeBody, HeavyTop, Pendulum, SliderCrank,
 };
 use costate::sensitivity::largest_difference;
 
@@ -38,8 +37,9 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
         (&HeavyTop, 0.2),
         (&FiveBar, 0.4),
         (&SliderCrank, 0.4),
-        (&FlyingRod, 0.4),
-        (&SpinUpBeam, 0.4),
+        // with the point at an end of the step, forces are explicit: stiff members need short steps
+        (&FlyingRod, 0.02),
+        (&FlexiblePendulum, 0.008),
     ];
     let mut wrong = Vec::new();
     for (scene, end) in scenes {
@@ -70,14 +70,14 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
 
 #[test]
 fn the_order_is_two_with_the_point_in_the_middle_and_one_elsewhere() {
-    for (scene, end) in [(&HeavyTop as &dyn AnyScene, 0.5), (&DoublePendulum, 0.5)] {
+    for (scene, end) in [(&HeavyTop as &dyn AnyScene, 0.1), (&DoublePendulum, 0.5)] {
         let last = |name: &str, count: usize| -> [Vec<f64>; 2] {
             let step = steps(&prepared(scene, name, end, count)).pop().expect("steps");
             [step.q, step.v]
         };
-        let exact = last("esdirk5", 400);
+        let exact = last("esdirk5", 800);
         for (alpha, order) in [("0.5", 2.0), ("0", 1.0), ("0.3", 1.0), ("1", 1.0)] {
-            let errors = [100, 200, 400, 800].map(|count| {
+            let errors = [200, 400, 800, 1600].map(|count| {
                 let own = last(&format!("variational:{alpha}"), count);
                 [0, 1].map(|i| own[i].iter().zip(&exact[i]).fold(0.0, |e: f64, (a, b)| e.max((a - b).abs())))
             });
@@ -124,7 +124,6 @@ fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_
 
 #[test]
 fn what_it_cannot_integrate_is_refused_with_the_reason() {
-    let _ = rotation_gradient_transposed::<f64>;
     let scene = FlexibleFourBar { elements: [2, 2, 2], run: (0.01, 1) };
     let refused = table_named("variational:1.5").expect_err("outside the step");
     assert!(refused.contains("from 0 to 1"), "{refused}");

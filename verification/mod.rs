@@ -21,6 +21,8 @@ mod orders;
 mod rigid_benchmarks;
 #[path = "stability/study.rs"]
 mod stability;
+#[path = "variational/study.rs"]
+mod variational;
 #[path = "work-precision/study.rs"]
 mod work_precision;
 
@@ -59,5 +61,6 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
+        Box::new(variational::Variational),
     ]
 }

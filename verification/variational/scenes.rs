@@ -1,0 +1,83 @@
+//! Mechanisms whose moment of momentum about the vertical is a constant of motion.
+
+use costate::assembly::{Model, NodeKind};
+use costate::elements::flexible::section::Shape;
+use costate::elements::flexible::{CableSection, Material};
+use costate::prelude::*;
+use costate::scenes::CableLine;
+
+/// A point mass on a massless rod that swings about the vertical: a spherical pendulum.
+pub struct SwingingMass;
+
+/// A cable on a spherical joint that swings about the vertical.
+pub struct SwingingCable {
+    /// Number of elements.
+    pub elements: usize,
+}
+
+impl Scene for SwingingMass {
+    fn name(&self) -> String {
+        "spherical-pendulum".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 1000)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let vector = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let ground = m.ground();
+        let mass = m.point("mass", vector([0.8, -0.6, 0.0]));
+        m.point_mass("mass", mass, S::one());
+        m.set_velocity(mass, vector([0.0, 0.0, 1.5]), Vec3::zero());
+        m.distance("rod", [ground, mass], [Vec3::zero(), vector([0.8, -0.6, 0.0])]);
+        m.gravity(vector([0.0, -9.81, 0.0]));
+        Ok(())
+    }
+}
+
+impl Scene for SwingingCable {
+    fn name(&self) -> String {
+        "swinging-cable".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 1000)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let vector = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let s = |x: f64| S::from(x);
+        let material = Material { young: s(1e6), poisson: s(0.3), density: s(1000.0) };
+        let section = CableSection::of(material, Shape::rectangle(s(0.05), s(0.05), s(0.3)));
+        let ground = m.ground();
+        let cable = m.cable("cable", CableLine::straight([Vec3::zero(), vector([0.8, -0.6, 0.0])], self.elements), &section);
+        m.spherical("hinge", [ground, cable.start()], Vec3::zero());
+        m.set_rigid_motion(&cable.nodes, Vec3::zero(), Vec3::zero(), vector([0.0, 2.0, 0.0]));
+        m.gravity(vector([0.0, -9.81, 0.0]));
+        Ok(())
+    }
+}
+
+/// Moment of momentum about the origin in world components: turning the mechanism about u changes each vector r of it by u x r.
+pub fn moment_of_momentum(model: &Model, q: &[f64], p: &[f64]) -> [f64; 3] {
+    let mut moment = Vec3::zero();
+    for node in model.nodes.iter().filter(|node| !node.fixed) {
+        let (q, p) = (&q[node.dofs.clone()], &p[node.dofs.clone()]);
+        let vectors = if node.kind == NodeKind::Body { 3 } else { q.len() };
+        for (r, p) in q[..vectors].chunks_exact(3).zip(p.chunks_exact(3)) {
+            moment += Vec3::from_slice(r).cross(Vec3::from_slice(p));
+        }
+        if node.kind == NodeKind::Body {
+            let e = Quaternion::from_slice(&q[3..]);
+            for axis in 0..3 {
+                let mut turn = Quaternion([0.0; 4]);
+                turn.0[1 + axis] = 0.5;
+                moment.0[axis] += turn.times(e).0.iter().zip(&p[3..]).map(|(e, p)| e * p).sum::<f64>();
+            }
+        }
+    }
+    moment.0
+}

@@ -1,0 +1,154 @@
+//! The variational integrator: orders, what it conserves over a million steps, and its discrete adjoint.
+
+mod scenes;
+
+use crate::verification::{Report, Study};
+use costate::elements::ElementIn;
+use costate::history::Watch;
+use costate::integrators::{ConstraintLevel, Method, Problem, RunError, StepRecord, discrete_momentum, march, table_named};
+use costate::scenes::built_in::{DoublePendulum, FiveBar, FlexiblePendulum, FlyingRod, FreeBody, HeavyTop, SliderCrank};
+use costate::scenes::{AnyScene, Prepared};
+use costate::sensitivity::largest_difference;
+use scenes::{SwingingCable, SwingingMass, moment_of_momentum};
+
+/// Places of the quadrature point.
+const ALPHAS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Steps of the long runs.
+const MANY: usize = 1_000_000;
+/// Largest difference of the exact gradients, relative to the largest entry of each row.
+const EXACT: f64 = 1e-12;
+
+/// The study.
+pub struct Variational;
+
+impl Study for Variational {
+    fn name(&self) -> &'static str {
+        "variational"
+    }
+    fn summary(&self) -> &'static str {
+        "the variational integrator: orders, momenta and energy over a million steps, its discrete adjoint"
+    }
+    fn run(&self, report: &mut Report) -> Result<(), String> {
+        orders(report).map_err(|error| error.to_string())?;
+        gradients(report).map_err(|error| error.to_string())?;
+        conservation(report).map_err(|error| error.to_string())
+    }
+}
+
+fn prepare<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Result<Prepared<'s>, RunError> {
+    let mut settings = scene.default_settings();
+    (settings.end, settings.steps, settings.divide) = (end, steps, false);
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let table = table_named(method).map_err(RunError::Input)?;
+    let table = table.ok_or_else(|| RunError::Input(format!("no method {method}")))?;
+    Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)
+}
+
+/// Hands every step to an observer.
+fn watch(prepared: &Prepared, mut see: impl FnMut(&Problem<f64>, &StepRecord<f64>)) -> Result<(), RunError> {
+    let problem = prepared.problem();
+    let mut observer = Watch(|step: &StepRecord<f64>| {
+        see(&problem, step);
+        true
+    });
+    march(&problem, &prepared.method, &prepared.grid, &prepared.plan, &mut observer).map(|_| ())
+}
+
+/// Coordinates and velocities at the end.
+fn end_of(prepared: &Prepared) -> Result<[Vec<f64>; 2], RunError> {
+    let mut last = [Vec::new(), Vec::new()];
+    watch(prepared, |_, step| last = [step.q.clone(), step.v.clone()])?;
+    Ok(last)
+}
+
+fn orders(report: &mut Report) -> Result<(), RunError> {
+    eprintln!("[1/3] orders");
+    let scenes: [(&dyn AnyScene, f64, usize); 3] =
+        [(&DoublePendulum, 0.5, 200), (&HeavyTop, 0.1, 200), (&SwingingCable { elements: 2 }, 0.2, 400)];
+    for (scene, end, coarsest) in scenes {
+        let exact = end_of(&prepare(scene, "esdirk5", end, 16 * coarsest)?)?;
+        for alpha in ALPHAS {
+            let mut errors = Vec::new();
+            for refinement in 0..4 {
+                let own = end_of(&prepare(scene, &format!("variational:{alpha}"), end, coarsest << refinement)?)?;
+                let error = |i: usize| own[i].iter().zip(&exact[i]).fold(0.0, |e: f64, (a, b)| e.max((a - b).abs()));
+                errors.push(error(0));
+            }
+            let observed = (errors[2] / errors[3]).log2();
+            let expected = if alpha == 0.5 { 2.0 } else { 1.0 };
+            report.compare(format!("{}/alpha {alpha}/order of q", scene.scene_name()), observed, expected, 0.1);
+        }
+    }
+    Ok(())
+}
+
+fn gradients(report: &mut Report) -> Result<(), RunError> {
+    eprintln!("[2/3] gradients");
+    let scenes: [(&dyn AnyScene, f64); 7] = [
+        (&DoublePendulum, 0.4),
+        (&FreeBody, 0.4),
+        (&HeavyTop, 0.2),
+        (&FiveBar, 0.4),
+        (&SliderCrank, 0.4),
+        // with the point at an end of the step, forces are explicit: stiff members need short steps
+        (&FlyingRod, 0.02),
+        (&FlexiblePendulum, 0.008),
+    ];
+    for (scene, end) in scenes {
+        for alpha in ALPHAS {
+            let prepared = prepare(scene, &format!("variational:{alpha}"), end, 20)?;
+            let (analysis, x) = (prepared.analysis(), &prepared.x);
+            let forward = analysis.forward(x)?;
+            let (adjoint, tangent) = (analysis.adjoint(x, &forward)?, analysis.tangent(x, &forward)?);
+            let complex_step = analysis.complex_step(x, &forward)?;
+            for (name, own) in [("adjoint", &adjoint), ("direct differentiation", &tangent)] {
+                let rows = own.rows.iter().zip(&complex_step.rows);
+                let worst = rows.fold(0.0, |worst: f64, (own, exact)| worst.max(largest_difference(own, exact)));
+                report.at_most(format!("{}/alpha {alpha}/{name} - complex step", scene.scene_name()), worst, EXACT);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Kinetic and potential energy at a step's quadrature point.
+fn energy(problem: &Problem<f64>, step: &StepRecord<f64>) -> f64 {
+    let at = step.stages[0].solve.point();
+    let of = |element: &costate::assembly::Attached<dyn costate::elements::AnyElement>| {
+        let dofs = element.nodes.iter().flat_map(|node| problem.model.node(*node).dofs.clone());
+        let (v, q): (Vec<f64>, Vec<f64>) = dofs.map(|dof| (at.v[dof], at.q[dof])).unzip();
+        let physics: &dyn ElementIn<f64> = &*element.physics;
+        let [kinetic, potential] = physics.energy(&v, &q, &problem.p[element.parameters.clone()]);
+        kinetic + potential
+    };
+    problem.model.elements.iter().map(of).sum()
+}
+
+fn conservation(report: &mut Report) -> Result<(), RunError> {
+    eprintln!("[3/3] {MANY} steps");
+    let scenes: [(&dyn AnyScene, f64, &[usize]); 3] =
+        [(&SwingingMass, 1e-3, &[1]), (&FreeBody, 1e-2, &[0, 1, 2]), (&SwingingCable { elements: 2 }, 5e-4, &[1])];
+    for (scene, h, axes) in scenes {
+        let name = scene.scene_name();
+        let prepared = prepare(scene, "variational", h * MANY as f64, MANY)?;
+        let (mut first, mut worst, mut size) = (None, 0.0_f64, 0.0_f64);
+        let mut energies = Vec::with_capacity(MANY);
+        watch(&prepared, |problem, step| {
+            let moment = moment_of_momentum(problem.model, &step.q, &discrete_momentum(problem, step));
+            let reference: [f64; 3] = *first.get_or_insert(moment);
+            for &axis in axes {
+                worst = worst.max((moment[axis] - reference[axis]).abs());
+                size = size.max(reference[axis].abs());
+            }
+            energies.push(energy(problem, step));
+        })?;
+        let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+        let swing = energies.iter().fold(0.0, |swing: f64, e| swing.max((e - energies[0]).abs()));
+        let fifth = MANY / 5;
+        let drift = (mean(&energies[4 * fifth..]) - mean(&energies[..fifth])).abs();
+        report.at_most(format!("{name}/change of the moment of momentum, relative"), worst / size, 1e-10);
+        report.inform(format!("{name}/energy swings by [J]"), swing);
+        report.at_most(format!("{name}/energy drifts by, as a share of the swing"), drift / swing, 0.05);
+    }
+    Ok(())
+}
