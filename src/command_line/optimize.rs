@@ -438,11 +438,12 @@ fn charts(optimization: &Optimization, history: &DesignHistory, folder: &Path) -
         ..Chart::default()
     };
     let mut panels = vec![objective];
-    if reached.iter().any(|(_, point)| point.violation > 0.0) {
+    let tolerance = history.tolerance;
+    if reached.iter().any(|(_, point)| point.violation > tolerance) {
         panels.push(Chart {
             x_label: "iteration".into(),
-            y_label: "violation".into(),
-            series: vec![curve("", &|point| point.violation)],
+            y_label: format!("violation ({tolerance:e}: none)"),
+            series: vec![curve("", &|point| point.violation.max(tolerance))],
             log_y: true,
             ..Chart::default()
         });
