@@ -514,8 +514,10 @@ fn the_five_bar_ends_where_no_allowed_change_helps_whatever_the_gradient_comes_f
         let (first, best) = (&history.points[0], history.best().unwrap());
         println!("{gradient:?}: {:?}, {} iterations, {}", best.design, ended.iterations, ended.reason);
         println!("psi from {} to {}, {:?}", first.objective, best.objective, history.work());
-        // springs can hold the tip where it is
-        assert!(ended.reason.is_optimum() && best.objective < 1e-10 * first.objective, "{best:?}: {}", ended.reason);
+        // springs can hold the tip where it is; differences may run out of digits on the way to zero
+        let exact = !matches!(gradient, GradientBy::Difference { .. });
+        assert!(ended.reason.is_optimum() || (!exact && ended.reason == Reason::Stalled), "{}", ended.reason);
+        assert!(best.objective < 1e-10 * first.objective, "{best:?}");
         let projected = projected_gradient(&optimization, &best.design, first.objective);
         println!("projected gradient {projected:?}");
         // at a share of 1e-10 of psi and with curvatures of the order of 1 gradients are of the order of its root
