@@ -333,9 +333,8 @@ impl<'r> Report<'r> {
 
     /// `--set` options that repeat the best design.
     fn settings(&self) -> String {
-        let quote = |name: &str| name.contains(' ').then_some("\"").unwrap_or_default();
         let option = |(variable, _, after, _): (&DesignVariable, f64, f64, Option<&str>)| {
-            let quote = quote(&variable.name);
+            let quote = if variable.name.contains(' ') { "\"" } else { "" };
             format!(" --set {quote}{}={after}{quote}", variable.name)
         };
         self.variables().into_iter().map(option).collect()
