@@ -372,8 +372,8 @@ fn designs_that_cannot_be_simulated_are_survived_and_counted() {
     let scene = Stone { problem, fastest: 4.0 };
     let mut optimization = Optimization::of(&scene).unwrap();
     optimization.stopping.change = 1e-9;
-    // the first step from 3 m/s leads beyond 4 m/s
-    let optimized = optimization.run(&Sqp, &[2.0, 1.0, 2.0], &mut ()).unwrap();
+    // the first step, along the steepest descent, is one of 2 m/s in u
+    let optimized = optimization.run(&Sqp, &[2.5, 3.8, 2.0], &mut ()).unwrap();
     let best = optimized.history.best().unwrap();
     println!("{:?} {:?}", best.design, optimized.ended);
     assert!((best.design[0] - TARGET[0]).abs() < 1e-4, "{:?}", best.design);
@@ -409,12 +409,12 @@ fn who_stops_keeps_the_best_design() {
     let scene = Stone::thrown(OptimizationProblem::minimize("miss").varying(&["u", "w"]));
     let optimization = Optimization::of(&scene).unwrap();
     for optimizer in optimizers() {
-        for (points, questions) in [(3, usize::MAX), (usize::MAX, 12)] {
+        for (points, questions) in [(3, usize::MAX), (usize::MAX, 20)] {
             let mut watcher = Impatient { points, asked: Cell::new(0), questions };
             let optimized = optimization.run(&*optimizer, &optimization.initial(), &mut watcher).unwrap();
             let (history, name) = (&optimized.history, optimizer.name());
             assert_eq!(optimized.ended.reason, Reason::Stopped, "{name}");
-            assert!((2..=3).contains(&history.points.len()), "{name}: {} points", history.points.len());
+            assert!((1..=3).contains(&history.points.len()), "{name}: {} points", history.points.len());
             let least = history.points.iter().map(|point| point.objective).fold(f64::INFINITY, f64::min);
             assert_eq!(history.best().unwrap().objective, least, "{name}");
         }
@@ -514,16 +514,17 @@ fn the_five_bar_ends_where_no_allowed_change_helps_whatever_the_gradient_comes_f
         let (first, best) = (&history.points[0], history.best().unwrap());
         println!("{gradient:?}: {:?}, {} iterations, {}", best.design, ended.iterations, ended.reason);
         println!("psi from {} to {}, {:?}", first.objective, best.objective, history.work());
-        assert!(ended.reason.is_optimum() && best.objective < 0.5 * first.objective, "{best:?}: {}", ended.reason);
-        let projected = projected_gradient(&optimization, &best.design, best.objective);
+        // springs can hold the tip where it is; differences may run out of digits on the way to zero
+        let exact = !matches!(gradient, GradientBy::Difference { .. });
+        assert!(ended.reason.is_optimum() || (!exact && ended.reason == Reason::Stalled), "{}", ended.reason);
+        assert!(best.objective < 1e-10 * first.objective, "{best:?}");
+        let projected = projected_gradient(&optimization, &best.design, first.objective);
         println!("projected gradient {projected:?}");
-        // changes of psi are below 1e-9: with curvatures of the order of 1 gradients are of the order of their root
+        // at a share of 1e-10 of psi and with curvatures of the order of 1 gradients are of the order of its root
         assert!(projected.iter().all(|g| g.abs() < 1e-3), "{projected:?}");
-        ends.push(best.objective);
+        ends.push(ended.iterations);
     }
-    // adjoint and complex step agree to round-off, differences do not
-    assert!((ends[1] - ends[0]).abs() <= 1e-8 * ends[0], "{ends:?}");
-    assert!((ends[2] - ends[0]).abs() <= 1e-6 * ends[0], "{ends:?}");
+    assert!(ends.iter().all(|iterations| iterations.abs_diff(ends[0]) <= 3), "about as many iterations: {ends:?}");
 }
 
 #[test]
@@ -534,9 +535,9 @@ fn the_slider_crank_keeps_its_limits() {
     println!("{} iterations, {}, {first:?} -> {best:?}", ended.iterations, ended.reason);
     assert!(ended.reason.is_optimum(), "{}", ended.reason);
     assert!(first.violation > 1e-2 && best.violation <= 1e-6, "{} {}", first.violation, best.violation);
-    assert!(best.objective > first.objective, "{} -> {}", first.objective, best.objective);
-    assert!(optimization.linear_values(&best.design)[0] >= -1e-9);
+    assert!((best.functionals[0] - 1.4).abs() < 1e-5, "a longer rod costs moment: {best:?}");
+    assert!(optimization.linear_values(&best.design)[0] <= 1.0 + 1e-9);
     // variables that do not vary stay
-    assert_eq!([best.design[2], best.design[5]], [1.0, 2.0]);
+    assert_eq!([best.design[0], best.design[2], best.design[5]], [0.2, 1.0, 2.0]);
     assert!(history.points.iter().all(|point| point.work.sweeps <= 1), "one sweep for objective and constraint");
 }

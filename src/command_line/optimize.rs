@@ -333,9 +333,8 @@ impl<'r> Report<'r> {
 
     /// `--set` options that repeat the best design.
     fn settings(&self) -> String {
-        let quote = |name: &str| name.contains(' ').then_some("\"").unwrap_or_default();
         let option = |(variable, _, after, _): (&DesignVariable, f64, f64, Option<&str>)| {
-            let quote = quote(&variable.name);
+            let quote = if variable.name.contains(' ') { "\"" } else { "" };
             format!(" --set {quote}{}={after}{quote}", variable.name)
         };
         self.variables().into_iter().map(option).collect()
@@ -438,11 +437,12 @@ fn charts(optimization: &Optimization, history: &DesignHistory, folder: &Path) -
         ..Chart::default()
     };
     let mut panels = vec![objective];
-    if reached.iter().any(|(_, point)| point.violation > 0.0) {
+    let tolerance = history.tolerance;
+    if reached.iter().any(|(_, point)| point.violation > tolerance) {
         panels.push(Chart {
             x_label: "iteration".into(),
-            y_label: "violation".into(),
-            series: vec![curve("", &|point| point.violation)],
+            y_label: format!("violation ({tolerance:e}: none)"),
+            series: vec![curve("", &|point| point.violation.max(tolerance))],
             log_y: true,
             ..Chart::default()
         });

@@ -31,11 +31,11 @@ impl Scene for SliderCrank {
         Settings::new(2.5, 1000)
     }
     fn problem(&self) -> Option<OptimizationProblem> {
-        let problem = OptimizationProblem::maximize("x of the slider, integral");
-        let problem = problem.subject_to("largest driving moment", Limit::AtMost(1.2));
-        let problem =
-            problem.linear("slope of the rod", &[("rod length", 1.0), ("crank length", -2.5)], Limit::AtLeast(0.0));
-        Some(problem.varying(&["crank length", "rod length", "stiffness", "rest length"]))
+        let problem = OptimizationProblem::minimize("largest driving moment");
+        let problem = problem.subject_to("x of the slider, integral", Limit::AtLeast(1.4));
+        let wall = [("crank length", 1.0), ("rod length", 1.0), ("rest length", 0.5)];
+        let problem = problem.linear("place of the wall", &wall, Limit::AtMost(1.0));
+        Some(problem.varying(&["rod length", "stiffness", "rest length"]))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [crank_length, rod_length, slider_mass, stiffness, rest_length, turns] = x else {
