@@ -1,12 +1,14 @@
-//! Eliminating a node's own constraints is exact: the unreduced system, with the Euler-parameter norms as ordinary multipliers,
-//! gives the same motion and the same gradient, at every constraint level.
+//! Eliminating a node's own constraints is exact: the unreduced system, with the Euler-parameter norms or the right angles of natural
+//! coordinates as ordinary multipliers, gives the same motion and the same gradient, at every constraint level.
 
 use costate::history::Watch;
 use costate::integrators::{StepRecord, tables};
 use costate::prelude::*;
 
 /// Two unsymmetric bodies, tumbling on spherical joints, with a spring: everything turns about all axes.
-struct Tumbler;
+struct Tumbler {
+    natural: bool,
+}
 impl Scene for Tumbler {
     fn name(&self) -> String {
         "tumbler".into()
@@ -29,10 +31,13 @@ impl Scene for Tumbler {
         let products = [0.03, -0.02, 0.05].map(S::from);
         let tensor = [*inertia, *inertia * 1.5, *inertia * 2.0, products[0], products[1], products[2]];
         let turn = Quaternion::about(Vec3::from_f64([0.0, 0.6, 0.8]), S::from(0.4));
-        let first = m.body("first", middle * S::from(0.5), turn);
+        let body = |m: &mut MechanismBuilder<S>, name: &str, place: Vec3<S>, turn: Quaternion<S>| {
+            if self.natural { m.natural_body(name, place, turn) } else { m.body(name, place, turn) }
+        };
+        let first = body(m, "first", middle * S::from(0.5), turn);
         m.rigid_body("first", first, *mass, Vec3::from_f64([0.05, 0.02, -0.03]), tensor);
         m.set_velocity(first, omega.cross(middle * S::from(0.5)), omega);
-        let second = m.body("second", middle + Vec3::from_f64([0.2, 0.1, 0.0]), Quaternion::identity());
+        let second = body(m, "second", middle + Vec3::from_f64([0.2, 0.1, 0.0]), Quaternion::identity());
         m.rigid_body("second", second, *mass * 0.5, Vec3::zero(), tensor);
         m.set_velocity(second, omega.cross(middle) - omega.cross(Vec3::from_f64([-0.2, -0.1, 0.0])), omega);
         m.spherical("pivot", [ground, first], Vec3::zero());
@@ -50,9 +55,18 @@ impl Scene for Tumbler {
 
 #[test]
 fn reduced_and_unreduced_systems_agree_forward_and_transposed() {
-    let x: Vec<f64> = Tumbler.variables().iter().map(|variable| variable.initial).collect();
+    assert_reduction_is_exact(&Tumbler { natural: false });
+}
+
+#[test]
+fn so_they_do_for_six_equations_inside_each_node() {
+    assert_reduction_is_exact(&Tumbler { natural: true });
+}
+
+fn assert_reduction_is_exact(tumbler: &Tumbler) {
+    let x: Vec<f64> = tumbler.variables().iter().map(|variable| variable.initial).collect();
     // the joint "tied" doubles the pivot, so that dropped equations are part of the comparison
-    let settings = Tumbler.settings().dropping_redundant();
+    let settings = tumbler.settings().dropping_redundant();
     for table in tables() {
         for level in ConstraintLevel::ALL {
             let mut method = Method::new(table.clone(), level);
@@ -60,7 +74,7 @@ fn reduced_and_unreduced_systems_agree_forward_and_transposed() {
             let mut results = Vec::new();
             for unreduced in [false, true] {
                 method.unreduced = unreduced;
-                let scene = Prepared::with(&Tumbler, &x, method.clone(), settings).expect(&place);
+                let scene = Prepared::with(tumbler, &x, method.clone(), settings).expect(&place);
                 let analysis = scene.analysis();
                 let mut last = None;
                 let mut watch = Watch(|step: &StepRecord<f64>| {

@@ -282,7 +282,6 @@ pub fn cases() -> Vec<Case> {
                 .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
             Case::new(format!("cable welded to {a:?}"), CableEnd { a, held: HeldSlope::Vector }, &[a, Slope], &[&POINT_A.0[..], &slope].concat(), Placement::default())
                 .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
-                .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
                 .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
             Case::new(format!("cable on a hinge of {a:?}"), CableEnd { a, held: HeldSlope::Plane }, &[a, Slope], &[POINT_A.0, NORMAL_W.0].concat(), Placement::default())
                 .shows("turn about the hinge", &[], |placed| placed.turned(NORMAL_W, 0.7))

@@ -76,10 +76,12 @@ fn samples(case: &Case) -> Vec<Sample> {
         let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
         q.extend(random.vector(case.scalars));
         if case.neighbours && case.nodes[0] == Slope {
-            // the second node of a cable about as far as its length
+            // the second node of a cable about as far as its length, and the slope bent by about half a radian
+            let first = Vec3::from_slice(&q[3..]);
+            let bend = first.normalized().perpendiculars()[0] * (0.5 * first.norm());
             for i in 0..3 {
-                q[6 + i] = q[i] + case.p[0] * q[3 + i] + random.uniform(-0.15, 0.15);
-                q[9 + i] = q[3 + i] + random.uniform(-0.15, 0.15);
+                q[9 + i] = first.0[i] + bend.0[i] + random.uniform(-0.05, 0.05);
+                q[6 + i] = q[i] + case.p[0] * (first.0[i] + 0.5 * bend.0[i]) + random.uniform(-0.01, 0.01);
             }
         } else if case.neighbours {
             let first: Vec<f64> = q[3..7].to_vec();
