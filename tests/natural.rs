@@ -35,7 +35,7 @@ impl Chain {
     fn body<S: Scalar>(&self, m: &mut MechanismBuilder<S>, number: usize, mass: S, place: Vec3<S>) -> NodeId {
         let turn = Quaternion::about(vector([0.0, 0.6, 0.8]), S::from(0.4 + 0.9 * number as f64));
         let name = format!("body {number}");
-        let natural = self.kind == Kind::Natural || (self.kind == Kind::Mixed && number % 2 == 0);
+        let natural = self.kind == Kind::Natural || (self.kind == Kind::Mixed && number.is_multiple_of(2));
         let node = if natural { m.natural_body(&name, place, turn) } else { m.body(&name, place, turn) };
         let tensor = [0.2, 0.3, 0.25, 0.03, -0.02, 0.05].map(|entry| mass * entry);
         m.rigid_body(&name, node, mass, vector([0.05, 0.02, -0.03]), tensor);
