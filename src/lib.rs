@@ -23,6 +23,7 @@
 //! * residual: inertia + internal - applied = 0; constraints add A^T mu with A = dg/dq, so the force on the bodies is -A^T mu
 //! * a body node: position of its frame in the world, then Euler parameters with the scalar part first; R(e) takes body
 //!   components to world components; angular velocity in the body frame is 2 G(e) de/dt
+//! * a body in natural coordinates: position of its frame, then its axes as world vectors; a cable's node: position, then slope dr/dx
 //! * units are the caller's, consistent; documentation names SI
 //!
 //! # Symbols
