@@ -100,7 +100,7 @@ pub struct KeptFactorization<S> {
     /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
     pub pivots: Vec<usize>,
     /// Size of corrections at round-off, for each kind of system, where it is known.
-    pub floors: [Option<f64>; 3],
+    pub floors: [Option<[f64; 2]>; 3],
     /// Equations for which these were measured, and factorizations since then.
     pub measured: Option<Equations>,
     /// See [`KeptFactorization::measured`].

@@ -75,7 +75,7 @@ pub struct Newton<'m, S> {
     /// Where it was.
     factored_at: FactoredAt<S>,
     /// Size of corrections at round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
-    floors: [Option<f64>; 3],
+    floors: [Option<[f64; 2]>; 3],
     /// Equations for which floors were measured, and factorizations since then.
     measured: Option<Equations>,
     measured_for: usize,
@@ -211,6 +211,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let mut first_residual = None;
         let mut growth = 0;
         let mut worst_rate: f64 = 0.0;
+        let (mut previous_reaction, mut worst_reaction_rate) = (f64::INFINITY, 0.0_f64);
         if self.factored.is_some() {
             self.guess.clone_from(unknowns);
         }
@@ -235,17 +236,29 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 fresh = true;
             }
             let kind = kind(equations);
-            let floor = match self.floors[kind] {
-                Some(floor) => floor,
+            let [floor, reaction_floor] = match self.floors[kind] {
+                Some(floors) => floors,
                 None => {
-                    let floor = self.round_off(equations, base, unknowns, p, t);
+                    let floors = self.round_off(equations, base, unknowns, p, t);
                     self.evaluate(equations, base, unknowns, p, t);
-                    *self.floors[kind].insert(floor)
+                    *self.floors[kind].insert(floors)
                 }
             };
             self.counters.iterations += 1;
             let step = self.step(None, unknowns);
             let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
+            // reactions with an old matrix converge by themselves; those of projections are read by nobody
+            let reaction_step = if equations.metric { 0.0 } else { self.multiplier_step() };
+            let reactions = Self::largest(&unknowns.mu);
+            let reaction_rate = reaction_step / previous_reaction;
+            worst_reaction_rate = worst_reaction_rate.max(if reaction_rate < STALLED { reaction_rate } else { 0.0 });
+            let reaction_share = if reaction_rate > 0.0 && reaction_rate < STALLED {
+                worst_reaction_rate / (1.0 - worst_reaction_rate)
+            } else {
+                1.0
+            };
+            let reactions_settled = reaction_step * reaction_share <= (ROUND_OFF * reactions).max(reaction_floor)
+                || reaction_step <= 2.0 * reaction_floor;
             if !step.is_finite() {
                 return fail(FailureKind::NotFinite, iteration, step);
             }
@@ -262,17 +275,26 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 None => step * share <= ROUND_OFF * scale,
             };
             if step == 0.0 || settled || step * share <= floor || step <= 2.0 * floor {
-                if !fresh && worst_rate > AGED {
+                let stalled = reaction_rate >= STALLED && previous_reaction.is_finite();
+                if reactions_settled || (stalled && (fresh || reaction_step <= NEARLY * reactions)) {
+                    if !fresh && worst_rate.max(worst_reaction_rate) > AGED {
+                        self.factored = None;
+                    }
+                    return Ok(());
+                }
+                if reaction_rate > SLOW && previous_reaction.is_finite() {
                     self.factored = None;
                 }
-                return Ok(());
+                (previous, previous_reaction) = (step, reaction_step);
+                continue;
             }
             if rate <= 1.0 {
                 growth = 0;
             }
             if rate >= STALLED && previous.is_finite() {
                 // with an old matrix this may be slow convergence: only a fresh one tells round-off from it
-                if moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON) {
+                let near = moved.map_or(step <= NEARLY * scale, |moved| moved <= 8.0 * f64::EPSILON);
+                if near && (fresh || reaction_step <= NEARLY * reactions) {
                     return Ok(());
                 }
                 if !fresh && rate > ASTRAY {
@@ -282,7 +304,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                     continue;
                 }
                 if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {
-                    self.floors[kind] = Some(step);
+                    self.floors[kind] = Some([step, reaction_floor.max(reaction_step)]);
                     return Ok(());
                 }
                 if fresh && rate > 1.0 {
@@ -296,13 +318,25 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             if rate > SLOW && iteration > 1 {
                 self.factored = None;
             }
-            previous = step;
+            (previous, previous_reaction) = (step, reaction_step);
         }
         let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
         fail(FailureKind::Stagnated, MOST_ITERATIONS, previous / scale)
     }
 
-    /// Size of a correction that is round-off alone: what the last bits of (a, v, q) change in the residual, through the matrix.
+    /// Largest of some numbers.
+    fn largest(values: &[S]) -> f64 {
+        values.iter().fold(0.0, |largest: f64, value| largest.max(value.value().abs()))
+    }
+
+    /// Largest correction of a multiplier in the last solution.
+    fn multiplier_step(&self) -> f64 {
+        let places = self.system.multiplier_places().iter().chain(self.system.stabilizer_places()).flatten();
+        places.fold(0.0, |largest: f64, &place| largest.max(self.rhs[place].abs()))
+    }
+
+    /// Sizes of a correction of coordinates and of multipliers that are round-off alone: what the last bits of (a, v, q) change in the
+    /// residual, through the matrix.
     fn round_off(
         &mut self,
         equations: &Equations,
@@ -310,7 +344,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         unknowns: &mut Unknowns<S>,
         p: &[S],
         t: f64,
-    ) -> f64 {
+    ) -> [f64; 2] {
         self.jacobian.reduce(&self.system, &self.residual, None, &mut self.exact);
         self.residual.last_bits = true;
         self.evaluate(equations, base, unknowns, p, t);
@@ -320,7 +354,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.factorization.solve(&mut self.rhs);
         self.counters.solves += 1;
         self.work.clone_from(unknowns);
-        self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.levers)
+        let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.levers);
+        [step, self.multiplier_step()]
     }
 
     /// Corrections no longer shrink: is that round-off, or a system that does not converge?
