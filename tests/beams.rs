@@ -628,12 +628,13 @@ impl Scene for Mistaken {
 
 /// Stiff bars, projected starts, drivers, loads, equilibria: each scene with beams has the gradients that a complex step has.
 ///
-/// An axial force N of a bar has the digits of its strain: with N / EA about 4e-7 in the four-bar, nine.
+/// An axial force N of a bar has the digits of its strain: with N / EA about 4e-7 in the four-bar, nine. In equilibrium nothing
+/// but stiffness holds a bar, EA L^2 / EI = 3e5 here: the condition of the matrix.
 #[test]
 fn adjoint_tangent_and_complex_step_agree_for_every_scene_with_beams() {
     let few: [(&dyn AnyScene, f64, usize); 5] = [
         (&FlexibleFourBar { elements: [2, 2, 2], run: (0.2, 20) }, 0.2, 20),
-        (&SpinUpBeam, 8.0, 40),
+        (&SpinUpBeam, 4.0, 40),
         (&FlyingRod, 0.5, 10),
         (&RightAngleCantilever { elements: 2 }, 0.5, 10),
         (&PrincetonBeam { elements: 2 }, 1.0, 4),
@@ -652,7 +653,11 @@ fn adjoint_tangent_and_complex_step_agree_for_every_scene_with_beams() {
             let tangent = analysis.tangent(&x, &forward).expect("tangent");
             let complex_step = analysis.complex_step(&x, &forward).expect("complex step");
             for (k, functional) in prepared.functionals().iter().enumerate() {
-                let limit = if functional.name.starts_with("axial force") { 3e-9 } else { 3e-12 };
+                let limit = match functional.name.as_str() {
+                    name if name.starts_with("axial force") => 3e-9,
+                    _ if analysis.method.table.is_static() => 3e-11,
+                    _ => 3e-12,
+                };
                 let expected = &complex_step.rows[k];
                 let worst =
                     largest_difference(&adjoint.rows[k], expected).max(largest_difference(&tangent.rows[k], expected));

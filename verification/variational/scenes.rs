@@ -53,9 +53,10 @@ impl Scene for SwingingCable {
         let material = Material { young: s(1e6), poisson: s(0.3), density: s(1000.0) };
         let section = CableSection::of(material, Shape::rectangle(s(0.05), s(0.05), s(0.3)));
         let ground = m.ground();
-        let cable = m.cable("cable", CableLine::straight([Vec3::zero(), vector([0.8, -0.6, 0.0])], self.elements), &section);
+        let cable =
+            m.cable("cable", CableLine::straight([Vec3::zero(), vector([0.28, -0.96, 0.0])], self.elements), &section);
         m.spherical("hinge", [ground, cable.start()], Vec3::zero());
-        m.set_rigid_motion(&cable.nodes, Vec3::zero(), Vec3::zero(), vector([0.0, 2.0, 0.0]));
+        m.set_rigid_motion(&cable.nodes, Vec3::zero(), Vec3::zero(), vector([0.0, 1.0, 0.0]));
         m.gravity(vector([0.0, -9.81, 0.0]));
         Ok(())
     }
