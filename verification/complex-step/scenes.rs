@@ -170,6 +170,10 @@ pub fn list() -> Vec<Case> {
 }
 
 impl Case {
+    /// About a beam, its weight or its loads.
+    pub fn is_of_beams(&self) -> bool {
+        matches!(self.subject, Subject::Beam(_))
+    }
     /// One of the basic elements and constraints, which go with every integrator; what others add to them is their formula alone, and
     /// that is the same for all integrators.
     pub fn is_basic(&self) -> bool {
