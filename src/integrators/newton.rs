@@ -249,7 +249,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
             // reactions with an old matrix converge by themselves; those of projections are read by nobody
             let reaction_step = if equations.metric { 0.0 } else { self.multiplier_step() };
-            let reactions = Self::largest(&unknowns.mu);
+            let reactions = self.multiplier_size(unknowns);
             let reaction_rate = reaction_step / previous_reaction;
             worst_reaction_rate = worst_reaction_rate.max(if reaction_rate < STALLED { reaction_rate } else { 0.0 });
             let reaction_share = if reaction_rate > 0.0 && reaction_rate < STALLED {
@@ -324,15 +324,18 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         fail(FailureKind::Stagnated, MOST_ITERATIONS, previous / scale)
     }
 
-    /// Largest of some numbers.
-    fn largest(values: &[S]) -> f64 {
-        values.iter().fold(0.0, |largest: f64, value| largest.max(value.value().abs()))
+    /// Largest multiplier, forces and moments alike in the scale of the factored matrix, which no unit changes.
+    fn multiplier_size(&self, unknowns: &Unknowns<S>) -> f64 {
+        let sets = [(self.system.multiplier_places(), &unknowns.mu), (self.system.stabilizer_places(), &unknowns.eta)];
+        let all = sets.into_iter().flat_map(|(places, values)| places.iter().zip(values));
+        let sizes = all.filter_map(|(place, value)| Some(self.factorization.scaled((*place)?, value.value()).abs()));
+        sizes.fold(0.0, f64::max)
     }
 
-    /// Largest correction of a multiplier in the last solution.
+    /// Largest correction of a multiplier in the last solution, in the same scale.
     fn multiplier_step(&self) -> f64 {
         let places = self.system.multiplier_places().iter().chain(self.system.stabilizer_places()).flatten();
-        places.fold(0.0, |largest: f64, &place| largest.max(self.rhs[place].abs()))
+        places.fold(0.0, |largest: f64, &place| largest.max(self.factorization.scaled(place, self.rhs[place]).abs()))
     }
 
     /// Sizes of a correction of coordinates and of multipliers that are round-off alone: what the last bits of (a, v, q) change in the

@@ -192,6 +192,11 @@ impl Factorization {
         self.correction = correction;
     }
 
+    /// An unknown in the scale of the matrix factored last.
+    pub fn scaled(&self, unknown: usize, value: f64) -> f64 {
+        value / self.column_scale[unknown]
+    }
+
     fn entries(&self, column: usize) -> std::ops::Range<usize> {
         self.pattern.column_starts[column]..self.pattern.column_starts[column + 1]
     }

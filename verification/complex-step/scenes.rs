@@ -160,7 +160,6 @@ pub fn list() -> Vec<Case> {
         beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
         beam("load-along-beam-world-lines", BeamSubject::Load(world, lines), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
-        beam("beam-design", BeamSubject::Design, &[]),
         Case { projected: false, statics: true, ..beam("beam-design-equilibrium", BeamSubject::Design, &[]) },
         // its second derivative has corners at both ends: a start or duration moves them off the steps' ends
         Case { one_sided: &["start", "duration"], ..inside },
