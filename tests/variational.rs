@@ -1,5 +1,6 @@
 //! The variational integrator: its orders, what it conserves, and its discrete adjoint against direct differentiation and complex step.
 
+use costate::functionals::{Measured, Sample};
 use costate::history::Watch;
 use costate::integrators::{StepRecord, discrete_momentum, march, table_named};
 use costate::prelude::*;
@@ -110,11 +111,9 @@ fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_
         let momentum = moment_of_momentum(&step.q, &discrete_momentum(&problem, step));
         let reference = *first.get_or_insert(momentum);
         worst = momentum.iter().zip(reference).fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
-        let at = step.stages[0].solve.point();
-        let element = &problem.model.elements[0];
-        let physics: &dyn costate::elements::ElementIn<f64> = &*element.physics;
-        let [kinetic, potential] = physics.energy(&at.v, &at.q, &problem.p[element.parameters.clone()]);
-        energies.push(kinetic + potential);
+        let mut sample = Sample::empty();
+        sample.set_stage(step, 0, 0.0);
+        energies.push(Measured::Energy.value(problem.model, &sample, &problem.p));
         true
     });
     march(&problem, &prepared.method, &prepared.grid, &prepared.plan, &mut watch).expect("runs");

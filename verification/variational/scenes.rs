@@ -6,18 +6,23 @@ use costate::elements::flexible::{CableSection, Material};
 use costate::prelude::*;
 use costate::scenes::CableLine;
 
-/// A point mass on a massless rod that swings about the vertical: a spherical pendulum.
-pub struct SwingingMass;
-
-/// A cable on a spherical joint that swings about the vertical.
-pub struct SwingingCable {
-    /// Number of elements.
-    pub elements: usize,
+/// What swings about the vertical.
+pub enum Swinging {
+    /// A point mass on a massless rod: a spherical pendulum.
+    Mass,
+    /// A cable on a spherical joint.
+    Cable {
+        /// Number of elements.
+        elements: usize,
+    },
 }
 
-impl Scene for SwingingMass {
+impl Scene for Swinging {
     fn name(&self) -> String {
-        "spherical-pendulum".into()
+        match self {
+            Swinging::Mass => "spherical-pendulum".into(),
+            Swinging::Cable { .. } => "swinging-cable".into(),
+        }
     }
     fn variables(&self) -> Vec<DesignVariable> {
         Vec::new()
@@ -28,35 +33,24 @@ impl Scene for SwingingMass {
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let vector = |x: [f64; 3]| Vec3::<S>::from_f64(x);
         let ground = m.ground();
-        let mass = m.point("mass", vector([0.8, -0.6, 0.0]));
-        m.point_mass("mass", mass, S::one());
-        m.set_velocity(mass, vector([0.0, 0.0, 1.5]), Vec3::zero());
-        m.distance("rod", [ground, mass], [Vec3::zero(), vector([0.8, -0.6, 0.0])]);
-        m.gravity(vector([0.0, -9.81, 0.0]));
-        Ok(())
-    }
-}
-
-impl Scene for SwingingCable {
-    fn name(&self) -> String {
-        "swinging-cable".into()
-    }
-    fn variables(&self) -> Vec<DesignVariable> {
-        Vec::new()
-    }
-    fn settings(&self) -> Settings {
-        Settings::new(1.0, 1000)
-    }
-    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let vector = |x: [f64; 3]| Vec3::<S>::from_f64(x);
-        let s = |x: f64| S::from(x);
-        let material = Material { young: s(1e6), poisson: s(0.3), density: s(1000.0) };
-        let section = CableSection::of(material, Shape::rectangle(s(0.05), s(0.05), s(0.3)));
-        let ground = m.ground();
-        let cable =
-            m.cable("cable", CableLine::straight([Vec3::zero(), vector([0.28, -0.96, 0.0])], self.elements), &section);
-        m.spherical("hinge", [ground, cable.start()], Vec3::zero());
-        m.set_rigid_motion(&cable.nodes, Vec3::zero(), Vec3::zero(), vector([0.0, 1.0, 0.0]));
+        match *self {
+            Swinging::Mass => {
+                let place = vector([0.8, -0.6, 0.0]);
+                let mass = m.point("mass", place);
+                m.point_mass("mass", mass, S::one());
+                m.set_velocity(mass, vector([0.0, 0.0, 1.5]), Vec3::zero());
+                m.distance("rod", [ground, mass], [Vec3::zero(), place]);
+            }
+            Swinging::Cable { elements } => {
+                let s = |x: f64| S::from(x);
+                let material = Material { young: s(1e6), poisson: s(0.3), density: s(1000.0) };
+                let section = CableSection::of(material, Shape::rectangle(s(0.05), s(0.05), s(0.3)));
+                let ends = [Vec3::zero(), vector([0.28, -0.96, 0.0])];
+                let cable = m.cable("cable", CableLine::straight(ends, elements), &section);
+                m.spherical("hinge", [ground, cable.start()], Vec3::zero());
+                m.set_rigid_motion(&cable.nodes, Vec3::zero(), Vec3::zero(), vector([0.0, 1.0, 0.0]));
+            }
+        }
         m.gravity(vector([0.0, -9.81, 0.0]));
         Ok(())
     }

@@ -3,13 +3,13 @@
 mod scenes;
 
 use crate::verification::{Report, Study};
-use costate::elements::ElementIn;
+use costate::functionals::{Measured, Sample};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, Problem, RunError, StepRecord, discrete_momentum, march, table_named};
 use costate::scenes::built_in::{DoublePendulum, FiveBar, FlexiblePendulum, FlyingRod, FreeBody, HeavyTop, SliderCrank};
 use costate::scenes::{AnyScene, Prepared};
 use costate::sensitivity::largest_difference;
-use scenes::{SwingingCable, SwingingMass, moment_of_momentum};
+use scenes::{Swinging, moment_of_momentum};
 
 /// Places of the quadrature point.
 const ALPHAS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -68,7 +68,7 @@ fn end_of(prepared: &Prepared) -> Result<[Vec<f64>; 2], RunError> {
 fn orders(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[1/3] orders");
     let scenes: [(&dyn AnyScene, f64, usize); 3] =
-        [(&DoublePendulum, 0.5, 200), (&HeavyTop, 0.1, 200), (&SwingingCable { elements: 2 }, 0.2, 400)];
+        [(&DoublePendulum, 0.5, 200), (&HeavyTop, 0.1, 200), (&Swinging::Cable { elements: 2 }, 0.2, 400)];
     for (scene, end, coarsest) in scenes {
         let exact = end_of(&prepare(scene, "esdirk5", end, 16 * coarsest)?)?;
         for alpha in ALPHAS {
@@ -117,21 +117,15 @@ fn gradients(report: &mut Report) -> Result<(), RunError> {
 
 /// Kinetic and potential energy at a step's quadrature point.
 fn energy(problem: &Problem<f64>, step: &StepRecord<f64>) -> f64 {
-    let at = step.stages[0].solve.point();
-    let of = |element: &costate::assembly::Attached<dyn costate::elements::AnyElement>| {
-        let dofs = element.nodes.iter().flat_map(|node| problem.model.node(*node).dofs.clone());
-        let (v, q): (Vec<f64>, Vec<f64>) = dofs.map(|dof| (at.v[dof], at.q[dof])).unzip();
-        let physics: &dyn ElementIn<f64> = &*element.physics;
-        let [kinetic, potential] = physics.energy(&v, &q, &problem.p[element.parameters.clone()]);
-        kinetic + potential
-    };
-    problem.model.elements.iter().map(of).sum()
+    let mut sample = Sample::empty();
+    sample.set_stage(step, 0, 0.0);
+    Measured::Energy.value(problem.model, &sample, &problem.p)
 }
 
 fn conservation(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[3/3] {MANY} steps");
     let scenes: [(&dyn AnyScene, f64, &[usize]); 3] =
-        [(&SwingingMass, 1e-3, &[1]), (&FreeBody, 1e-2, &[0, 1, 2]), (&SwingingCable { elements: 2 }, 5e-4, &[1])];
+        [(&Swinging::Mass, 1e-3, &[1]), (&FreeBody, 1e-2, &[0, 1, 2]), (&Swinging::Cable { elements: 2 }, 5e-4, &[1])];
     for (scene, h, axes) in scenes {
         let name = scene.scene_name();
         let prepared = prepare(scene, "variational", h * MANY as f64, MANY)?;
