@@ -15,12 +15,17 @@ mod figure;
 mod four_bar;
 #[path = "gradient-cost/study.rs"]
 mod gradient_cost;
+mod optimized;
 #[path = "orders/study.rs"]
 mod orders;
 #[path = "rigid-benchmarks/study.rs"]
 mod rigid_benchmarks;
+#[path = "rigid-spring-beam/study.rs"]
+mod rigid_spring_beam;
 #[path = "stability/study.rs"]
 mod stability;
+#[path = "suspension/study.rs"]
+mod suspension;
 #[path = "variational/study.rs"]
 mod variational;
 #[path = "work-precision/study.rs"]
@@ -62,5 +67,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(variational::Variational),
+        Box::new(rigid_spring_beam::RigidSpringBeamStudy),
+        Box::new(suspension::SuspensionStudy),
     ]
 }

@@ -39,8 +39,8 @@ pub struct SceneOptions {
     #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
     output_step: Option<f64>,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
-    /// bdf2, bdf3; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8. Equilibria, with time as the load factor: static
-    /// [default: the scene's, else esdirk4]
+    /// bdf2, bdf3, variational; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8, variational:1 its quadrature point at
+    /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
     #[arg(long, value_name = "TABLE")]
     method: Option<String>,
     /// Time derivative on which constraints are kept: position, velocity, acceleration

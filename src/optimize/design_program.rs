@@ -208,14 +208,35 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         self.stopped |= !self.watcher.changed(&self.history) || self.watcher.wants_to_stop();
     }
 
-    /// Gradients of the functionals with respect to all design variables.
+    /// Functionals whose gradients count: those of the objective, and those near or beyond their limits.
+    fn wanted(&self, functionals: &[f64]) -> Vec<bool> {
+        let mut wanted = vec![false; functionals.len()];
+        let margin = self.optimization.problem.screening.unwrap_or(f64::INFINITY);
+        let near = |(row, kind): &(&Combination, &ConstraintKind)| {
+            **kind == ConstraintKind::Equality || row.value(functionals) >= -margin
+        };
+        let limits = self.nonlinear.iter().zip(&self.kinds).filter(near).map(|(row, _)| row);
+        for row in limits.chain([&self.objective]) {
+            row.weights.iter().for_each(|&(index, _)| wanted[index] = true);
+        }
+        wanted
+    }
+
+    /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
     fn rows(&self, simulated: &Simulated, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
+        let wanted = self.wanted(&simulated.forward.values);
+        let mut rows = self.rows_of(simulated, &wanted, work)?;
+        rows.iter_mut().zip(wanted).filter(|(_, wanted)| !wanted).for_each(|(row, _)| row.fill(0.0));
+        Ok(rows)
+    }
+
+    fn rows_of(&self, simulated: &Simulated, wanted: &[bool], work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
         let Simulated { prepared, forward, .. } = simulated;
         let (analysis, x) = (prepared.analysis(), &prepared.x);
         let gradient = match self.optimization.gradient {
             GradientBy::Adjoint => {
                 work.sweeps += 1;
-                analysis.adjoint(x, forward)?
+                analysis.adjoint_of(x, forward, wanted)?
             }
             GradientBy::ComplexStep => {
                 work.sweeps += x.len();

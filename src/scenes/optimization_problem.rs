@@ -92,12 +92,14 @@ pub struct OptimizationProblem {
     pub linear: Vec<LinearConstraint>,
     /// Names of the variables that may change; without it all.
     pub varying: Option<Vec<String>>,
+    /// Limits of functionals that are kept by more than this, in their scale, count as constant: see [`OptimizationProblem::screened`].
+    pub screening: Option<f64>,
 }
 
 impl OptimizationProblem {
     fn new(sense: Sense, objective: Vec<(String, f64)>) -> Self {
         let (constraints, linear) = (Vec::new(), Vec::new());
-        OptimizationProblem { sense, objective, scale: None, constraints, linear, varying: None }
+        OptimizationProblem { sense, objective, scale: None, constraints, linear, varying: None, screening: None }
     }
 
     /// A functional is to become small.
@@ -150,6 +152,18 @@ impl OptimizationProblem {
         self
     }
 
+    /// Limits of functionals that are kept by more than `margin` times their scale count as constant: their gradients are not computed, but
+    /// taken as zero. A design that comes nearer to them gets them back, and an optimizer that sees one violated steps back.
+    ///
+    /// With many limits of which few matter, the adjoint costs what those few cost.
+    ///
+    /// Source: the deletion of constraints in Haftka & Gürdal, Elements of Structural Optimization.
+    #[must_use]
+    pub fn screened(mut self, margin: f64) -> Self {
+        self.screening = Some(margin);
+        self
+    }
+
     /// Checks names and numbers against what the scene has.
     ///
     /// # Errors
@@ -180,6 +194,9 @@ impl OptimizationProblem {
             if let Some(scale) = scale.filter(|scale| !(*scale > 0.0 && scale.is_finite())) {
                 return Err(format!("the scale of {name} is {scale}; it must be a number above 0"));
             }
+        }
+        if let Some(margin) = self.screening.filter(|margin| !(*margin > 0.0)) {
+            return Err(format!("the margin of screening is {margin}; it must be above 0"));
         }
         for constraint in &self.linear {
             let place = format!("the linear constraint \"{}\"", constraint.name);

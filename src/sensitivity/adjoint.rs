@@ -54,7 +54,7 @@ fn distribute(
 pub fn adjoint(
     rerun: &Rerun,
     history: &dyn History,
-    functionals: &[Functional],
+    functionals: &[&Functional],
     values: &[f64],
     active: &[bool],
 ) -> Result<AdjointRun, RunError> {
@@ -76,7 +76,7 @@ pub fn adjoint(
 struct Sweep<'m> {
     problem: &'m Problem<'m, f64>,
     method: &'m Method,
-    functionals: &'m [Functional],
+    functionals: &'m [&'m Functional],
     values: &'m [f64],
     duration: f64,
     active: &'m [bool],
@@ -165,7 +165,7 @@ impl Sweep<'_> {
 
     /// Shares the forces of redundant constraints, if a functional reads them.
     fn share(&self, sample: &mut Sample<f64>) {
-        if self.functionals.iter().any(Functional::reads_multipliers) {
+        if self.functionals.iter().any(|functional| functional.reads_multipliers()) {
             sample.share(self.problem.model, &self.problem.p);
         }
     }

@@ -163,12 +163,26 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map, and a singular pose on the way.
     pub fn adjoint(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.adjoint_of(x, forward, &vec![true; self.functionals.len()])
+    }
+
+    /// As [`Analysis::adjoint`], for those functionals alone that are `wanted`; the rows of the others are zero.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn adjoint_of(&self, x: &[f64], forward: &Forward, wanted: &[bool]) -> Result<Gradient, RunError> {
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
         let active = chain.active_parameters();
-        let run = adjoint(&rerun, &*forward.history, self.functionals, &forward.values, &active)?;
-        let rows = run.gradients.iter().map(|bar| chain.gradient(bar)).collect();
+        let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
+        let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
+        let values: Vec<f64> = places.iter().map(|&k| forward.values[k]).collect();
+        let run = adjoint(&rerun, &*forward.history, &functionals, &values, &active)?;
+        let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
+        for (&k, bar) in places.iter().zip(&run.gradients) {
+            rows[k] = chain.gradient(bar);
+        }
         Ok(Gradient { rows, counters: run.counters })
     }
 

@@ -4,9 +4,9 @@ use super::support::motion::body_coordinates;
 use super::support::time_functions::time_functions;
 use costate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
 use costate::elements::joints::{
-    AngleCoordinate, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HeldSlope, HelicalJoint, PlanarJoint,
-    PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint,
-    RigidLink, SphericalJoint, UniversalJoint,
+    AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HeldSlope, HelicalJoint,
+    PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion,
+    RevoluteJoint, RigidLink, SphericalJoint, UniversalJoint,
 };
 use costate::elements::{Anchor, AnyConstraint, Constraint, TimeFunction};
 use costate::scalar::{Quaternion, Vec3};
@@ -120,6 +120,7 @@ impl Case {
                 slope = turn_b.rotate(AXIS);
             } else if a == Slope {
                 q.extend(slope.0);
+                slope = turn_b.rotate(AXIS);
             }
             if let [_, pinion, _] = self.nodes[..] {
                 q.extend(body_coordinates(pinion, position + turn.rotate(NORMAL_U), turn.times(placed.pinion)));
@@ -272,6 +273,10 @@ pub fn cases() -> Vec<Case> {
             .shows("another direction", &[], |placed| Placement { offset: Vec3([-1.7, 0.0, 0.0]), ..placed })
             .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
+    list.push(Case::new("cable corner", CableCorner, &[Slope, Slope], &[0.9], Placement::default().turned(NORMAL_W, 0.9))
+        .shows("turn about one of the cables", &[], |placed| placed.turned(AXIS, 0.7))
+        .shows("opened", &[3], |placed| placed.turned(NORMAL_W, STEP))
+        .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)));
     for a in [Body, Natural] {
         let slope = AXIS.0;
         list.extend([

@@ -1,6 +1,7 @@
 //! Joints and motion drivers: each file holds g(q, p, t) and nothing else.
 
 mod angle_coordinate;
+mod cable_corner;
 mod cable_end;
 mod cylindrical;
 mod distance;
@@ -21,6 +22,7 @@ mod spherical;
 mod universal;
 
 pub use angle_coordinate::AngleCoordinate;
+pub use cable_corner::CableCorner;
 pub use cable_end::{CableEnd, HeldSlope};
 pub use cylindrical::CylindricalJoint;
 pub use distance::DistanceJoint;
@@ -45,7 +47,7 @@ use super::{Anchor, AnyConstraint, Frame, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
 use std::f64::consts::TAU;
 
-compiled_here!(dyn AnyConstraint: AngleCoordinate, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
+compiled_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
 pub(crate) const POINTS: [Parameter; 6] = [

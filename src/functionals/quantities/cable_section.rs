@@ -29,22 +29,23 @@ pub struct CableQuantity {
     pub places: Vec<f64>,
 }
 
-impl CableQuantity {
-    /// eps and kappa.
-    fn strains<S: Scalar>(&self, q: &[S], xi: f64, length: S) -> [S; 2] {
-        let combined = |weights: [f64; 4]| {
-            let vector = |i: usize| Vec3::from_slice(&q[3 * i..]) * S::from(weights[i]);
-            (vector(0) + vector(2)) * length.recip() + vector(1) + vector(3)
-        };
-        let (first, second) = (combined(slopes(xi)), combined(curvatures(xi)) * length.recip());
-        let chord = Vec3::from_slice(&q[COMPONENTS..]) - Vec3::from_slice(q);
-        self.strain.of(first, second, chord, length)
-    }
+/// eps and kappa at a place of an element.
+pub(super) fn strains<S: Scalar>(strain: CableStrain, q: &[S], xi: f64, length: S) -> [S; 2] {
+    let combined = |weights: [f64; 4]| {
+        let vector = |i: usize| Vec3::from_slice(&q[3 * i..]) * S::from(weights[i]);
+        (vector(0) + vector(2)) * length.recip() + vector(1) + vector(3)
+    };
+    let (first, second) = (combined(slopes(xi)), combined(curvatures(xi)) * length.recip());
+    let chord = Vec3::from_slice(&q[COMPONENTS..]) - Vec3::from_slice(q);
+    strain.of(first, second, chord, length)
 }
 
 impl Quantity for CableQuantity {
     fn dofs(&self) -> usize {
         self.places.len() * NODES * COMPONENTS
+    }
+    fn reads(&self) -> [bool; 3] {
+        [false, false, true]
     }
     fn parameters(&self) -> Vec<Parameter> {
         let length = |element: usize| Parameter::named(format!("element {element}, length"), "m");
@@ -58,7 +59,7 @@ impl Quantity for CableQuantity {
         let count = self.places.len();
         let mut sum = S::zero();
         for (element, &xi) in self.places.iter().enumerate() {
-            let [strain, curvature] = self.strains(&s.q[element * NODES * COMPONENTS..], xi, p[element]);
+            let [strain, curvature] = strains(self.strain, &s.q[element * NODES * COMPONENTS..], xi, p[element]);
             sum += match self.measure {
                 CableMeasure::Strain => strain,
                 CableMeasure::Curvature => curvature,

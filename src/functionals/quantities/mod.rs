@@ -1,8 +1,10 @@
 //! Quantities of points, joints and sections of beams and cables. A new one is a file here and a line in this list.
 
 mod cable_deflection;
+mod cable_largest_stress;
 mod cable_section;
 mod coordinate;
+mod distance;
 mod joint_angle;
 mod joint_displacement;
 mod joint_rate;
@@ -14,8 +16,10 @@ mod target_distance;
 mod velocity;
 
 pub use cable_deflection::CableDeflection;
+pub use cable_largest_stress::CableLargestStress;
 pub use cable_section::{CableMeasure, CableQuantity};
 pub use coordinate::Coordinate;
+pub use distance::Distance;
 pub use joint_angle::JointAngle;
 pub use joint_displacement::{JointDisplacement, JointSpeed};
 pub use joint_rate::JointRate;
@@ -29,7 +33,7 @@ pub use velocity::Velocity;
 use super::AnyQuantity;
 use crate::elements::{Parameter, compiled_here};
 
-compiled_here!(dyn AnyQuantity: CableDeflection, CableQuantity, Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
+compiled_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

@@ -4,9 +4,9 @@ use super::{Drawing, MechanismBuilder};
 use crate::assembly::{ConstraintId, ElementId, NodeId, NodeKind};
 use crate::elements::Flexible;
 use crate::elements::flexible::{CableField, CableGravity, CableInertia, CableSection, CableStrain, SmallStrainCableField};
-use crate::elements::joints::{CableEnd, HeldSlope};
+use crate::elements::joints::{CableCorner, CableEnd, HeldSlope};
 use crate::functionals::Over;
-use crate::functionals::quantities::{CableDeflection, CableMeasure, CableQuantity};
+use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
 use crate::scalar::{Scalar, Vec3};
 
 /// A straight cable at t = 0, in the world, as long as in its reference.
@@ -203,6 +203,29 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, CableEnd { a, held: HeldSlope::Plane }.into(), &p)
     }
 
+    /// Nodes of two cables welded to each other as they stand at the start, at any angle but 0 and 180 degrees.
+    pub fn cable_corner(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
+        let kinds = nodes.map(|node| self.model.nodes[node.0].kind);
+        if kinds != [NodeKind::Slope; 2] {
+            let names = nodes.map(|node| self.model.nodes[node.0].name.clone());
+            self.mistakes.push(format!(
+                "\"{name}\" needs nodes of two cables, but got \"{}\" and \"{}\": a cable is welded to a body by cable_weld",
+                names[0], names[1]
+            ));
+            return ConstraintId(usize::MAX);
+        }
+        let [a, b] = nodes.map(|node| Vec3::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..]));
+        let angle = a.cross(b).norm().atan2(a.dot(b));
+        if angle.sin().value() < 1e-3 {
+            let degrees = angle.value().to_degrees();
+            self.mistakes.push(format!(
+                "\"{name}\" joins cables at {degrees:.3} degrees; cables that go straight on share a node (from_node, to_node)"
+            ));
+            return ConstraintId(usize::MAX);
+        }
+        self.add_constraint(name, &nodes, CableCorner.into(), &[angle])
+    }
+
     /// The body and the slope at the start.
     fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::Anchor, Vec3<S>)> {
         let a = self.body_anchor(name, body);
@@ -284,6 +307,26 @@ impl<S: Scalar> MechanismBuilder<S> {
         let places = places.into_iter().map(|(_, xi)| xi).collect();
         let quantity = CableQuantity { measure, strain: cable.strain, places };
         self.add_functional(name, unit, over, (&nodes, &[]), quantity.into(), &p);
+    }
+
+    /// A smooth maximum over time and length of the axial stress of a cable, tension or compression [N/m2], in fibres at a distance
+    /// `distance` [m] from the axis, for Young's modulus `young` [N/m2] and a sharpness [m2/N]; the mean over time is taken as in
+    /// [`Over::SmoothMaximum`] with `normalized`, so that it does not depend on the unit of time.
+    pub fn largest_cable_stress_functional(
+        &mut self,
+        name: &str,
+        cable: &CableMember,
+        young: S,
+        distance: S,
+        sharpness: f64,
+    ) {
+        let elements = cable.elements.len();
+        // a cable that was refused has been reported already
+        let Some(first) = cable.elements.first().and_then(|id| self.model.elements.get(id.0)) else { return };
+        let p = [self.numbers.p[first.parameters.start], young, distance];
+        let over = Over::SmoothMaximum { sharpness, normalized: true };
+        let quantity = CableLargestStress { strain: cable.strain, elements, sharpness };
+        self.add_functional(name, "N/m2", over, (&cable.nodes, &[]), quantity.into(), &p);
     }
 
     /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal [m]: nodes (tangent,

@@ -4,8 +4,8 @@ use super::MechanismBuilder;
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::Anchor;
 use crate::functionals::quantities::{
-    Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, TargetDistance,
-    Velocity,
+    Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm,
+    TargetDistance, Velocity,
 };
 use crate::functionals::{Functional, Measured, Over};
 use crate::scalar::{Scalar, Vec3};
@@ -30,6 +30,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         let of = self.anchor(name, node);
         let p = [self.local_point(node, point).0, target.0].concat();
         self.add_functional(name, "m2", over, (&[node], &[]), TargetDistance { of }.into(), &p);
+    }
+
+    /// A functional of the distance between world points of two nodes [m].
+    pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vec3<S>; 2]) {
+        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let p = self.points_between(nodes, points);
+        self.add_functional(name, "m", over, (&nodes, &[]), Distance { a, b }.into(), &p);
     }
 
     /// A functional of a weighted sum of a joint's multipliers.

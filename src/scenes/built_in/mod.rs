@@ -21,6 +21,7 @@ mod screw;
 mod slider_crank;
 mod spatial_slider_crank;
 mod spin_up_beam;
+mod suspension;
 mod two_four_bar;
 mod universal_shaft;
 mod von_mises_truss;
@@ -46,6 +47,7 @@ pub use screw::Screw;
 pub use slider_crank::SliderCrank;
 pub use spatial_slider_crank::SpatialSliderCrank;
 pub use spin_up_beam::SpinUpBeam;
+pub use suspension::Suspension;
 pub use two_four_bar::TwoFourBar;
 pub use universal_shaft::UniversalShaft;
 pub use von_mises_truss::VonMisesTruss;
@@ -73,6 +75,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(FlexibleFourBar::default()),
         Box::new(FlexiblePendulum),
         Box::new(RigidSpringBeam),
+        Box::new(Suspension::default()),
         Box::new(PrincetonBeam::default()),
         Box::new(SpinUpBeam),
         Box::new(FlyingRod),

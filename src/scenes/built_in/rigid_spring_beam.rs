@@ -3,17 +3,20 @@ use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, Vec3};
-use crate::scenes::{CableLine, MechanismBuilder, Scene, Settings};
+use crate::scenes::{CableLine, Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
 
 /// A rigid bar A B in natural coordinates and a beam C D of one element, both on spherical joints to the ground at A and D, with a spring
 /// from B to C.
 ///
 /// Bar of 1.6 kg and 10 mm diameter; beam of 70 GPa, 3700 kg/m3 and 10 mm square; spring of 100 N/m, at rest at the start; weight along
 /// -y. The beam turns about D with -5 rad/s about z. The source draws its points without numbers: here A (0, 0), B (0.5, 0), C (0.8, 0.2),
-/// D (1.4, 0.2) m. Variables are the place of D, as there.
+/// D (1.4, 0.2) m. Variables are the place of D, as there, stiffness and mass; the problem is to find the place of D in the plane.
 ///
 /// Source: Ebrahimi et al., sections 5.5 and 6.2.
 pub struct RigidSpringBeam;
+
+const OBJECTIVE: &str = "displacement of B, squared, integral";
+const LENGTH: &str = "length of the beam";
 
 /// Diameter of the bar and width of the beam [m].
 const WIDTH: f64 = 0.01;
@@ -35,7 +38,11 @@ impl Scene for RigidSpringBeam {
         ]
     }
     fn settings(&self) -> Settings {
-        Settings::new(1.0, 1000)
+        Settings::new(1.0, 1000).with_method("variational")
+    }
+    fn problem(&self) -> Option<OptimizationProblem> {
+        let problem = OptimizationProblem::minimize(OBJECTIVE).subject_to(LENGTH, Limit::AtLeast(1e-3));
+        Some(problem.varying(&["x of D", "y of D"]))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [x_d, y_d, z_d, stiffness, mass] = x else {
@@ -57,7 +64,8 @@ impl Scene for RigidSpringBeam {
         m.line_spring("spring", [bar, beam.start()], [b, c], *stiffness, (c - b).norm());
         m.gravity(point(0.0, -9.81));
         m.draw(bar, &[a, b]);
-        m.target_functional("displacement of B, squared, integral", Over::Integral, bar, b, b);
+        m.target_functional(OBJECTIVE, Over::Integral, bar, b, b);
+        m.distance_functional(LENGTH, Over::Initial, [beam.start(), beam.end()], [Vec3::zero(); 2]);
         m.position_functional("height of C at the end", Over::Terminal, beam.start(), Vec3::zero(), point(0.0, 1.0));
         Ok(())
     }
