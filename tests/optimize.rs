@@ -468,6 +468,7 @@ fn mistakes_name_what_is_wrong_and_what_there_is() {
         (OptimizationProblem::minimize("miss").varying(&["speed"]), &["what varies", "\"speed\"", "u, w, mass"]),
         (OptimizationProblem::minimize("miss").varying(&[]), &["what varies is empty"]),
         (OptimizationProblem::weighted(Sense::Maximize, &[("miss", 0.0)]), &["objective", "other than 0"]),
+        (OptimizationProblem::minimize("miss").screened(0.0), &["margin of screening is 0", "above 0"]),
         (OptimizationProblem::minimize("miss").scaled_by(-1.0), &["scale", "-1", "above 0"]),
     ];
     for (problem, parts) in cases {
@@ -540,4 +541,25 @@ fn the_slider_crank_keeps_its_limits() {
     // variables that do not vary stay
     assert_eq!([best.design[0], best.design[2], best.design[5]], [0.2, 1.0, 2.0]);
     assert!(history.points.iter().all(|point| point.work.sweeps <= 1), "one sweep for objective and constraint");
+}
+
+/// Far limits cost nothing, and the optimum is the same.
+#[test]
+fn screened_limits_are_left_out_of_sweeps_until_they_come_near() {
+    let run = |margin: Option<f64>| {
+        let mut optimization = short(&SliderCrank, 2.5, 100);
+        optimization.problem.constraints[0].limit = Limit::AtLeast(LIMIT);
+        optimization.problem.screening = margin;
+        optimization.run(&Sqp, &optimization.initial(), &mut ()).unwrap()
+    };
+    const LIMIT: f64 = 1.0;
+    let [all, screened] = [None, Some(0.05)].map(run);
+    let solves = |optimized: &Optimized| optimized.history.points[0].work.gradient.solves;
+    let [first, best] = [&screened.history.points[0], screened.history.best().unwrap()];
+    println!("{first:?} -> {best:?}, {} and {} solves", solves(&all), solves(&screened));
+    assert!(first.functionals[1] > 1.05 * LIMIT, "the limit is far at the start: {first:?}");
+    assert!(2 * solves(&screened) == solves(&all), "{} {}", solves(&screened), solves(&all));
+    let optimum = all.history.best().unwrap();
+    assert!((best.objective / optimum.objective - 1.0).abs() < 1e-5, "{best:?} {optimum:?}");
+    assert!(best.violation <= 1e-6, "{best:?}");
 }
