@@ -548,7 +548,7 @@ fn mistakes_about_cables_are_named() {
 #[test]
 fn the_scenes_of_the_paper_run_and_have_exact_gradients() {
     use costate::scenes::built_in::{FlexiblePendulum, RigidSpringBeam};
-    for scene in [&FlexiblePendulum as &dyn AnyScene, &RigidSpringBeam] {
+    for scene in [&FlexiblePendulum::default() as &dyn AnyScene, &RigidSpringBeam] {
         let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
         let settings = Settings { end: 0.2, steps: 100, ..scene.default_settings() };
         let prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");

@@ -11,6 +11,8 @@ mod complex_step;
 #[path = "element-cost/study.rs"]
 mod element_cost;
 mod figure;
+#[path = "flexible-pendulum/study.rs"]
+mod flexible_pendulum;
 #[path = "four-bar/study.rs"]
 mod four_bar;
 #[path = "gradient-cost/study.rs"]
@@ -62,5 +64,6 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(variational::Variational),
+        Box::new(flexible_pendulum::PendulumOfCable),
     ]
 }
