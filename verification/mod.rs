@@ -11,6 +11,8 @@ mod complex_step;
 #[path = "element-cost/study.rs"]
 mod element_cost;
 mod figure;
+#[path = "flexible-pendulum/study.rs"]
+mod flexible_pendulum;
 #[path = "four-bar/study.rs"]
 mod four_bar;
 #[path = "gradient-cost/study.rs"]
@@ -69,5 +71,6 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(variational::Variational),
         Box::new(rigid_spring_beam::RigidSpringBeamStudy),
         Box::new(suspension::SuspensionStudy),
+        Box::new(flexible_pendulum::PendulumOfCable),
     ]
 }

@@ -161,7 +161,10 @@ impl Outcome {
         write_file(&path, self.markdown().as_bytes())?;
         for (name, charts) in &self.report.pictures {
             let stem = path.with_file_name(name);
-            write_panels(charts, &stem)?;
+            match charts.as_slice() {
+                [only] => only.write(&stem)?,
+                several => write_panels(several, &stem)?,
+            }
             // the vectors are a tenth of the pixels: only they are kept beside the result
             let pixels = stem.with_extension("png");
             std::fs::remove_file(&pixels).map_err(|cause| Failure::run(format!("{}: {cause}", pixels.display())))?;

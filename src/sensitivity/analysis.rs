@@ -61,7 +61,7 @@ pub struct Gradient {
 }
 
 /// Numbers of one of the scalars that carry derivatives, with how a design is perturbed and read off.
-trait Perturbed: FunctionalScalar {
+pub(super) trait Perturbed: FunctionalScalar {
     fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String>;
 }
 impl Perturbed for Complex {
@@ -73,6 +73,25 @@ impl Perturbed for Lanes {
     fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String> {
         map.lanes(x)
     }
+}
+
+/// A design with derivatives along eight of its variables at a time, and along how many.
+pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Lanes>, usize)> {
+    (0..x.len()).step_by(LANES).map(|first| {
+        let lanes = LANES.min(x.len() - first);
+        let mut seeded: Vec<Lanes> = x.iter().map(|&x| Lanes::constant(x)).collect();
+        (0..lanes).for_each(|lane| seeded[first + lane].eps[lane] = 1.0);
+        (seeded, lanes)
+    })
+}
+
+/// A design with a complex step along one of its variables at a time.
+pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex>> {
+    (0..x.len()).map(|variable| {
+        let mut perturbed: Vec<Complex> = x.iter().map(|&x| Complex::from(x)).collect();
+        perturbed[variable].im = Complex::STEP;
+        perturbed
+    })
 }
 
 impl<'m> Analysis<'m> {
@@ -192,13 +211,8 @@ impl<'m> Analysis<'m> {
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         let mut gradient = self.empty_gradient();
-        for first in (0..x.len()).step_by(LANES) {
-            let lanes = LANES.min(x.len() - first);
-            let mut seeded: Vec<Lanes> = x.iter().map(|&x| Lanes::constant(x)).collect();
-            for lane in 0..lanes {
-                seeded[first + lane].eps[lane] = 1.0;
-            }
-            let (values, counters) = self.perturbed_run(&seeded, forward)?;
+        for (seeded, lanes) in seeded_designs(x) {
+            let (values, counters) = self.perturbed_values(&seeded, forward)?;
             gradient.counters += counters;
             for (row, value) in gradient.rows.iter_mut().zip(values) {
                 row.extend_from_slice(&value.eps[..lanes]);
@@ -213,10 +227,8 @@ impl<'m> Analysis<'m> {
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         let mut gradient = self.empty_gradient();
-        for variable in 0..x.len() {
-            let mut perturbed: Vec<Complex> = x.iter().map(|&x| Complex::from(x)).collect();
-            perturbed[variable].im = Complex::STEP;
-            let (values, counters) = self.perturbed_run(&perturbed, forward)?;
+        for perturbed in complex_designs(x) {
+            let (values, counters) = self.perturbed_values(&perturbed, forward)?;
             gradient.counters += counters;
             for (row, value) in gradient.rows.iter_mut().zip(values) {
                 row.push(value.im / Complex::STEP);
@@ -243,18 +255,28 @@ impl<'m> Analysis<'m> {
         Gradient { rows: vec![Vec::new(); self.functionals.len()], counters: Counters::default() }
     }
 
+    /// Values of the functionals with derivative parts.
+    fn perturbed_values<S: Perturbed>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
+        let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
+        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
+        let mut recorder = Perturbation(values);
+        let counters = self.perturbed_run(&numbers, forward, &mut recorder)?;
+        Ok((recorder.0.finish().0, counters))
+    }
+
     /// A run with derivative parts along the states of the real run: round-off of a second solution would be magnified into
     /// derivatives at position level, and nothing converged is solved for again.
-    fn perturbed_run<S: Perturbed>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
-        let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
+    pub(super) fn perturbed_run<S: Perturbed>(
+        &self,
+        numbers: &ModelNumbers<S>,
+        forward: &Forward,
+        recorder: &mut dyn Recorder<S>,
+    ) -> Result<Counters, RunError> {
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
         let mut steps = forward.history.forward(&rerun)?;
         let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
-        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
-        let mut recorder = Perturbation(values);
-        let run = march_along(&self.problem(&numbers), self.method, &forward.grid, self.plan, guide, &mut recorder)?;
-        Ok((recorder.0.finish().0, run.counters))
+        Ok(march_along(&self.problem(numbers), self.method, &forward.grid, self.plan, guide, recorder)?.counters)
     }
 }
 

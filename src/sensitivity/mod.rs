@@ -3,8 +3,10 @@
 mod adjoint;
 mod analysis;
 mod checks;
+mod over_time;
 mod transposed;
 
 pub use adjoint::{AdjointRun, adjoint};
 pub use analysis::{Analysis, Forward, Gradient};
 pub use checks::{TaylorTest, largest_difference};
+pub use over_time::GradientCourse;

@@ -96,7 +96,7 @@ fn gradients(report: &mut Report) -> Result<(), RunError> {
         (&FiveBar, 0.4, &ALPHAS),
         (&SliderCrank, 0.4, &ALPHAS),
         (&FlyingRod, 0.02, &ALPHAS),
-        (&FlexiblePendulum, 0.05, &[0.5]),
+        (&FlexiblePendulum { elements: 5 }, 0.05, &[0.5]),
     ];
     for (scene, end, alphas) in scenes {
         for &alpha in alphas {

@@ -7,10 +7,19 @@ use crate::scenes::{CableLine, MechanismBuilder, Scene, Settings};
 
 /// A soft pendulum of square section in absolute nodal coordinates, released from rest along x.
 ///
-/// Length 1.2 m, five elements, weight 9.81 m/s2 along -y, 4 s. The deflection of the tip is measured across the tangent at the hinge.
+/// Length 1.2 m, weight 9.81 m/s2 along -y, 4 s. The deflection of the tip is measured across the tangent at the hinge.
 ///
 /// Source: Ebrahimi et al., section 6.1.
-pub struct FlexiblePendulum;
+pub struct FlexiblePendulum {
+    /// Number of elements; five in the source.
+    pub elements: usize,
+}
+
+impl Default for FlexiblePendulum {
+    fn default() -> Self {
+        FlexiblePendulum { elements: 5 }
+    }
+}
 
 impl Scene for FlexiblePendulum {
     fn name(&self) -> String {
@@ -38,7 +47,7 @@ impl Scene for FlexiblePendulum {
         let material = Material { young: *young, poisson, density: *density };
         let section = CableSection::of(material, Shape::rectangle(*height, *height, poisson));
         let ground = m.ground();
-        let line = CableLine::straight([Vec3::zero(), point(1.2, 0.0, 0.0)], 5);
+        let line = CableLine::straight([Vec3::zero(), point(1.2, 0.0, 0.0)], self.elements);
         let pendulum = m.cable("pendulum", line, &section);
         m.spherical("hinge", [ground, pendulum.start()], Vec3::zero());
         m.gravity(point(0.0, -9.81, 0.0));

@@ -73,7 +73,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(GearTrain),
         Box::new(FlyballGovernor),
         Box::new(FlexibleFourBar::default()),
-        Box::new(FlexiblePendulum),
+        Box::new(FlexiblePendulum::default()),
         Box::new(RigidSpringBeam),
         Box::new(Suspension::default()),
         Box::new(PrincetonBeam::default()),

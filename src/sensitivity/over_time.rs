@@ -1,0 +1,122 @@
+//! Sensitivities over time: what functionals measure, and its derivatives, at every step.
+
+use super::analysis::{Perturbed, complex_designs, seeded_designs};
+use super::{Analysis, Forward};
+use crate::assembly::Model;
+use crate::functionals::{Functional, FunctionalScalar, Sample};
+use crate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord};
+use crate::scalar::Complex;
+
+/// What functionals measure, with its derivatives, at the start and at the end of each step; what they make of it over time is left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GradientCourse {
+    /// The start and the ends of all steps [s].
+    pub times: Vec<f64>,
+    /// `values[functional][time]`.
+    pub values: Vec<Vec<f64>>,
+    /// `derivatives[functional][variable][time]`.
+    pub derivatives: Vec<Vec<Vec<f64>>>,
+    /// Work done.
+    pub counters: Counters,
+}
+
+impl Analysis<'_> {
+    /// What all functionals measure, with its derivatives, at every step, by tangent runs (direct differentiation): one run for eight
+    /// variables, however many times are read. The adjoint would take a sweep for each time.
+    ///
+    /// # Errors
+    /// Those of the map and of the runs.
+    pub fn tangent_over_time(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
+        let mut course = GradientCourse::empty(self.functionals.len());
+        for (seeded, lanes) in seeded_designs(x) {
+            let (measured, counters) = self.measured_over_time(&seeded, forward, &mut course.times)?;
+            for (functional, measured) in measured.iter().enumerate() {
+                course.values[functional] = measured.iter().map(|value| value.re).collect();
+                let of_lane = |lane: usize| measured.iter().map(|value| value.eps[lane]).collect();
+                course.derivatives[functional].extend((0..lanes).map(of_lane));
+            }
+            course.counters += counters;
+        }
+        Ok(course)
+    }
+
+    /// The same by complex-step runs of the whole simulation, one for each variable.
+    ///
+    /// # Errors
+    /// Those of the map and of the runs.
+    pub fn complex_step_over_time(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
+        let mut course = GradientCourse::empty(self.functionals.len());
+        for perturbed in complex_designs(x) {
+            let (measured, counters) = self.measured_over_time(&perturbed, forward, &mut course.times)?;
+            for (functional, measured) in measured.iter().enumerate() {
+                course.values[functional] = measured.iter().map(|value| value.re).collect();
+                course.derivatives[functional].push(measured.iter().map(|value| value.im / Complex::STEP).collect());
+            }
+            course.counters += counters;
+        }
+        Ok(course)
+    }
+
+    /// What all functionals measure at every step of a run with derivative parts; writes the times.
+    fn measured_over_time<S: Perturbed>(
+        &self,
+        x: &[S],
+        forward: &Forward,
+        times: &mut Vec<f64>,
+    ) -> Result<(Vec<Vec<S>>, Counters), RunError> {
+        times.clear();
+        let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
+        let mut reading = Reading {
+            functionals: self.functionals,
+            model: self.model,
+            p: &numbers.p,
+            times,
+            measured: vec![Vec::new(); self.functionals.len()],
+            sample: Sample::empty(),
+        };
+        let counters = self.perturbed_run(&numbers, forward, &mut reading)?;
+        Ok((reading.measured, counters))
+    }
+}
+
+impl GradientCourse {
+    fn empty(functionals: usize) -> Self {
+        let (values, derivatives) = (vec![Vec::new(); functionals], vec![Vec::new(); functionals]);
+        GradientCourse { values, derivatives, ..Self::default() }
+    }
+}
+
+/// Reads what functionals measure while a run goes on.
+struct Reading<'f, S> {
+    functionals: &'f [Functional],
+    model: &'f Model,
+    p: &'f [S],
+    times: &'f mut Vec<f64>,
+    measured: Vec<Vec<S>>,
+    sample: Sample<S>,
+}
+
+impl<S: FunctionalScalar> Reading<'_, S> {
+    fn read(&mut self) {
+        if self.functionals.iter().any(Functional::reads_multipliers) {
+            self.sample.share(self.model, self.p);
+        }
+        self.times.push(self.sample.t);
+        for (functional, measured) in self.functionals.iter().zip(&mut self.measured) {
+            measured.push(functional.measured.value(self.model, &self.sample, self.p));
+        }
+    }
+}
+
+impl<S: FunctionalScalar> Recorder<S> for Reading<'_, S> {
+    fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
+        self.sample = Sample::initial(&start);
+        self.read();
+        Ok(())
+    }
+    fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
+        self.sample.set_terminal(step);
+        self.read();
+        Ok(true)
+    }
+}

@@ -1,0 +1,66 @@
+//! The pendulum with less and less stretch, as a cable and as a geometrically exact beam.
+
+use costate::elements::flexible::{CableSection, Section};
+use costate::prelude::*;
+use costate::scenes::{BeamLine, CableLine};
+
+/// Which formulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Formulation {
+    /// Absolute nodal coordinates: Green's strain and the curvature of the deformed line, no shear.
+    Cable,
+    /// Geometrically exact: stretch and curvature for each length of the reference, with shear and rotary inertia.
+    Beam,
+}
+
+/// The pendulum of the study, `stiffening` times as stiff to stretch and shear and with as many times less rotary inertia: what the two
+/// formulations differ in vanishes with its inverse.
+pub struct Stiffened {
+    pub formulation: Formulation,
+    pub elements: usize,
+    pub stiffening: f64,
+    /// Duration [s] and number of steps.
+    pub run: (f64, usize),
+}
+
+/// Length and side of the section [m], density [kg/m3], Young's modulus [N/m2].
+const LENGTH: f64 = 1.2;
+const SIDE: f64 = 0.05;
+const DENSITY: f64 = 4000.0;
+const YOUNG: f64 = 1e7;
+
+impl Scene for Stiffened {
+    fn name(&self) -> String {
+        format!("{:?} of {} elements, stiffened {} times", self.formulation, self.elements, self.stiffening)
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(self.run.0, self.run.1)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let vector = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let (area, second) = (SIDE * SIDE, SIDE.powi(4) / 12.0);
+        let (axial, bending, mass) = (YOUNG * area * self.stiffening, YOUNG * second, DENSITY * area);
+        let ends = [Vec3::zero(), vector([LENGTH, 0.0, 0.0])];
+        let ground = m.ground();
+        match self.formulation {
+            Formulation::Cable => {
+                let section = CableSection::new(S::from(axial), S::from(bending), S::from(mass));
+                let cable = m.cable("pendulum", CableLine::straight(ends, self.elements), &section);
+                m.spherical("hinge", [ground, cable.start()], Vec3::zero());
+            }
+            Formulation::Beam => {
+                let stiffnesses = [axial, axial, axial, bending, bending, bending].map(S::from);
+                let rotary = S::from(DENSITY * second / self.stiffening);
+                let section = Section::new(stiffnesses).with_inertia(S::from(mass), [rotary; 2]);
+                let normal = vector([0.0, 0.0, 1.0]);
+                let beam = m.beam("pendulum", BeamLine::straight(ends, self.elements, normal), &section);
+                m.revolute("hinge", [ground, beam.start()], Vec3::zero(), normal);
+            }
+        }
+        m.gravity(vector([0.0, -9.81, 0.0]));
+        Ok(())
+    }
+}
