@@ -234,7 +234,7 @@ fn momenta(prepared: &Prepared, q: &[f64], v: &[f64]) -> [Vec3<f64>; 2] {
     let model = prepared.model();
     let length = LENGTH / ELEMENTS as f64;
     let mut sums = [Vec3::zero(); 2];
-    for element in model.elements.iter().filter(|element| element.name.starts_with("inertia")) {
+    for element in model.elements.iter().filter(|element| element.name.starts_with("cable, element")) {
         let first = model.node(element.nodes[0]).dofs.start;
         let second = model.node(element.nodes[1]).dofs.start;
         for (place, weight) in points {

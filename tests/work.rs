@@ -3,7 +3,9 @@
 use costate::design::DesignVariable;
 use costate::elements::{Element, Parameter, State};
 use costate::functionals::Over;
+use costate::integrators::{ConstraintLevel, Method, table_named};
 use costate::scalar::Scalar;
+use costate::scenes::built_in::FlexiblePendulum;
 use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, built_in};
 use costate::sensitivity::largest_difference;
 
@@ -28,6 +30,26 @@ fn newton_needs_few_iterations_and_few_factorizations() {
     assert!(counters.iterations <= 4 * counters.systems, "{counters:?}");
     // a look at its redundant equations every five steps is one of them
     assert!(counters.factorizations <= 30 + 10, "{counters:?}");
+}
+
+#[test]
+fn a_step_of_cables_takes_few_iterations_and_one_block_an_element() {
+    let steps = 200;
+    for (elements, most_iterations, most_factorizations) in [(5, 6.0, 0.06), (20, 5.5, 0.2)] {
+        let scene = FlexiblePendulum { elements };
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.settings() };
+        let table = table_named("variational").expect("no mistake").expect("listed");
+        let method = Method::new(table, ConstraintLevel::default());
+        let prepared = Prepared::with(&scene, &x, method, settings).expect("a sound scene");
+        let counters = prepared.analysis().forward(&x).expect("runs").counters;
+        assert_eq!(counters.systems, steps + 1);
+        // inertia, weight and elasticity in one element
+        assert_eq!(counters.blocks, elements * counters.factorizations);
+        let per_step = |count: usize| count as f64 / steps as f64;
+        assert!(per_step(counters.iterations) <= most_iterations, "{counters:?}");
+        assert!(per_step(counters.factorizations) <= most_factorizations, "{counters:?}");
+    }
 }
 
 #[test]

@@ -204,10 +204,10 @@ impl<S: Scalar> VectorsAvq<S> {
 
     /// Writes base + shift x (+ alpha y) to `self`.
     pub fn set_shifted(&mut self, base: &Self, shift: Shift, unknowns: &Unknowns<S>) {
-        for (i, &x) in unknowns.x.iter().enumerate() {
-            self.a[i] = base.a[i] + x * shift.gamma;
-            self.v[i] = base.v[i] + x * shift.beta;
-            self.q[i] = base.q[i] + x * shift.alpha;
+        let lists =
+            [(&mut self.a, &base.a, shift.gamma), (&mut self.v, &base.v, shift.beta), (&mut self.q, &base.q, shift.alpha)];
+        for (own, base, factor) in lists {
+            own.iter_mut().zip(base).zip(&unknowns.x).for_each(|((own, &base), &x)| *own = base + x * factor);
         }
         for (q, &y) in self.q.iter_mut().zip(&unknowns.y) {
             *q += y * shift.alpha;

@@ -337,6 +337,14 @@ impl Jacobian {
         for (node, own) in system.nodes.iter().enumerate() {
             let seeds = node_seeds(system, &self.bases, node);
             let z = &reduced[own.columns.clone()];
+            if seeds.right.is_empty() && !seeds.stabilized {
+                for (dof, &dx) in system.model.nodes[node].dofs.clone().zip(z) {
+                    add(&mut unknowns.x[dof], dx);
+                    let size = dx.abs() * levers[dof];
+                    largest = if size <= largest { largest } else { size };
+                }
+                continue;
+            }
             for (i, dof) in system.model.nodes[node].dofs.clone().enumerate() {
                 let (dx, dy) = seeds.combine(i, z);
                 add(&mut unknowns.x[dof], dx);

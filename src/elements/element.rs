@@ -76,7 +76,7 @@ pub trait Element: Send + Sync + 'static {
     fn kinks(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
-    /// Its derivatives through points, for an element made of a [`Field`](super::Field).
+    /// Its derivatives through points, for an element made of a [`Field`](super::Field), or written out.
     fn by_points(&self) -> Option<&dyn ByPoints> {
         None
     }

@@ -263,7 +263,7 @@ impl<F: Field> Element for Flexible<F> {
     }
 }
 
-/// Derivatives of an element through its points.
+/// Derivatives of an element through its points, or written out.
 pub trait ByPoints: Send + Sync {
     /// gamma dR/da + beta dR/dv + alpha dR/dq for `shift` = [gamma, beta, alpha], column after column, each with room for
     /// [`padded`] numbers of which the last ones are zero.
@@ -313,6 +313,13 @@ pub struct PointWork {
 }
 
 impl PointWork {
+    /// Room for a matrix of some numbers, all zero.
+    pub(crate) fn zeros(&mut self, count: usize) -> &mut [f64] {
+        self.matrix.clear();
+        self.matrix.resize(count, 0.0);
+        &mut self.matrix
+    }
+
     /// Interpolates what a point reads.
     #[inline(always)]
     fn interpolate(&mut self, rows: &[Interpolation], components: usize, given: [&[f64]; 3], read: [bool; 3]) {

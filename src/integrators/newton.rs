@@ -570,9 +570,15 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     fn residual_size(&self) -> f64 {
-        let all = self.residual.f.iter().chain(&self.residual.y).chain(&self.residual.g).chain(&self.residual.g_second);
-        // max() of floats would lose a NaN
-        all.map(|f| f.value().abs()).fold(0.0, |s: f64, f| if f <= s { s } else { f })
+        let Residual { f, y, g, g_second, .. } = &self.residual;
+        let mut size = 0.0_f64;
+        for list in [f, y, g, g_second] {
+            for own in list.iter().map(|f| f.value().abs()) {
+                // max() of floats would lose a NaN
+                size = if own <= size || size.is_nan() { size } else { own };
+            }
+        }
+        size
     }
 }
 

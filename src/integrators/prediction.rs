@@ -68,10 +68,15 @@ impl<S: RunScalar> Track<S> {
         for (used, weights) in weights.iter_mut().enumerate().take(place + 1) {
             *weights = lagrange(&self.times[..used], t);
         }
-        for (i, (own, lever)) in latest.x.iter().zip(levers).enumerate() {
-            for used in 0..=place {
-                let expected: f64 = (0..used).map(|k| weights[used][k] * self.rates[k].x[i].value()).sum();
-                errors[used] = errors[used].max((own.value() - expected).abs() * lever);
+        let mut earlier: [&[S]; MOST] = [&[]; MOST];
+        earlier.iter_mut().zip(&self.rates[..place]).for_each(|(own, rate)| *own = &rate.x[..latest.x.len()]);
+        for (used, (error, weights)) in errors.iter_mut().zip(&weights).enumerate().take(place + 1) {
+            for (i, (own, lever)) in latest.x.iter().zip(levers).enumerate() {
+                let mut expected = 0.0;
+                for (rate, weight) in earlier[..used].iter().zip(weights) {
+                    expected += weight * rate[i].value();
+                }
+                *error = error.max((own.value() - expected).abs() * lever);
             }
         }
         let best = (0..=place).fold(0, |best, used| if errors[used] < errors[best] { used } else { best });

@@ -1,6 +1,7 @@
 use super::{LinearSolver, Ordering, Singular};
 use crate::assembly::SparsePattern;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 /// Sparse LU that finds its pivots once and afterwards repeats the same operations on new values, without searching or
 /// allocating: for chains and small mechanisms, where the arithmetic is little and everything around it counts.
@@ -35,23 +36,108 @@ struct Factors {
     step_of_row: Vec<usize>,
     lower: Triangle,
     upper: Triangle,
-    pivots: Vec<f64>,
+    /// Of the pivots.
+    inverses: Vec<f64>,
     /// Step numbers of the rows of the pattern's entries, in the order of elimination of their columns.
     entry_steps: Vec<u32>,
 }
 
-/// Columns of a triangular matrix without its diagonal.
+/// Columns of a triangular matrix without its diagonal: runs of rows that follow each other, as the unknowns of a node do.
 #[derive(Default)]
 struct Triangle {
+    /// First run of each column, and the end.
     starts: Vec<usize>,
-    /// (row, value) of each entry.
-    entries: Vec<(u32, f64)>,
+    runs: Vec<Run>,
+    values: Vec<f64>,
+}
+
+/// Some entries of a column.
+#[derive(Clone, Copy)]
+struct Run {
+    /// First row.
+    row: u32,
+    /// Number of rows.
+    length: u32,
+    /// Place of the first value.
+    place: usize,
+}
+
+impl Run {
+    #[inline(always)]
+    fn rows(self) -> Range<usize> {
+        self.row as usize..(self.row + self.length) as usize
+    }
+    #[inline(always)]
+    fn values(self) -> Range<usize> {
+        self.place..self.place + self.length as usize
+    }
 }
 
 impl Triangle {
+    /// Of columns given by (row, value), each in the order of its rows.
+    fn of(columns: &[Vec<(u32, f64)>]) -> Self {
+        let mut triangle = Triangle { starts: vec![0], ..Triangle::default() };
+        for column in columns {
+            let first = triangle.runs.len();
+            for &(row, value) in column {
+                let place = triangle.values.len();
+                match triangle.runs[first..].last_mut() {
+                    Some(run) if run.row + run.length == row => run.length += 1,
+                    _ => triangle.runs.push(Run { row, length: 1, place }),
+                }
+                triangle.values.push(value);
+            }
+            triangle.starts.push(triangle.runs.len());
+        }
+        triangle
+    }
+
     #[inline(always)]
-    fn column(&self, k: usize) -> &[(u32, f64)] {
-        &self.entries[self.starts[k]..self.starts[k + 1]]
+    fn column(&self, k: usize) -> &[Run] {
+        &self.runs[self.starts[k]..self.starts[k + 1]]
+    }
+
+    /// x -= factor times column k.
+    #[inline(always)]
+    fn subtract(&self, k: usize, factor: f64, x: &mut [f64]) {
+        for run in self.column(k) {
+            subtract_scaled(factor, &self.values[run.values()], &mut x[run.rows()]);
+        }
+    }
+
+    /// Column k times x.
+    #[inline(always)]
+    fn product(&self, k: usize, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for run in self.column(k) {
+            for (x, value) in x[run.rows()].iter().zip(&self.values[run.values()]) {
+                sum += x * value;
+            }
+        }
+        sum
+    }
+}
+
+/// target -= factor source, without a loop for the few unknowns of a node.
+#[inline(always)]
+fn subtract_scaled(factor: f64, source: &[f64], target: &mut [f64]) {
+    /// W numbers.
+    #[inline(always)]
+    fn of<const W: usize>(factor: f64, source: &[f64], target: &mut [f64]) {
+        if let (Some(source), Some(target)) = (source.first_chunk::<W>(), target.first_chunk_mut::<W>()) {
+            for i in 0..W {
+                target[i] -= factor * source[i];
+            }
+        }
+    }
+    match source.len() {
+        1 => of::<1>(factor, source, target),
+        2 => of::<2>(factor, source, target),
+        3 => of::<3>(factor, source, target),
+        4 => of::<4>(factor, source, target),
+        5 => of::<5>(factor, source, target),
+        6 => of::<6>(factor, source, target),
+        _ => target.iter_mut().zip(source).for_each(|(target, source)| *target -= factor * source),
     }
 }
 
@@ -78,16 +164,15 @@ impl LeftLookingLu {
         let n = self.pattern.size;
         let mut factors = Factors { step_of_row: vec![FREE; n], ..Factors::default() };
         // rows of L keep their own numbers until all steps are known
-        factors.lower.starts.push(0);
-        factors.upper.starts.push(0);
+        let (mut lower, mut upper) = (Vec::<Vec<(u32, f64)>>::with_capacity(n), Vec::<Vec<(u32, f64)>>::with_capacity(n));
         let work = &mut self.work;
         work.fill(0.0);
         let mut seen = vec![usize::MAX; n];
-        let mut row_of_step = Vec::with_capacity(n);
+        let (mut row_of_step, mut pivots) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for k in 0..n {
             let column = self.columns[k];
             let mut pending = BinaryHeap::new();
-            let mut below = Vec::new();
+            let (mut above, mut below) = (Vec::new(), Vec::new());
             let mut visit = |row: usize, pending: &mut BinaryHeap<std::cmp::Reverse<usize>>, step: usize| {
                 if seen[row] != k {
                     seen[row] = k;
@@ -102,12 +187,13 @@ impl LeftLookingLu {
             while let Some(std::cmp::Reverse(step)) = pending.pop() {
                 let row: usize = row_of_step[step];
                 let factor = std::mem::take(&mut work[row]);
-                factors.upper.entries.push((step as u32, factor));
-                for &(row, entry) in factors.lower.column(step) {
+                above.push((step as u32, factor));
+                for &(row, entry) in &lower[step] {
                     work[row as usize] -= factor * entry;
                     visit(row as usize, &mut pending, factors.step_of_row[row as usize]);
                 }
             }
+            upper.push(above);
             let size = |row: usize, work: &[f64]| work[row].abs();
             let largest = below.iter().copied().max_by(|&i, &j| size(i, work).total_cmp(&size(j, work)));
             let prescribed = self.prescribed.as_ref().and_then(|steps| below.iter().copied().find(|&row| steps[row] == k));
@@ -119,27 +205,29 @@ impl LeftLookingLu {
                 }
                 _ => {
                     work.fill(0.0);
-                    factors.upper.starts.push(factors.upper.entries.len());
-                    return Err(self.dependent(&factors, k));
+                    return Err(self.dependent(&pivots, &upper, k));
                 }
             };
             let pivot = work[pivot_row];
             let inverse = 1.0 / pivot;
+            let mut own = Vec::with_capacity(below.len());
             for row in below {
                 let entry = std::mem::take(&mut work[row]);
                 if row != pivot_row {
-                    factors.lower.entries.push((row as u32, entry * inverse));
+                    own.push((row as u32, entry * inverse));
                 }
             }
+            lower.push(own);
             factors.step_of_row[pivot_row] = k;
             row_of_step.push(pivot_row);
-            factors.pivots.push(pivot);
-            factors.lower.starts.push(factors.lower.entries.len());
-            factors.upper.starts.push(factors.upper.entries.len());
+            pivots.push(pivot);
+            factors.inverses.push(inverse);
         }
-        for (row, _) in &mut factors.lower.entries {
-            *row = factors.step_of_row[*row as usize] as u32;
+        for column in &mut lower {
+            column.iter_mut().for_each(|(row, _)| *row = factors.step_of_row[*row as usize] as u32);
+            column.sort_unstable_by_key(|&(row, _)| row);
         }
+        (factors.lower, factors.upper) = (Triangle::of(&lower), Triangle::of(&upper));
         for &column in &self.columns {
             let own = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
             factors.entry_steps.extend(self.pattern.rows[own].iter().map(|&row| factors.step_of_row[row] as u32));
@@ -148,15 +236,15 @@ impl LeftLookingLu {
     }
 
     /// The unknown that dominates the null vector of a column that depends on those before it: U x = 0 with x_k = 1.
-    fn dependent(&self, factors: &Factors, k: usize) -> Singular {
+    fn dependent(&self, pivots: &[f64], upper: &[Vec<(u32, f64)>], k: usize) -> Singular {
         let mut x = vec![0.0; k + 1];
         x[k] = 1.0;
         for column in (0..=k).rev() {
             if column < k {
-                x[column] /= factors.pivots[column];
+                x[column] /= pivots[column];
             }
             let value = x[column];
-            for &(row, entry) in factors.upper.column(column) {
+            for &(row, entry) in &upper[column] {
                 x[row as usize] -= entry * value;
             }
         }
@@ -174,24 +262,26 @@ impl LeftLookingLu {
                 work[factors.entry_steps[entry] as usize] = value;
                 entry += 1;
             }
-            let upper = factors.upper.starts[k]..factors.upper.starts[k + 1];
-            for (step, stored) in &mut factors.upper.entries[upper] {
-                let factor = std::mem::take(&mut work[*step as usize]);
-                *stored = factor;
-                for &(row, entry) in factors.lower.column(*step as usize) {
-                    work[row as usize] -= factor * entry;
+            for run in factors.upper.starts[k]..factors.upper.starts[k + 1] {
+                let run = factors.upper.runs[run];
+                for (step, stored) in run.rows().zip(&mut factors.upper.values[run.values()]) {
+                    let factor = std::mem::take(&mut work[step]);
+                    *stored = factor;
+                    factors.lower.subtract(step, factor, work);
                 }
             }
             let pivot = std::mem::take(&mut work[k]);
             let inverse = 1.0 / pivot;
             let mut largest = pivot.abs();
-            let lower = factors.lower.starts[k]..factors.lower.starts[k + 1];
-            for (row, stored) in &mut factors.lower.entries[lower] {
-                let entry = std::mem::take(&mut work[*row as usize]);
-                largest = largest.max(entry.abs());
-                *stored = entry * inverse;
+            for run in factors.lower.starts[k]..factors.lower.starts[k + 1] {
+                let run = factors.lower.runs[run];
+                for (entry, stored) in work[run.rows()].iter_mut().zip(&mut factors.lower.values[run.values()]) {
+                    let entry = std::mem::take(entry);
+                    largest = largest.max(entry.abs());
+                    *stored = entry * inverse;
+                }
             }
-            factors.pivots[k] = pivot;
+            factors.inverses[k] = inverse;
             if !(pivot.abs() >= TINY_PIVOT && pivot.abs() >= PIVOT_SHARE * largest) {
                 work.fill(0.0);
                 return false;
@@ -229,17 +319,13 @@ impl LinearSolver for LeftLookingLu {
         for k in 0..work.len() {
             let value = work[k];
             if value != 0.0 {
-                for &(row, entry) in factors.lower.column(k) {
-                    work[row as usize] -= entry * value;
-                }
+                factors.lower.subtract(k, value, work);
             }
         }
         for k in (0..work.len()).rev() {
-            let value = work[k] / factors.pivots[k];
+            let value = work[k] * factors.inverses[k];
             work[k] = value;
-            for &(row, entry) in factors.upper.column(k) {
-                work[row as usize] -= entry * value;
-            }
+            factors.upper.subtract(k, value, work);
         }
         for (value, &place) in rhs.iter_mut().zip(&self.place_of_column) {
             *value = work[place];
@@ -254,12 +340,10 @@ impl LinearSolver for LeftLookingLu {
             work[place] = value;
         }
         for k in 0..work.len() {
-            let sum = factors.upper.column(k).iter().fold(0.0, |sum, &(row, entry)| sum + work[row as usize] * entry);
-            work[k] = (work[k] - sum) / factors.pivots[k];
+            work[k] = (work[k] - factors.upper.product(k, work)) * factors.inverses[k];
         }
         for k in (0..work.len()).rev() {
-            let sum = factors.lower.column(k).iter().fold(0.0, |sum, &(row, entry)| sum + work[row as usize] * entry);
-            work[k] -= sum;
+            work[k] -= factors.lower.product(k, work);
         }
         for (value, &step) in rhs.iter_mut().zip(&factors.step_of_row) {
             *value = work[step];

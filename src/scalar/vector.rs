@@ -69,14 +69,15 @@ impl<S: Scalar> Neg for Vec3<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Vec3(self.0.map(|c| -c))
+        Vec3([-self.0[0], -self.0[1], -self.0[2]])
     }
 }
 impl<S: Scalar> Mul<S> for Vec3<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: S) -> Self {
-        Vec3(self.0.map(|c| c * factor))
+        // written out: `map` of an array is not inlined
+        Vec3([self.0[0] * factor, self.0[1] * factor, self.0[2] * factor])
     }
 }
 impl<S: Scalar> AddAssign for Vec3<S> {

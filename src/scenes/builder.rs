@@ -48,8 +48,8 @@ pub struct MechanismBuilder<S> {
     masses: Vec<(NodeId, S, Vec3<S>)>,
     /// Elements of beams whose weight has not been added: name, nodes, inertia of their Gauss points, whether eccentric.
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
-    /// Elements of cables whose weight has not been added: name, nodes, length and mass for each length.
-    heavy_cables: Vec<(String, [NodeId; 2], [S; 2])>,
+    /// Elements of cables whose weight has not been added.
+    heavy_cables: Vec<cables::HeavyCable<S>>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vec3<S>)>,
     mistakes: Vec<String>,

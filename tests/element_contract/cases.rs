@@ -4,7 +4,7 @@ use super::Contract;
 use super::support::time_functions::time_functions;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use costate::elements::flexible::{
-    BeamField, BeamGravityField, CableField, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
+    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
 };
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
@@ -103,8 +103,9 @@ pub fn cases() -> Vec<Case> {
         Case::new("natural body", NaturalBody, &[Natural], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
         Case::cable("inertia of a cable", CableInertia, &[0.8, 1.3]),
         Case::cable("weight of a cable", CableGravity, &[0.8, 1.3, 0.4, -0.9, -9.8]).bound_to_world(true),
-        Case::cable("cable", Flexible(CableField { damped: false }), &[0.8, 5.0, 2.0]),
-        Case::cable("cable, internal damper", Flexible(CableField { damped: true }), &[0.8, 5.0, 2.0, 0.3]),
+        Case::cable("cable", Cable { damped: false }, &[0.8, 5.0, 2.0, 1.3, 0.0, 0.0, 0.0]),
+        Case::cable("cable with weight", Cable { damped: false }, &[0.8, 5.0, 2.0, 1.3, 0.4, -0.9, -9.8]).bound_to_world(true),
+        Case::cable("cable, internal damper", Cable { damped: true }, &[0.8, 5.0, 2.0, 1.3, 0.0, 0.0, 0.0, 0.3]),
         Case::cable("cable for small strains", Flexible(SmallStrainCableField), &[0.8, 5.0, 2.0]),
     ];
     let (u, w, axis, turned) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.8, 0.36, 0.48, 0.0]);

@@ -17,6 +17,9 @@ const END: f64 = 4.0;
 /// What the weight of the pendulum does on half of its length [J]: to compare changes of energy with.
 const WORK: f64 = 12.0 * 9.81 * 0.6;
 
+/// Measures some of it.
+type Part = fn(&mut Report) -> Result<(), RunError>;
+
 /// The study.
 pub struct PendulumOfCable;
 
@@ -32,8 +35,7 @@ impl Study for PendulumOfCable {
             report.note("This system does not count the time of a thread: other work on the machine is in these figures.");
         }
         on_one_thread(|| {
-            let parts: [fn(&mut Report) -> Result<(), RunError>; 5] =
-                [meshes, steps, formulations, sensitivities::over_time, cost::costs];
+            let parts: [Part; 5] = [meshes, steps, formulations, sensitivities::over_time, cost::costs];
             for (index, part) in parts.into_iter().enumerate() {
                 eprintln!("[{}/{}]", index + 1, parts.len());
                 part(report).map_err(|error| error.to_string())?;

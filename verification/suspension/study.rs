@@ -2,6 +2,7 @@ use crate::verification::optimized::{
     DIFFERENCES, by_iteration, optimize, over_time, prepare, seconds, seconds_an_iteration,
 };
 use crate::verification::{Report, Study, on_one_thread};
+use costate::elements::flexible::CableStrain;
 use costate::functionals::quantities::CableLargestStress;
 use costate::functionals::{Functional, Measured, Over};
 use costate::integrators::RunError;
@@ -122,8 +123,7 @@ fn symmetry(report: &mut Report, scene: &Suspension, design: &[f64]) {
 fn sharpened(functionals: Vec<Functional>, elements: usize) -> Vec<Measured> {
     let sharp = |functional: Functional| match functional.measured {
         Measured::Local { nodes, constraints, parameters, .. } => {
-            let strain = costate::elements::flexible::CableStrain::Small;
-            let quantity = Box::new(CableLargestStress { strain, elements, sharpness: 1.0 / READING });
+            let quantity = Box::new(CableLargestStress { strain: CableStrain::Exact, elements, sharpness: 1.0 / READING });
             Measured::Local { nodes, constraints, parameters, quantity }
         }
         other => other,

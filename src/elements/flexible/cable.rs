@@ -1,17 +1,20 @@
-use super::hermite::{COMPONENTS, NODES, STRAINS_AT_THREE, THREE_WEIGHTS};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
+use super::cable_derivatives::CableDerivatives;
+use super::cable_inertia::mass_matrix;
+use super::hermite::{COMPONENTS, CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
+use crate::elements::{ByPoints, Element, Parameter, State};
 use crate::scalar::{Dual, Scalar, Vec3};
-use std::ops::Range;
 
 /// Cable-beam of two nodes with position r and slope r_x = dr/dx, in space, without torsion and shear: absolute nodal coordinates
-/// with the exact curvature.
+/// with the exact curvature, inertia and weight.
 ///
 /// r is a cubic of the reference length x, straight in the reference, and
 ///
-/// V = integral of EA/2 eps^2 + EI/2 kappa^2 dx,   eps = (r_x . r_x - 1) / 2,   kappa = |r_x x r_xx| / |r_x|^3,
+/// V = integral of EA/2 eps^2 + EI/2 kappa^2 - m g . r dx,   eps = (r_x . r_x - 1) / 2,   kappa = |r_x x r_xx| / |r_x|^3,
 ///
-/// with the same EI about every axis at right angles to the cable. Three Gauss points: the fewest without a mode of no energy; with more,
-/// stretching that bending brings with it and a cubic cannot avoid makes coarse elements too stiff (locking).
+/// with the same EI about every axis at right angles to the cable. Three Gauss points for eps and kappa: the fewest without a mode of no
+/// energy; with more, stretching that bending brings with it and a cubic cannot avoid makes coarse elements too stiff (locking). Inertia and
+/// weight are integrated exactly: M (d2q/dt2 - g) with the constant matrix of [`CableInertia`](super::CableInertia) and the coordinates g of
+/// a uniform acceleration.
 ///
 /// Damping proportional to stiffness adds the axial force eta EA deps/dt and, with the curvature vector k = r_x x r_xx / |r_x|^3, the
 /// moment eta EI (k (k . dk/dt) + delta^2 dk/dt) / (k . k + delta^2): for kappa well above delta the rate of kappa alone, which a rigid
@@ -20,41 +23,36 @@ use std::ops::Range;
 /// * `length`  l of the element [m], greater than 0
 /// * `axial stiffness`  EA [N], 0 or greater
 /// * `bending stiffness`  EI [N m2], 0 or greater
-/// * `damping`  eta [s], with [`damped`](CableField::damped)
+/// * `mass`  m, for each length [kg/m], greater than 0
+/// * `gravity x, y, z`  g [m/s2]
+/// * `damping`  eta [s], with [`damped`](Cable::damped)
 ///
-/// Source: Ebrahimi et al., eqs. (28), (29), (31), (32); Gerstmayr & Shabana (2006).
+/// Source: Ebrahimi et al., eqs. (28) to (32), (35), (58); Gerstmayr & Shabana (2006).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CableField {
+pub struct Cable {
     /// With damping proportional to stiffness.
     pub damped: bool,
 }
 
-/// The cable as an element.
-pub type Cable = Flexible<CableField>;
-
 /// Curvature below which damping does not tell its direction, times the length of the element.
 const STRAIGHT: f64 = 1e-3;
 
-/// The parameters of both cables.
-pub(super) fn cable_parameters(damped: bool) -> Vec<Parameter> {
-    let mut list = vec![
+/// Places of parameters.
+pub(super) const LENGTH: usize = 0;
+pub(super) const AXIAL: usize = 1;
+pub(super) const BENDING: usize = 2;
+pub(super) const MASS: usize = 3;
+/// The first component of gravity.
+pub(crate) const GRAVITY: usize = 4;
+const DAMPING: usize = 7;
+
+/// Length and stiffnesses, of any cable.
+pub(super) fn elastic_parameters() -> Vec<Parameter> {
+    vec![
         Parameter::positive("length", "m"),
         Parameter::non_negative("axial stiffness", "N"),
         Parameter::non_negative("bending stiffness", "N m2"),
-    ];
-    if damped {
-        list.push(Parameter::non_negative("damping", "s"));
-    }
-    list
-}
-
-/// r_x and r_xx from h = (shares of positions and of slopes in the first derivative, the same in the second).
-#[inline(always)]
-fn derivatives<S: Scalar>(h: &[S], length: S) -> [Vec3<S>; 2] {
-    let inverse = length.recip();
-    let first = Vec3::from_slice(h) * inverse + Vec3::from_slice(&h[3..]);
-    let second = (Vec3::from_slice(&h[6..]) * inverse + Vec3::from_slice(&h[9..])) * inverse;
-    [first, second]
+    ]
 }
 
 /// eps.
@@ -70,24 +68,85 @@ pub fn square_of_curvature<S: Scalar>(first: Vec3<S>, second: Vec3<S>) -> S {
     normal.dot(normal) / (square * square * square)
 }
 
-/// Adds what forces conjugate to r_x and r_xx do to h.
+/// What the line's derivatives are made of: the chord (r_2 - r_1) / l and the slopes at both ends.
+pub(super) type Line<S> = [Vec3<S>; 3];
+
+/// Weights of chord and slopes in r_x and in l r_xx at each Gauss point.
+pub(super) const WEIGHTS: [[[f64; 3]; 2]; 3] = {
+    let mut weights = [[[0.0; 3]; 2]; 3];
+    let mut point = 0;
+    while point < 3 {
+        let [[_, chord], [first, second]] = SLOPES_AT_THREE[point];
+        weights[point][0] = [chord, first, second];
+        let [[_, chord], [first, second]] = CURVATURES_AT_THREE[point];
+        weights[point][1] = [chord, first, second];
+        point += 1;
+    }
+    weights
+};
+
+/// Chord and slopes of coordinates or their rates, from the inverse of the length.
 #[inline(always)]
-fn add_conjugate<S: Scalar>([of_first, of_second]: [Vec3<S>; 2], length: S, r: &mut [S]) {
-    let inverse = length.recip();
-    for i in 0..3 {
-        let second = of_second.0[i] * inverse;
-        r[i] += of_first.0[i] * inverse;
-        r[3 + i] += of_first.0[i];
-        r[6 + i] += second * inverse;
-        r[9 + i] += second;
+pub(super) fn line<S: Scalar>(q: &[S], inverse: S) -> Line<S> {
+    let vector = |place: usize| Vec3::from_slice(&q[3 * place..]);
+    [(vector(2) - vector(0)) * inverse, vector(1), vector(3)]
+}
+
+/// r_x and r_xx at a Gauss point.
+#[inline(always)]
+pub(super) fn derivatives<S: Scalar>(line: &Line<S>, point: usize, inverse: S) -> [Vec3<S>; 2] {
+    let [chord, first, second] = *line;
+    let sum = |i: usize, [a, b, c]: [f64; 3]| chord.0[i] * a + first.0[i] * b + second.0[i] * c;
+    let vector = |weights: [f64; 3]| Vec3([sum(0, weights), sum(1, weights), sum(2, weights)]);
+    [vector(WEIGHTS[point][0]), vector(WEIGHTS[point][1]) * inverse]
+}
+
+/// Adds what forces conjugate to r_x and r_xx at a Gauss point do to the line.
+#[inline(always)]
+fn add_conjugate<S: Scalar>([of_first, of_second]: [Vec3<S>; 2], point: usize, inverse: S, line: &mut Line<S>) {
+    let of_second = of_second * inverse;
+    for (place, line) in line.iter_mut().enumerate() {
+        let [a, b] = [WEIGHTS[point][0][place], WEIGHTS[point][1][place]];
+        for i in 0..3 {
+            line.0[i] += of_first.0[i] * a + of_second.0[i] * b;
+        }
     }
 }
 
-impl CableField {
-    /// Adds the damping forces at a point of weight `weight` [m]: with a and b for r_x and r_xx, B^T of the stresses above.
+/// Adds forces conjugate to the line to those of the nodes.
+#[inline(always)]
+fn add_line<S: Scalar>(line: &Line<S>, inverse: S, r: &mut [S]) {
+    for i in 0..3 {
+        let chord = line[0].0[i] * inverse;
+        r[i] -= chord;
+        r[3 + i] += line[1].0[i];
+        r[6 + i] += chord;
+        r[9 + i] += line[2].0[i];
+    }
+}
+
+/// M times the nodes' accelerations less gravity: what inertia and weight add.
+#[inline(always)]
+fn add_inertia<S: Scalar>(a: &[S], p: &[S], r: &mut [S]) {
+    // by powers of the length, as slopes bring one factor each
+    let share = p[LENGTH] * p[MASS] * (1.0 / 420.0);
+    let (once, twice) = (share * p[LENGTH], share * p[LENGTH] * p[LENGTH]);
+    for k in 0..3 {
+        let gravity = p[GRAVITY + k];
+        let (first, second) = (a[k] - gravity, a[6 + k] - gravity);
+        let (slope, other) = (a[3 + k], a[9 + k]);
+        r[k] += share * (first * 156.0 + second * 54.0) + once * (slope * 22.0 - other * 13.0);
+        r[3 + k] += once * (first * 22.0 + second * 13.0) + twice * (slope * 4.0 - other * 3.0);
+        r[6 + k] += share * (first * 54.0 + second * 156.0) + once * (slope * 13.0 - other * 22.0);
+        r[9 + k] += twice * (other * 4.0 - slope * 3.0) - once * (first * 13.0 + second * 22.0);
+    }
+}
+
+impl Cable {
+    /// Adds to the line's forces what damping does at a Gauss point of weight `weight` [m]: with a and b for r_x and r_xx, B^T of the
+    /// stresses above.
     #[inline(always)]
-    fn add_damping<S: Scalar>(v: &[S], h: &[S], p: &[S], weight: S, r: &mut [S]) {
-        let ([a, b], [a_rate, b_rate]) = (derivatives(h, p[0]), derivatives(v, p[0]));
+    fn damp<S: Scalar>([a, b]: [Vec3<S>; 2], [a_rate, b_rate]: [Vec3<S>; 2], p: &[S], weight: S) -> [Vec3<S>; 2] {
         let moving = |x: Vec3<S>, rate: Vec3<S>| -> Vec3<Dual<S, 1>> {
             Vec3([0, 1, 2].map(|i| Dual { re: x.0[i], eps: [rate.0[i]] }))
         };
@@ -96,59 +155,102 @@ impl CableField {
         let scale = (square * square.sqrt()).recip();
         let curvature = first.cross(second) * scale;
         let (k, k_rate) = (Vec3(curvature.0.map(|x| x.re)), Vec3(curvature.0.map(|x| x.eps[0])));
-        let limit = (p[0].recip() * STRAIGHT) * (p[0].recip() * STRAIGHT);
+        let inverse = p[LENGTH].recip();
+        let limit = (inverse * STRAIGHT) * (inverse * STRAIGHT);
         let direct = (k * k.dot(k_rate) + k_rate * limit) * (k.dot(k) + limit).recip();
-        let (tension, moment) = (a.dot(a_rate) * p[1] * p[3] * weight, direct * (p[2] * p[3] * weight));
+        let share = p[DAMPING] * weight;
+        let (tension, moment) = (a.dot(a_rate) * p[AXIAL] * share, direct * (p[BENDING] * share));
         // m . k is linear in b: m . (a x b) / |a|^3
         let scale = scale.re;
         let along = moment.dot(k) * 3.0 / a.dot(a);
-        let of_first = a * tension + b.cross(moment) * scale - a * along;
-        add_conjugate([of_first, moment.cross(a) * scale], p[0], r);
+        [a * tension + b.cross(moment) * scale - a * along, moment.cross(a) * scale]
     }
 }
 
-impl Field for CableField {
-    const NODES: usize = NODES;
-    const COMPONENTS: usize = COMPONENTS;
-    const POINTS: &'static [&'static [Interpolation]] = &[&STRAINS_AT_THREE[0], &STRAINS_AT_THREE[1], &STRAINS_AT_THREE[2]];
+impl Element for Cable {
+    const DOFS: usize = NODES * COMPONENTS;
     const ENERGIES: bool = true;
     const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
-        cable_parameters(self.damped)
-    }
-    fn parameters_of(&self, _point: usize) -> Range<usize> {
-        0..if self.damped { 4 } else { 3 }
-    }
-    fn reads(&self, _point: usize, _number: usize) -> [bool; 3] {
-        [false, self.damped, true]
+        let mut list = elastic_parameters();
+        list.push(Parameter::positive("mass", "kg/m"));
+        list.extend(["gravity x", "gravity y", "gravity z"].map(|name| Parameter::new(name, "m/s2")));
+        if self.damped {
+            list.push(Parameter::non_negative("damping", "s"));
+        }
+        list
     }
     #[inline(always)]
-    fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
-        let [first, second] = derivatives(h, p[0]);
-        let strain = green_strain(first);
-        let twice = strain * strain * p[1] + square_of_curvature(first, second) * p[2];
-        twice * p[0] * (0.5 * THREE_WEIGHTS[point])
-    }
-    fn add_force<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], _t: S, force: &mut [S]) {
-        if self.damped {
-            Self::add_damping(v, h, p, p[0] * -THREE_WEIGHTS[point], force);
+    fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
+        let matrix = mass_matrix(&[p[LENGTH], p[MASS]]);
+        let vector = |place: usize| Vec3::from_slice(&v[3 * place..]);
+        let mut twice = S::zero();
+        for i in 0..4 {
+            for j in 0..4 {
+                twice += matrix[i][j] * vector(i).dot(vector(j));
+            }
         }
+        twice * 0.5
     }
     #[inline(always)]
-    fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let [a, b] = derivatives(s.q, p[0]);
-        let weight = p[0] * THREE_WEIGHTS[point];
-        let (square, normal) = (a.dot(a), a.cross(b));
-        let inverse = square.recip();
-        let cube = inverse * inverse * inverse;
-        let (axial, bending) = (weight * p[1] * green_strain(a), weight * p[2] * cube);
-        // gradients of |a x b|^2 / 2: b x n and n x a
-        let along = normal.dot(normal) * inverse * 3.0;
-        let of_first = a * axial + (b.cross(normal) - a * along) * bending;
-        add_conjugate([of_first, normal.cross(a) * bending], p[0], r);
-        if self.damped {
-            Self::add_damping(s.v, s.q, p, weight, r);
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let inverse = p[LENGTH].recip();
+        let own = line(q, inverse);
+        let mut energy = S::zero();
+        for point in 0..3 {
+            let [first, second] = derivatives(&own, point, inverse);
+            let strain = green_strain(first);
+            let twice = strain * strain * p[AXIAL] + square_of_curvature(first, second) * p[BENDING];
+            energy += twice * p[LENGTH] * (0.5 * THREE_WEIGHTS[point]);
         }
+        // the integral of r: that of a cubic
+        let vector = |place: usize| Vec3::from_slice(&q[3 * place..]);
+        let middle = (vector(0) + vector(2)) * S::from(0.5) + (vector(1) - vector(3)) * (p[LENGTH] / 12.0);
+        energy - p[LENGTH] * p[MASS] * middle.dot(Vec3::from_slice(&p[GRAVITY..]))
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
+        if !self.damped {
+            return;
+        }
+        let inverse = p[LENGTH].recip();
+        let (own, rate, mut against) = (line(q, inverse), line(v, inverse), [Vec3::zero(); 3]);
+        for point in 0..3 {
+            let [at, rates] = [&own, &rate].map(|line| derivatives(line, point, inverse));
+            let damping = Self::damp(at, rates, p, p[LENGTH] * -THREE_WEIGHTS[point]);
+            add_conjugate(damping, point, inverse, &mut against);
+        }
+        add_line(&against, inverse, force);
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        let inverse = p[LENGTH].recip();
+        let own = line(s.q, inverse);
+        let mut forces = [Vec3::zero(); 3];
+        for point in 0..3 {
+            let [a, b] = derivatives(&own, point, inverse);
+            let weight = p[LENGTH] * THREE_WEIGHTS[point];
+            let (square, normal) = (a.dot(a), a.cross(b));
+            let shrink = square.recip();
+            let cube = shrink * shrink * shrink;
+            let (axial, bending) = (weight * p[AXIAL] * green_strain(a), weight * p[BENDING] * cube);
+            // gradients of |a x b|^2 / 2: b x n and n x a
+            let along = normal.dot(normal) * shrink * 3.0;
+            let of_first = a * axial + (b.cross(normal) - a * along) * bending;
+            add_conjugate([of_first, normal.cross(a) * bending], point, inverse, &mut forces);
+            if self.damped {
+                let rates = derivatives(&line(s.v, inverse), point, inverse);
+                add_conjugate(Self::damp([a, b], rates, p, weight), point, inverse, &mut forces);
+            }
+        }
+        add_line(&forces, inverse, r);
+        add_inertia(s.a, p, r);
+    }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[LENGTH] * p[MASS]
+    }
+    fn by_points(&self) -> Option<&dyn ByPoints> {
+        // matrices of damping are not written out
+        if self.damped { None } else { Some(&CableDerivatives) }
     }
 }

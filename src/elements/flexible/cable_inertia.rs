@@ -14,9 +14,9 @@ pub struct CableInertia;
 const PRODUCTS: [[f64; 4]; 4] =
     [[156.0, 22.0, 54.0, -13.0], [22.0, 4.0, 13.0, -3.0], [54.0, 13.0, 156.0, -22.0], [-13.0, -3.0, -22.0, 4.0]];
 
-/// Entries of M between (r_1, r_1x, r_2, r_2x).
+/// Entries of M between (r_1, r_1x, r_2, r_2x), from length and mass.
 #[inline(always)]
-fn matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
+pub(super) fn mass_matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
     let (length, share) = (p[0], p[0] * p[1] / 420.0);
     let factors = [S::one(), length, S::one(), length];
     let mut matrix = [[share; 4]; 4];
@@ -39,7 +39,7 @@ impl Element for CableInertia {
     }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
-        let matrix = matrix(p);
+        let matrix = mass_matrix(p);
         let mut twice = S::zero();
         for i in 0..4 {
             for j in 0..4 {
@@ -51,7 +51,7 @@ impl Element for CableInertia {
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let matrix = matrix(p);
+        let matrix = mass_matrix(p);
         for i in 0..4 {
             for j in 0..4 {
                 for k in 0..3 {

@@ -5,7 +5,7 @@ use crate::scalar::{Scalar, Vec3};
 /// Which strains a cable's energy is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CableStrain {
-    /// Green's axial strain and the exact curvature: see [`CableField`](super::CableField).
+    /// Green's axial strain and the exact curvature: see [`Cable`](super::Cable).
     #[default]
     Exact,
     /// Strain of the chord and second derivative: see [`SmallStrainCableField`](super::SmallStrainCableField).

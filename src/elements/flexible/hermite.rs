@@ -32,14 +32,14 @@ pub const THREE_WEIGHTS: [f64; 3] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 pub const TWO: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Weights of positions and of slopes in a number at a point.
-type Weights = [[f64; NODES]; 2];
+pub(super) type Weights = [[f64; NODES]; 2];
 
 const fn split([of_first, of_first_slope, of_second, of_second_slope]: [f64; 4]) -> Weights {
     [[of_first, of_second], [of_first_slope, of_second_slope]]
 }
 
-const SLOPES_AT_THREE: [Weights; 3] = [split(slopes(THREE[0])), split(slopes(THREE[1])), split(slopes(THREE[2]))];
-const CURVATURES_AT_THREE: [Weights; 3] =
+pub(super) const SLOPES_AT_THREE: [Weights; 3] = [split(slopes(THREE[0])), split(slopes(THREE[1])), split(slopes(THREE[2]))];
+pub(super) const CURVATURES_AT_THREE: [Weights; 3] =
     [split(curvatures(THREE[0])), split(curvatures(THREE[1])), split(curvatures(THREE[2]))];
 const CURVATURES_AT_TWO: [Weights; 2] = [split(curvatures(TWO[0])), split(curvatures(TWO[1]))];
 
@@ -59,18 +59,6 @@ const fn derivative_rows(weights: &'static Weights) -> [Interpolation; 6] {
     ]
 }
 
-/// Those of the first derivative, then those of the second.
-const fn strain_rows(slopes: &'static Weights, curvatures: &'static Weights) -> [Interpolation; 12] {
-    let ([a, b, c, d, e, f], [g, h, i, j, k, l]) = (derivative_rows(slopes), derivative_rows(curvatures));
-    [a, b, c, d, e, f, g, h, i, j, k, l]
-}
-
-/// First and second derivatives at three points.
-pub const STRAINS_AT_THREE: [[Interpolation; 12]; 3] = [
-    strain_rows(&SLOPES_AT_THREE[0], &CURVATURES_AT_THREE[0]),
-    strain_rows(&SLOPES_AT_THREE[1], &CURVATURES_AT_THREE[1]),
-    strain_rows(&SLOPES_AT_THREE[2], &CURVATURES_AT_THREE[2]),
-];
 /// Second derivatives at two points.
 pub const BENDING_AT_TWO: [[Interpolation; 6]; 2] =
     [derivative_rows(&CURVATURES_AT_TWO[0]), derivative_rows(&CURVATURES_AT_TWO[1])];

@@ -5,6 +5,7 @@ mod beam_gravity;
 mod beam_matrix;
 mod beam_products;
 mod cable;
+mod cable_derivatives;
 mod cable_gravity;
 mod cable_inertia;
 mod cable_section;
@@ -16,7 +17,8 @@ mod small_strain_cable;
 
 pub use beam::{Beam, BeamField, STRAINS, TYING_POINTS};
 pub use beam_gravity::{BeamGravity, BeamGravityField};
-pub use cable::{Cable, CableField};
+pub use cable::Cable;
+pub(crate) use cable::GRAVITY;
 pub use cable_gravity::CableGravity;
 pub use cable_inertia::CableInertia;
 pub use cable_section::{CableSection, CableStrain};

@@ -1,10 +1,10 @@
-use super::cable::cable_parameters;
+use super::cable::elastic_parameters;
 use super::hermite::{BENDING_AT_TWO, CHORD, COMPONENTS, NODES};
 use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
 use crate::scalar::{Scalar, Vec3};
 use std::ops::Range;
 
-/// The cable of [`CableField`](super::CableField) for small strains:
+/// The cable of [`Cable`](super::Cable) for small strains:
 ///
 /// V = EA l/2 eps^2 + integral of EI/2 kappa^2 dx,   eps = |r_2 - r_1| / l - 1,   kappa = |r_xx|,
 ///
@@ -35,7 +35,7 @@ impl Field for SmallStrainCableField {
     const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
-        cable_parameters(false)
+        elastic_parameters()
     }
     fn parameters_of(&self, _point: usize) -> Range<usize> {
         0..3

@@ -3,7 +3,9 @@
 use super::{Drawing, MechanismBuilder};
 use crate::assembly::{ConstraintId, ElementId, NodeId, NodeKind};
 use crate::elements::Flexible;
-use crate::elements::flexible::{CableField, CableGravity, CableInertia, CableSection, CableStrain, SmallStrainCableField};
+use crate::elements::flexible::{
+    Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
+};
 use crate::elements::joints::{CableCorner, CableEnd, HeldSlope};
 use crate::functionals::Over;
 use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
@@ -16,6 +18,14 @@ pub struct CableLine<S> {
     points: [Vec3<S>; 2],
     elements: usize,
     ends: [CableLineEnd; 2],
+}
+
+/// An element of a cable whose weight has not been added.
+pub(super) enum HeavyCable<S> {
+    /// Gravity is a parameter of its own.
+    Own(ElementId),
+    /// An element of its own for the weight: name, nodes, length and mass.
+    Apart(String, [NodeId; 2], [S; 2]),
 }
 
 /// What a cable ends in.
@@ -122,16 +132,25 @@ impl<S: Scalar> MechanismBuilder<S> {
         let length = whole * S::from(1.0 / elements as f64);
         for (element, nodes) in member.nodes.windows(2).enumerate() {
             let own = format!("{name}, element {}", element + 1);
-            let stiffness = [length, section.axial, section.bending, section.damping];
-            let damped = section.damped && section.strain == CableStrain::Exact;
-            let elastic = match section.strain {
-                CableStrain::Exact => Flexible(CableField { damped }).into(),
-                CableStrain::Small => Flexible(SmallStrainCableField).into(),
+            let (elastic, inertia) = ([length, section.axial, section.bending], [length, section.mass]);
+            let id = match section.strain {
+                CableStrain::Exact => {
+                    // gravity is given later
+                    let mut p = [&elastic[..], &[section.mass], &[S::zero(); 3]].concat();
+                    p.extend(section.damped.then_some(section.damping));
+                    self.add_element(&own, nodes, Cable { damped: section.damped }.into(), &p)
+                }
+                CableStrain::Small => {
+                    let id = self.add_element(&own, nodes, Flexible(SmallStrainCableField).into(), &elastic);
+                    self.add_element(&format!("inertia of {own}"), nodes, CableInertia.into(), &inertia);
+                    id
+                }
             };
-            member.elements.push(self.add_element(&own, nodes, elastic, &stiffness[..if damped { 4 } else { 3 }]));
-            let inertia = [length, section.mass];
-            self.add_element(&format!("inertia of {own}"), nodes, CableInertia.into(), &inertia);
-            self.heavy_cables.push((own, [nodes[0], nodes[1]], inertia));
+            member.elements.push(id);
+            self.heavy_cables.push(match section.strain {
+                CableStrain::Exact => HeavyCable::Own(id),
+                CableStrain::Small => HeavyCable::Apart(own, [nodes[0], nodes[1]], inertia),
+            });
         }
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
         self.drawings.push(Drawing { points });
@@ -162,9 +181,19 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Weight of the cables added so far.
     pub(super) fn cable_gravity(&mut self, gravity: Vec3<S>) {
-        for (name, nodes, inertia) in std::mem::take(&mut self.heavy_cables) {
-            let p = [&inertia[..], &gravity.0].concat();
-            self.add_element(&format!("weight of {name}"), &nodes, CableGravity.into(), &p);
+        for heavy in std::mem::take(&mut self.heavy_cables) {
+            match heavy {
+                HeavyCable::Own(id) => {
+                    // an element that was refused has been reported already
+                    let Some(element) = self.model.elements.get(id.0) else { continue };
+                    let first = element.parameters.start + GRAVITY;
+                    self.numbers.p[first..first + 3].copy_from_slice(&gravity.0);
+                }
+                HeavyCable::Apart(name, nodes, inertia) => {
+                    let p = [&inertia[..], &gravity.0].concat();
+                    self.add_element(&format!("weight of {name}"), &nodes, CableGravity.into(), &p);
+                }
+            }
         }
     }
 

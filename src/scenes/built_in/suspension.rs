@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 /// The source leaves open, and here is: gravity 9.81 m/s2; the wheel's joints 80 mm inside its centre, at the
 /// heights of the wishbones' joints at the chassis in the first design; the spring from 80 mm inside the wheel's centre at z = 0 to a point of the chassis 150 mm farther inside;
 /// a tie rod, without mass, that keeps the wheel from steering, 120 mm behind the wheel's centre and at its height; inertia of a
-/// cuboid of 2 x 1.2 x 0.5 m for the chassis and of a disc of 0.3 m radius and 0.2 m width for the wheels; small strains.
+/// cuboid of 2 x 1.2 x 0.5 m for the chassis and of a disc of 0.3 m radius and 0.2 m width for the wheels.
 ///
 /// Source: Ebrahimi et al., section 6.3, tables 1 to 3.
 #[derive(Clone, Copy, Debug)]
@@ -211,7 +211,7 @@ impl Scene for Suspension {
         m.rigid_body("chassis", chassis, S::from(300.0), Vec3::zero(), solid(cuboid));
         let material = Material { young: S::from(STEEL[0]), poisson: S::from(0.3), density: S::from(STEEL[1]) };
         let [diameter, wall] = TUBE.map(S::from);
-        let section = CableSection::of(material, Shape::tube(diameter, wall, material.poisson)).small_strains();
+        let section = CableSection::of(material, Shape::tube(diameter, wall, material.poisson));
         let up = at([0.0, 0.0, 1.0]);
 
         let mut beams = Vec::new();
