@@ -9,7 +9,7 @@ use costate::integrators::RunError;
 use costate::io::{Chart, Series};
 use costate::optimize::{GradientBy, Optimized};
 use costate::scenes::built_in::Suspension;
-use costate::scenes::{Prepared, Scene, Settings};
+use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::largest_difference;
 use std::mem::take;
 
@@ -38,12 +38,13 @@ impl Study for SuspensionStudy {
 }
 
 fn study(report: &mut Report) -> Result<(), RunError> {
-    let scene = Suspension::default();
-    let initial: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-    gradient(report, &scene, &initial)?;
+    let scene = with_elements(Suspension::default().elements);
+    let scene = &*scene;
+    let initial: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    gradient(report, scene, &initial)?;
 
     eprintln!("[2/4] adjoint");
-    let optimized = optimize(&scene, STEPS, GradientBy::Adjoint, ITERATIONS)?;
+    let optimized = optimize(scene, STEPS, GradientBy::Adjoint, ITERATIONS)?;
     let history = &optimized.history;
     let Some((first, best)) = history.points.first().zip(history.best()) else {
         return Err(RunError::Input("nothing was simulated".into()));
@@ -56,10 +57,13 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     report.inform("adjoint/sweeps", history.work().sweeps as f64);
     report.at_most("adjoint/violation of limits", best.violation, 1e-6);
     report.note(format!("The optimization by adjoint ended because {}.", optimized.ended.reason));
-    symmetry(report, &scene, &best.design);
+    let mean = symmetry(report, scene, &best.design);
+    let prepared = prepare(scene, &mean, STEPS)?;
+    let change = prepared.analysis().values(&mean)?[0] / best.objective - 1.0;
+    report.at_most("optimum/relative change of the objective by making the design symmetric", change.abs(), 1e-3);
 
     eprintln!("[3/4] finite differences");
-    let differences = optimize(&scene, STEPS, DIFFERENCES, DIFFERENCE_ITERATIONS)?;
+    let differences = optimize(scene, STEPS, DIFFERENCES, DIFFERENCE_ITERATIONS)?;
     let reached = |optimized: &Optimized| {
         let at = optimized.history.points.iter().find(|point| point.iteration == Some(DIFFERENCE_ITERATIONS));
         at.map_or(f64::NAN, |point| point.objective)
@@ -76,7 +80,7 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     report.inform("time/finite differences by adjoint, an iteration", times[1] / times[0]);
 
     eprintln!("[4/4] courses");
-    courses(report, &scene, &initial, &best.design)?;
+    courses(report, scene, &initial, &best.design)?;
     let objective = [("adjoint", &optimized), ("finite differences", &differences)];
     let series = objective.map(|(name, optimized)| by_iteration(name, &optimized.history, |_, objective| objective));
     let (x_label, y_label) = ("iteration".into(), "objective [m2 s]".into());
@@ -84,10 +88,15 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     refinements(report, &best.design, best.objective)
 }
 
+/// The car, with this number of elements in each tube.
+fn with_elements(elements: usize) -> Box<dyn AnyScene> {
+    Suspension { elements }.into()
+}
+
 /// The objective's gradient by all variables: the adjoint against complex step, and its symmetry, over a tenth of the time.
-fn gradient(report: &mut Report, scene: &Suspension, x: &[f64]) -> Result<(), RunError> {
+fn gradient(report: &mut Report, scene: &dyn AnyScene, x: &[f64]) -> Result<(), RunError> {
     eprintln!("[1/4] gradient");
-    let settings = scene.settings();
+    let settings = scene.default_settings();
     let settings = Settings { end: 0.1 * settings.end, steps: STEPS / 10, ..settings };
     let mut prepared = Prepared::with(scene, x, Prepared::method_of(&settings)?, settings)?;
     prepared.mechanism.functionals.retain(|functional| functional.over == Over::Integral);
@@ -107,23 +116,32 @@ fn gradient(report: &mut Report, scene: &Suspension, x: &[f64]) -> Result<(), Ru
     Ok(())
 }
 
-/// How far the design is from its mirror image, by the ranges of the variables; and the design.
-fn symmetry(report: &mut Report, scene: &Suspension, design: &[f64]) {
-    let mut largest: f64 = 0.0;
-    for (index, variable) in scene.variables().iter().enumerate() {
+/// The design, how far it is from its mirror image by the ranges of the variables, and the mean of both.
+///
+/// Nothing asks for symmetry, so that round-off grows in directions that no step has explored, until the optimizer learns their curvature: within
+/// the 60 iterations, which end before the optimum, sides differ by some hundredths of a range in directions that hardly matter.
+fn symmetry(report: &mut Report, scene: &dyn AnyScene, design: &[f64]) -> Vec<f64> {
+    let (mut largest, mut mean): (f64, _) = (0.0, Vec::new());
+    for (index, variable) in scene.design_variables().iter().enumerate() {
         let (other, sign) = Suspension::mirrored(index);
-        let difference = (design[index] - sign * design[other]).abs() / (variable.upper - variable.lower);
-        largest = largest.max(difference);
+        let mirrored = sign * design[other];
+        largest = largest.max((design[index] - mirrored).abs() / (variable.upper - variable.lower));
+        mean.push(0.5 * (design[index] + mirrored));
         report.inform(format!("optimum/{} [{}]", variable.name, variable.unit), design[index]);
     }
-    report.at_most("optimum/difference of the sides by the range of the variables", largest, 1e-5);
+    report.at_most("optimum/difference of the sides by the range of the variables", largest, 0.05);
+    mean
 }
 
 /// The stress functionals of a design, read sharply.
-fn sharpened(functionals: Vec<Functional>, elements: usize) -> Vec<Measured> {
+fn sharpened(functionals: Vec<Functional>) -> Vec<Measured> {
     let sharp = |functional: Functional| match functional.measured {
         Measured::Local { nodes, constraints, parameters, .. } => {
-            let quantity = Box::new(CableLargestStress { strain: CableStrain::Exact, elements, sharpness: 1.0 / READING });
+            let quantity = Box::new(CableLargestStress {
+                strain: CableStrain::Exact,
+                elements: Suspension::default().elements,
+                sharpness: 1.0 / READING,
+            });
             Measured::Local { nodes, constraints, parameters, quantity }
         }
         other => other,
@@ -133,14 +151,14 @@ fn sharpened(functionals: Vec<Functional>, elements: usize) -> Vec<Measured> {
 }
 
 /// Displacement of the chassis in both designs and the stresses of the optimum.
-fn courses(report: &mut Report, scene: &Suspension, initial: &[f64], optimum: &[f64]) -> Result<(), RunError> {
+fn courses(report: &mut Report, scene: &dyn AnyScene, initial: &[f64], optimum: &[f64]) -> Result<(), RunError> {
     let mut displacements = Vec::new();
     let mut stresses = Vec::new();
     for (name, design) in [("initial", initial), ("optimum", optimum)] {
         let mut prepared = prepare(scene, design, STEPS)?;
         let all = take(&mut prepared.mechanism.functionals);
         let (objective, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|f| f.over == Over::Integral);
-        let sharp = sharpened(others, scene.elements);
+        let sharp = sharpened(others);
         let measured: Vec<&Measured> = objective.iter().map(|f| &f.measured).chain(&sharp).collect();
         let mut courses = over_time(&prepared, &measured)?;
         let points: Vec<(f64, f64)> = courses.remove(0).into_iter().map(|(t, square)| (t, square.sqrt())).collect();
@@ -171,10 +189,10 @@ fn courses(report: &mut Report, scene: &Suspension, initial: &[f64], optimum: &[
 
 /// The objective of the optimum with twice the elements and with half the steps.
 fn refinements(report: &mut Report, design: &[f64], objective: f64) -> Result<(), RunError> {
-    let finer = Suspension { elements: 2 * Suspension::default().elements };
-    let usual = Suspension::default();
-    for (name, scene, steps) in [("twice the elements", &finer, STEPS), ("half the step", &usual, 2 * STEPS)] {
-        let mut prepared = prepare(scene, design, steps)?;
+    let elements = Suspension::default().elements;
+    for (name, elements, steps) in [("twice the elements", 2 * elements, STEPS), ("half the step", elements, 2 * STEPS)] {
+        let scene = with_elements(elements);
+        let mut prepared = prepare(&*scene, design, steps)?;
         prepared.mechanism.functionals.retain(|functional| functional.over == Over::Integral);
         let value = prepared.analysis().values(design)?[0];
         report.at_most(

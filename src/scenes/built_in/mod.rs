@@ -53,6 +53,9 @@ pub use universal_shaft::UniversalShaft;
 pub use von_mises_truss::VonMisesTruss;
 
 use super::AnyScene;
+use crate::elements::compiled_here;
+
+compiled_here!(dyn AnyScene: Suspension);
 
 /// All built-in scenes.
 pub fn all() -> Vec<Box<dyn AnyScene>> {
