@@ -172,14 +172,14 @@ impl Scene for Suspension {
                 let bounds = [X_BOUNDS[wheel][place % 2], across, Z_BOUNDS[place / 2]];
                 for (axis, initial) in [point[0], side * point[1], point[2]].into_iter().enumerate() {
                     let name = format!("{}{number}", ["X", "Y", "Z"][axis]);
-                    list.push(DesignVariable::new(&name, initial, bounds[axis], "m"));
+                    list.push(DesignVariable::new(name, initial, bounds[axis], "m"));
                 }
             }
         }
         let quantities = [("Z", (0.15, 0.6), "m", 17), ("k", (100.0, 30000.0), "N/m", 1), ("c", (20.0, 1000.0), "N s/m", 1)];
         for (index, (letter, bounds, unit, first)) in quantities.into_iter().enumerate() {
             for (k, (corner, _)) in CORNERS.into_iter().enumerate() {
-                list.push(DesignVariable::new(&format!("{letter}{}", first + k), corner.absorber[index], bounds, unit));
+                list.push(DesignVariable::new(format!("{letter}{}", first + k), corner.absorber[index], bounds, unit));
             }
         }
         list
