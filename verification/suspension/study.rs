@@ -118,8 +118,8 @@ fn gradient(report: &mut Report, scene: &dyn AnyScene, x: &[f64]) -> Result<(), 
 
 /// The design, how far it is from its mirror image by the ranges of the variables, and the mean of both.
 ///
-/// Nothing asks for symmetry, so that round-off grows in directions that no step has explored, until the optimizer learns their curvature: within
-/// the 60 iterations, which end before the optimum, sides differ by some hundredths of a range in directions that hardly matter.
+/// Nothing asks for symmetry: round-off doubles in each iteration in directions that no step has explored, and near poses in which the arms fold
+/// over the motion magnifies it.
 fn symmetry(report: &mut Report, scene: &dyn AnyScene, design: &[f64]) -> Vec<f64> {
     let (mut largest, mut mean): (f64, _) = (0.0, Vec::new());
     for (index, variable) in scene.design_variables().iter().enumerate() {
