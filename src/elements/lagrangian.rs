@@ -28,6 +28,7 @@ impl<E: Element + ?Sized> Energies for E {
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         Element::potential(self, q, p)
     }
+    #[inline(always)]
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         Element::add_force(self, v, q, p, t, force);
     }
@@ -39,10 +40,16 @@ impl<E: Element + ?Sized> Energies for E {
 /// part is d/dt (dT/dv_i); lanes along q give dT/dq_i and dV/dq_i.
 pub fn lagrangian_residual<E: Energies + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
     widest(FromEnergies(element, s, p, r));
+    load_residual(element, s, p, t, r);
+}
+
+/// Subtracts the non-conservative force: the whole residual of an element without energies.
+#[inline(always)]
+pub fn load_residual<E: Energies + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
     let mut force: Local<S> = SmallVec::from_elem(S::zero(), s.q.len());
     element.add_force(s.v, s.q, p, t, &mut force);
-    for (r, f) in r.iter_mut().zip(force) {
-        *r -= f;
+    for (r, f) in r.iter_mut().zip(&force) {
+        *r -= *f;
     }
 }
 

@@ -32,7 +32,7 @@ pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingCon
 pub use field::{ByPoints, Field, Flexible, Interpolation, PointGradient, PointWork, padded};
 pub(crate) use field::{add_scaled, point_momentum_rate};
 pub use frame::Frame;
-pub use lagrangian::{Energies, lagrangian_momentum_rate, lagrangian_residual};
+pub use lagrangian::{Energies, lagrangian_momentum_rate, lagrangian_residual, load_residual};
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use time_function::TimeFunction;

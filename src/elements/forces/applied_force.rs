@@ -1,5 +1,5 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
+use crate::elements::{Anchor, Element, Frame, Parameter, State, TimeFunction, load_residual};
 use crate::scalar::{Scalar, Vec3};
 
 /// A force F = d f(t) [N] at a point of a body or at a point mass.
@@ -38,12 +38,17 @@ impl Element for AppliedForce {
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
     }
+    #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         let mut direction = Vec3::from_slice(p);
         if self.frame == LoadFrame::Body && self.on.has_axes() {
             direction = Frame::of(self.on, q).direction(p);
         }
         self.on.add_force(q, Vec3::from_slice(&p[3..]), direction * self.size.value(t, &p[6..]), force);
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        load_residual(self, s, p, t, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.size.kinks(&p[6..])

@@ -1,5 +1,5 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
+use crate::elements::{Anchor, Element, Frame, Parameter, State, TimeFunction, load_residual};
 use crate::scalar::{Scalar, Vec3};
 
 /// A torque M = d f(t) [N m] on a rigid body.
@@ -28,12 +28,17 @@ impl Element for AppliedTorque {
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N m")).collect()
     }
+    #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         let axis = match self.frame {
             LoadFrame::World => Vec3::from_slice(p),
             LoadFrame::Body => Frame::of(self.on, q).direction(p),
         };
         self.on.add_moment(q, axis * self.size.value(t, &p[3..]), force);
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        load_residual(self, s, p, t, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.size.kinks(&p[3..])

@@ -1,4 +1,4 @@
-use crate::elements::{Element, Parameter};
+use crate::elements::{Element, Parameter, State};
 use crate::scalar::Scalar;
 
 /// A spring and damper on one coordinate of a node: F = k (q - q0) + c dq/dt.
@@ -38,5 +38,9 @@ impl Element for CoordinateSpringDamper {
     }
     fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S], _t: S, force: &mut [S]) {
         force[self.index] -= p[1] * v[self.index];
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        r[self.index] += p[0] * (s.q[self.index] - p[2]) + p[1] * s.v[self.index];
     }
 }

@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Anchor, Element, Parameter, State};
 use crate::scalar::{Scalar, Vec3};
 
 /// A damper along the line between two points: tension c dl/dt [N], l = |x_b - x_a|.
@@ -25,6 +25,7 @@ pub(super) const DAMPER_PARAMETERS: &[Parameter] = &[
 
 /// Adds the force pair c (D dx/dt) between two points, `direct` being the operator D on the relative velocity, given
 /// the vector between the points.
+#[inline(always)]
 pub(super) fn add_damping<S: Scalar>(
     [a, b]: [Anchor; 2],
     v: &[S],
@@ -44,6 +45,12 @@ pub(super) fn add_damping<S: Scalar>(
     b.add_force(qb, point_b, -tension, force_b);
 }
 
+/// The part of a velocity along a line.
+#[inline(always)]
+fn along<S: Scalar>(line: Vec3<S>, velocity: Vec3<S>) -> Vec3<S> {
+    line * (line.dot(velocity) / line.dot(line))
+}
+
 impl Element for LineDamper {
     const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
@@ -53,9 +60,12 @@ impl Element for LineDamper {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    #[inline(always)]
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
-        add_damping([self.a, self.b], v, q, p, force, |between, velocity| {
-            between * (between.dot(velocity) / between.dot(between))
-        });
+        add_damping([self.a, self.b], v, q, p, force, along);
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        add_damping([self.a, self.b], s.v, s.q, p, r, |between, velocity| -along(between, velocity));
     }
 }

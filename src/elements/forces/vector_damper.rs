@@ -1,5 +1,5 @@
 use super::line_damper::{DAMPER_PARAMETERS, add_damping};
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Anchor, Element, Parameter, State};
 use crate::scalar::Scalar;
 
 /// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) [N].
@@ -27,7 +27,12 @@ impl Element for VectorDamper {
     fn is_linear(&self) -> bool {
         [self.a, self.b].iter().all(|end| *end != Anchor::Body)
     }
+    #[inline(always)]
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
         add_damping([self.a, self.b], v, q, p, force, |_, velocity| velocity);
+    }
+    #[inline(always)]
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        add_damping([self.a, self.b], s.v, s.q, p, r, |_, velocity| -velocity);
     }
 }
