@@ -2,7 +2,7 @@
 //! coordinates as ordinary multipliers, gives the same motion and the same gradient, at every constraint level.
 
 use costate::history::Watch;
-use costate::integrators::{StepRecord, tables};
+use costate::integrators::{StepRecord, TimeGrid, tables};
 use costate::prelude::*;
 
 /// Two unsymmetric bodies, tumbling on spherical joints, with a spring: everything turns about all axes.
@@ -87,11 +87,14 @@ fn assert_reduction_is_exact(tumbler: &Tumbler) {
                 results.push((last.expect("4 steps"), forward.values, gradient.rows));
             }
             let [(a, values_a, rows_a), (b, values_b, rows_b)] = &results[..] else { unreachable!() };
+            // both round every constraint; with coordinates kept on it, velocities hand that on divided by the step
+            let grid = TimeGrid::uniform(settings.end, settings.steps, &[]).expect("a grid");
+            let limit = table.round_off(level, &grid, 2.0 * f64::EPSILON).velocity.max(1e-12);
             for (reduced, full) in
                 [(&a.q, &b.q), (&a.v, &b.v), (values_a, values_b)].into_iter().chain(rows_a.iter().zip(rows_b))
             {
                 let difference = largest_difference(full, reduced);
-                assert!(difference < 1e-12, "{place}: {difference:e}\n{full:?}\n{reduced:?}");
+                assert!(difference < limit, "{place}: {difference:e}\n{full:?}\n{reduced:?}");
             }
         }
     }

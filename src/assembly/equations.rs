@@ -162,6 +162,13 @@ impl Equations {
         }
     }
 
+    /// Weights of A and of its first and second derivative along the motion in the first of these.
+    pub(crate) fn row_weights(&self) -> [f64; 3] {
+        let weight = |a: Taylor<f64>| self.row_entries(a)[0][0];
+        [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+            .map(|(value, first, second)| weight(Taylor::new(value, first, second)))
+    }
+
     /// The same for a nonholonomic constraint, from B and its companions.
     pub(crate) fn nonholonomic_entries(&self, b: Taylor<f64>) -> [[f64; 2]; 2] {
         let Shift { beta, alpha, .. } = self.constraint;

@@ -224,14 +224,24 @@ impl Jacobian {
             let bases = &mut self.bases[local.node];
             let own = |x: &[f64]| LocalVec::from(&x[dofs.clone()]);
             let (a, v, q) = (own(&at.a), own(&at.v), own(&at.q));
-            let reaction = super::local::reaction_rows(local, &reaction_at.q[dofs.clone()]);
+            let reaction_q = &reaction_at.q[dofs.clone()];
+            let stabilized = equations.level == Level::Stabilized;
+            if let Some(turning) = local.form.turning().filter(|_| !stabilized) {
+                turning.basis(reaction_q, &mut bases.left);
+                // rows are linear in the coordinates: at this level those of a combination of them and their rates
+                let [by_value, by_rate, by_second] = equations.row_weights();
+                let moving = q.iter().zip(v.iter().zip(&a));
+                let combined: LocalVec<f64> = moving.map(|(q, (v, a))| by_value * q + by_rate * v + by_second * a).collect();
+                turning.basis(&combined, &mut bases.right);
+                bases.plain = q.len() - turning.coordinates();
+                continue;
+            }
+            let reaction = super::local::reaction_rows(local, reaction_q);
             super::local::complement(&reaction, local.equations.len(), q.len(), &mut bases.left);
             let rows = super::local::equation_rows(local, equations, State { a: &a, v: &v, q: &q });
-            let copies = if equations.level == Level::Stabilized { 2 } else { 1 };
+            let copies = if stabilized { 2 } else { 1 };
             super::local::complement(&rows, copies * local.equations.len(), copies * q.len(), &mut bases.right);
-            // a reflection of the last coordinates leaves the first ones alone
-            let first = local.form.unit_length().map_or(0, |unit| unit.first);
-            bases.plain = if copies == 1 { first } else { 0 };
+            bases.plain = 0;
         }
     }
 

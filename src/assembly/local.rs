@@ -179,10 +179,7 @@ pub(super) fn restore<S: RunScalar>(
 fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
     let Shift { gamma, beta, alpha } = equations.constraint;
     let scale = equations.row_scales()[0];
-    // the row is linear in A and its derivatives
-    let weight = |a: Taylor<f64>| equations.row_entries(a)[0][0];
-    let [by_value, by_rate, by_second] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-        .map(|(value, first, second)| weight(Taylor::new(value, first, second)));
+    let [by_value, by_rate, by_second] = equations.row_weights();
     let mut rows = LocalVec::<S>::new();
     let (mut a, mut v, mut q) = (LocalVec::<S>::new(), LocalVec::<S>::new(), LocalVec::<S>::new());
     for local in system.eliminated() {

@@ -13,6 +13,60 @@ pub(super) struct Quadratic {
     /// (equation, row, column, H).
     second: Vec<(usize, usize, usize, f64)>,
     unit_length: Option<UnitLength>,
+    turning: Option<Turning>,
+}
+
+/// Coordinates at the end of a node that turn rigidly: the directions in which the constraints let them move are known, and change
+/// smoothly with the pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turning {
+    /// Four Euler parameters.
+    Euler,
+    /// Three axes.
+    Axes,
+}
+
+impl Turning {
+    /// Number of coordinates.
+    pub fn coordinates(self) -> usize {
+        match self {
+            Turning::Euler => 4,
+            Turning::Axes => 9,
+        }
+    }
+
+    /// Writes the basis (row-major) of the vectors at right angles to the rows H x of a node: x is a pose or any other combination of
+    /// coordinates and rates. Columns are the coordinates before the turning ones, then turns about three axes, of unit length where x
+    /// is a pose.
+    pub fn basis(self, x: &[f64], basis: &mut Vec<f64>) {
+        let first = x.len() - self.coordinates();
+        let columns = first + 3;
+        basis.clear();
+        basis.resize(x.len() * columns, 0.0);
+        (0..first).for_each(|i| basis[i * columns + i] = 1.0);
+        let turning = &x[first..];
+        let square = turning.iter().fold(0.0, |sum, x| sum + x * x);
+        let mut write = |i: usize, own: [f64; 3]| {
+            let start = (first + i) * columns + first;
+            basis[start..start + 3].copy_from_slice(&own);
+        };
+        match *turning {
+            [e0, e1, e2, e3] => {
+                let scale = 1.0 / square.sqrt();
+                let rows = [[-e1, -e2, -e3], [e0, -e3, e2], [e3, e0, -e1], [-e2, e1, e0]];
+                rows.into_iter().enumerate().for_each(|(i, row)| write(i, row.map(|e| scale * e)));
+            }
+            _ => {
+                // of three axes of length 1 every turn moves two
+                let scale = (1.5 / square).sqrt();
+                for (axis, own) in turning.chunks_exact(3).enumerate() {
+                    let [x, y, z] = [own[0], own[1], own[2]].map(|x| scale * x);
+                    let rows = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
+                    rows.into_iter().enumerate().for_each(|(i, row)| write(3 * axis + i, row));
+                }
+            }
+        }
+    }
 }
 
 /// The one equation (x . x) h / 2 + c = 0 of four coordinates in a row: Euler parameters.
@@ -40,7 +94,7 @@ impl Quadratic {
             g
         };
         let (linear, second) = (Vec::new(), Vec::new());
-        let mut quadratic = Quadratic { constant: value(&origin), linear, second, unit_length: None };
+        let mut quadratic = Quadratic { constant: value(&origin), linear, second, unit_length: None, turning: None };
         let mut directions = vec![[0.0; LANES]; n.div_ceil(LANES) * n];
         for dof in 0..n {
             directions[dof / LANES * n + dof][dof % LANES] = 1.0;
@@ -65,7 +119,28 @@ impl Quadratic {
         let exact = value(&probe).iter().zip(&g).all(|(g, own)| (g - own.value).abs() < 1e-13);
         assert!(exact, "constraints inside nodes are quadratic");
         quadratic.unit_length = quadratic.as_unit_length();
+        quadratic.turning =
+            [Turning::Euler, Turning::Axes].into_iter().find(|turning| quadratic.is_free_in(*turning, &probe));
         quadratic
+    }
+
+    /// Whether all directions at right angles to the rows are turns.
+    fn is_free_in(&self, turning: Turning, probe: &[f64]) -> bool {
+        let (n, count) = (probe.len(), self.constant.len());
+        if n < turning.coordinates() || n - count != n - turning.coordinates() + 3 || !self.linear.is_empty() {
+            return false;
+        }
+        let (mut basis, mut rows) = (Vec::new(), vec![0.0; count * n]);
+        turning.basis(probe, &mut basis);
+        self.rows(probe, &mut rows);
+        let columns = n - count;
+        let product = |row: &[f64], column: usize| -> f64 { (0..n).map(|i| row[i] * basis[i * columns + column]).sum() };
+        rows.chunks_exact(n).all(|row| (0..columns).all(|column| product(row, column).abs() < 1e-13))
+    }
+
+    /// The coordinates that turn, if its rows leave them nothing else.
+    pub fn turning(&self) -> Option<Turning> {
+        self.turning
     }
 
     fn as_unit_length(&self) -> Option<UnitLength> {
