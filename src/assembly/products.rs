@@ -57,6 +57,13 @@ pub struct ProductBars<'b> {
     pub p: &'b mut [f64],
 }
 
+/// Which of a joint's adjoints are not all zero.
+#[derive(Clone, Copy)]
+struct Weighing {
+    equations: bool,
+    reactions: bool,
+}
+
 /// Numbers of one part, reused from part to part.
 #[derive(Default)]
 struct Work {
@@ -304,15 +311,29 @@ impl System<'_> {
     ) {
         let mut work = Work::default();
         for (joint, part) in self.global_constraints().zip(&self.constraint_parts) {
-            self.add_row_products(&joint, part, equations, adjoints, point, bars, &mut work);
-            let sets = [(&unknowns.mu, false), (&unknowns.eta, true)];
-            let stabilized = equations.level == Level::Stabilized;
-            for (multipliers, second) in sets.into_iter().take(1 + usize::from(stabilized)) {
-                let multipliers = &multipliers[joint.equations.clone()];
-                self.add_curvature_products(&joint, part, multipliers, second, adjoints, point, bars, &mut work);
+            // equations and reactions of a variational step act at different points: at each the adjoints of the others are zero
+            let weigh =
+                |values: &[f64], places: Range<usize>| values.get(places).unwrap_or_default().iter().any(|&own| own != 0.0);
+            let equations_weigh = |own: &Adjoints| [&own.g, &own.g_second].iter().any(|g| weigh(g, joint.equations.clone()));
+            let reaction_weighs =
+                |own: &Adjoints| part.segments.iter().any(|s| weigh(&own.f, s.clone()) || weigh(&own.y, s.clone()));
+            let weighing = Weighing {
+                equations: adjoints.iter().any(equations_weigh),
+                reactions: adjoints.iter().any(reaction_weighs),
+            };
+            if weighing.equations {
+                self.add_row_products(&joint, part, equations, adjoints, point, bars, &mut work);
             }
-            if point.active[part.parameters.clone()].contains(&true) {
-                self.add_parameter_products(&joint, part, equations, adjoints, unknowns, point, bars, &mut work);
+            if weighing.reactions {
+                let sets = [(&unknowns.mu, false), (&unknowns.eta, true)];
+                let stabilized = equations.level == Level::Stabilized;
+                for (multipliers, second) in sets.into_iter().take(1 + usize::from(stabilized)) {
+                    let multipliers = &multipliers[joint.equations.clone()];
+                    self.add_curvature_products(&joint, part, multipliers, second, adjoints, point, bars, &mut work);
+                }
+            }
+            if (weighing.equations || weighing.reactions) && point.active[part.parameters.clone()].contains(&true) {
+                self.add_parameter_products(&joint, part, equations, (adjoints, weighing), unknowns, point, bars, &mut work);
             }
         }
     }
@@ -329,15 +350,25 @@ impl System<'_> {
         bars: &mut [ProductBars],
         work: &mut Work,
     ) {
-        let Work { state, rows, .. } = work;
+        let Work { state, rows, reaction_rows, multipliers, .. } = work;
+        let (count, own) = (joint.equations.len(), state.state(part, point.at));
         rows.clear();
-        rows.resize(joint.equations.len() * part.dofs, Taylor::default());
-        let own = state.state(part, point.at);
+        rows.resize(count * part.dofs, Taylor::default());
         let nonholonomic = joint.physics.is_nonholonomic();
         let wanted = if nonholonomic { equations.nonholonomic(false) } else { Some((equations.level, 1.0)) };
         let Some((level, _)) = wanted else { return };
-        let accelerations = level == Level::Acceleration;
-        joint.physics.rows(own, &point.p[part.parameters.clone()], point.t, accelerations, rows);
+        let p = &point.p[part.parameters.clone()];
+        if level == Level::Position && !nonholonomic {
+            // nothing moves
+            multipliers.clear();
+            multipliers.resize(count, 0.0);
+            reaction_rows.clear();
+            reaction_rows.resize(count * part.dofs, 0.0);
+            joint.physics.linearize_reaction((own.q, p, point.t), multipliers, &[], reaction_rows, &mut []);
+            rows.iter_mut().zip(&*reaction_rows).for_each(|(row, &a)| row.value = a);
+        } else {
+            joint.physics.rows(own, p, point.t, level == Level::Acceleration, rows);
+        }
         let scales = match wanted {
             Some((_, scale)) if nonholonomic => [scale, 0.0],
             _ => equations.row_scales(),
@@ -401,7 +432,7 @@ impl System<'_> {
         joint: &GlobalConstraint,
         part: &Part,
         equations: &Equations,
-        adjoints: &[Adjoints],
+        (adjoints, weighing): (&[Adjoints], Weighing),
         unknowns: &Unknowns<f64>,
         point: ProductPoint,
         bars: &mut [ProductBars],
@@ -429,8 +460,10 @@ impl System<'_> {
             for lane in 0..width {
                 p[first + lane].eps[lane] = 1.0;
             }
-            write_level(physics, level, State { a, v, q }, p, time, &mut g);
-            for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+            if weighing.equations {
+                write_level(physics, level, State { a, v, q }, p, time, &mut g);
+            }
+            for (adjoint, bar) in adjoints.iter().zip(&mut *bars).filter(|_| weighing.equations) {
                 let target = &mut bar.p[part.parameters.clone()][first..first + width];
                 for (equation, g) in joint.equations.clone().zip(&g) {
                     let (value, rate) = select(level, *g);
@@ -442,7 +475,8 @@ impl System<'_> {
                 }
             }
             let sets = [(&unknowns.mu, false, 1.0), (&unknowns.eta, true, -1.0)];
-            for (all, second, sign) in sets.into_iter().take(1 + usize::from(stabilized)) {
+            let sets = sets.into_iter().take(1 + usize::from(stabilized)).filter(|_| weighing.reactions);
+            for (all, second, sign) in sets {
                 load(multipliers, &all[joint.equations.clone()]);
                 r.clear();
                 r.resize(part.dofs, Lanes::default());
