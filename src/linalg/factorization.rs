@@ -112,16 +112,22 @@ impl Factorization {
     /// # Errors
     /// As for [`Factorization::factor`].
     pub fn follow(&mut self, values: &[f64]) -> Result<bool, Singular> {
-        let mut same = self.followed.len() == values.len();
-        for column in 0..self.pattern.size {
-            for place in self.entries(column) {
-                let scaled = values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column]);
-                same = same && (scaled - self.followed[place]).abs() <= SAME_VALUES;
-                self.scaled[place] = scaled;
-            }
-        }
+        let scaled = |column: usize, place: usize| {
+            values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column])
+        };
+        let near = |column: usize| {
+            self.entries(column).all(|place| (scaled(column, place) - self.followed[place]).abs() <= SAME_VALUES)
+        };
+        let same = self.followed.len() == values.len() && (0..self.pattern.size).all(near);
         self.refinements = if same { 2 } else { 1 };
-        if !same {
+        if same {
+            for column in 0..self.pattern.size {
+                for place in self.entries(column) {
+                    self.scaled[place] =
+                        values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column]);
+                }
+            }
+        } else {
             self.followed.clear();
             self.factor(values)?;
             self.followed.clone_from(&self.scaled);

@@ -1,5 +1,6 @@
 use super::{LinearSolver, Ordering, Singular};
 use crate::assembly::SparsePattern;
+use crate::scalar::{Job, widest};
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
@@ -20,6 +21,7 @@ pub struct LeftLookingLu {
     /// Step in which each row is to become the pivot of the next search.
     prescribed: Option<Vec<usize>>,
     work: Vec<f64>,
+    gathered: Vec<f64>,
 }
 
 /// How many times larger than the diagonal another entry must be to become the pivot.
@@ -36,6 +38,10 @@ struct Factors {
     step_of_row: Vec<usize>,
     lower: Triangle,
     upper: Triangle,
+    /// Steps in a row whose columns of L have the same rows below them, as the unknowns of a node do.
+    supernodes: Vec<Supernode>,
+    /// Of each step.
+    supernode_of_step: Vec<u32>,
     /// Of the pivots.
     inverses: Vec<f64>,
     /// Step numbers of the rows of the pattern's entries, in the order of elimination of their columns.
@@ -49,6 +55,14 @@ struct Triangle {
     starts: Vec<usize>,
     runs: Vec<Run>,
     values: Vec<f64>,
+}
+
+/// Steps `first..end`, below which their columns of L have `below` rows.
+#[derive(Clone, Copy)]
+struct Supernode {
+    first: usize,
+    end: usize,
+    below: usize,
 }
 
 /// Some entries of a column.
@@ -90,6 +104,33 @@ impl Triangle {
             triangle.starts.push(triangle.runs.len());
         }
         triangle
+    }
+
+    /// Number of entries of column k.
+    fn length(&self, k: usize) -> usize {
+        self.column(k).iter().map(|run| run.length as usize).sum()
+    }
+
+    /// Steps in a row whose columns have the same rows but for their own.
+    fn supernodes(&self) -> Vec<Supernode> {
+        let steps = self.starts.len() - 1;
+        let rows = |k: usize| self.column(k).iter().flat_map(|run| run.rows());
+        let mut supernodes: Vec<Supernode> = Vec::new();
+        for k in 0..steps {
+            match supernodes.last_mut() {
+                Some(last) if rows(k - 1).eq(std::iter::once(k).chain(rows(k))) => last.end = k + 1,
+                _ => supernodes.push(Supernode { first: k, end: k + 1, below: 0 }),
+            }
+        }
+        supernodes.iter_mut().for_each(|own| own.below = self.length(own.end - 1));
+        supernodes
+    }
+
+    /// The last `count` values of column k.
+    #[inline(always)]
+    fn last_values(&self, k: usize, count: usize) -> &[f64] {
+        let end = self.starts.get(k + 1).and_then(|&next| self.runs.get(next)).map_or(self.values.len(), |run| run.place);
+        &self.values[end - count..end]
     }
 
     #[inline(always)]
@@ -156,6 +197,7 @@ impl LeftLookingLu {
             factors: None,
             prescribed: None,
             work: vec![0.0; pattern.size],
+            gathered: Vec::new(),
         }
     }
 
@@ -228,6 +270,9 @@ impl LeftLookingLu {
             column.sort_unstable_by_key(|&(row, _)| row);
         }
         (factors.lower, factors.upper) = (Triangle::of(&lower), Triangle::of(&upper));
+        factors.supernodes = factors.lower.supernodes();
+        let steps_of = |(index, own): (usize, &Supernode)| std::iter::repeat_n(index as u32, own.end - own.first);
+        factors.supernode_of_step = factors.supernodes.iter().enumerate().flat_map(steps_of).collect();
         for &column in &self.columns {
             let own = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
             factors.entry_steps.extend(self.pattern.rows[own].iter().map(|&row| factors.step_of_row[row] as u32));
@@ -251,24 +296,81 @@ impl LeftLookingLu {
         let largest = (0..=k).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs())).unwrap_or(k);
         Singular { unknown: self.columns[largest] }
     }
+}
 
-    /// The same operations as before on new values; `false` where a pivot became small.
-    fn repeat(&mut self, values: &[f64]) -> bool {
-        let Some(factors) = &mut self.factors else { return false };
-        let work = &mut self.work;
+/// The same operations as before on new values: `false` where a pivot became small.
+struct Repetition<'j> {
+    pattern: &'j SparsePattern,
+    columns: &'j [usize],
+    factors: &'j mut Factors,
+    values: &'j [f64],
+    work: &'j mut [f64],
+    gathered: &'j mut Vec<f64>,
+}
+
+/// x -= L u for the values u of x at some steps of a supernode.
+#[inline(always)]
+fn eliminate(lower: &Triangle, supernode: Supernode, steps: Range<usize>, x: &mut [f64], gathered: &mut Vec<f64>) {
+    let Supernode { end, below, .. } = supernode;
+    if steps.len() == 1 {
+        return lower.subtract(steps.start, x[steps.start], x);
+    }
+    for step in steps.clone() {
+        let length = end - step - 1;
+        let (factor, column) = (x[step], lower.last_values(step, below + length));
+        subtract_scaled(factor, &column[..length], &mut x[step + 1..end]);
+    }
+    if below == 0 {
+        return;
+    }
+    gathered.clear();
+    let rows = lower.column(end - 1);
+    rows.iter().for_each(|run| gathered.extend_from_slice(&x[run.rows()]));
+    let mut steps = steps;
+    while steps.len() >= 3 {
+        let step = steps.start;
+        let columns = [step, step + 1, step + 2].map(|step| &lower.last_values(step, below)[..below]);
+        let factors = [x[step], x[step + 1], x[step + 2]];
+        for (i, target) in gathered[..below].iter_mut().enumerate() {
+            *target = ((*target - factors[0] * columns[0][i]) - factors[1] * columns[1][i]) - factors[2] * columns[2][i];
+        }
+        steps.start += 3;
+    }
+    for step in steps {
+        let (factor, column) = (x[step], lower.last_values(step, below));
+        gathered[..below].iter_mut().zip(column).for_each(|(target, entry)| *target -= factor * entry);
+    }
+    let mut place = 0;
+    for run in rows {
+        let length = run.length as usize;
+        x[run.rows()].copy_from_slice(&gathered[place..place + length]);
+        place += length;
+    }
+}
+
+impl Job for Repetition<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Repetition { pattern, columns, factors, values, work, gathered } = self;
         let mut entry = 0;
-        for (k, &column) in self.columns.iter().enumerate() {
-            for &value in &values[self.pattern.column_starts[column]..self.pattern.column_starts[column + 1]] {
+        for (k, &column) in columns.iter().enumerate() {
+            for &value in &values[pattern.column_starts[column]..pattern.column_starts[column + 1]] {
                 work[factors.entry_steps[entry] as usize] = value;
                 entry += 1;
             }
-            for run in factors.upper.starts[k]..factors.upper.starts[k + 1] {
-                let run = factors.upper.runs[run];
-                for (step, stored) in run.rows().zip(&mut factors.upper.values[run.values()]) {
-                    let factor = std::mem::take(&mut work[step]);
-                    *stored = factor;
-                    factors.lower.subtract(step, factor, work);
+            let Factors { lower, upper, supernodes, supernode_of_step, .. } = &mut *factors;
+            for run in upper.starts[k]..upper.starts[k + 1] {
+                let run = upper.runs[run];
+                let mut steps = run.rows();
+                while !steps.is_empty() {
+                    let supernode = supernodes[supernode_of_step[steps.start] as usize];
+                    let own = steps.start..steps.end.min(supernode.end);
+                    eliminate(lower, supernode, own.clone(), work, gathered);
+                    steps.start = own.end;
                 }
+                upper.values[run.values()].copy_from_slice(&work[run.rows()]);
+                work[run.rows()].fill(0.0);
             }
             let pivot = std::mem::take(&mut work[k]);
             let inverse = 1.0 / pivot;
@@ -291,9 +393,47 @@ impl LeftLookingLu {
     }
 }
 
+/// L U x = b, or its transpose, in the order of elimination.
+struct Substitution<'j> {
+    factors: &'j Factors,
+    transposed: bool,
+    x: &'j mut [f64],
+    gathered: &'j mut Vec<f64>,
+}
+
+impl Job for Substitution<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Substitution { factors: Factors { lower, upper, supernodes, inverses, .. }, transposed, x, gathered } = self;
+        if transposed {
+            for k in 0..x.len() {
+                x[k] = (x[k] - upper.product(k, x)) * inverses[k];
+            }
+            for k in (0..x.len()).rev() {
+                x[k] -= lower.product(k, x);
+            }
+            return;
+        }
+        for &supernode in supernodes {
+            eliminate(lower, supernode, supernode.first..supernode.end, x, gathered);
+        }
+        for k in (0..x.len()).rev() {
+            let value = x[k] * inverses[k];
+            x[k] = value;
+            upper.subtract(k, value, x);
+        }
+    }
+}
+
 impl LinearSolver for LeftLookingLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        if !self.repeat(values) {
+        let LeftLookingLu { pattern, columns, work, gathered, .. } = self;
+        let repeated = self
+            .factors
+            .as_mut()
+            .is_some_and(|factors| widest(Repetition { pattern, columns, factors, values, work, gathered }));
+        if !repeated {
             self.factors = None;
             self.factors = Some(self.search(values)?);
             self.prescribed = None;
@@ -316,17 +456,7 @@ impl LinearSolver for LeftLookingLu {
         for (&value, &step) in rhs.iter().zip(&factors.step_of_row) {
             work[step] = value;
         }
-        for k in 0..work.len() {
-            let value = work[k];
-            if value != 0.0 {
-                factors.lower.subtract(k, value, work);
-            }
-        }
-        for k in (0..work.len()).rev() {
-            let value = work[k] * factors.inverses[k];
-            work[k] = value;
-            factors.upper.subtract(k, value, work);
-        }
+        widest(Substitution { factors, transposed: false, x: work, gathered: &mut self.gathered });
         for (value, &place) in rhs.iter_mut().zip(&self.place_of_column) {
             *value = work[place];
         }
@@ -339,12 +469,7 @@ impl LinearSolver for LeftLookingLu {
         for (&value, &place) in rhs.iter().zip(&self.place_of_column) {
             work[place] = value;
         }
-        for k in 0..work.len() {
-            work[k] = (work[k] - factors.upper.product(k, work)) * factors.inverses[k];
-        }
-        for k in (0..work.len()).rev() {
-            work[k] -= factors.lower.product(k, work);
-        }
+        widest(Substitution { factors, transposed: true, x: work, gathered: &mut self.gathered });
         for (value, &step) in rhs.iter_mut().zip(&factors.step_of_row) {
             *value = work[step];
         }
