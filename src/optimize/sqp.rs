@@ -1,10 +1,13 @@
 use super::quadratic::{NoStep, QuadraticProgram, Step};
 use super::{ConstraintKind, Course, Gradients, NoValue, Optimizer, Reason, Values};
+use std::collections::VecDeque;
 
 /// Sequential quadratic programming: each iteration minimizes a quadratic model of the Lagrangian on linearized constraints, and a
 /// line search on f + sum of penalties times violations takes as much of the step as is good.
 ///
-/// The model's matrix is updated from gradients (BFGS) and kept positive definite; linearized constraints that contradict each other
+/// The model's matrix is made of the last steps and the changes of the gradient along them (BFGS) and kept positive definite; along
+/// directions that no step has taken it has the size of the curvature seen last, so that round-off there, as in a symmetric problem's
+/// asymmetry, doesn't grow from step to step; linearized constraints that contradict each other
 /// are relaxed together; a full step that curved constraints spoil is corrected once. A point without values is one of infinite
 /// merit, from which the line search steps back. Bounds are never left.
 ///
@@ -27,6 +30,8 @@ const TRIALS: usize = 16;
 const OPTIMAL_SHARE: f64 = 1e-3;
 /// An objective smaller than this, in its scale, is as good as zero.
 const SMALL_OBJECTIVE: f64 = 1e-6;
+/// Steps from which the model is made.
+const REMEMBERED: usize = 100;
 /// Penalty of relaxed constraints: first and last that is tried.
 const RELAXATION: [f64; 2] = [1e2, 1e8];
 
@@ -37,8 +42,8 @@ struct State {
     gradients: Gradients,
     /// Model of the second derivatives of the Lagrangian.
     hessian: Vec<Vec<f64>>,
-    /// Nothing was learned about curvatures yet.
-    fresh: bool,
+    /// Steps and changes of the Lagrangian's gradient along them, of which it is made; none: nothing was learned about curvatures yet.
+    learned: VecDeque<(Vec<f64>, Vec<f64>)>,
     /// Of the constraints' violations in the merit.
     penalties: Vec<f64>,
     /// Longest step of a variable that is tried: finite near points without values, so that not every search runs into them.
@@ -65,8 +70,8 @@ impl Optimizer for Sqp {
         };
         let penalties = vec![0.0; course.constraints().len()];
         let hessian = Vec::new();
-        let (x, fresh, reach) = (start.to_vec(), false, f64::INFINITY);
-        let mut state = State { x, values, gradients, hessian, fresh, penalties, reach };
+        let (x, learned, reach) = (start.to_vec(), VecDeque::new(), f64::INFINITY);
+        let mut state = State { x, values, gradients, hessian, learned, penalties, reach };
         state.forget();
         // points that are reached have values
         iterations(course, &mut state).unwrap_or(Reason::Stopped)
@@ -78,7 +83,7 @@ fn iterations(course: &mut Course, state: &mut State) -> Result<Reason, NoValue>
     let mut end = course.reach(&state.x)?;
     while end.is_none() {
         let Some(direction) = state.direction(course, &state.values.constraints) else {
-            if state.fresh {
+            if state.learned.is_empty() {
                 return Ok(Reason::Stalled);
             }
             state.forget();
@@ -103,7 +108,7 @@ fn iterations(course: &mut Course, state: &mut State) -> Result<Reason, NoValue>
                 (state.x, state.values, state.gradients) = (x, values, gradients);
                 end = course.reach(&state.x)?;
             }
-            None if state.fresh => return Ok(Reason::Stalled),
+            None if state.learned.is_empty() => return Ok(Reason::Stalled),
             None => state.forget(),
         }
     }
@@ -133,8 +138,8 @@ impl State {
         let n = self.x.len();
         let steepest = self.gradients.objective.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
         let size = (steepest / FIRST_STEP).max(1.0);
-        self.hessian = (0..n).map(|i| (0..n).map(|j| if i == j { size } else { 0.0 }).collect()).collect();
-        self.fresh = true;
+        self.learned.clear();
+        self.hessian = multiple_of_identity(n, size);
     }
 
     /// The minimum of the model on linearized constraints of the values `offsets`, relaxed where they contradict each other.
@@ -280,29 +285,50 @@ impl State {
         let step: Vec<f64> = x.iter().zip(&self.x).map(|(new, old)| new - old).collect();
         let mut change: Vec<f64> = (0..n).map(|i| of_lagrangian(gradients, i) - of_lagrangian(&self.gradients, i)).collect();
         let curvature = dot(&step, &change);
-        if self.fresh && curvature > 0.0 {
-            // before the first update the matrix takes the size of the curvature just seen
-            let size = dot(&change, &change) / curvature;
-            (0..n).for_each(|i| self.hessian[i][i] = size);
-        }
-        self.fresh = false;
-        let turned: Vec<f64> = self.hessian.iter().map(|row| dot(row, &step)).collect();
-        let modelled = dot(&step, &turned);
+        let modelled = dot(&step, &turned(&self.hessian, &step));
         if !(modelled > 0.0) {
             return;
         }
+        if curvature > 0.0 {
+            // along directions that no step has taken yet: the mean of both usual estimates, |y|^2 / s . y and s . y / |s|^2
+            let size = (dot(&change, &change) / dot(&step, &step)).sqrt();
+            self.hessian = multiple_of_identity(n, size);
+            for (step, change) in &self.learned {
+                update(&mut self.hessian, step, change);
+            }
+        }
+        let of_model = turned(&self.hessian, &step);
+        let modelled = dot(&step, &of_model);
         if curvature < 0.2 * modelled {
             // mixed with the model's own so that the matrix stays positive definite
             let share = 0.8 * modelled / (modelled - curvature);
-            for (change, turned) in change.iter_mut().zip(&turned) {
+            for (change, turned) in change.iter_mut().zip(&of_model) {
                 *change = share * *change + (1.0 - share) * turned;
             }
         }
-        let curvature = dot(&step, &change);
-        for i in 0..n {
-            for j in 0..n {
-                self.hessian[i][j] += change[i] * change[j] / curvature - turned[i] * turned[j] / modelled;
-            }
+        update(&mut self.hessian, &step, &change);
+        if self.learned.len() == REMEMBERED {
+            self.learned.pop_front();
+        }
+        self.learned.push_back((step, change));
+    }
+}
+
+fn multiple_of_identity(n: usize, size: f64) -> Vec<Vec<f64>> {
+    (0..n).map(|i| (0..n).map(|j| if i == j { size } else { 0.0 }).collect()).collect()
+}
+
+fn turned(matrix: &[Vec<f64>], step: &[f64]) -> Vec<f64> {
+    matrix.iter().map(|row| dot(row, step)).collect()
+}
+
+/// Updates a matrix so that it takes a step to a change of the gradient.
+fn update(matrix: &mut [Vec<f64>], step: &[f64], change: &[f64]) {
+    let turned = turned(matrix, step);
+    let (modelled, curvature) = (dot(step, &turned), dot(step, change));
+    for (i, row) in matrix.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry += change[i] * change[j] / curvature - turned[i] * turned[j] / modelled;
         }
     }
 }
