@@ -25,9 +25,9 @@ pub fn seconds(history: &DesignHistory) -> f64 {
     work.simulation_seconds + work.gradient_seconds
 }
 
-/// Time of an iteration [s].
-pub fn seconds_an_iteration(optimized: &Optimized) -> f64 {
-    seconds(&optimized.history) / optimized.ended.iterations.max(1) as f64
+/// Time of a gradient with the simulations of its line search [s]: the first design and every iteration have one.
+pub fn seconds_a_gradient(optimized: &Optimized) -> f64 {
+    seconds(&optimized.history) / (optimized.ended.iterations + 1) as f64
 }
 
 /// What `value` is after each iteration.
