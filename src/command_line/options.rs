@@ -5,6 +5,7 @@ use costate::design::{DesignVariable, check_design};
 use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
 };
+use costate::linalg::Backend;
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::path::PathBuf;
 
@@ -49,6 +50,9 @@ pub struct SceneOptions {
     /// When Newton's method stops: at round-off, or by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy
     #[arg(long, value_name = "RULE", default_value = NewtonTolerance::default().name())]
     newton: String,
+    /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, sparse, left-looking, multifrontal
+    #[arg(long, value_name = "NAME", default_value = Backend::default().name())]
+    solver: String,
     /// Change a design variable; may be given once for each
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -184,6 +188,10 @@ impl SceneOptions {
             let known = NewtonTolerance::ALL.map(|rule| rule.name().to_string());
             Failure::input(unknown("--newton", &self.newton, &known))
         })?;
+        method.backend = Backend::ALL.into_iter().find(|backend| backend.name() == self.solver).ok_or_else(|| {
+            let known = Backend::ALL.map(|backend| backend.name().to_string());
+            Failure::input(unknown("--solver", &self.solver, &known))
+        })?;
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;
@@ -228,5 +236,6 @@ mod tests {
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(help.contains(STATIC_TABLE) && help.contains(&format!("else {DEFAULT_TABLE}")), "{help}");
         assert!(help.contains(&levels) && help.contains(&methods), "{help}");
+        assert!(Backend::ALL.iter().all(|backend| help.contains(backend.name())), "{help}");
     }
 }

@@ -6,6 +6,7 @@ use super::results::{Results, check_folder};
 use costate::history::{Observer, Usage};
 use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepRecord};
 use costate::io::{Cell, Progress, Table};
+use costate::linalg::SolverPlan;
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
 use serde_json::{Map, Value, json};
@@ -58,7 +59,7 @@ impl Observer for Watched<'_, '_> {
 pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulation, Failure> {
     let folder = options.folder();
     check_folder(&folder)?;
-    announce(prepared);
+    announce(prepared)?;
     let guard = Guard::new();
     let marks = if prepared.control.is_some() { MARKS } else { prepared.grid.steps() as f64 };
     let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];
@@ -82,7 +83,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
 }
 
 /// Says what will be simulated.
-fn announce(prepared: &Prepared) {
+fn announce(prepared: &Prepared) -> Result<(), RunError> {
     let Prepared { scene, method, grid, plan, .. } = prepared;
     say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
     let end = grid.times[grid.steps()];
@@ -106,7 +107,11 @@ fn announce(prepared: &Prepared) {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
         say(format_args!("redundant and left out: {}", names.join("; ")));
     }
+    let SolverPlan { backend, unknowns, multiplications, .. } = prepared.linear_solver()?;
+    let work = multiplications.map_or_else(String::new, |number| format!(", {number:.1e} multiplications a factorization"));
+    say(format_args!("linear systems of {}: {} LU{work}", count(unknowns, "unknown"), backend.name()));
     say("");
+    Ok(())
 }
 
 fn not_finite(prepared: &Prepared, forward: &Forward) -> Option<RunError> {

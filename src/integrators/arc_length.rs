@@ -129,11 +129,8 @@ pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, ar
     arc.check(problem.model)?;
     super::start::check_stillness(problem)?;
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let newton = Newton::new(systems.plain, method.tolerance, method.backend).map_err(|singular| RunError::Singular {
-        place: "start".into(),
-        unknown: format!("unknown {}", singular.unknown),
-        hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
-    })?;
+    let newton = Newton::new(systems.plain, method.tolerance, method.backend);
+    let newton = newton.map_err(|singular| RunError::of_pattern("start", singular))?;
     let mut follower = Follower { problem, newton, load_weight: 0.0 };
     let (start, tangent) = follower.start()?;
     let points = vec![PathPoint { slope: tangent.load * follower.load_weight.sqrt(), ..start }];

@@ -1,3 +1,4 @@
+use crate::linalg::Singular;
 use std::fmt;
 
 /// Why a simulation stopped: where, what, how much, what to try.
@@ -74,6 +75,17 @@ pub enum RunError {
         /// Steps finished before.
         steps: usize,
     },
+}
+
+impl RunError {
+    /// A pattern that no numbers could make regular.
+    pub(crate) fn of_pattern(place: &str, singular: Singular) -> Self {
+        RunError::Singular {
+            place: place.into(),
+            unknown: format!("unknown {}", singular.unknown),
+            hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
+        }
+    }
 }
 
 impl fmt::Display for RunError {

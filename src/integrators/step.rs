@@ -82,11 +82,7 @@ fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[
 }
 
 fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
-    Newton::new(system.clone(), method.tolerance, method.backend).map_err(|singular| RunError::Singular {
-        place: "start".into(),
-        unknown: format!("unknown {}", singular.unknown),
-        hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
-    })
+    Newton::new(system.clone(), method.tolerance, method.backend).map_err(|singular| RunError::of_pattern("start", singular))
 }
 
 /// Real unknowns without derivative parts.

@@ -79,11 +79,8 @@ pub fn vibrations(
     }
     super::start::check_stillness(problem)?;
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let newton = Newton::new(systems.plain, method.tolerance, method.backend).map_err(|singular| RunError::Singular {
-        place: PLACE.into(),
-        unknown: format!("unknown {}", singular.unknown),
-        hint: "the pattern of the equations is singular: a coordinate has no equation".into(),
-    })?;
+    let newton = Newton::new(systems.plain, method.tolerance, method.backend);
+    let newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
     let system = newton.system.clone();
     let nodes = system.multiplier_places().iter().flatten().min().copied().unwrap_or(system.size());
     if nodes == 0 {

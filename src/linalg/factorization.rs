@@ -1,18 +1,51 @@
+use super::multifrontal::MultifrontalLu;
 use super::{DenseLu, LeftLookingLu, LinearSolver, Singular, SparseLu, minimum_degree};
 use crate::assembly::SparsePattern;
 
 /// Which solver factors the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// Left-looking where that takes few operations, else dense up to [`DENSE_LIMIT`] unknowns and sparse above.
+    /// Left-looking where that takes few operations, else dense up to [`DENSE_LIMIT`] unknowns and multifrontal above.
     #[default]
     Automatic,
     /// Dense LU.
     Dense,
-    /// Sparse LU with pivots searched at every factorization.
+    /// Sparse LU with pivots searched in all rows at every factorization.
     Sparse,
     /// Sparse LU with pivots kept from factorization to factorization.
     LeftLooking,
+    /// Sparse LU of dense fronts, with pivots searched in each.
+    Multifrontal,
+}
+
+impl Backend {
+    /// All, the choice by size first.
+    pub const ALL: [Backend; 5] =
+        [Backend::Automatic, Backend::Dense, Backend::Sparse, Backend::LeftLooking, Backend::Multifrontal];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Automatic => "automatic",
+            Backend::Dense => "dense",
+            Backend::Sparse => "sparse",
+            Backend::LeftLooking => "left-looking",
+            Backend::Multifrontal => "multifrontal",
+        }
+    }
+}
+
+/// A solver and what its factorizations take, known before the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverPlan {
+    /// The solver; never [`Backend::Automatic`].
+    pub backend: Backend,
+    /// Number of unknowns.
+    pub unknowns: usize,
+    /// Entries of the matrix.
+    pub entries: usize,
+    /// Multiplications of a factorization, where the analysis tells.
+    pub multiplications: Option<f64>,
 }
 
 /// Largest number of unknowns for which the dense solver is chosen.
@@ -30,6 +63,7 @@ const SINGULAR_GROWTH: f64 = 1e14;
 /// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
     pattern: SparsePattern,
+    plan: SolverPlan,
     solver: Box<dyn LinearSolver>,
     scaled: Vec<f64>,
     row_scale: Vec<f64>,
@@ -51,22 +85,33 @@ impl Factorization {
     /// # Errors
     /// [`Singular`] if no values could make the pattern regular.
     pub fn new(pattern: &SparsePattern, backend: Backend) -> Result<Self, Singular> {
-        let solver: Box<dyn LinearSolver> = match backend {
-            Backend::Dense => Box::new(DenseLu::new(pattern)),
-            Backend::Sparse => Box::new(SparseLu::new(pattern)?),
-            Backend::LeftLooking | Backend::Automatic => {
-                // dense kernels do several operations in the time of one here
-                let dense = (pattern.size as f64).powi(3) / if pattern.size <= DENSE_LIMIT { 12.0 } else { 3.0 };
-                let limit = if backend == Backend::Automatic { dense.min(LEFT_LOOKING_LIMIT) } else { f64::INFINITY };
-                match minimum_degree(pattern, limit) {
-                    Some(ordering) => Box::new(LeftLookingLu::new(pattern, ordering)),
-                    None if pattern.size <= DENSE_LIMIT => Box::new(DenseLu::new(pattern)),
-                    None => Box::new(SparseLu::new(pattern)?),
-                }
+        let n = pattern.size;
+        let of_dense = (n as f64).powi(3) / 3.0;
+        // dense kernels do several operations in the time of one of a left-looking factorization
+        let as_fast = if n <= DENSE_LIMIT { of_dense / 4.0 } else { LEFT_LOOKING_LIMIT.min(of_dense) };
+        let dense = || (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(of_dense), Backend::Dense);
+        let multifrontal = || {
+            let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
+            let multiplications = 0.5 * solver.analysis().flops;
+            (Box::new(solver) as Box<dyn LinearSolver>, Some(multiplications), Backend::Multifrontal)
+        };
+        let left_looking = |limit: f64| {
+            let ordering = minimum_degree(pattern, limit)?;
+            let multiplications = Some(ordering.multiplications);
+            let solver = Box::new(LeftLookingLu::new(pattern, ordering)) as Box<dyn LinearSolver>;
+            Some((solver, multiplications, Backend::LeftLooking))
+        };
+        let (solver, multiplications, backend) = match backend {
+            Backend::Dense => dense(),
+            Backend::Sparse => (Box::new(SparseLu::new(pattern)?) as Box<dyn LinearSolver>, None, Backend::Sparse),
+            Backend::Multifrontal => multifrontal(),
+            Backend::LeftLooking => left_looking(f64::INFINITY).unwrap_or_else(dense),
+            Backend::Automatic => {
+                left_looking(as_fast).unwrap_or_else(|| if n <= DENSE_LIMIT { dense() } else { multifrontal() })
             }
         };
-        let n = pattern.size;
         Ok(Factorization {
+            plan: SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), multiplications },
             pattern: pattern.clone(),
             solver,
             scaled: vec![0.0; pattern.rows.len()],
@@ -133,6 +178,11 @@ impl Factorization {
             self.followed.clone_from(&self.scaled);
         }
         Ok(!same)
+    }
+
+    /// The solver and what a factorization takes.
+    pub fn plan(&self) -> SolverPlan {
+        self.plan
     }
 
     /// The order of pivots that later factorizations keep, if the solver keeps any.

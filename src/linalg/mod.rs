@@ -7,13 +7,14 @@ mod dense;
 mod eigen;
 mod factorization;
 mod left_looking;
+pub mod multifrontal;
 mod ordering;
 mod rank;
 mod sparse;
 
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
-pub use factorization::{Backend, Factorization};
+pub use factorization::{Backend, Factorization, SolverPlan};
 pub use left_looking::LeftLookingLu;
 pub use ordering::{Ordering, minimum_degree};
 pub use rank::independent_rows;

@@ -6,8 +6,9 @@ use crate::functionals::Functional;
 use crate::history::Keep;
 use crate::integrators::{
     ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, STATIC_TABLE, StartPlan,
-    StepControl, TimeGrid, table_by_name, table_named,
+    StepControl, Systems, TimeGrid, table_by_name, table_named,
 };
+use crate::linalg::{Factorization, SolverPlan};
 use crate::scalar::{Complex, Lanes, Rev, Scalar};
 use crate::sensitivity::Analysis;
 
@@ -166,6 +167,16 @@ impl<'s> Prepared<'s> {
     pub fn problem(&self) -> Problem<'_, f64> {
         let ModelNumbers { p, q, v } = self.mechanism.numbers.clone();
         Problem { model: &self.mechanism.model, p, start: InitialState { q, v } }
+    }
+
+    /// The solver of the linear systems of stages, and what it takes.
+    ///
+    /// # Errors
+    /// [`RunError::Singular`] if no numbers could make the equations regular.
+    pub fn linear_solver(&self) -> Result<SolverPlan, RunError> {
+        let systems = Systems::new(self.model(), &self.method, &self.plan.dropped);
+        let factorization = Factorization::new(&systems.stage.pattern, self.method.backend);
+        factorization.map(|factorization| factorization.plan()).map_err(|singular| RunError::of_pattern("start", singular))
     }
 
     /// The scene's dependence on its design.

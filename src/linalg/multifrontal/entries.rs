@@ -1,0 +1,107 @@
+use super::symbolic::Symbolic;
+use crate::assembly::SparsePattern;
+
+/// Entries of the matrix that stand as a block in a front.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EntryBlock {
+    /// Place of the first entry among the values.
+    pub source: u32,
+    /// Distance of the columns among the values.
+    pub stride: u32,
+    /// First row in the front.
+    pub row: u32,
+    /// First column in the front.
+    pub column: u32,
+    /// Number of rows.
+    pub height: u32,
+    /// Number of columns.
+    pub width: u32,
+}
+
+/// The entries of a pattern by the front that eliminates their row or their column first.
+///
+/// Notes in each front where its blocks stand.
+pub fn entry_blocks(pattern: &SparsePattern, symbolic: &mut Symbolic) -> Vec<EntryBlock> {
+    let mut place = vec![0; symbolic.size];
+    symbolic.order.iter().zip(0u32..).for_each(|(&unknown, own)| place[unknown as usize] = own);
+    let mut front_of = vec![0u32; symbolic.size];
+    for (number, front) in symbolic.fronts.iter().enumerate() {
+        let end = if front.is_schur { front.first + front.others() } else { front.first + front.pivots };
+        front_of[front.first..end].fill(number as u32);
+    }
+
+    // rows and columns are numbered by their places until all blocks are known
+    let (mut blocks, mut owners) = (Vec::<EntryBlock>::new(), Vec::<u32>::new());
+    let (mut before, mut current) = (Vec::<usize>::new(), Vec::<usize>::new());
+    for (column, &unknown) in symbolic.order.iter().enumerate() {
+        let new_front = column == 0 || front_of[column] != front_of[column - 1];
+        std::mem::swap(&mut before, &mut current);
+        current.clear();
+        if new_front {
+            before.clear();
+        }
+        let mut candidates = before.iter().copied();
+        let entries = pattern.column_starts[unknown as usize]..pattern.column_starts[unknown as usize + 1];
+        let mut source = entries.start;
+        while source < entries.end {
+            let row = place[pattern.rows[source]];
+            let front = front_of[row as usize];
+            let follows = |length: usize| {
+                let next = source + length;
+                next < entries.end && {
+                    let next = place[pattern.rows[next]];
+                    next == row + length as u32 && front_of[next as usize] == front
+                }
+            };
+            let mut length = 1;
+            while follows(length) {
+                length += 1;
+            }
+            let owner = front.min(front_of[column]);
+            let candidate = candidates.next();
+            let continued = candidate.filter(|&block| {
+                let EntryBlock { source: first, stride, row: first_row, height, width, .. } = blocks[block];
+                let distance = (source as u32).wrapping_sub(first);
+                let even = if width == 1 { distance < i32::MAX as u32 } else { distance == stride.wrapping_mul(width) };
+                even && first_row == row && height as usize == length && owners[block] == owner
+            });
+            match continued {
+                Some(block) => {
+                    if blocks[block].width == 1 {
+                        blocks[block].stride = source as u32 - blocks[block].source;
+                    }
+                    blocks[block].width += 1;
+                    current.push(block);
+                }
+                None => {
+                    current.push(blocks.len());
+                    owners.push(owner);
+                    let (source, height) = (source as u32, length as u32);
+                    blocks.push(EntryBlock { source, stride: 0, row, column: column as u32, height, width: 1 });
+                }
+            }
+            source += length;
+        }
+    }
+
+    let mut starts = vec![0; symbolic.fronts.len() + 1];
+    owners.iter().for_each(|&owner| starts[owner as usize + 1] += 1);
+    (0..symbolic.fronts.len()).for_each(|front| starts[front + 1] += starts[front]);
+    let mut next = starts.clone();
+    let mut sorted = vec![EntryBlock { source: 0, stride: 0, row: 0, column: 0, height: 0, width: 0 }; blocks.len()];
+    for (block, &owner) in blocks.iter().zip(&owners) {
+        sorted[next[owner as usize]] = *block;
+        next[owner as usize] += 1;
+    }
+    let mut local = place;
+    for number in 0..symbolic.fronts.len() {
+        symbolic.number_rows(&symbolic.fronts[number], &mut local);
+        let own = starts[number]..starts[number + 1];
+        for block in &mut sorted[own.clone()] {
+            block.row = local[block.row as usize];
+            block.column = local[block.column as usize];
+        }
+        symbolic.fronts[number].entries = own;
+    }
+    sorted
+}

@@ -1,0 +1,277 @@
+//! One front: assembly of entries and contributions, elimination, and the contribution to the front above.
+
+use super::entries::EntryBlock;
+use super::factors::{FrontStorage, Part};
+use super::kernels::{Target, solve_unit_lower, subtract_product};
+use super::pivots::PivotBlock;
+use super::symbolic::{Run, Symbolic};
+use super::wide::{Job, widest};
+use crate::linalg::Singular;
+use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef, Par};
+
+/// What a front leaves to the one above: a square matrix, the rows of delayed pivots first, column by column.
+#[derive(Clone, Copy)]
+pub struct Contribution<'c> {
+    /// Number of the front.
+    pub front: usize,
+    /// Places of the rows whose pivots are delayed.
+    pub delayed_rows: &'c [u32],
+    /// Places of the columns whose pivots are delayed.
+    pub delayed_columns: &'c [u32],
+    /// The matrix.
+    pub values: &'c [f64],
+}
+
+/// Lists that are used in one front after the other.
+#[derive(Default)]
+pub struct Workspace {
+    runs: Vec<Run>,
+    run_starts: Vec<usize>,
+    selected: Vec<Run>,
+    exchanges: Vec<(u32, u32)>,
+    subtracted: Vec<u32>,
+}
+
+/// Where contributions go.
+pub trait Output {
+    /// A place for some numbers, whatever they are.
+    fn space(&mut self, length: usize) -> &mut [f64];
+}
+
+impl Output for Vec<f64> {
+    fn space(&mut self, length: usize) -> &mut [f64] {
+        self.resize(length.max(self.len()), 0.0);
+        &mut self[..length]
+    }
+}
+
+/// Assembles and factors a front, and writes its contribution.
+///
+/// # Errors
+/// [`Singular`] with the column that has no pivot, if the front is a last one.
+pub fn factor_front(
+    symbolic: &Symbolic,
+    number: usize,
+    values: &[f64],
+    part: &mut Part<'_>,
+    children: &[Contribution<'_>],
+    output: &mut impl Output,
+    workspace: &mut Workspace,
+    par: Par,
+) -> Result<(), Singular> {
+    let front = &symbolic.fronts[number];
+    let delayed: usize = children.iter().map(|child| child.delayed_rows.len()).sum();
+    let FrontStorage { lower, upper, rows, columns } = part.prepare(symbolic, number, delayed);
+    let (summed, others) = (rows.len(), front.others());
+    let size = summed + others;
+    let blocks = &symbolic.entries[front.entries.clone()];
+    widest(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
+
+    let Workspace { runs, run_starts, selected, exchanges, subtracted } = workspace;
+    runs.clear();
+    run_starts.clear();
+    let mut next = front.pivots;
+    for child in children {
+        run_starts.push(runs.len());
+        let own_delayed = child.delayed_rows.len();
+        if own_delayed > 0 {
+            rows[next..next + own_delayed].copy_from_slice(child.delayed_rows);
+            columns[next..next + own_delayed].copy_from_slice(child.delayed_columns);
+            runs.push(Run { from: 0, to: next as u32, length: own_delayed as u32 });
+            next += own_delayed;
+        }
+        let shifted = |run: &Run| {
+            let shift = if run.to as usize >= front.pivots { delayed } else { 0 };
+            Run { from: run.from + own_delayed as u32, to: run.to + shift as u32, length: run.length }
+        };
+        runs.extend(symbolic.extensions[symbolic.fronts[child.front].extensions.clone()].iter().map(shifted));
+    }
+    run_starts.push(runs.len());
+    for (child, bounds) in children.iter().zip(run_starts.windows(2)) {
+        let runs = &runs[bounds[0]..bounds[1]];
+        widest(ExtendPivots { runs, selected, source: child.values, lower, upper, summed, size });
+    }
+
+    exchanges.clear();
+    let mut block =
+        PivotBlock { values: &mut *lower, size, rows, columns, exchanges, subtracted, is_last: front.is_last(), par };
+    let found = block.eliminate();
+    if found < summed && front.is_last() {
+        return Err(Singular { unknown: symbolic.order[columns[found] as usize] as usize });
+    }
+    for column in upper.chunks_exact_mut(summed.max(1)) {
+        exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
+    }
+    let lower = MatRef::from_column_major_slice(&*lower, size, summed);
+    let (mut upper, upper_delayed) = MatMut::from_column_major_slice_mut(upper, summed, others).split_at_row_mut(found);
+    solve_unit_lower(lower.submatrix(0, 0, found, found), upper.rb_mut(), par);
+
+    let left = summed - found;
+    let order = left + others;
+    let contribution = output.space(order * order);
+    let mut matrix = MatMut::from_column_major_slice_mut(&mut *contribution, order, order);
+    matrix.rb_mut().subcols_mut(0, left).copy_from(lower.submatrix(found, found, order, left));
+    let (top, bottom) = matrix.subcols_mut(left, others).split_at_row_mut(left);
+    if left > 0 {
+        let mut top = top;
+        top.copy_from(&upper_delayed);
+        subtract_product(top, Target::Reduced, lower.submatrix(found, 0, left, found), upper.as_ref(), par);
+    }
+    subtract_product(bottom, Target::Replaced, lower.submatrix(summed, 0, others, found), upper.as_ref(), par);
+    for (child, bounds) in children.iter().zip(run_starts.windows(2)) {
+        let runs = &runs[bounds[0]..bounds[1]];
+        widest(ExtendOthers { runs, selected, source: child.values, target: contribution, summed, left, order });
+    }
+    if front.is_schur {
+        add_kept(blocks, values, contribution, left, order);
+    }
+    part.set_eliminated(number, found);
+    Ok(())
+}
+
+/// target += source, without a loop for the unknowns of one or two nodes.
+#[inline(always)]
+fn add(target: &mut [f64], source: &[f64]) {
+    #[inline(always)]
+    fn of<const W: usize>(target: &mut [f64], source: &[f64]) {
+        if let (Some(target), Some(source)) = (target.first_chunk_mut::<W>(), source.first_chunk::<W>()) {
+            for i in 0..W {
+                target[i] += source[i];
+            }
+        }
+    }
+    match source.len() {
+        1 => of::<1>(target, source),
+        2 => of::<2>(target, source),
+        3 => of::<3>(target, source),
+        6 => of::<6>(target, source),
+        12 => of::<12>(target, source),
+        _ => target.iter_mut().zip(source).for_each(|(target, source)| *target += source),
+    }
+}
+
+/// Adds entries of the matrix to the columns and rows of pivots.
+struct AddEntries<'j> {
+    blocks: &'j [EntryBlock],
+    values: &'j [f64],
+    pivots: usize,
+    delayed: usize,
+    lower: &'j mut [f64],
+    upper: &'j mut [f64],
+    size: usize,
+}
+
+impl Job for AddEntries<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let AddEntries { blocks, values, pivots, delayed, lower, upper, size } = self;
+        for block in blocks {
+            let (row, column) = (block.row as usize, block.column as usize);
+            if row >= pivots && column >= pivots {
+                continue;
+            }
+            let (target, stride) = if column < pivots {
+                let row = if row < pivots { row } else { row + delayed };
+                (&mut lower[row + column * size..], size)
+            } else {
+                let summed = pivots + delayed;
+                (&mut upper[row + (column - pivots) * summed..], summed)
+            };
+            let (source, height) = (&values[block.source as usize..], block.height as usize);
+            for column in 0..block.width as usize {
+                let source = &source[column * block.stride as usize..][..height];
+                add(&mut target[column * stride..][..height], source);
+            }
+        }
+    }
+}
+
+/// Adds entries of the matrix that belong to kept unknowns alone.
+fn add_kept(blocks: &[EntryBlock], values: &[f64], target: &mut [f64], first: usize, order: usize) {
+    for block in blocks {
+        for column in 0..block.width as usize {
+            let source = &values[block.source as usize + column * block.stride as usize..][..block.height as usize];
+            let start = first + block.row as usize + (first + block.column as usize + column) * order;
+            add(&mut target[start..][..block.height as usize], source);
+        }
+    }
+}
+
+/// Adds a contribution to the columns and rows whose pivots are looked for.
+struct ExtendPivots<'j> {
+    runs: &'j [Run],
+    selected: &'j mut Vec<Run>,
+    source: &'j [f64],
+    lower: &'j mut [f64],
+    upper: &'j mut [f64],
+    summed: usize,
+    size: usize,
+}
+
+impl Job for ExtendPivots<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let ExtendPivots { runs, selected, source, lower, upper, summed, size } = self;
+        let order: usize = runs.iter().map(|run| run.length as usize).sum();
+        selected.clear();
+        selected.extend(runs.iter().filter(|run| (run.to as usize) < summed));
+        for columns in runs {
+            let (target, stride, runs) = if (columns.to as usize) < summed {
+                (&mut lower[columns.to as usize * size..], size, runs)
+            } else {
+                (&mut upper[(columns.to as usize - summed) * summed..], summed, &selected[..])
+            };
+            extend(runs, *columns, source, order, target, stride, 0);
+        }
+    }
+}
+
+/// Adds a contribution to the contribution of the front that takes it up.
+struct ExtendOthers<'j> {
+    runs: &'j [Run],
+    selected: &'j mut Vec<Run>,
+    source: &'j [f64],
+    target: &'j mut [f64],
+    summed: usize,
+    left: usize,
+    order: usize,
+}
+
+impl Job for ExtendOthers<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let ExtendOthers { runs, selected, source, target, summed, left, order } = self;
+        let source_order: usize = runs.iter().map(|run| run.length as usize).sum();
+        selected.clear();
+        selected.extend(runs.iter().filter(|run| run.to as usize >= summed));
+        for columns in &*selected {
+            let target = &mut target[(columns.to as usize - summed + left) * order..];
+            extend(selected, *columns, source, source_order, target, order, summed - left);
+        }
+    }
+}
+
+/// Adds some rows of some columns; `target` starts at the first of the columns and `first_row`.
+#[inline(always)]
+fn extend(
+    runs: &[Run],
+    columns: Run,
+    source: &[f64],
+    source_stride: usize,
+    target: &mut [f64],
+    stride: usize,
+    first_row: usize,
+) {
+    for column in 0..columns.length as usize {
+        let source = &source[(columns.from as usize + column) * source_stride..][..source_stride];
+        let target = &mut target[column * stride..][..stride];
+        for run in runs {
+            let length = run.length as usize;
+            add(&mut target[run.to as usize - first_row..][..length], &source[run.from as usize..][..length]);
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Multifrontal LU with nested dissection: for large meshes, where dense matrices of neighbouring unknowns carry the arithmetic.
+//!
+//! ```text
+//! pattern -> graph -> dissection -> elimination tree -> supernodes -> symbolic        (once)
+//! values  -> fronts in the order of the tree, pivots in each -> factors -> substitution
+//! ```
+//!
+//! The pattern of A + A^T is eliminated, the values are unsymmetric. Pivots are searched among the unknowns of a front; those
+//! without an acceptable one are delayed to the front above.
+//!
+//! Source: Duff & Reid (1983, 1984); Liu (1992), The multifrontal method for sparse matrix solution.
+
+mod dissection;
+mod elimination_tree;
+mod entries;
+mod factors;
+mod front;
+mod graph;
+mod kernels;
+mod multifrontal_lu;
+mod pivots;
+mod refined;
+mod schur;
+mod substitution;
+mod supernodes;
+mod symbolic;
+mod traversal;
+mod wide;
+
+#[cfg(test)]
+mod test_matrices;
+
+pub use multifrontal_lu::MultifrontalLu;
+pub use refined::{BACKWARD_ERROR, Refined, Refinement, Stop};
+pub use schur::SchurComplement;
+pub use substitution::Side;
+pub use symbolic::Analysis;

@@ -1,0 +1,306 @@
+//! Solutions with the factors, front by front, for any number of right-hand sides.
+
+use super::factors::{Factors, FrontFactors};
+use super::kernels::{dot, subtract_columns};
+use super::symbolic::Symbolic;
+use super::wide::{Job, widest};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve as triangular;
+use faer::prelude::ReborrowMut;
+use faer::{Accum, MatMut, Par};
+use std::ops::Range;
+
+/// Which of the two systems is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// A x = b.
+    Plain,
+    /// A^T x = b.
+    Transposed,
+}
+
+/// Right-hand sides that are solved at once.
+pub const BLOCK: usize = 32;
+
+/// Vectors in the order of elimination: residuals that turn into intermediate results, and solutions.
+#[derive(Default)]
+pub struct Substitution {
+    residual: Vec<f64>,
+    solution: Vec<f64>,
+    front: Vec<f64>,
+}
+
+impl Substitution {
+    /// Replaces right-hand sides, column by column, by solutions; kept unknowns are left out of both.
+    pub fn solve(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, rhs: &mut [f64]) {
+        let all = 0..symbolic.fronts.len();
+        for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
+            self.load(symbolic, block);
+            self.forward(symbolic, factors, side, all.clone());
+            self.backward(symbolic, factors, side, all.clone());
+            self.store(symbolic, block);
+        }
+    }
+
+    /// Takes right-hand sides over.
+    pub fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+        self.residual.resize(rhs.len(), 0.0);
+        self.solution.resize(rhs.len(), 0.0);
+        let columns = self.residual.chunks_exact_mut(symbolic.size.max(1)).zip(rhs.chunks_exact(symbolic.size.max(1)));
+        for (residual, rhs) in columns {
+            residual.iter_mut().zip(&symbolic.order).for_each(|(own, &unknown)| *own = rhs[unknown as usize]);
+        }
+    }
+
+    /// Gives solutions out.
+    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
+        let columns = self.solution.chunks_exact(symbolic.size.max(1)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
+        for (solution, rhs) in columns {
+            solution.iter().zip(&symbolic.order).for_each(|(own, &unknown)| rhs[unknown as usize] = *own);
+        }
+    }
+
+    /// Residuals at some places: what is left of right-hand sides.
+    pub fn residual(&mut self) -> &mut [f64] {
+        &mut self.residual
+    }
+
+    /// Solutions.
+    pub fn solution(&mut self) -> &mut [f64] {
+        &mut self.solution
+    }
+
+    /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows).
+    pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+        let Substitution { residual, solution, front } = self;
+        if residual.len() == symbolic.size {
+            return widest(ForwardOne { symbolic, factors, side, fronts, residual, solution, front });
+        }
+        for number in fronts {
+            let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
+            let columns = lists.gather(residual, symbolic.size, front);
+            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+            let order = lists.len();
+            let (mut own, mut rest) =
+                MatMut::from_column_major_slice_mut(front, order, columns).split_at_row_mut(eliminated);
+            let square = lower.submatrix(0, 0, eliminated, eliminated);
+            let left = rows.len() - eliminated;
+            match side {
+                Side::Plain => {
+                    triangular::solve_unit_lower_triangular_in_place(square, own.rb_mut(), Par::Seq);
+                    let below = lower.submatrix(eliminated, 0, order - eliminated, eliminated);
+                    matmul(rest, Accum::Add, below, own.as_ref(), -1.0, Par::Seq);
+                }
+                Side::Transposed => {
+                    triangular::solve_lower_triangular_in_place(square.transpose(), own.rb_mut(), Par::Seq);
+                    let (delayed, others) = rest.rb_mut().split_at_row_mut(left);
+                    let beside = lower.submatrix(0, eliminated, eliminated, left);
+                    matmul(delayed, Accum::Add, beside.transpose(), own.as_ref(), -1.0, Par::Seq);
+                    let beside = upper.subrows(0, eliminated);
+                    matmul(others, Accum::Add, beside.transpose(), own.as_ref(), -1.0, Par::Seq);
+                }
+            }
+            for (values, (residual, solution)) in front
+                .chunks_exact(order.max(1))
+                .zip(residual.chunks_mut(symbolic.size).zip(solution.chunks_mut(symbolic.size)))
+            {
+                lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
+                lists.rest().zip(&values[eliminated..]).for_each(|(place, value)| residual[place] = *value);
+            }
+        }
+    }
+
+    /// U x = y, or L^T x = y, in place of y.
+    pub fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+        let Substitution { solution, front, .. } = self;
+        if solution.len() == symbolic.size {
+            return widest(BackwardOne { symbolic, factors, side, fronts, solution, front });
+        }
+        for number in fronts.rev() {
+            let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
+            let columns = lists.gather(solution, symbolic.size, front);
+            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+            let order = lists.len();
+            let (mut own, rest) = MatMut::from_column_major_slice_mut(front, order, columns).split_at_row_mut(eliminated);
+            let rest = rest.as_ref();
+            let square = lower.submatrix(0, 0, eliminated, eliminated);
+            let left = rows.len() - eliminated;
+            match side {
+                Side::Plain => {
+                    let beside = lower.submatrix(0, eliminated, eliminated, left);
+                    matmul(own.rb_mut(), Accum::Add, beside, rest.subrows(0, left), -1.0, Par::Seq);
+                    let (beside, others) = (upper.subrows(0, eliminated), rest.subrows(left, order - eliminated - left));
+                    matmul(own.rb_mut(), Accum::Add, beside, others, -1.0, Par::Seq);
+                    triangular::solve_upper_triangular_in_place(square, own, Par::Seq);
+                }
+                Side::Transposed => {
+                    let below = lower.submatrix(eliminated, 0, order - eliminated, eliminated);
+                    matmul(own.rb_mut(), Accum::Add, below.transpose(), rest, -1.0, Par::Seq);
+                    triangular::solve_unit_upper_triangular_in_place(square.transpose(), own, Par::Seq);
+                }
+            }
+            for (values, solution) in front.chunks_exact(order.max(1)).zip(solution.chunks_mut(symbolic.size)) {
+                lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
+            }
+        }
+    }
+}
+
+/// Where the rows of a front stand in the vectors.
+#[derive(Clone, Copy)]
+struct Lists<'l> {
+    factors: FrontFactors<'l>,
+    /// Of the equations.
+    given: &'l [u32],
+    /// Of the unknowns that the pivots of these equations determine.
+    own: &'l [u32],
+    others: &'l [u32],
+}
+
+impl<'l> Lists<'l> {
+    #[inline(always)]
+    fn new(symbolic: &'l Symbolic, front: usize, factors: FrontFactors<'l>, side: Side) -> Self {
+        let (given, own) = match side {
+            Side::Plain => (factors.rows, factors.columns),
+            Side::Transposed => (factors.columns, factors.rows),
+        };
+        Lists { factors, given, own, others: &symbolic.rows[symbolic.fronts[front].rows.clone()] }
+    }
+
+    /// Of the unknowns.
+    #[inline(always)]
+    fn swapped(self) -> Self {
+        Lists { given: self.own, ..self }
+    }
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.given.len() + self.others.len()
+    }
+
+    #[inline(always)]
+    fn rest(&self) -> impl Iterator<Item = usize> {
+        self.given[self.factors.eliminated..].iter().chain(self.others).map(|&place| place as usize)
+    }
+
+    /// Copies the rows of the front out of vectors; returns the number of vectors.
+    fn gather(&self, vectors: &[f64], size: usize, front: &mut Vec<f64>) -> usize {
+        front.clear();
+        for vector in vectors.chunks_exact(size.max(1)) {
+            front.extend(self.given.iter().chain(self.others).map(|&place| vector[place as usize]));
+        }
+        vectors.len() / size.max(1)
+    }
+}
+
+struct ForwardOne<'j> {
+    symbolic: &'j Symbolic,
+    factors: &'j Factors,
+    side: Side,
+    fronts: Range<usize>,
+    residual: &'j mut [f64],
+    solution: &'j mut [f64],
+    front: &'j mut Vec<f64>,
+}
+
+impl Job for ForwardOne<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let ForwardOne { symbolic, factors, side, fronts, residual, solution, front } = self;
+        for number in fronts {
+            let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
+            lists.gather(residual, symbolic.size, front);
+            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+            let (own, rest) = front.split_at_mut(eliminated);
+            match side {
+                Side::Plain => {
+                    for pivot in 0..eliminated {
+                        let known = own[pivot];
+                        let column = &column(lower, pivot)[pivot + 1..eliminated];
+                        own[pivot + 1..].iter_mut().zip(column).for_each(|(value, l)| *value -= l * known);
+                    }
+                    if eliminated > 0 && !rest.is_empty() {
+                        subtract_columns::<FUSED>(&block(lower)[eliminated..], lower.nrows(), own, rest);
+                    }
+                }
+                Side::Transposed => {
+                    for pivot in 0..eliminated {
+                        let column = column(lower, pivot);
+                        own[pivot] = (own[pivot] - dot::<FUSED>(&column[..pivot], &own[..pivot])) / column[pivot];
+                    }
+                    let (delayed, others) = rest.split_at_mut(rows.len() - eliminated);
+                    for (index, value) in delayed.iter_mut().enumerate() {
+                        *value -= dot::<FUSED>(&column(lower, eliminated + index)[..eliminated], own);
+                    }
+                    for (index, value) in others.iter_mut().enumerate() {
+                        *value -= dot::<FUSED>(&column(upper, index)[..eliminated], own);
+                    }
+                }
+            }
+            lists.own.iter().zip(&*own).for_each(|(&place, value)| solution[place as usize] = *value);
+            lists.rest().zip(&*rest).for_each(|(place, value)| residual[place] = *value);
+        }
+    }
+}
+
+struct BackwardOne<'j> {
+    symbolic: &'j Symbolic,
+    factors: &'j Factors,
+    side: Side,
+    fronts: Range<usize>,
+    solution: &'j mut [f64],
+    front: &'j mut Vec<f64>,
+}
+
+impl Job for BackwardOne<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let BackwardOne { symbolic, factors, side, fronts, solution, front } = self;
+        for number in fronts.rev() {
+            let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
+            lists.gather(solution, symbolic.size, front);
+            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+            let (own, rest) = front.split_at_mut(eliminated);
+            match side {
+                Side::Plain => {
+                    let (delayed, others) = rest.split_at(rows.len() - eliminated);
+                    if eliminated > 0 && !delayed.is_empty() {
+                        let beside = &block(lower)[eliminated * lower.nrows()..];
+                        subtract_columns::<FUSED>(beside, lower.nrows(), delayed, own);
+                    }
+                    if eliminated > 0 && !others.is_empty() {
+                        subtract_columns::<FUSED>(block(upper), upper.nrows(), others, own);
+                    }
+                    for pivot in (0..eliminated).rev() {
+                        let column = column(lower, pivot);
+                        own[pivot] /= column[pivot];
+                        let known = own[pivot];
+                        own[..pivot].iter_mut().zip(column).for_each(|(value, u)| *value -= u * known);
+                    }
+                }
+                Side::Transposed => {
+                    for pivot in (0..eliminated).rev() {
+                        let column = column(lower, pivot);
+                        let later = dot::<FUSED>(&column[pivot + 1..eliminated], &own[pivot + 1..]);
+                        own[pivot] -= later + dot::<FUSED>(&column[eliminated..], rest);
+                    }
+                }
+            }
+            lists.own.iter().zip(&*own).for_each(|(&place, value)| solution[place as usize] = *value);
+        }
+    }
+}
+
+/// All numbers of a matrix that was given as one slice.
+#[inline(always)]
+fn block<'f>(matrix: faer::MatRef<'f, f64>) -> &'f [f64] {
+    // SAFETY: matrices of factors have no gaps between their columns.
+    unsafe { std::slice::from_raw_parts(matrix.as_ptr(), matrix.nrows() * matrix.ncols()) }
+}
+
+#[inline(always)]
+fn column<'f>(matrix: faer::MatRef<'f, f64>, column: usize) -> &'f [f64] {
+    &block(matrix)[column * matrix.nrows()..][..matrix.nrows()]
+}

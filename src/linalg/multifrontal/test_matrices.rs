@@ -1,0 +1,160 @@
+//! Matrices for tests, and a dense elimination to compare with.
+
+use crate::assembly::SparsePattern;
+
+/// Numbers between -1 and 1 without a visible order.
+pub struct Noise(pub u64);
+impl Noise {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+    pub fn below(&mut self, end: usize) -> usize {
+        ((self.next() + 1.0) / 2.0 * end as f64) as usize % end
+    }
+    pub fn vector(&mut self, length: usize) -> Vec<f64> {
+        (0..length).map(|_| self.next()).collect()
+    }
+}
+
+/// LU with complete pivoting, which also knows how far from singular a matrix is.
+pub struct Reference {
+    size: usize,
+    lu: Vec<Vec<f64>>,
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+}
+
+impl Reference {
+    pub fn new(pattern: &SparsePattern, values: &[f64]) -> Self {
+        let size = pattern.size;
+        let mut lu = vec![vec![0.0; size]; size];
+        for column in 0..size {
+            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                lu[pattern.rows[place]][column] = values[place];
+            }
+        }
+        let (mut rows, mut columns): (Vec<_>, Vec<_>) = ((0..size).collect(), (0..size).collect());
+        for k in 0..size {
+            let all = (k..size).flat_map(|i| (k..size).map(move |j| (i, j)));
+            let best = all.max_by(|a, b| lu[a.0][a.1].abs().total_cmp(&lu[b.0][b.1].abs()));
+            let (row, column) = best.expect("not empty");
+            lu.swap(k, row);
+            rows.swap(k, row);
+            lu.iter_mut().for_each(|line| line.swap(k, column));
+            columns.swap(k, column);
+            if lu[k][k] == 0.0 {
+                continue;
+            }
+            for i in k + 1..size {
+                let factor = lu[i][k] / lu[k][k];
+                lu[i][k] = factor;
+                for j in k + 1..size {
+                    lu[i][j] -= factor * lu[k][j];
+                }
+            }
+        }
+        Reference { size, lu, rows, columns }
+    }
+
+    /// The last pivot as a share of the first: about the inverse of the condition number.
+    pub fn distance_from_singular(&self) -> f64 {
+        let pivot = |k: usize| self.lu[k][k].abs();
+        if self.size == 0 { 1.0 } else { pivot(self.size - 1) / pivot(0).max(f64::MIN_POSITIVE) }
+    }
+
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let mut y: Vec<f64> = self.rows.iter().map(|&row| b[row]).collect();
+        for k in 0..self.size {
+            y[k] -= (0..k).map(|j| self.lu[k][j] * y[j]).sum::<f64>();
+        }
+        for k in (0..self.size).rev() {
+            y[k] = (y[k] - (k + 1..self.size).map(|j| self.lu[k][j] * y[j]).sum::<f64>()) / self.lu[k][k];
+        }
+        let mut x = vec![0.0; self.size];
+        y.iter().zip(&self.columns).for_each(|(y, &column)| x[column] = *y);
+        x
+    }
+}
+
+pub fn transposed(pattern: &SparsePattern, values: &[f64]) -> (SparsePattern, Vec<f64>) {
+    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+    for column in 0..pattern.size {
+        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+            entries.push((pattern.rows[place], column, values[place]));
+        }
+    }
+    entries.sort_unstable_by_key(|&(column, row, _)| (column, row));
+    let other = SparsePattern::from_entries(pattern.size, entries.iter().map(|&(column, row, _)| (column, row)).collect());
+    (other, entries.into_iter().map(|(_, _, value)| value).collect())
+}
+
+pub fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let scale = b.iter().fold(f64::MIN_POSITIVE, |s: f64, b| s.max(b.abs()));
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
+}
+
+/// Unknowns in nodes of several, some coupled, with multipliers, in several components; unsymmetric pattern.
+pub fn random_pattern(noise: &mut Noise, nodes: usize, multipliers: usize) -> SparsePattern {
+    let starts: Vec<usize> = (0..=nodes)
+        .scan(0, |next, _| {
+            let start = *next;
+            *next += 1 + noise.below(6);
+            Some(start)
+        })
+        .collect();
+    let unknowns = starts[nodes];
+    let mut entries = Vec::new();
+    let mut couple = |a: usize, b: usize| {
+        for i in starts[a]..starts[a + 1] {
+            entries.extend((starts[b]..starts[b + 1]).map(|j| (i, j)));
+        }
+    };
+    (0..nodes).for_each(|node| couple(node, node));
+    for _ in 0..2 * nodes {
+        let (a, b) = (noise.below(nodes), noise.below(nodes));
+        // two components, as long as no multiplier connects them
+        if a % 2 == b % 2 {
+            couple(a, b);
+            if noise.next() > -0.6 {
+                couple(b, a);
+            }
+        }
+    }
+    for multiplier in unknowns..unknowns + multipliers {
+        for _ in 0..1 + noise.below(4) {
+            let other = noise.below(unknowns);
+            entries.extend([(multiplier, other), (other, multiplier)]);
+        }
+    }
+    SparsePattern::from_entries(unknowns + multipliers, entries)
+}
+
+/// A square grid of elements with nine nodes of six unknowns; multipliers fix the first nodes.
+pub fn shell(side: usize, fixed: usize) -> SparsePattern {
+    let node = |row: usize, column: usize| 6 * (row * side + column);
+    let size = 6 * side * side;
+    let mut entries = Vec::new();
+    for row in (0..side - 1).step_by(2) {
+        for column in (0..side - 1).step_by(2) {
+            let nodes: Vec<usize> = (0..9).map(|k| node(row + k / 3, column + k % 3)).collect();
+            for &a in &nodes {
+                for &b in &nodes {
+                    entries.extend((0..36).map(|k| (a + k / 6, b + k % 6)));
+                }
+            }
+        }
+    }
+    entries.extend((0..fixed).flat_map(|k| [(size + k, k), (k, size + k)]));
+    SparsePattern::from_entries(size + fixed, entries)
+}
+
+/// Positive definite but for round-off and multipliers: each diagonal entry is larger than the sum of its column.
+pub fn dominant(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
+    let mut values = Vec::with_capacity(pattern.rows.len());
+    for column in 0..pattern.size {
+        let rows = &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
+        values.extend(rows.iter().map(|&row| if row == column { rows.len() as f64 } else { noise.next() }));
+    }
+    values
+}

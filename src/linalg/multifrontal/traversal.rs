@@ -1,0 +1,205 @@
+//! The way up the tree of fronts: subtrees one front after the other, and the fronts above them by several threads.
+
+use super::factors::{Factors, Part};
+use super::front::{Contribution, Output, Workspace, factor_front};
+use super::symbolic::Symbolic;
+use crate::linalg::Singular;
+use faer::Par;
+use rayon::prelude::*;
+use smallvec::SmallVec;
+use std::ops::Range;
+
+/// Contributions that wait for the front above, the last one first.
+#[derive(Default)]
+struct Stack {
+    memory: Vec<f64>,
+    height: usize,
+}
+
+impl Output for Stack {
+    fn space(&mut self, length: usize) -> &mut [f64] {
+        let start = self.height;
+        self.height += length;
+        if self.memory.len() < self.height {
+            self.memory.resize(self.height, 0.0);
+        }
+        &mut self.memory[start..self.height]
+    }
+}
+
+/// Fronts that one thread factors, or the one front above other tasks in which threads work together.
+struct Task {
+    fronts: Range<usize>,
+    /// Number of tasks below.
+    below: usize,
+    /// Contributions of fronts of even and of odd depth: those of a front's children then stand on top of one stack while its own
+    /// goes onto the other.
+    stacks: [Stack; 2],
+    workspace: Workspace,
+}
+
+/// Factors fronts in the order of the tree.
+pub struct Traversal {
+    tasks: Vec<Task>,
+    threads: usize,
+}
+
+/// Operations below which a subtree is not worth a task.
+const TASK_FLOPS: f64 = 2e6;
+/// Tasks per thread.
+const TASKS_PER_THREAD: f64 = 8.0;
+
+impl Traversal {
+    /// Divides the fronts among a number of threads.
+    pub fn new(symbolic: &Symbolic, threads: usize) -> Self {
+        let flops = symbolic.subtree_flops();
+        let roots = || (0..symbolic.fronts.len()).filter(|&front| symbolic.fronts[front].parent.is_none());
+        let total: f64 = roots().map(|root| flops[root]).sum();
+        let share = (total / (threads as f64 * TASKS_PER_THREAD)).max(TASK_FLOPS);
+        let mut tasks = Vec::new();
+        if threads <= 1 {
+            tasks.push(Task::new(symbolic, 0..symbolic.fronts.len(), 0));
+        } else {
+            roots().for_each(|root| divide(symbolic, root, &flops, share, &mut tasks));
+        }
+        Traversal { tasks, threads }
+    }
+
+    /// Bytes of waiting contributions at their peak.
+    pub fn bytes(&self) -> usize {
+        let stacks = self.tasks.iter().flat_map(|task| &task.stacks);
+        size_of::<f64>() * stacks.map(|stack| stack.memory.len()).sum::<usize>()
+    }
+
+    /// Factors values given in the order of the pattern.
+    ///
+    /// # Errors
+    /// [`Singular`] with the column that has no pivot.
+    pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
+        if let [task] = &mut self.tasks[..] {
+            return task.factor_subtree(symbolic, values, &mut factors.part());
+        }
+        let (mut running, mut rest) = (Vec::with_capacity(self.tasks.len()), factors.part());
+        for task in &mut self.tasks {
+            let (part, after) = rest.split_at(symbolic, task.fronts.end);
+            running.push(Running { task, part });
+            rest = after;
+        }
+        factor_subtrees(symbolic, values, &mut running, self.threads)
+    }
+
+    /// The contribution of the last front: the Schur complement of kept unknowns.
+    pub fn last_contribution(&self, symbolic: &Symbolic) -> &[f64] {
+        let order = symbolic.fronts.last().map_or(0, |front| front.others());
+        let memory = self.tasks.last().map_or(&[][..], |task| &task.stacks[0].memory[..]);
+        &memory[..order * order]
+    }
+}
+
+fn divide(symbolic: &Symbolic, front: usize, flops: &[f64], share: f64, tasks: &mut Vec<Task>) {
+    let planned = &symbolic.fronts[front];
+    if flops[front] <= share || planned.children.is_empty() {
+        tasks.push(Task::new(symbolic, planned.subtree..front + 1, 0));
+        return;
+    }
+    let before = tasks.len();
+    for &child in &symbolic.children[planned.children.clone()] {
+        divide(symbolic, child as usize, flops, share, tasks);
+    }
+    tasks.push(Task::new(symbolic, front..front + 1, tasks.len() - before));
+}
+
+impl Task {
+    fn new(symbolic: &Symbolic, fronts: Range<usize>, below: usize) -> Self {
+        let peaks = if below == 0 {
+            symbolic.stack_peaks(fronts.clone())
+        } else {
+            let front = &symbolic.fronts[fronts.start];
+            let mut peaks = [0; 2];
+            peaks[front.depth % 2] = front.others().pow(2);
+            peaks
+        };
+        let stacks = peaks.map(|peak| Stack { memory: vec![0.0; peak], height: 0 });
+        Task { fronts, below, stacks, workspace: Workspace::default() }
+    }
+
+    fn factor_subtree(&mut self, symbolic: &Symbolic, values: &[f64], part: &mut Part<'_>) -> Result<(), Singular> {
+        self.stacks.iter_mut().for_each(|stack| stack.height = 0);
+        for number in self.fronts.clone() {
+            let front = &symbolic.fronts[number];
+            let (before, mut own) = part.reborrow().split_at(symbolic, number);
+            let [even, odd] = &mut self.stacks;
+            let (output, waiting) = if front.depth % 2 == 0 { (even, odd) } else { (odd, even) };
+            let mut children: SmallVec<[Contribution<'_>; 8]> = SmallVec::new();
+            let mut end = waiting.height;
+            for &child in symbolic.children[front.children.clone()].iter().rev() {
+                let contribution = contribution(symbolic, &before, child as usize, &waiting.memory, |length| end - length);
+                end -= contribution.values.len();
+                children.push(contribution);
+            }
+            children.reverse();
+            factor_front(symbolic, number, values, &mut own, &children, output, &mut self.workspace, Par::Seq)?;
+            waiting.height = end;
+        }
+        Ok(())
+    }
+}
+
+/// The contribution of a front, which starts in the memory where `start` of its length says.
+fn contribution<'c>(
+    symbolic: &Symbolic,
+    part: &'c Part<'_>,
+    front: usize,
+    memory: &'c [f64],
+    start: impl Fn(usize) -> usize,
+) -> Contribution<'c> {
+    let factors = part.front(symbolic, front);
+    let order = factors.rows.len() - factors.eliminated + symbolic.fronts[front].others();
+    Contribution {
+        front,
+        delayed_rows: &factors.rows[factors.eliminated..],
+        delayed_columns: &factors.columns[factors.eliminated..],
+        values: &memory[start(order * order)..][..order * order],
+    }
+}
+
+struct Running<'r> {
+    task: &'r mut Task,
+    part: Part<'r>,
+}
+
+/// Factors the subtrees of all tasks that no other of them takes up.
+fn factor_subtrees(symbolic: &Symbolic, values: &[f64], tasks: &mut [Running<'_>], threads: usize) -> Result<(), Singular> {
+    let (mut subtrees, mut rest) = (Vec::new(), tasks);
+    while let Some(root) = rest.len().checked_sub(1) {
+        let (others, subtree) = rest.split_at_mut(root - rest[root].task.below);
+        subtrees.push(subtree);
+        rest = others;
+    }
+    let results: Vec<_> =
+        subtrees.into_par_iter().map(|subtree| factor_subtree(symbolic, values, subtree, threads)).collect();
+    results.into_iter().rev().collect()
+}
+
+fn factor_subtree(symbolic: &Symbolic, values: &[f64], tasks: &mut [Running<'_>], threads: usize) -> Result<(), Singular> {
+    let Some((Running { task, part }, below)) = tasks.split_last_mut() else {
+        return Ok(());
+    };
+    if below.is_empty() {
+        return task.factor_subtree(symbolic, values, part);
+    }
+    factor_subtrees(symbolic, values, below, threads)?;
+    let number = task.fronts.start;
+    let of_child = |child: u32| {
+        let child = child as usize;
+        let below = below.iter().find(|running| running.task.fronts.end == child + 1);
+        let Running { task, part } = below.expect("each child ends a task");
+        let memory = &task.stacks[symbolic.fronts[child].depth % 2].memory;
+        contribution(symbolic, part, child, memory, |_| 0)
+    };
+    let children = symbolic.children[symbolic.fronts[number].children.clone()].iter().map(|&child| of_child(child));
+    let children: SmallVec<[Contribution<'_>; 8]> = children.collect();
+    let output = &mut task.stacks[symbolic.fronts[number].depth % 2];
+    output.height = 0;
+    factor_front(symbolic, number, values, part, &children, output, &mut task.workspace, Par::rayon(threads))
+}

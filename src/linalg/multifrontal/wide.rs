@@ -1,0 +1,44 @@
+//! Wide vector instructions, where the processor has them.
+
+/// Work on numbers with lanes. What `run` calls gains only where it is inlined: mark it `#[inline(always)]`.
+pub trait Job {
+    /// Its result.
+    type Output;
+    /// Does the work; `FUSED`: whether a product and a sum are one instruction.
+    fn run<const FUSED: bool>(self) -> Self::Output;
+}
+
+/// Runs a job, compiled for the widest vectors that this processor has.
+#[inline]
+pub fn widest<J: Job>(job: J) -> J::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if std::arch::is_x86_feature_detected!("avx512vl") {
+            // SAFETY: the processor has the instructions.
+            return unsafe { with_avx512(job) };
+        }
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+            // SAFETY: as above.
+            return unsafe { with_avx2(job) };
+        }
+    }
+    job.run::<false>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,fma")]
+fn with_avx512<J: Job>(job: J) -> J::Output {
+    job.run::<true>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn with_avx2<J: Job>(job: J) -> J::Output {
+    job.run::<true>()
+}
+
+/// a b + c.
+#[inline(always)]
+pub fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
+}
