@@ -1,13 +1,12 @@
 use super::quadratic::{NoStep, QuadraticProgram, Step};
 use super::{ConstraintKind, Course, Gradients, NoValue, Optimizer, Reason, Values};
-use std::collections::VecDeque;
 
 /// Sequential quadratic programming: each iteration minimizes a quadratic model of the Lagrangian on linearized constraints, and a
 /// line search on f + sum of penalties times violations takes as much of the step as is good.
 ///
-/// The model's matrix is made of the last steps and the changes of the gradient along them (BFGS) and kept positive definite; along
-/// directions that no step has taken it has the size of the curvature seen last, so that round-off there, as in a symmetric problem's
-/// asymmetry, doesn't grow from step to step; linearized constraints that contradict each other
+/// The model's matrix is made of steps and the changes of the gradient along them (BFGS) and kept positive definite; until there are as
+/// many steps as variables, it has the size of the curvature seen last along directions that no step has taken, so that round-off there, as
+/// in a symmetric problem's asymmetry, hardly grows; linearized constraints that contradict each other
 /// are relaxed together; a full step that curved constraints spoil is corrected once. A point without values is one of infinite
 /// merit, from which the line search steps back. Bounds are never left.
 ///
@@ -30,8 +29,6 @@ const TRIALS: usize = 16;
 const OPTIMAL_SHARE: f64 = 1e-3;
 /// An objective smaller than this, in its scale, is as good as zero.
 const SMALL_OBJECTIVE: f64 = 1e-6;
-/// Steps from which the model is made.
-const REMEMBERED: usize = 100;
 /// Penalty of relaxed constraints: first and last that is tried.
 const RELAXATION: [f64; 2] = [1e2, 1e8];
 
@@ -42,8 +39,9 @@ struct State {
     gradients: Gradients,
     /// Model of the second derivatives of the Lagrangian.
     hessian: Vec<Vec<f64>>,
-    /// Steps and changes of the Lagrangian's gradient along them, of which it is made; none: nothing was learned about curvatures yet.
-    learned: VecDeque<(Vec<f64>, Vec<f64>)>,
+    /// The first steps, as many as there are variables, and the changes of the Lagrangian's gradient along them; none: nothing was
+    /// learned about curvatures yet.
+    learned: Vec<(Vec<f64>, Vec<f64>)>,
     /// Of the constraints' violations in the merit.
     penalties: Vec<f64>,
     /// Longest step of a variable that is tried: finite near points without values, so that not every search runs into them.
@@ -70,7 +68,7 @@ impl Optimizer for Sqp {
         };
         let penalties = vec![0.0; course.constraints().len()];
         let hessian = Vec::new();
-        let (x, learned, reach) = (start.to_vec(), VecDeque::new(), f64::INFINITY);
+        let (x, learned, reach) = (start.to_vec(), Vec::new(), f64::INFINITY);
         let mut state = State { x, values, gradients, hessian, learned, penalties, reach };
         state.forget();
         // points that are reached have values
@@ -289,7 +287,7 @@ impl State {
         if !(modelled > 0.0) {
             return;
         }
-        if curvature > 0.0 {
+        if curvature > 0.0 && self.learned.len() < n {
             // along directions that no step has taken yet: the mean of both usual estimates, |y|^2 / s . y and s . y / |s|^2
             let size = (dot(&change, &change) / dot(&step, &step)).sqrt();
             self.hessian = multiple_of_identity(n, size);
@@ -307,10 +305,9 @@ impl State {
             }
         }
         update(&mut self.hessian, &step, &change);
-        if self.learned.len() == REMEMBERED {
-            self.learned.pop_front();
+        if self.learned.len() < n {
+            self.learned.push((step, change));
         }
-        self.learned.push_back((step, change));
     }
 }
 

@@ -8,6 +8,9 @@ use patterns::{Matrix, Noise, chain, full, shell};
 use std::fs;
 use std::time::Instant;
 
+/// Makes a matrix with about a number of unknowns.
+type Kind = fn(usize) -> Matrix;
+
 /// Direct solvers on matrices of shells, chains and small mechanisms: time, memory and accuracy, on one and two threads.
 pub struct LinearSolvers;
 
@@ -31,7 +34,7 @@ impl Study for LinearSolvers {
         "direct solvers on matrices of shells, chains and small mechanisms: time, memory, accuracy, threads"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let sizes: [(fn(usize) -> Matrix, usize); 7] =
+        let sizes: [(Kind, usize); 7] =
             [(full, 30), (full, 100), (chain, 1_000), (chain, 10_000), (shell, 5_000), (shell, 50_000), (shell, 200_000)];
         for (make, unknowns) in sizes {
             let matrix = make(unknowns);

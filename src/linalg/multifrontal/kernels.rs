@@ -152,6 +152,9 @@ const TRIANGLE: usize = 8;
 /// B <- L^-1 B with a unit lower triangle.
 pub fn solve_unit_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>, par: Par) {
     let size = l.nrows();
+    if size <= 1 {
+        return;
+    }
     if size <= TRIANGLE {
         widest(UnitLower { l, b });
         return;
@@ -184,31 +187,57 @@ impl Job for UnitLower<'_> {
                 negative[p][row] = -unsafe { *l.at(row, p) };
             }
         }
-        for column in 0..columns {
-            // SAFETY: one column of B, which is ours alone.
-            let b = unsafe { std::slice::from_raw_parts_mut(b.at(0, column).cast_mut(), size) };
-            // lengths that the compiler knows
-            match b.len() {
-                6 => unit_lower::<FUSED>(&negative, &mut b[..6]),
-                8 => unit_lower::<FUSED>(&negative, &mut b[..8]),
-                _ => unit_lower::<FUSED>(&negative, b),
+        let mut column = 0;
+        // SAFETY: `size` rows of the columns of B, which is ours alone.
+        unsafe {
+            while column + 4 <= columns {
+                match size {
+                    6 => unit_lower::<FUSED, 4>(&negative, 6, b, column),
+                    8 => unit_lower::<FUSED, 4>(&negative, 8, b, column),
+                    _ => unit_lower::<FUSED, 4>(&negative, size, b, column),
+                }
+                column += 4;
+            }
+            while column < columns {
+                unit_lower::<FUSED, 1>(&negative, size, b, column);
+                column += 1;
             }
         }
     }
 }
 
-/// b <- L^-1 b, given -L below the diagonal by columns.
+/// B <- L^-1 B for some columns, given -L below the diagonal by columns.
+///
+/// # Safety
+/// `size` rows and `W` columns from `column` on are in the matrix.
 #[inline(always)]
-fn unit_lower<const FUSED: bool>(negative: &[[f64; TRIANGLE]; TRIANGLE], b: &mut [f64]) {
-    let mut x = [0.0; TRIANGLE];
-    x.iter_mut().zip(&*b).for_each(|(x, b)| *x = *b);
-    for p in 0..TRIANGLE - 1 {
-        let known = x[p];
-        for row in 0..TRIANGLE {
-            x[row] = multiply_add::<FUSED>(negative[p][row], known, x[row]);
+unsafe fn unit_lower<const FUSED: bool, const W: usize>(
+    negative: &[[f64; TRIANGLE]; TRIANGLE],
+    size: usize,
+    b: Columns,
+    column: usize,
+) {
+    let mut x = [[0.0; TRIANGLE]; W];
+    for w in 0..W {
+        for row in 0..size {
+            // SAFETY: promised by the caller.
+            x[w][row] = unsafe { *b.at(row, column + w) };
         }
     }
-    b.iter_mut().zip(&x).for_each(|(b, x)| *b = *x);
+    for p in 0..size - 1 {
+        for w in 0..W {
+            let known = x[w][p];
+            for row in 0..TRIANGLE {
+                x[w][row] = multiply_add::<FUSED>(negative[p][row], known, x[w][row]);
+            }
+        }
+    }
+    for w in 0..W {
+        for row in 0..size {
+            // SAFETY: promised by the caller.
+            unsafe { *b.at(row, column + w).cast_mut() = x[w][row] };
+        }
+    }
 }
 
 /// y <- y - A x.
@@ -266,5 +295,10 @@ pub fn largest(values: &[f64]) -> f64 {
             lanes[lane] = larger(lanes[lane], chunk[lane].abs());
         }
     }
-    lanes.into_iter().fold(rest, larger)
+    for width in [4, 2, 1] {
+        for lane in 0..width {
+            lanes[lane] = larger(lanes[lane], lanes[lane + width]);
+        }
+    }
+    larger(rest, lanes[0])
 }

@@ -105,7 +105,7 @@ impl Substitution {
                 .zip(residual.chunks_mut(symbolic.size).zip(solution.chunks_mut(symbolic.size)))
             {
                 lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
-                lists.rest().zip(&values[eliminated..]).for_each(|(place, value)| residual[place] = *value);
+                lists.scatter_rest(&values[eliminated..], residual);
             }
         }
     }
@@ -178,16 +178,22 @@ impl<'l> Lists<'l> {
         self.given.len() + self.others.len()
     }
 
+    /// Copies the rows below the pivots back to a vector.
     #[inline(always)]
-    fn rest(&self) -> impl Iterator<Item = usize> {
-        self.given[self.factors.eliminated..].iter().chain(self.others).map(|&place| place as usize)
+    fn scatter_rest(&self, values: &[f64], vector: &mut [f64]) {
+        let delayed = &self.given[self.factors.eliminated..];
+        let (of_delayed, of_others) = values.split_at(delayed.len());
+        delayed.iter().zip(of_delayed).for_each(|(&place, value)| vector[place as usize] = *value);
+        self.others.iter().zip(of_others).for_each(|(&place, value)| vector[place as usize] = *value);
     }
 
     /// Copies the rows of the front out of vectors; returns the number of vectors.
+    #[inline(always)]
     fn gather(&self, vectors: &[f64], size: usize, front: &mut Vec<f64>) -> usize {
         front.clear();
         for vector in vectors.chunks_exact(size.max(1)) {
-            front.extend(self.given.iter().chain(self.others).map(|&place| vector[place as usize]));
+            front.extend(self.given.iter().map(|&place| vector[place as usize]));
+            front.extend(self.others.iter().map(|&place| vector[place as usize]));
         }
         vectors.len() / size.max(1)
     }
@@ -239,7 +245,7 @@ impl Job for ForwardOne<'_> {
                 }
             }
             lists.own.iter().zip(&*own).for_each(|(&place, value)| solution[place as usize] = *value);
-            lists.rest().zip(&*rest).for_each(|(place, value)| residual[place] = *value);
+            lists.scatter_rest(rest, residual);
         }
     }
 }

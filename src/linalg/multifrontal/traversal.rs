@@ -47,7 +47,7 @@ pub struct Traversal {
 /// Operations below which a subtree is not worth a task.
 const TASK_FLOPS: f64 = 2e6;
 /// Tasks per thread.
-const TASKS_PER_THREAD: f64 = 8.0;
+const TASKS_PER_THREAD: f64 = 4.0;
 
 impl Traversal {
     /// Divides the fronts among a number of threads.
@@ -129,7 +129,7 @@ impl Task {
             let front = &symbolic.fronts[number];
             let (before, mut own) = part.reborrow().split_at(symbolic, number);
             let [even, odd] = &mut self.stacks;
-            let (output, waiting) = if front.depth % 2 == 0 { (even, odd) } else { (odd, even) };
+            let (output, waiting) = if front.depth.is_multiple_of(2) { (even, odd) } else { (odd, even) };
             let mut children: SmallVec<[Contribution<'_>; 8]> = SmallVec::new();
             let mut end = waiting.height;
             for &child in symbolic.children[front.children.clone()].iter().rev() {
