@@ -89,7 +89,7 @@ fn functionals_and_long_chains_allocate_nothing() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().expect("a pool of one thread");
     pool.install(|| {
         let chain = Chain { bodies: 300, variables: ChainVariables::Common };
-        let scenes: [&dyn AnyScene; 3] = [&chain, &FiveBar, &HeavyTop];
+        let scenes: [&dyn AnyScene; 3] = [&chain, FiveBar.as_ref(), HeavyTop.as_ref()];
         for scene in scenes {
             of_values(scene, 2 * STEPS);
             let [short, long] = [STEPS, 2 * STEPS].map(|steps| of_values(scene, steps));

@@ -566,8 +566,8 @@ fn mistakes_about_cables_are_named() {
 #[test]
 fn the_scenes_of_the_paper_run_and_have_exact_gradients() {
     use costate::scenes::built_in::{FlexiblePendulum, RigidSpringBeam, Suspension};
-    let suspension: Box<dyn AnyScene> = Suspension { elements: 1 }.into();
-    for scene in [&FlexiblePendulum::default() as &dyn AnyScene, &RigidSpringBeam, &*suspension] {
+    let suspension = Suspension { elements: 1 };
+    for scene in [FlexiblePendulum::default().as_ref() as &dyn AnyScene, RigidSpringBeam.as_ref(), suspension.as_ref()] {
         let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
         let steps = if x.len() > 10 { 20 } else { 100 };
         let settings = Settings { end: 0.2, steps, ..scene.default_settings() };

@@ -272,7 +272,7 @@ fn invariants(prepared: &Prepared, q: &[f64], v: &[f64]) -> [f64; 7] {
 fn a_free_rod_keeps_the_momentum_that_its_load_gave_it() {
     let settings = Settings::new(7.0, 700);
     let x: Vec<f64> = FlyingRod.variables().iter().map(|variable| variable.initial).collect();
-    let prepared = Prepared::with(&FlyingRod, &x, Prepared::default_method(), settings).expect("a sound scene");
+    let prepared = Prepared::with(FlyingRod.as_ref(), &x, Prepared::default_method(), settings).expect("a sound scene");
     let mut course = Vec::new();
     let mut watch = Watch(|step: &StepRecord<f64>| {
         course.push((step.t + step.h, invariants(&prepared, &step.q, &step.v)));
@@ -334,7 +334,7 @@ fn at_tying_points_the_section_force_of_a_bent_cantilever_has_the_size_of_the_lo
 fn a_beam_in_steady_rotation_is_longer_by_its_centrifugal_force() {
     let settings = Settings { steps: 1000, ..SpinUpBeam.settings() };
     let x: Vec<f64> = SpinUpBeam.variables().iter().map(|variable| variable.initial).collect();
-    let prepared = Prepared::with(&SpinUpBeam, &x, Prepared::default_method(), settings).expect("a sound scene");
+    let prepared = Prepared::with(SpinUpBeam.as_ref(), &x, Prepared::default_method(), settings).expect("a sound scene");
     let found = prepared.analysis().values(&x).expect("it runs");
     let (stiffness, mass, length, rate) = (2.8e7, 1.2, 10.0, 6.0_f64);
     let first_order = mass * rate * rate * f64::powi(length, 3) / (3.0 * stiffness);
@@ -633,11 +633,11 @@ impl Scene for Mistaken {
 #[test]
 fn adjoint_tangent_and_complex_step_agree_for_every_scene_with_beams() {
     let few: [(&dyn AnyScene, f64, usize); 5] = [
-        (&FlexibleFourBar { elements: [2, 2, 2], run: (0.2, 20) }, 0.2, 20),
-        (&SpinUpBeam, 4.0, 40),
-        (&FlyingRod, 0.5, 10),
-        (&RightAngleCantilever { elements: 2 }, 0.5, 10),
-        (&PrincetonBeam { elements: 2 }, 1.0, 4),
+        (FlexibleFourBar { elements: [2, 2, 2], run: (0.2, 20) }.as_ref(), 0.2, 20),
+        (SpinUpBeam.as_ref(), 4.0, 40),
+        (FlyingRod.as_ref(), 0.5, 10),
+        (RightAngleCantilever { elements: 2 }.as_ref(), 0.5, 10),
+        (PrincetonBeam { elements: 2 }.as_ref(), 1.0, 4),
     ];
     for (scene, end, steps) in few {
         for table in ["esdirk4", "bdf2"] {

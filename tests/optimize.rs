@@ -507,7 +507,7 @@ fn projected_gradient(optimization: &Optimization, design: &[f64], size: f64) ->
 
 #[test]
 fn the_five_bar_ends_where_no_allowed_change_helps_whatever_the_gradient_comes_from() {
-    let mut optimization = short(&FiveBar, 1.0, 50);
+    let mut optimization = short(FiveBar.as_ref(), 1.0, 50);
     let mut ends = Vec::new();
     for gradient in [GradientBy::Adjoint, GradientBy::ComplexStep, GradientBy::Difference { share: 1e-7 }] {
         optimization.gradient = gradient;
@@ -530,7 +530,7 @@ fn the_five_bar_ends_where_no_allowed_change_helps_whatever_the_gradient_comes_f
 
 #[test]
 fn the_slider_crank_keeps_its_limits() {
-    let optimization = short(&SliderCrank, 2.5, 100);
+    let optimization = short(SliderCrank.as_ref(), 2.5, 100);
     let Optimized { ended, history, .. } = optimization.run(&Sqp, &optimization.initial(), &mut ()).unwrap();
     let (first, best) = (&history.points[0], history.best().unwrap());
     println!("{} iterations, {}, {first:?} -> {best:?}", ended.iterations, ended.reason);
@@ -547,7 +547,7 @@ fn the_slider_crank_keeps_its_limits() {
 #[test]
 fn screened_limits_are_left_out_of_sweeps_until_they_come_near() {
     let run = |margin: Option<f64>| {
-        let mut optimization = short(&SliderCrank, 2.5, 100);
+        let mut optimization = short(SliderCrank.as_ref(), 2.5, 100);
         optimization.problem.constraints[0].limit = Limit::AtLeast(LIMIT);
         optimization.problem.screening = margin;
         optimization.run(&Sqp, &optimization.initial(), &mut ()).unwrap()

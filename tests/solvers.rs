@@ -19,8 +19,8 @@ fn results(scene: &dyn AnyScene, settings: Settings, backend: Backend) -> (Backe
 
 #[test]
 fn gradients_are_the_same_whatever_solves_the_systems() {
-    let scene = &FiveBar;
-    let settings = scene.settings();
+    let scene = FiveBar.as_ref();
+    let settings = scene.default_settings();
     let settings = Settings { end: 20.0 * settings.end / settings.steps as f64, steps: 20, ..settings };
     let (_, expected) = results(scene, settings, Backend::Automatic);
     for backend in Backend::ALL.into_iter().skip(1) {

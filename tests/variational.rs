@@ -32,15 +32,15 @@ fn steps(prepared: &Prepared) -> Vec<StepRecord<f64>> {
 #[test]
 fn adjoint_direct_differentiation_and_complex_step_agree() {
     let scenes: [(&dyn AnyScene, f64); 8] = [
-        (&Pendulum, 0.4),
-        (&DoublePendulum, 0.4),
-        (&FreeBody, 0.4),
-        (&HeavyTop, 0.2),
-        (&FiveBar, 0.4),
-        (&SliderCrank, 0.4),
+        (Pendulum.as_ref(), 0.4),
+        (DoublePendulum.as_ref(), 0.4),
+        (FreeBody.as_ref(), 0.4),
+        (HeavyTop.as_ref(), 0.2),
+        (FiveBar.as_ref(), 0.4),
+        (SliderCrank.as_ref(), 0.4),
         // with the point at an end of the step, forces are explicit: stiff members need short steps
-        (&FlyingRod, 0.02),
-        (&FlexiblePendulum { elements: 5 }, 0.008),
+        (FlyingRod.as_ref(), 0.02),
+        (FlexiblePendulum { elements: 5 }.as_ref(), 0.008),
     ];
     let mut wrong = Vec::new();
     for (scene, end) in scenes {
@@ -73,7 +73,7 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
 
 #[test]
 fn the_order_is_two_with_the_point_in_the_middle_and_one_elsewhere() {
-    for (scene, end) in [(&HeavyTop as &dyn AnyScene, 0.1), (&DoublePendulum, 0.5)] {
+    for (scene, end) in [(HeavyTop.as_ref(), 0.1), (DoublePendulum.as_ref(), 0.5)] {
         let last = |name: &str, count: usize| -> [Vec<f64>; 2] {
             let step = steps(&prepared(scene, name, end, count)).pop().expect("steps");
             [step.q, step.v]
@@ -104,7 +104,7 @@ fn moment_of_momentum(q: &[f64], p: &[f64]) -> [f64; 3] {
 
 #[test]
 fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_drift() {
-    let prepared = prepared(&FreeBody, "variational", 200.0, 20_000);
+    let prepared = prepared(FreeBody.as_ref(), "variational", 200.0, 20_000);
     let problem = prepared.problem();
     let (mut first, mut worst, mut energies) = (None, 0.0_f64, Vec::new());
     let mut watch = Watch(|step: &StepRecord<f64>| {

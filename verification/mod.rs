@@ -17,6 +17,8 @@ mod flexible_pendulum;
 mod four_bar;
 #[path = "gradient-cost/study.rs"]
 mod gradient_cost;
+#[path = "linear-solvers/study.rs"]
+mod linear_solvers;
 mod optimized;
 #[path = "orders/study.rs"]
 mod orders;
@@ -68,6 +70,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
+        Box::new(linear_solvers::LinearSolvers),
         Box::new(variational::Variational),
         Box::new(rigid_spring_beam::RigidSpringBeamStudy),
         Box::new(suspension::SuspensionStudy),

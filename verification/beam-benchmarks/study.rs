@@ -2,6 +2,7 @@ mod member;
 
 use crate::verification::{Report, Study};
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::built_in::PrincetonBeam;
 use member::{GROWING, Member, Rest, TipLoad};
 use std::f64::consts::PI;
@@ -134,15 +135,16 @@ fn princeton(report: &mut Report) -> Result<(), String> {
         (45.0, [0.109043083125, 0.00888888596702]),
     ];
     let scene = PrincetonBeam::default();
+    let scene: &dyn AnyScene = scene.as_ref();
     for (degrees, expected) in reference {
         let x: Vec<f64> = scene
-            .variables()
+            .design_variables()
             .iter()
             .map(|variable| if variable.name == "load angle" { f64::to_radians(degrees) } else { variable.initial })
             .collect();
-        let settings = scene.settings();
+        let settings = scene.default_settings();
         let method = Prepared::method_of(&settings).map_err(|error| error.to_string())?;
-        let prepared = Prepared::with(&scene, &x, method, settings).map_err(|error| error.to_string())?;
+        let prepared = Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())?;
         let tip = prepared.equilibrium().map_err(|error| error.to_string())?;
         let last = tip.q.len() - 7;
         for (direction, (value, expected)) in ["soft", "stiff"].into_iter().zip(tip.q[last + 1..].iter().zip(expected)) {

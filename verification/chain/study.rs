@@ -79,7 +79,7 @@ fn write(report: &mut Report, method: &str, tolerance: NewtonTolerance, costs: &
 /// Steps of one chain without a history, and with one the adjoint of its two functionals.
 fn measure(table: &Table, tolerance: NewtonTolerance, bodies: usize, steps: usize) -> Result<Cost, String> {
     let scene = Chain { bodies, variables: ChainVariables::Common };
-    let scene: &dyn AnyScene = &scene;
+    let scene: &dyn AnyScene = scene.as_ref();
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let method = Method { tolerance, ..Method::new(table.clone(), ConstraintLevel::Acceleration) };
     let prepare = |steps: usize| {

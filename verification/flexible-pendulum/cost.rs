@@ -39,7 +39,7 @@ pub fn costs(report: &mut Report) -> Result<(), RunError> {
 fn cost(method: &str, tolerance: NewtonTolerance, elements: usize, steps: usize) -> Result<(f64, Counters), RunError> {
     let scene = FlexiblePendulum { elements };
     let of = |steps: usize| -> Result<Prepared, RunError> {
-        let mut prepared = prepare(&scene, method, STEP * steps as f64, steps)?;
+        let mut prepared = prepare(scene.as_ref(), method, STEP * steps as f64, steps)?;
         prepared.method.tolerance = tolerance;
         Ok(prepared)
     };

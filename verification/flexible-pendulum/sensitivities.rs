@@ -32,7 +32,7 @@ fn by_largest_so_far(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 /// Deflection with its derivatives at every step; with a report, these are compared with complex step and adjoint.
 fn course(elements: usize, method: &str, steps: usize, report: Option<&mut Report>) -> Result<GradientCourse, RunError> {
     let scene = FlexiblePendulum { elements };
-    let prepared = prepare(&scene, method, END, steps)?;
+    let prepared = prepare(scene.as_ref(), method, END, steps)?;
     let mut analysis = prepared.analysis();
     analysis.functionals = &prepared.functionals()[..1];
     let x = &prepared.x;
@@ -49,7 +49,7 @@ fn course(elements: usize, method: &str, steps: usize, report: Option<&mut Repor
     let mut worst = [0.0_f64; 3];
     for end in ENDS {
         let last = end * steps / MOMENTS;
-        let part = prepare(&scene, method, END * end as f64 / MOMENTS as f64, last)?;
+        let part = prepare(scene.as_ref(), method, END * end as f64 / MOMENTS as f64, last)?;
         let mut analysis = part.analysis();
         analysis.functionals = &part.functionals()[..1];
         let adjoint = analysis.adjoint(x, &analysis.forward(x)?)?;

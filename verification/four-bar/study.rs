@@ -4,6 +4,7 @@ use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, march_dividing, table_by_name};
 use costate::io::{Chart, Series, Style};
 use costate::prelude::*;
+use costate::scenes::AnyScene;
 use costate::scenes::built_in::FlexibleFourBar;
 
 /// The flexible four-bar mechanism with every method: forces, time, gradients.
@@ -85,15 +86,15 @@ fn method(name: &str) -> Result<Method, String> {
     Ok(Method::new(table, ConstraintLevel::Acceleration))
 }
 
-fn prepare<'s>(scene: &'s FlexibleFourBar, name: &str) -> Result<Prepared<'s>, RunError> {
-    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+fn prepare<'s>(scene: &'s dyn AnyScene, name: &str) -> Result<Prepared<'s>, RunError> {
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let method = method(name).map_err(RunError::Input)?;
-    Prepared::with(scene, &x, method, scene.settings())
+    Prepared::with(scene, &x, method, scene.default_settings())
 }
 
 fn run(name: &str, elements: [usize; 3], steps: usize) -> Result<Course, RunError> {
     let scene = FlexibleFourBar { elements, run: (END, steps) };
-    let prepared = prepare(&scene, name)?;
+    let prepared = prepare(scene.as_ref(), name)?;
     let model = prepared.model();
     let p = &prepared.mechanism.numbers.p;
     let find = |name: &&str| prepared.functionals().iter().find(|functional| functional.name == *name);
@@ -249,7 +250,7 @@ fn gradients(report: &mut Report) -> Result<(), String> {
     eprintln!("[3/3] gradients");
     for name in [DEFAULT_TABLE, "bdf2"] {
         let scene = FlexibleFourBar::default();
-        let prepared = prepare(&scene, name).map_err(|error| error.to_string())?;
+        let prepared = prepare(scene.as_ref(), name).map_err(|error| error.to_string())?;
         let first: Vec<_> = prepared.functionals().iter().take(1).map(|functional| functional.name.clone()).collect();
         let mut analysis = prepared.analysis();
         analysis.functionals = &prepared.functionals()[..1];

@@ -36,7 +36,7 @@ fn planar(table: &str, steps: usize) -> Result<[f64; 7], String> {
 }
 
 fn rigid_bodies(steps: usize) -> Result<[f64; 7], String> {
-    let prepared = prepare(&Andrews, "sdirk4", END, steps)?;
+    let prepared = prepare(Andrews.as_ref(), "sdirk4", END, steps)?;
     let places = places_of_bodies(&prepared)?;
     let (mut last, mut turns) = (body_angles(&prepared.mechanism.numbers.q, places), [0.0; 7]);
     watch(&prepared, |_, _, q, _| {

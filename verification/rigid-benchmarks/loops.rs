@@ -39,7 +39,7 @@ pub fn conserved(prepared: &Prepared) -> Result<Conserved, String> {
 
 /// Order 4, h = 1 ms: energy and constraints over 10 s; the motion against a method of order 5 with the same step.
 pub fn bricard(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(&Bricard, "sdirk4", 10.0, 10_000)?;
+    let prepared = prepare(Bricard.as_ref(), "sdirk4", 10.0, 10_000)?;
     report.compare("iftomm-a04/equations left out", prepared.plan.dropped.len() as f64, 1.0, 0.0);
     let Conserved { energy, worst } = conserved(&prepared)?;
     report.at_most("iftomm-a04/largest change of energy over 10 s by the range of the potential energy", energy, 1e-8);
@@ -50,7 +50,7 @@ pub fn bricard(report: &mut Report) -> Result<(), String> {
         true
     })?;
     let mut apart = 0.0;
-    watch(&prepare(&Bricard, "esdirk5", 10.0, 10_000)?, |step, _, q, _| {
+    watch(&prepare(Bricard.as_ref(), "esdirk5", 10.0, 10_000)?, |step, _, q, _| {
         apart = q.iter().zip(&course[step - 1]).fold(apart, |most, (a, b)| worse(most, (a - b).abs()));
         true
     })?;

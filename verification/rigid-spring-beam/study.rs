@@ -43,7 +43,7 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     report.at_most("optimum/objective, relative difference to esdirk4", (value / independent - 1.0).abs(), 0.01);
 
     eprintln!("[3/3] finite differences");
-    let differences = optimize(&RigidSpringBeam, STEPS[0], DIFFERENCES, ITERATIONS)?;
+    let differences = optimize(RigidSpringBeam.as_ref(), STEPS[0], DIFFERENCES, ITERATIONS)?;
     let (other, other_design) = best(&differences);
     report.inform("finite differences/objective [m2 s]", other);
     for (k, name) in PLACE {
@@ -72,7 +72,7 @@ fn simulations(optimized: &Optimized) -> f64 {
 /// At the first design: the adjoint against complex step, for the place of the hinge in space, the stiffness and the mass.
 fn gradient(report: &mut Report) -> Result<(), RunError> {
     eprintln!("[1/3] gradient");
-    let prepared = prepare(&RigidSpringBeam, &initial(), STEPS[0])?;
+    let prepared = prepare(RigidSpringBeam.as_ref(), &initial(), STEPS[0])?;
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x)?;
     let stepped = analysis.complex_step(&prepared.x, &forward)?;
@@ -94,7 +94,7 @@ fn initial() -> Vec<f64> {
 fn optimize_with(steps: usize, report: &mut Report) -> Result<Optimized, RunError> {
     let step = format!("{} ms", 1e3 / steps as f64);
     eprintln!("[2/3] steps of {step}");
-    let optimized = optimize(&RigidSpringBeam, steps, GradientBy::Adjoint, ITERATIONS)?;
+    let optimized = optimize(RigidSpringBeam.as_ref(), steps, GradientBy::Adjoint, ITERATIONS)?;
     let history = &optimized.history;
     let ends = history.points.first().zip(history.best());
     let Some((first, best)) = ends else { return Err(RunError::Input("nothing was simulated".into())) };
@@ -114,7 +114,7 @@ fn optimize_with(steps: usize, report: &mut Report) -> Result<Optimized, RunErro
 /// The objective of a design with another integrator.
 fn with_method(name: &'static str, design: &[f64], steps: usize) -> Result<f64, RunError> {
     let settings = Settings { method: Some(name), steps, ..RigidSpringBeam.settings() };
-    let prepared = Prepared::with(&RigidSpringBeam, design, Prepared::method_of(&settings)?, settings)?;
+    let prepared = Prepared::with(RigidSpringBeam.as_ref(), design, Prepared::method_of(&settings)?, settings)?;
     Ok(prepared.analysis().values(&prepared.x)?[0])
 }
 
@@ -128,7 +128,7 @@ fn pictures(report: &mut Report, [coarse, fine, differences]: [&Optimized; 3]) -
         ("optimum, 1 ms", &optimum, STEPS[0]),
         ("optimum, 0.5 ms", &optimum, STEPS[1]),
     ] {
-        let prepared = prepare(&RigidSpringBeam, design, steps)?;
+        let prepared = prepare(RigidSpringBeam.as_ref(), design, steps)?;
         let objective = prepared.functionals().iter().find(|functional| functional.over == Over::Integral);
         let measured: Vec<&Measured> = objective.iter().map(|functional| &functional.measured).collect();
         let courses = over_time(&prepared, &measured)?;

@@ -112,7 +112,7 @@ pub fn dead_points(report: &mut Report) -> Result<(), String> {
 
 /// Bricard's mechanism over 100,000 steps of 5 ms: one of its thirty equations is left out.
 pub fn redundant_loop(report: &mut Report) -> Result<(), String> {
-    let prepared = prepare(&Bricard, Prepared::default_method(), 5e-3 * MANY as f64, MANY)?;
+    let prepared = prepare(Bricard.as_ref(), Prepared::default_method(), 5e-3 * MANY as f64, MANY)?;
     let (energy, worst) = drift(&prepared)?;
     let figure = |what: &str| format!("{MANY:e} steps/bricard/{what}");
     report.compare(figure("equations left out"), prepared.plan.dropped.len() as f64, 1.0, 0.0);

@@ -71,7 +71,7 @@ fn default_at(level: ConstraintLevel) -> Method {
 
 /// Energy and constraints over a million steps, for every table.
 fn long_runs(report: &mut Report) -> Result<(), String> {
-    let scenes: [(&str, &dyn AnyScene); 2] = [("free-body", &FreeBody), ("pendulum", &Pendulum)];
+    let scenes: [(&str, &dyn AnyScene); 2] = [("free-body", FreeBody.as_ref()), ("pendulum", Pendulum.as_ref())];
     let runs: Vec<_> = scenes.iter().flat_map(|scene| tables().into_iter().map(move |table| (scene, table))).collect();
     let drifts: Vec<Result<(f64, Violation), String>> = runs
         .par_iter()

@@ -36,8 +36,8 @@ impl Study for SuspensionStudy {
 }
 
 fn study(report: &mut Report) -> Result<(), RunError> {
-    let scene = with_elements(Suspension::default().elements);
-    let scene = &*scene;
+    let scene = Suspension::default();
+    let scene = scene.as_ref();
     let initial: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     gradient(report, scene, &initial)?;
 
@@ -84,11 +84,6 @@ fn study(report: &mut Report) -> Result<(), RunError> {
     let (x_label, y_label) = ("iteration".into(), "objective [m2 s]".into());
     report.picture("objective", vec![Chart { x_label, y_label, series: series.into(), ..Chart::default() }]);
     refinements(report, &best.design, best.objective)
-}
-
-/// The car, with this number of elements in each tube.
-fn with_elements(elements: usize) -> Box<dyn AnyScene> {
-    Suspension { elements }.into()
 }
 
 /// The objective's gradient by all variables: the adjoint against complex step, and its symmetry, over a tenth of the time.
@@ -188,8 +183,8 @@ fn courses(report: &mut Report, scene: &dyn AnyScene, initial: &[f64], optimum: 
 fn refinements(report: &mut Report, design: &[f64], objective: f64) -> Result<(), RunError> {
     let elements = Suspension::default().elements;
     for (name, elements, steps) in [("twice the elements", 2 * elements, STEPS), ("half the step", elements, 2 * STEPS)] {
-        let scene = with_elements(elements);
-        let mut prepared = prepare(&*scene, design, steps)?;
+        let scene = Suspension { elements };
+        let mut prepared = prepare(scene.as_ref(), design, steps)?;
         prepared.mechanism.functionals.retain(|functional| functional.over == Over::Integral);
         let value = prepared.analysis().values(design)?[0];
         report.at_most(

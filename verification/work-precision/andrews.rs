@@ -30,11 +30,19 @@ const PLANAR: Motion = Motion {
     compared: Some(|_, q| q.to_vec()),
     fine: 1e-10,
 };
-const MOTIONS: [Motion; 3] = [
-    PLANAR,
-    Motion { name: "andrews, energies", scene: &andrews::Andrews, most_systems: 20_000, ..PLANAR },
-    Motion { name: "andrews, rigid bodies", scene: &Andrews, most_systems: 20_000, compared: Some(angles), ..PLANAR },
-];
+fn motions() -> [Motion; 3] {
+    [
+        PLANAR,
+        Motion { name: "andrews, energies", scene: &andrews::Andrews, most_systems: 20_000, ..PLANAR },
+        Motion {
+            name: "andrews, rigid bodies",
+            scene: Andrews.as_ref(),
+            most_systems: 20_000,
+            compared: Some(angles),
+            ..PLANAR
+        },
+    ]
+}
 
 /// The seven angles from the coordinates of rigid bodies: turns are whole ones from where the published angles are.
 fn angles(prepared: &Prepared, q: &[f64]) -> Vec<f64> {
@@ -49,7 +57,7 @@ fn angles(prepared: &Prepared, q: &[f64]) -> Vec<f64> {
 /// All tables at acceleration level, the planar angles at the other levels too, and chosen steps; a chart for each model.
 pub fn report_andrews(report: &mut Report) -> Result<Vec<Chart>, String> {
     let mut charts = Vec::new();
-    for motion in &MOTIONS {
+    for motion in &motions() {
         eprintln!("{}", motion.name);
         let reference = motion.reference()?;
         let ladders = ladders(motion, &reference)?;

@@ -53,9 +53,46 @@ pub use universal_shaft::UniversalShaft;
 pub use von_mises_truss::VonMisesTruss;
 
 use super::AnyScene;
-use crate::elements::compiled_here;
 
-compiled_here!(dyn AnyScene: Suspension);
+/// Erases scenes by functions that are compiled in this crate: others then compile none of them again.
+macro_rules! compiled_here {
+    ($($scene:ty),* $(,)?) => {$(
+        impl AsRef<dyn AnyScene> for $scene {
+            #[inline(never)]
+            fn as_ref(&self) -> &(dyn AnyScene + 'static) {
+                self
+            }
+        }
+    )*};
+}
+
+compiled_here!(
+    Andrews,
+    Bricard,
+    CarAxis,
+    Chain,
+    DoublePendulum,
+    FiveBar,
+    FlexibleFourBar,
+    FlexiblePendulum,
+    FlyballGovernor,
+    FlyingRod,
+    FreeBody,
+    GearTrain,
+    HeavyTop,
+    Pendulum,
+    PrincetonBeam,
+    RightAngleCantilever,
+    RigidSpringBeam,
+    Screw,
+    SliderCrank,
+    SpatialSliderCrank,
+    SpinUpBeam,
+    Suspension,
+    TwoFourBar,
+    UniversalShaft,
+    VonMisesTruss
+);
 
 /// All built-in scenes.
 pub fn all() -> Vec<Box<dyn AnyScene>> {

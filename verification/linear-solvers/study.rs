@@ -1,0 +1,195 @@
+#[cfg(feature = "mumps")]
+mod mumps;
+mod patterns;
+
+use crate::verification::{Clock, Report, Study};
+use costate::linalg::{Backend, Factorization};
+use patterns::{Matrix, Noise, chain, full, shell};
+use std::fs;
+use std::time::Instant;
+
+/// Makes a matrix with about a number of unknowns.
+type Kind = fn(usize) -> Matrix;
+
+/// Direct solvers on matrices of shells, chains and small mechanisms: time, memory and accuracy, on one and two threads.
+pub struct LinearSolvers;
+
+/// Unknowns from which a solver is left out: it would take minutes, or more memory than most machines have.
+const MOST: [(Backend, usize); 4] = [
+    (Backend::Dense, 2_000),
+    (Backend::LeftLooking, 12_000),
+    (Backend::Sparse, 60_000),
+    (Backend::Multifrontal, usize::MAX),
+];
+/// Largest backward error of a solution: some roundings more than the best.
+const BACKWARD_ERROR: f64 = 1e-13;
+/// Factorizations of which the fastest counts.
+const REPETITIONS: usize = 3;
+
+impl Study for LinearSolvers {
+    fn name(&self) -> &'static str {
+        "linear-solvers"
+    }
+    fn summary(&self) -> &'static str {
+        "direct solvers on matrices of shells, chains and small mechanisms: time, memory, accuracy, threads"
+    }
+    fn run(&self, report: &mut Report) -> Result<(), String> {
+        let sizes: [(Kind, usize); 7] =
+            [(full, 30), (full, 100), (chain, 1_000), (chain, 10_000), (shell, 5_000), (shell, 50_000), (shell, 200_000)];
+        for (make, unknowns) in sizes {
+            let matrix = make(unknowns);
+            eprintln!("{}: {} unknowns, {} entries", matrix.name, matrix.pattern.size, matrix.pattern.rows.len());
+            for (backend, most) in MOST {
+                if matrix.pattern.size > most {
+                    continue;
+                }
+                for threads in [1, 2] {
+                    // the other solvers have one thread
+                    if threads > 1 && backend != Backend::Multifrontal {
+                        continue;
+                    }
+                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                    let pool = pool.map_err(|error| error.to_string())?;
+                    pool.install(|| measure(report, &matrix, backend, threads))?;
+                }
+            }
+            #[cfg(feature = "mumps")]
+            measure_mumps(report, &matrix)?;
+        }
+        if !cfg!(feature = "mumps") {
+            report.note("MUMPS was not measured beside them: a program built with --features mumps does (it needs libmumps-seq-dev).");
+        }
+        Ok(())
+    }
+}
+
+/// The same of MUMPS.
+#[cfg(feature = "mumps")]
+fn measure_mumps(report: &mut Report, matrix: &Matrix) -> Result<(), String> {
+    let name = format!("{}, MUMPS, 1 thread", matrix.name);
+    let watch = Watch::start(1);
+    let mut mumps = mumps::Mumps::new(matrix)?;
+    report.inform(format!("{name}/analysis [ms]"), 1e3 * watch.seconds());
+    let mut factor = f64::INFINITY;
+    for _ in 0..REPETITIONS {
+        let watch = Watch::start(1);
+        mumps.factor()?;
+        factor = factor.min(watch.seconds());
+    }
+    report.inform(format!("{name}/factorization [ms]"), 1e3 * factor);
+    report.inform(format!("{name}/memory of the factorization [MB]"), mumps.megabytes());
+    report.inform(format!("{name}/multiplications [1e6]"), 0.5e-6 * mumps.operations());
+    let rhs = right_hand_side(matrix.pattern.size);
+    for transposed in [false, true] {
+        let mut x = rhs.clone();
+        let watch = Watch::start(1);
+        mumps.solve(transposed, &mut x)?;
+        let kind = if transposed { "transposed solution" } else { "solution" };
+        report.inform(format!("{name}/{kind} [ms]"), 1e3 * watch.seconds());
+        report.inform(format!("{name}/backward error of the {kind}"), backward_error(matrix, transposed, &x, &rhs));
+    }
+    Ok(())
+}
+
+fn right_hand_side(size: usize) -> Vec<f64> {
+    let mut noise = Noise::new(1);
+    (0..size).map(|_| noise.next()).collect()
+}
+
+/// Time on the processor of one thread, or time of day of several.
+enum Watch {
+    One(Clock),
+    Several(Instant),
+}
+
+impl Watch {
+    fn start(threads: usize) -> Self {
+        if threads == 1 { Watch::One(Clock::start()) } else { Watch::Several(Instant::now()) }
+    }
+    fn seconds(&self) -> f64 {
+        match self {
+            Watch::One(clock) => clock.seconds(),
+            Watch::Several(begun) => begun.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// Times of a solver with a matrix, and the errors of its solutions.
+fn measure(report: &mut Report, matrix: &Matrix, backend: Backend, threads: usize) -> Result<(), String> {
+    let Matrix { name, pattern, values } = matrix;
+    let name = format!("{name}, {}, {threads} thread{}", backend.name(), if threads > 1 { "s" } else { "" });
+    let singular = |error: costate::linalg::Singular| format!("{name}: unknown {} is not determined", error.unknown);
+    let before = memory_of_now();
+    forget_peak();
+    let watch = Watch::start(threads);
+    let mut factorization = Factorization::new(pattern, backend).map_err(singular)?;
+    report.inform(format!("{name}/analysis [ms]"), 1e3 * watch.seconds());
+    factorization.factor(values).map_err(singular)?;
+    if let (Some(before), Some(peak)) = (before, peak_memory()) {
+        report.inform(format!("{name}/memory at its peak [MB]"), (peak - before) / 1e6);
+    }
+    let mut factor = f64::INFINITY;
+    for _ in 0..REPETITIONS {
+        let watch = Watch::start(threads);
+        factorization.factor(values).map_err(singular)?;
+        factor = factor.min(watch.seconds());
+    }
+    report.inform(format!("{name}/factorization [ms]"), 1e3 * factor);
+    if let Some(multiplications) = factorization.plan().multiplications {
+        report.inform(format!("{name}/multiplications [1e6]"), 1e-6 * multiplications);
+    }
+    let rhs = right_hand_side(pattern.size);
+    for transposed in [false, true] {
+        let mut x = rhs.clone();
+        let watch = Watch::start(threads);
+        if transposed {
+            factorization.solve_transposed(&mut x)
+        } else {
+            factorization.solve(&mut x)
+        }
+        let kind = if transposed { "transposed solution, refined once" } else { "solution" };
+        report.inform(format!("{name}/{kind} [ms]"), 1e3 * watch.seconds());
+        report.at_most(
+            format!("{name}/backward error of the {kind}"),
+            backward_error(matrix, transposed, &x, &rhs),
+            BACKWARD_ERROR,
+        );
+    }
+    Ok(())
+}
+
+/// |b - A x| / (|A| |x| + |b|) in largest numbers.
+fn backward_error(Matrix { pattern, values, .. }: &Matrix, transposed: bool, x: &[f64], b: &[f64]) -> f64 {
+    let (mut residual, mut rows) = (b.to_vec(), vec![0.0; pattern.size]);
+    for column in 0..pattern.size {
+        for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+            let (row, value) = (pattern.rows[place], values[place]);
+            let (row, column) = if transposed { (column, row) } else { (row, column) };
+            residual[row] -= value * x[column];
+            rows[row] += value.abs();
+        }
+    }
+    let largest = |numbers: &[f64]| numbers.iter().fold(0.0, |largest: f64, number| largest.max(number.abs()));
+    largest(&residual) / (largest(&rows) * largest(x) + largest(b))
+}
+
+/// A line of what the kernel says about this process [bytes]; `None` where there is no such kernel.
+fn status(name: &str) -> Option<f64> {
+    let text = fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let kilobytes: f64 = line.trim_start_matches(':').trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(1024.0 * kilobytes)
+}
+
+fn memory_of_now() -> Option<f64> {
+    status("VmRSS")
+}
+
+fn peak_memory() -> Option<f64> {
+    status("VmHWM")
+}
+
+/// Begins a new peak; where that is not allowed the peak of the whole process is reported.
+fn forget_peak() {
+    fs::write("/proc/self/clear_refs", "5").ok();
+}
