@@ -53,7 +53,12 @@ pub trait Study {
 
 /// Measures with one thread: that of a pool of its own.
 fn on_one_thread(measure: impl FnOnce() -> Result<(), String> + Send) -> Result<(), String> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|error| error.to_string())?;
+    on_threads(1, measure)
+}
+
+/// Measures with some threads: those of a pool of their own.
+fn on_threads(threads: usize, measure: impl FnOnce() -> Result<(), String> + Send) -> Result<(), String> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
     pool.install(measure)
 }
 

@@ -455,24 +455,26 @@ impl System<'_> {
         };
         let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), joint.equations.len());
         let stabilized = equations.level == Level::Stabilized;
-        for first in (0..p.len()).step_by(LANES) {
-            let width = LANES.min(p.len() - first);
-            for lane in 0..width {
-                p[first + lane].eps[lane] = 1.0;
+        let parameters = part.parameters.clone();
+        let asked: SmallVec<[usize; 32]> = (0..p.len()).filter(|&index| point.active[parameters.start + index]).collect();
+        for asked in asked.chunks(LANES) {
+            for (lane, &index) in asked.iter().enumerate() {
+                p[index].eps[lane] = 1.0;
             }
             if weighing.equations {
                 write_level(physics, level, State { a, v, q }, p, time, &mut g);
             }
             for (adjoint, bar) in adjoints.iter().zip(&mut *bars).filter(|_| weighing.equations) {
-                let target = &mut bar.p[part.parameters.clone()][first..first + width];
+                let mut sums = [0.0; LANES];
                 for (equation, g) in joint.equations.clone().zip(&g) {
                     let (value, rate) = select(level, *g);
                     let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
                     let weights = [adjoint.g[equation] * scales[0], second * scales[1]];
-                    for (target, (value, rate)) in target.iter_mut().zip(value.eps.iter().zip(rate.eps)) {
-                        *target += weights[0] * value + weights[1] * rate;
+                    for (sum, (value, rate)) in sums.iter_mut().zip(value.eps.iter().zip(rate.eps)) {
+                        *sum += weights[0] * value + weights[1] * rate;
                     }
                 }
+                asked.iter().zip(sums).for_each(|(index, sum)| bar.p[parameters.start + index] += sum);
             }
             let sets = [(&unknowns.mu, false, 1.0), (&unknowns.eta, true, -1.0)];
             let sets = sets.into_iter().take(1 + usize::from(stabilized)).filter(|_| weighing.reactions);
@@ -483,14 +485,15 @@ impl System<'_> {
                 physics.add_reaction(q, multipliers, p, time, r);
                 for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
                     let lambda = if second { &adjoint.y } else { &adjoint.f };
-                    let target = &mut bar.p[part.parameters.clone()][first..first + width];
+                    let mut sums = [0.0; LANES];
                     for (dof, r) in part.segments.iter().cloned().flatten().zip(&*r) {
-                        target.iter_mut().zip(r.eps).for_each(|(target, r)| *target += sign * lambda[dof] * r);
+                        sums.iter_mut().zip(r.eps).for_each(|(sum, r)| *sum += sign * lambda[dof] * r);
                     }
+                    asked.iter().zip(sums).for_each(|(index, sum)| bar.p[parameters.start + index] += sum);
                 }
             }
-            for lane in 0..width {
-                p[first + lane].eps[lane] = 0.0;
+            for (lane, &index) in asked.iter().enumerate() {
+                p[index].eps[lane] = 0.0;
             }
         }
     }

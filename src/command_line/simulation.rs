@@ -107,8 +107,9 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
         say(format_args!("redundant and left out: {}", names.join("; ")));
     }
-    let SolverPlan { backend, unknowns, multiplications, .. } = prepared.linear_solver()?;
-    let work = multiplications.map_or_else(String::new, |number| format!(", {number:.1e} multiplications a factorization"));
+    let SolverPlan { backend, unknowns, work, .. } = prepared.linear_solver()?;
+    let work =
+        work.map(|work| format!(", {:.1e} multiplications a factorization", work.multiplications)).unwrap_or_default();
     say(format_args!("linear systems of {}: {} LU{work}", count(unknowns, "unknown"), backend.name()));
     say("");
     Ok(())

@@ -41,6 +41,9 @@ const SLOW: f64 = 0.1;
 const AGED: f64 = 0.05;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
+/// Smallest rate of convergence that two corrections alone can vouch for: the first one takes along what the matrix knows, the second one
+/// meets directions in which an older matrix contracts less.
+const FIRST_RATE: f64 = 1e-2;
 /// Factorizations for which the size of round-off is taken as it was measured once: two evaluations for each kind of system.
 const MEASURED_FOR: usize = 10;
 /// Corrections with an old matrix that grow more than this lead where a new one finds no way back from: a stiff bar that they bend is
@@ -210,7 +213,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let mut fresh = false;
         let mut first_residual = None;
         let mut growth = 0;
-        let mut worst_rate: f64 = 0.0;
+        let (mut worst_rate, mut rates) = (0.0_f64, 0);
         let (mut previous_reaction, mut worst_reaction_rate) = (f64::INFINITY, 0.0_f64);
         if self.factored.is_some() {
             self.guess.clone_from(unknowns);
@@ -263,11 +266,13 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 return fail(FailureKind::NotFinite, iteration, step);
             }
             let rate = step / previous;
+            rates += usize::from(previous.is_finite());
             if rate < STALLED {
                 worst_rate = worst_rate.max(rate);
             }
             // of the error that is left; the first correction says nothing about it
-            let share = if rate > 0.0 && rate < STALLED { worst_rate / (1.0 - worst_rate) } else { 1.0 };
+            let trusted = if rates == 1 { worst_rate.max(FIRST_RATE) } else { worst_rate };
+            let share = if rate > 0.0 && rate < STALLED { trusted / (1.0 - trusted) } else { 1.0 };
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(equations, base).map(|(unit, size)| unit * step / size);
             let settled = match moved {

@@ -1,6 +1,7 @@
-use super::multifrontal::MultifrontalLu;
+use super::multifrontal::{MultifrontalLu, largest};
 use super::{DenseLu, LeftLookingLu, LinearSolver, Singular, SparseLu, minimum_degree};
 use crate::assembly::SparsePattern;
+use std::sync::Arc;
 
 /// Which solver factors the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -44,8 +45,17 @@ pub struct SolverPlan {
     pub unknowns: usize,
     /// Entries of the matrix.
     pub entries: usize,
-    /// Multiplications of a factorization, where the analysis tells.
-    pub multiplications: Option<f64>,
+    /// Multiplications of a factorization and entries of L and U, where the analysis tells.
+    pub work: Option<Work>,
+}
+
+/// What a factorization takes by its analysis, without pivots that are searched elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    /// Multiplications of the elimination.
+    pub multiplications: f64,
+    /// Entries of L and U, each of which a solution multiplies by once.
+    pub fill: usize,
 }
 
 /// Largest number of unknowns for which the dense solver is chosen.
@@ -62,7 +72,7 @@ const SINGULAR_GROWTH: f64 = 1e14;
 
 /// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
-    pattern: SparsePattern,
+    pattern: Arc<SparsePattern>,
     plan: SolverPlan,
     solver: Box<dyn LinearSolver>,
     scaled: Vec<f64>,
@@ -70,6 +80,10 @@ pub struct Factorization {
     column_scale: Vec<f64>,
     /// Place of each diagonal entry.
     diagonal: Vec<Option<usize>>,
+    /// Unknowns without a diagonal entry to be scaled by, as multipliers.
+    weak: Vec<usize>,
+    /// Places and columns of the entries in their rows.
+    weak_entries: Vec<(usize, usize)>,
     work: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
@@ -89,19 +103,23 @@ impl Factorization {
         let of_dense = (n as f64).powi(3) / 3.0;
         // dense kernels do several operations in the time of one of a left-looking factorization
         let as_fast = if n <= DENSE_LIMIT { of_dense / 4.0 } else { LEFT_LOOKING_LIMIT.min(of_dense) };
-        let dense = || (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(of_dense), Backend::Dense);
+        let dense = || {
+            let work = Work { multiplications: of_dense, fill: n * n };
+            (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense)
+        };
         let multifrontal = || {
             let solver = MultifrontalLu::new(pattern, &[], rayon::current_num_threads());
-            let multiplications = 0.5 * solver.analysis().flops;
-            (Box::new(solver) as Box<dyn LinearSolver>, Some(multiplications), Backend::Multifrontal)
+            let analysis = solver.analysis();
+            let work = Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries };
+            (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal)
         };
         let left_looking = |limit: f64| {
             let ordering = minimum_degree(pattern, limit)?;
-            let multiplications = Some(ordering.multiplications);
+            let work = Work { multiplications: ordering.multiplications, fill: ordering.fill };
             let solver = Box::new(LeftLookingLu::new(pattern, ordering)) as Box<dyn LinearSolver>;
-            Some((solver, multiplications, Backend::LeftLooking))
+            Some((solver, Some(work), Backend::LeftLooking))
         };
-        let (solver, multiplications, backend) = match backend {
+        let (solver, work, backend) = match backend {
             Backend::Dense => dense(),
             Backend::Sparse => (Box::new(SparseLu::new(pattern)?) as Box<dyn LinearSolver>, None, Backend::Sparse),
             Backend::Multifrontal => multifrontal(),
@@ -110,20 +128,37 @@ impl Factorization {
                 left_looking(as_fast).unwrap_or_else(|| if n <= DENSE_LIMIT { dense() } else { multifrontal() })
             }
         };
-        Ok(Factorization {
-            plan: SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), multiplications },
-            pattern: pattern.clone(),
+        let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work };
+        Ok(Self::of(solver, plan, Arc::new(pattern.clone())))
+    }
+
+    fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>) -> Self {
+        let n = pattern.size;
+        Factorization {
+            plan,
             solver,
             scaled: vec![0.0; pattern.rows.len()],
             row_scale: vec![1.0; n],
             column_scale: vec![1.0; n],
             diagonal: (0..n).map(|i| pattern.position(i, i)).collect(),
+            weak: Vec::new(),
+            weak_entries: Vec::new(),
+            pattern,
             work: vec![0.0; n],
             correction: vec![0.0; n],
             checked: false,
             followed: Vec::new(),
             refinements: 1,
-        })
+        }
+    }
+
+    /// Another one for the same pattern that has factored nothing yet.
+    ///
+    /// # Errors
+    /// As for [`Factorization::new`].
+    pub fn another(&self) -> Result<Self, Singular> {
+        let Some(solver) = self.solver.another() else { return Factorization::new(&self.pattern, self.plan.backend) };
+        Ok(Self::of(solver, self.plan, self.pattern.clone()))
     }
 
     /// Factors values given in the order of the pattern; the first ones are examined for singularity.
@@ -131,7 +166,8 @@ impl Factorization {
     /// # Errors
     /// [`Singular`] with the unknown that the matrix does not determine.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+        if values.iter().fold(false, |any, value| any | !value.is_finite()) {
+            let place = values.iter().position(|value| !value.is_finite()).unwrap_or(0);
             let column = self.pattern.column_starts.partition_point(|&start| start <= place) - 1;
             return Err(Singular { unknown: column });
         }
@@ -261,47 +297,51 @@ impl Factorization {
     ///
     /// A light body then has pivots as good as those of a heavy one, and none has to be looked for among the constraints.
     fn set_scales(&mut self, values: &[f64]) {
-        self.row_scale.fill(0.0);
-        for (&row, value) in self.pattern.rows.iter().zip(values) {
-            self.row_scale[row] = self.row_scale[row].max(value.abs());
-        }
+        let mut weak = 0;
+        let mut same = true;
         for unknown in 0..self.pattern.size {
             let diagonal = self.diagonal[unknown].map_or(0.0, |place| values[place].abs());
-            let usable = diagonal > SMALL_DIAGONAL * self.row_scale[unknown];
-            self.column_scale[unknown] = if usable { inverse_power(diagonal.sqrt()) } else { 0.0 };
-        }
-        for unknown in 0..self.pattern.size {
-            if self.column_scale[unknown] > 0.0 {
-                self.row_scale[unknown] = self.column_scale[unknown];
+            let scale = if diagonal > SMALL_DIAGONAL * largest(&values[self.entries(unknown)]) {
+                inverse_power(diagonal.sqrt())
             } else {
-                self.row_scale[unknown] = 0.0;
-            }
+                same &= self.weak.get(weak) == Some(&unknown);
+                weak += 1;
+                0.0
+            };
+            (self.row_scale[unknown], self.column_scale[unknown]) = (scale, scale);
+        }
+        if !same || weak != self.weak.len() {
+            self.find_weak();
         }
         // rows of multipliers against the scaled unknowns of nodes, then their columns
-        for column in 0..self.pattern.size {
+        for &(place, column) in &self.weak_entries {
             let scale = if self.column_scale[column] > 0.0 { self.column_scale[column] } else { 1.0 };
-            let own = self.entries(column);
-            for (&row, value) in self.pattern.rows[own.clone()].iter().zip(&values[own]) {
-                if self.column_scale[row] == 0.0 {
-                    self.row_scale[row] = self.row_scale[row].max(value.abs() * scale);
-                }
-            }
+            let largest = &mut self.row_scale[self.pattern.rows[place]];
+            *largest = largest.max(values[place].abs() * scale);
         }
-        for row in 0..self.pattern.size {
-            if self.column_scale[row] == 0.0 {
-                self.row_scale[row] = inverse_power(self.row_scale[row]);
-            }
+        for &row in &self.weak {
+            self.row_scale[row] = inverse_power(self.row_scale[row]);
         }
+        for &column in &self.weak {
+            let scaled = |place: usize| values[place].abs() * self.row_scale[self.pattern.rows[place]];
+            self.column_scale[column] = inverse_power(self.entries(column).map(scaled).fold(0.0, f64::max));
+        }
+    }
+
+    /// Lists the unknowns whose scale is still zero, and the entries in their rows.
+    fn find_weak(&mut self) {
+        self.weak.clear();
+        self.weak.extend((0..self.pattern.size).filter(|&unknown| self.column_scale[unknown] == 0.0));
+        self.weak_entries.clear();
         for column in 0..self.pattern.size {
-            if self.column_scale[column] == 0.0 {
-                let scaled = |place: usize| values[place].abs() * self.row_scale[self.pattern.rows[place]];
-                self.column_scale[column] = inverse_power(self.entries(column).map(scaled).fold(0.0, f64::max));
-            }
+            let own = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
+            let in_weak_row = |place: &usize| self.column_scale[self.pattern.rows[*place]] == 0.0;
+            self.weak_entries.extend(own.filter(in_weak_row).map(|place| (place, column)));
         }
     }
 }
 
-/// Smallest diagonal entry, as a share of its row, by which an unknown is scaled.
+/// Smallest diagonal entry, as a share of its column, by which an unknown is scaled.
 const SMALL_DIAGONAL: f64 = 1e-10;
 
 /// The inverse of the power of two near a normal number, by its exponent; 1 for zero.

@@ -3,6 +3,7 @@ use crate::assembly::SparsePattern;
 use crate::scalar::{Job, widest};
 use std::collections::BinaryHeap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Sparse LU that finds its pivots once and afterwards repeats the same operations on new values, without searching or
 /// allocating: for chains and small mechanisms, where the arithmetic is little and everything around it counts.
@@ -13,8 +14,8 @@ use std::ops::Range;
 ///
 /// Source: Gilbert & Peierls (1988); Davis & Natarajan (2010), KLU.
 pub struct LeftLookingLu {
-    pattern: SparsePattern,
-    columns: Vec<usize>,
+    pattern: Arc<SparsePattern>,
+    ordering: Arc<Ordering>,
     /// Place of each column in the order of elimination.
     place_of_column: Vec<usize>,
     factors: Option<Factors>,
@@ -188,15 +189,19 @@ const FREE: usize = usize::MAX;
 impl LeftLookingLu {
     /// Prepares for matrices of a pattern, with an order of its columns.
     pub fn new(pattern: &SparsePattern, ordering: Ordering) -> Self {
+        Self::of(Arc::new(pattern.clone()), Arc::new(ordering))
+    }
+
+    fn of(pattern: Arc<SparsePattern>, ordering: Arc<Ordering>) -> Self {
         let mut place_of_column = vec![0; pattern.size];
         ordering.columns.iter().enumerate().for_each(|(place, &column)| place_of_column[column] = place);
         LeftLookingLu {
-            pattern: pattern.clone(),
-            columns: ordering.columns,
+            work: vec![0.0; pattern.size],
+            pattern,
+            ordering,
             place_of_column,
             factors: None,
             prescribed: None,
-            work: vec![0.0; pattern.size],
             gathered: Vec::new(),
         }
     }
@@ -212,7 +217,7 @@ impl LeftLookingLu {
         let mut seen = vec![usize::MAX; n];
         let (mut row_of_step, mut pivots) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for k in 0..n {
-            let column = self.columns[k];
+            let column = self.ordering.columns[k];
             let mut pending = BinaryHeap::new();
             let (mut above, mut below) = (Vec::new(), Vec::new());
             let mut visit = |row: usize, pending: &mut BinaryHeap<std::cmp::Reverse<usize>>, step: usize| {
@@ -273,7 +278,7 @@ impl LeftLookingLu {
         factors.supernodes = factors.lower.supernodes();
         let steps_of = |(index, own): (usize, &Supernode)| std::iter::repeat_n(index as u32, own.end - own.first);
         factors.supernode_of_step = factors.supernodes.iter().enumerate().flat_map(steps_of).collect();
-        for &column in &self.columns {
+        for &column in &self.ordering.columns {
             let own = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
             factors.entry_steps.extend(self.pattern.rows[own].iter().map(|&row| factors.step_of_row[row] as u32));
         }
@@ -294,7 +299,7 @@ impl LeftLookingLu {
             }
         }
         let largest = (0..=k).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs())).unwrap_or(k);
-        Singular { unknown: self.columns[largest] }
+        Singular { unknown: self.ordering.columns[largest] }
     }
 }
 
@@ -428,7 +433,8 @@ impl Job for Substitution<'_> {
 
 impl LinearSolver for LeftLookingLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        let LeftLookingLu { pattern, columns, work, gathered, .. } = self;
+        let LeftLookingLu { pattern, ordering, work, gathered, .. } = self;
+        let columns = &ordering.columns;
         let repeated = self
             .factors
             .as_mut()
@@ -448,6 +454,10 @@ impl LinearSolver for LeftLookingLu {
     fn keep_pivots(&mut self, pivots: &[usize]) {
         self.factors = None;
         self.prescribed = (pivots.len() == self.pattern.size).then(|| pivots.to_vec());
+    }
+
+    fn another(&self) -> Option<Box<dyn LinearSolver>> {
+        Some(Box::new(LeftLookingLu::of(self.pattern.clone(), self.ordering.clone())))
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
@@ -547,7 +557,7 @@ mod tests {
     #[test]
     fn a_small_pivot_is_searched_anew() {
         let pattern = SparsePattern::from_entries(2, vec![(0, 0), (0, 1), (1, 0), (1, 1)]);
-        let mut lu = LeftLookingLu::new(&pattern, Ordering { columns: vec![0, 1], multiplications: 2.0 });
+        let mut lu = LeftLookingLu::new(&pattern, Ordering { columns: vec![0, 1], multiplications: 2.0, fill: 4 });
         lu.factor(&[1.0, 0.5, 0.5, 1.0]).expect("regular");
         assert_eq!(lu.factors.as_ref().map(|f| f.step_of_row.clone()), Some(vec![0, 1]));
         lu.factor(&[1e-9, 1.0, 1.0, 1e-9]).expect("regular");

@@ -14,7 +14,7 @@ mod sparse;
 
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
-pub use factorization::{Backend, Factorization, SolverPlan};
+pub use factorization::{Backend, Factorization, SolverPlan, Work};
 pub use left_looking::LeftLookingLu;
 pub use ordering::{Ordering, minimum_degree};
 pub use rank::independent_rows;
@@ -41,6 +41,10 @@ pub trait LinearSolver: Send {
     }
     /// Takes over the order of pivots that another factorization of the pattern found.
     fn keep_pivots(&mut self, _pivots: &[usize]) {}
+    /// Another solver of the pattern that has factored nothing yet, where that takes no second analysis.
+    fn another(&self) -> Option<Box<dyn LinearSolver>> {
+        None
+    }
     /// Replaces b by A^-1 b.
     fn solve(&mut self, rhs: &mut [f64]);
     /// Replaces b by A^-T b.

@@ -8,6 +8,8 @@ pub struct Ordering {
     pub columns: Vec<usize>,
     /// Multiplications of one factorization with pivots on the diagonal.
     pub multiplications: f64,
+    /// Entries of L and U.
+    pub fill: usize,
 }
 
 /// Minimum-degree ordering of A + A^T for systems with multipliers; `None` where it would cost more than `limit` multiplications.
@@ -64,11 +66,12 @@ pub fn minimum_degree(pattern: &SparsePattern, limit: f64) -> Option<Ordering> {
     let mut queue: BTreeSet<(usize, usize)> =
         queued.iter().enumerate().filter_map(|(group, degree)| degree.map(|degree| (degree, group))).collect();
     let mut columns = Vec::with_capacity(n);
-    let mut multiplications = 0.0;
+    let (mut multiplications, mut fill) = (0.0, 0);
     while let Some((degree_of_group, group)) = queue.pop_first() {
         for step in 0..members[group].len() {
-            let below = (members[group].len() - 1 - step + degree_of_group) as f64;
-            multiplications += below * (below + 1.0);
+            let below = members[group].len() - 1 - step + degree_of_group;
+            multiplications += (below * (below + 1)) as f64;
+            fill += 1 + 2 * below;
         }
         if multiplications > limit {
             return None;
@@ -100,7 +103,7 @@ pub fn minimum_degree(pattern: &SparsePattern, limit: f64) -> Option<Ordering> {
     let mut placed = vec![false; n];
     columns.iter().for_each(|&column| placed[column] = true);
     columns.extend((0..n).filter(|&column| !placed[column]));
-    Some(Ordering { columns, multiplications })
+    Some(Ordering { columns, multiplications, fill })
 }
 
 #[cfg(test)]

@@ -3,14 +3,16 @@
 //! Forward, a run is a chain of linear combinations and of systems F(X; base, p) = 0. Backwards, every system with the
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
-use super::transposed::{Backward, SolutionBar, TransposedSolver};
-use crate::assembly::VectorsAvq;
+use super::solvers::StepSolvers;
+use super::transposed::{Backward, SolutionBar};
+use crate::assembly::{System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{Functional, Over, QuadratureWeights, Sample};
 use crate::history::{History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
 };
+use std::sync::Arc;
 
 /// Gradients with respect to parameters and initial state, one for each functional, and the work done.
 #[derive(Clone, Debug)]
@@ -66,8 +68,8 @@ pub fn adjoint(
         values,
         duration: rerun.grid.duration(history.steps()),
         active,
-        stage: TransposedSolver::new(systems.stage.clone(), method, active)?,
-        other: TransposedSolver::new(systems.plain.clone(), method, active)?,
+        plain: systems.plain.clone(),
+        stage: systems.stage.clone(),
         counters: Counters::default(),
     };
     sweep.run(rerun, history)
@@ -80,17 +82,19 @@ struct Sweep<'m> {
     values: &'m [f64],
     duration: f64,
     active: &'m [bool],
-    stage: TransposedSolver<'m>,
-    other: TransposedSolver<'m>,
+    /// Numbered equations of accelerations and projections.
+    plain: Arc<System<'m>>,
+    /// Of stages.
+    stage: Arc<System<'m>>,
     counters: Counters,
 }
 
-impl Sweep<'_> {
+impl<'m> Sweep<'m> {
     fn run(&mut self, rerun: &Rerun, history: &dyn History) -> Result<AdjointRun, RunError> {
         let model = self.problem.model;
         let zeros = || vec![0.0; model.dofs];
-        let multipliers = self.other.system.multipliers();
-        let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };
+        let multipliers = self.plain.multipliers();
+        let rates = if self.stage.options.stabilized { model.dofs } else { 0 };
         let mut back: Vec<Backward> = self
             .functionals
             .iter()
@@ -101,29 +105,59 @@ impl Sweep<'_> {
                 p: vec![0.0; model.parameters],
             })
             .collect();
+        let mut solvers = self.solvers()?;
+        let mut ahead = if solvers.are_apart { Some(solvers.another()?) } else { None };
         let mut steps = history.backward(rerun)?;
-        let mut last = true;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        while let Some(step) = steps.next()? {
-            self.select(&step.dropped)?;
-            self.step(step, last, &weights.back_through(step), &mut back)?;
-            last = false;
+        let mut last = true;
+        match &mut ahead {
+            None => {
+                while let Some(step) = steps.next()? {
+                    self.select(&step.dropped, &mut solvers, None)?;
+                    self.step(step, last, &weights.back_through(step), &mut back, &mut solvers)?;
+                    last = false;
+                }
+            }
+            Some(ahead) => {
+                let mut next = steps.next()?.cloned();
+                while let Some(step) = next {
+                    next = steps.next()?.cloned();
+                    self.select(&step.dropped, &mut solvers, Some(ahead))?;
+                    let weights = weights.back_through(&step);
+                    let before =
+                        next.as_ref().filter(|next| next.dropped == step.dropped && rayon::current_num_threads() > 1);
+                    let p = &self.problem.p;
+                    let (result, ()) = rayon::join(
+                        || self.step(&step, last, &weights, &mut back, &mut solvers),
+                        || before.into_iter().for_each(|before| ahead.factor(before, p)),
+                    );
+                    result?;
+                    solvers.forget();
+                    std::mem::swap(&mut solvers, ahead);
+                    last = false;
+                }
+            }
         }
         drop(steps);
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
-        self.select(&start.dropped)?;
+        self.select(&start.dropped, &mut solvers, None)?;
         let bars = self.start_bars(start, &mut back);
         if !self.method.table.is_static() {
-            self.acceleration(&start.acceleration, bars, &mut back)?;
+            self.acceleration(&start.acceleration, bars, &mut back, &mut solvers)?;
         }
-        for (solve, place) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
+        for (solve, carried) in [(&start.velocity_projection, 1), (&start.position_projection, 0)] {
             if let Some(record) = solve {
                 let bars: Vec<SolutionBar> = back
                     .iter()
-                    .map(|back| SolutionBar { x: back.carried[place].clone(), rate: Vec::new(), mu: vec![0.0; multipliers] })
+                    .map(|back| SolutionBar {
+                        x: back.carried[carried].clone(),
+                        rate: Vec::new(),
+                        mu: vec![0.0; multipliers],
+                    })
                     .collect();
-                let bases = self.other.through(record, &self.problem.p, &bars, &mut back, &mut self.counters)?;
+                let solver = &mut solvers.plain;
+                let bases = solver.through(record, &self.problem.p, &bars, &mut back, &mut self.counters)?;
                 for (back, base) in back.iter_mut().zip(bases) {
                     add(&mut back.carried[0], 1.0, &base.q);
                     add(&mut back.carried[1], 1.0, &base.v);
@@ -140,12 +174,24 @@ impl Sweep<'_> {
         Ok(AdjointRun { gradients, counters: self.counters })
     }
 
+    fn solvers(&self) -> Result<StepSolvers<'m>, RunError> {
+        let systems = Systems { plain: self.plain.clone(), stage: self.stage.clone() };
+        StepSolvers::new(&systems, self.method, self.active)
+    }
+
     /// Leaves out the redundant equations that a step left out.
-    fn select(&mut self, dropped: &[usize]) -> Result<(), RunError> {
-        if self.other.system.options.dropped != dropped {
-            let Systems { plain, stage } = Systems::new(self.problem.model, self.method, dropped);
-            self.stage = TransposedSolver::new(stage, self.method, self.active)?;
-            self.other = TransposedSolver::new(plain, self.method, self.active)?;
+    fn select(
+        &mut self,
+        dropped: &[usize],
+        solvers: &mut StepSolvers<'m>,
+        ahead: Option<&mut StepSolvers<'m>>,
+    ) -> Result<(), RunError> {
+        if self.plain.options.dropped != dropped {
+            Systems { plain: self.plain, stage: self.stage } = Systems::new(self.problem.model, self.method, dropped);
+            *solvers = self.solvers()?;
+            if let Some(ahead) = ahead {
+                *ahead = solvers.another()?;
+            }
         }
         Ok(())
     }
@@ -193,8 +239,9 @@ impl Sweep<'_> {
         record: &SolveRecord<f64>,
         bars: Vec<SolutionBar>,
         back: &mut [Backward],
+        solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let bases = self.other.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
+        let bases = solvers.plain.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
         for (back, base) in back.iter_mut().zip(bases) {
             add(&mut back.carried[0], 1.0, &base.q);
             add(&mut back.carried[1], 1.0, &base.v);
@@ -209,11 +256,12 @@ impl Sweep<'_> {
         last_step: bool,
         weights: &[f64],
         back: &mut [Backward],
+        solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         back.iter_mut().for_each(Backward::drop_negligible);
         let table = self.method.table.scheme(step.scheme);
         let dofs = self.problem.model.dofs;
-        let (multipliers, rates) = (self.other.system.multipliers(), self.stage.system.options.stabilized);
+        let (multipliers, rates) = (self.plain.multipliers(), self.stage.options.stabilized);
         let last = table.stages.len() - 1;
         let mut stages: Vec<Vec<SolutionBar>> =
             back.iter().map(|_| vec![SolutionBar::zeros(dofs, multipliers, rates); table.stages.len()]).collect();
@@ -237,7 +285,7 @@ impl Sweep<'_> {
                 }
             }
         }
-        self.projections(step, back, &mut stages)?;
+        self.projections(step, back, &mut stages, solvers)?;
 
         // the update
         for (stages, back) in stages.iter_mut().zip(back.iter_mut()) {
@@ -251,11 +299,11 @@ impl Sweep<'_> {
             }
         }
         for (stage, &weight) in weights.iter().enumerate().rev() {
-            self.stage(step, (stage, weight), back, &mut stages)?;
+            self.stage(step, (stage, weight), back, &mut stages, solvers)?;
         }
         if let Some(restart) = &step.restart {
             let bars = take_carried_acceleration(table, back);
-            self.acceleration(restart, bars, back)?;
+            self.acceleration(restart, bars, back, solvers)?;
         }
         Ok(())
     }
@@ -265,20 +313,22 @@ impl Sweep<'_> {
         step: &StepRecord<f64>,
         back: &mut [Backward],
         stages: &mut [Vec<SolutionBar>],
+        solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let multipliers = self.other.system.multipliers();
-        for (solve, place) in [(&step.velocity_projection, 1), (&step.position_projection, 0)] {
+        let multipliers = self.plain.multipliers();
+        for (solve, carried) in [(&step.velocity_projection, 1), (&step.position_projection, 0)] {
             let Some(record) = solve else { continue };
             let shift = record.equations.constraint;
-            let factor = if place == 1 { shift.beta } else { shift.alpha };
+            let factor = if carried == 1 { shift.beta } else { shift.alpha };
             let bars: Vec<SolutionBar> = back
                 .iter()
                 .map(|back| {
-                    let x = back.carried[place].iter().map(|bar| factor * bar).collect();
+                    let x = back.carried[carried].iter().map(|bar| factor * bar).collect();
                     SolutionBar { x, rate: Vec::new(), mu: vec![0.0; multipliers] }
                 })
                 .collect();
-            let bases = self.other.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
+            let solver = &mut solvers.plain;
+            let bases = solver.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
             for ((back, base), stages) in back.iter_mut().zip(bases).zip(stages.iter_mut()) {
                 add(&mut back.carried[0], 1.0, &base.q);
                 add(&mut back.carried[1], 1.0, &base.v);
@@ -296,6 +346,7 @@ impl Sweep<'_> {
         (stage, weight): (usize, f64),
         back: &mut [Backward],
         stages: &mut [Vec<SolutionBar>],
+        solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let table = self.method.table.scheme(step.scheme);
         let record = &step.stages[stage];
@@ -334,7 +385,8 @@ impl Sweep<'_> {
                 own
             };
             let bars: Vec<SolutionBar> = stages.iter_mut().map(solution_bar).collect();
-            let solved = self.stage.through(&record.solve, &self.problem.p, &bars, back, &mut self.counters)?;
+            let solver = solvers.stage(stage);
+            let solved = solver.through(&record.solve, &self.problem.p, &bars, back, &mut self.counters)?;
             for (total, base) in base_bars.iter_mut().zip(solved) {
                 add(&mut total.a, 1.0, &base.a);
                 add(&mut total.v, 1.0, &base.v);

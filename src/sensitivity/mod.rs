@@ -4,6 +4,7 @@ mod adjoint;
 mod analysis;
 mod checks;
 mod over_time;
+mod solvers;
 mod transposed;
 
 pub use adjoint::{AdjointRun, adjoint};

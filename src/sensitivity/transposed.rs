@@ -1,8 +1,8 @@
 //! One system of the sweep back.
 
-use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, Variational, VectorsAvq};
+use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
-use crate::linalg::Factorization;
+use crate::linalg::{Factorization, Singular, SolverPlan};
 use std::sync::Arc;
 
 /// Adjoint of the solution of one system, for one functional.
@@ -53,24 +53,74 @@ pub(super) struct TransposedSolver<'m> {
     residual: Residual<f64>,
     jacobian: Jacobian,
     factorization: Factorization,
+    /// The solution, with the multipliers inside nodes that follow from it.
+    unknowns: Unknowns<f64>,
     /// Parameters whose derivatives are asked for.
     active: &'m [bool],
+    /// What came of a factorization for which nobody has asked yet.
+    factored: Option<Factored>,
+    /// Whether an adjoint of the system asked for last was not zero.
+    pub is_needed: bool,
+}
+
+/// Work of a factorization: blocks differentiated, and whether the matrix was another one than before.
+struct Factored {
+    blocks: usize,
+    outcome: Result<bool, Singular>,
 }
 
 impl<'m> TransposedSolver<'m> {
     pub fn new(system: Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let factorization =
             Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
-        Ok(TransposedSolver {
+        Ok(Self::of(system, factorization, active))
+    }
+
+    /// Another one for the same system.
+    pub fn another(&self) -> Result<Self, RunError> {
+        let factorization = self.factorization.another().map_err(|s| singular(s.unknown, "adjoint"))?;
+        Ok(Self::of(self.system.clone(), factorization, self.active))
+    }
+
+    fn of(system: Arc<System<'m>>, factorization: Factorization, active: &'m [bool]) -> Self {
+        TransposedSolver {
             residual: Residual::new(&system),
             jacobian: Jacobian::new(&system),
             system,
             factorization,
+            unknowns: Unknowns::default(),
             active,
-        })
+            factored: None,
+            is_needed: false,
+        }
     }
 
-    /// Goes back through one system; returns the adjoint of its base point for each functional and adds to `p_bar`.
+    /// Solver of the linear systems.
+    pub fn plan(&self) -> SolverPlan {
+        self.factorization.plan()
+    }
+
+    /// Factors the matrix of a system at its solution: all of the work that needs no adjoint.
+    pub fn factor(&mut self, record: &SolveRecord<f64>, p: &[f64]) {
+        let system = &*self.system.clone();
+        let SolveRecord { t, equations, base, unknowns } = record;
+        // evaluated anew: the multipliers inside nodes follow from the solution
+        self.unknowns.clone_from(unknowns);
+        self.residual.start(system, equations, base, p, *t);
+        self.residual.evaluate(system, equations, base, &mut self.unknowns, p, *t);
+        let before = self.jacobian.evaluated;
+        self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
+        let blocks = self.jacobian.evaluated - before;
+        self.factored = Some(Factored { blocks, outcome: self.factorization.follow(&self.jacobian.values) });
+    }
+
+    /// Forgets a factorization for which nobody has asked.
+    pub fn forget(&mut self) {
+        self.factored = None;
+    }
+
+    /// Goes back through one system, which is factored now unless it was before; returns the adjoint of its base point for each
+    /// functional and adds to `p_bar`.
     pub fn through(
         &mut self,
         record: &SolveRecord<f64>,
@@ -82,23 +132,25 @@ impl<'m> TransposedSolver<'m> {
         let system = &*self.system.clone();
         let dofs = system.model.dofs;
         let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
-        if bars.iter().all(SolutionBar::is_zero) {
+        self.is_needed = !bars.iter().all(SolutionBar::is_zero);
+        if !self.is_needed {
+            self.forget();
             return Ok(base_bars);
         }
-        let SolveRecord { t, equations, base, unknowns } = record;
-        // evaluated anew: the multipliers inside nodes follow from the solution
-        let mut unknowns = unknowns.clone();
-        self.residual.start(system, equations, base, p, *t);
-        self.residual.evaluate(system, equations, base, &mut unknowns, p, *t);
-        let before = self.jacobian.evaluated;
-        self.jacobian.assemble(system, equations, &self.residual, &unknowns, p, *t);
-        counters.blocks += self.jacobian.evaluated - before;
-        let factored = self.factorization.follow(&self.jacobian.values).map_err(|singular_at| {
-            singular_named(system.unknown_name(singular_at.unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
-        })?;
+        let SolveRecord { t, equations, base, .. } = record;
+        if self.factored.is_none() {
+            self.factor(record, p);
+        }
+        if let Some(Factored { blocks, outcome }) = self.factored.take() {
+            let factored = outcome.map_err(|Singular { unknown }| {
+                singular_named(system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
+            })?;
+            counters.blocks += blocks;
+            counters.factorizations += usize::from(factored);
+        }
         counters.systems += 1;
         counters.residuals += 1;
-        counters.factorizations += usize::from(factored);
+        let unknowns = std::mem::take(&mut self.unknowns);
 
         let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
         let mut all: Vec<Adjoints> = asked.iter().map(|&k| self.solve(&bars[k])).collect();
@@ -195,6 +247,7 @@ impl<'m> TransposedSolver<'m> {
                 base_bar.q[i] = (base_bar.q[i] + at_bar.q[i]) + constraint_bar.q[i];
             }
         }
+        self.unknowns = unknowns;
         Ok(base_bars)
     }
 

@@ -1,4 +1,4 @@
-use crate::verification::{Clock, Report, Study, on_one_thread};
+use crate::verification::{Clock, Report, Study, on_one_thread, on_threads};
 use costate::functionals::Sample;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, march_dividing, table_by_name};
@@ -6,6 +6,7 @@ use costate::io::{Chart, Series, Style};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::FlexibleFourBar;
+use std::time::Instant;
 
 /// The flexible four-bar mechanism with every method: forces, time, gradients.
 pub struct FourBar;
@@ -52,6 +53,8 @@ const RINGING: f64 = 0.6;
 const UNDAMPED: &str = "midpoint";
 /// Duration [s].
 const END: f64 = 12.0;
+/// Gradients of which the fastest counts.
+const REPETITIONS: usize = 3;
 /// Moments at which courses are compared: every 10 ms.
 const MOMENTS: usize = 1200;
 
@@ -248,6 +251,7 @@ fn every_method(report: &mut Report, reference: &Course) -> Result<(), String> {
 /// Adjoint against complex step, and their cost.
 fn gradients(report: &mut Report) -> Result<(), String> {
     eprintln!("[3/3] gradients");
+    let available = std::thread::available_parallelism().map_or(1, usize::from);
     for name in [DEFAULT_TABLE, "bdf2"] {
         let scene = FlexibleFourBar::default();
         let prepared = prepare(scene.as_ref(), name).map_err(|error| error.to_string())?;
@@ -265,6 +269,30 @@ fn gradients(report: &mut Report) -> Result<(), String> {
         report.at_most(format!("{name}/gradient of the {}, adjoint - complex step", first[0]), difference, 1e-10);
         report.inform(format!("{name}/time of the simulation [s]"), of_forward);
         report.inform(format!("{name}/time of the adjoint by that of the simulation"), of_adjoint / of_forward);
+        for threads in [1, 2, 4, 8, 16] {
+            if threads <= available {
+                on_threads(threads, || ratio_of_day(report, name, &prepared, threads))?;
+            }
+        }
     }
+    Ok(())
+}
+
+/// Time of day of adjoint and simulation, which is that of one thread, and what the adjoint gains by several.
+fn ratio_of_day(report: &mut Report, name: &str, prepared: &Prepared, threads: usize) -> Result<(), String> {
+    let mut analysis = prepared.analysis();
+    analysis.functionals = &prepared.functionals()[..1];
+    let (mut of_forward, mut of_adjoint) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..REPETITIONS {
+        let begun = Instant::now();
+        let forward = analysis.forward(&prepared.x).map_err(|error| error.to_string())?;
+        of_forward = of_forward.min(begun.elapsed().as_secs_f64());
+        let begun = Instant::now();
+        analysis.adjoint(&prepared.x, &forward).map_err(|error| error.to_string())?;
+        of_adjoint = of_adjoint.min(begun.elapsed().as_secs_f64());
+    }
+    let figure = |what: &str| format!("{name}/{what}, {threads} thread{}", if threads > 1 { "s" } else { "" });
+    report.inform(figure("time of day of the adjoint [s]"), of_adjoint);
+    report.inform(figure("the same by that of the simulation"), of_adjoint / of_forward);
     Ok(())
 }

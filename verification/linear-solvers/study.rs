@@ -2,8 +2,8 @@
 mod mumps;
 mod patterns;
 
-use crate::verification::{Clock, Report, Study};
-use costate::linalg::{Backend, Factorization};
+use crate::verification::{Clock, Report, Study, on_threads};
+use costate::linalg::{Backend, Factorization, Work};
 use patterns::{Matrix, Noise, chain, full, shell};
 use std::fs;
 use std::time::Instant;
@@ -48,9 +48,7 @@ impl Study for LinearSolvers {
                     if threads > 1 && backend != Backend::Multifrontal {
                         continue;
                     }
-                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                    let pool = pool.map_err(|error| error.to_string())?;
-                    pool.install(|| measure(report, &matrix, backend, threads))?;
+                    on_threads(threads, || measure(report, &matrix, backend, threads))?;
                 }
             }
             #[cfg(feature = "mumps")]
@@ -135,8 +133,9 @@ fn measure(report: &mut Report, matrix: &Matrix, backend: Backend, threads: usiz
         factor = factor.min(watch.seconds());
     }
     report.inform(format!("{name}/factorization [ms]"), 1e3 * factor);
-    if let Some(multiplications) = factorization.plan().multiplications {
+    if let Some(Work { multiplications, fill }) = factorization.plan().work {
         report.inform(format!("{name}/multiplications [1e6]"), 1e-6 * multiplications);
+        report.inform(format!("{name}/entries of L and U [1e6]"), 1e-6 * fill as f64);
     }
     let rhs = right_hand_side(pattern.size);
     for transposed in [false, true] {

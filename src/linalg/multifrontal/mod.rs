@@ -30,6 +30,7 @@ mod wide;
 #[cfg(test)]
 mod test_matrices;
 
+pub(super) use kernels::largest;
 pub use multifrontal_lu::MultifrontalLu;
 pub use refined::{BACKWARD_ERROR, Refined, Refinement, Stop};
 pub use schur::SchurComplement;

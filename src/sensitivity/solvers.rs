@@ -1,0 +1,74 @@
+//! The solvers of one step's systems: what needs no adjoint can be done ahead, for many systems at once.
+
+use super::transposed::TransposedSolver;
+use crate::integrators::{Method, RunError, SolveRecord, StepRecord, Systems};
+use crate::linalg::Backend;
+use rayon::prelude::*;
+
+/// Unknowns from which each stage of a step has a solver of its own: below, waking other threads takes longer than a factorization.
+const APART: usize = 60;
+
+/// Solvers of the systems of one step.
+///
+/// Small stages have one each, whatever the number of threads, so that their numbers do not depend on it; large ones, whose
+/// factorizations employ all threads themselves and take most of the memory, share one.
+pub(super) struct StepSolvers<'m> {
+    /// Whether each stage has a solver of its own.
+    pub are_apart: bool,
+    /// Of projections and accelerations: both projections of a step mostly have the same matrix.
+    pub plain: TransposedSolver<'m>,
+    stages: Vec<TransposedSolver<'m>>,
+}
+
+impl<'m> StepSolvers<'m> {
+    /// Solvers for the equations of a run.
+    ///
+    /// # Errors
+    /// A pattern that no numbers could make regular.
+    pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
+        let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
+        let plain = TransposedSolver::new(systems.plain.clone(), method, active)?;
+        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart: false };
+        let plan = solvers.stages[0].plan();
+        if plan.unknowns >= APART && plan.backend != Backend::Multifrontal {
+            solvers.are_apart = true;
+            let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
+            for _ in 1..method.table.stages.len().max(starter) {
+                solvers.stages.push(solvers.stages[0].another()?);
+            }
+        }
+        Ok(solvers)
+    }
+
+    /// The same for another step.
+    ///
+    /// # Errors
+    /// As for [`StepSolvers::new`].
+    pub fn another(&self) -> Result<Self, RunError> {
+        let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
+        Ok(StepSolvers { stages, plain: self.plain.another()?, are_apart: self.are_apart })
+    }
+
+    /// The solver of a stage.
+    pub fn stage(&mut self, stage: usize) -> &mut TransposedSolver<'m> {
+        let last = self.stages.len() - 1;
+        &mut self.stages[stage.min(last)]
+    }
+
+    /// Factors the systems of a step whose adjoints were needed in the last one that these solvers served.
+    pub fn factor(&mut self, step: &StepRecord<f64>, p: &[f64]) {
+        let stages = step.stages.iter().map(|stage| stage.known.is_none().then_some(&stage.solve));
+        // the one that comes first on the way back
+        let projection = step.velocity_projection.as_ref().or(step.position_projection.as_ref());
+        let all = self.stages.iter_mut().zip(stages).chain(std::iter::once((&mut self.plain, projection)));
+        let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
+            all.filter(|(solver, _)| solver.is_needed).filter_map(|(solver, record)| Some((solver, record?))).collect();
+        needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
+    }
+
+    /// Forgets what was factored ahead and not asked for.
+    pub fn forget(&mut self) {
+        self.stages.iter_mut().for_each(TransposedSolver::forget);
+        self.plain.forget();
+    }
+}
