@@ -92,3 +92,73 @@ fn a_flexible_mechanism_has_the_same_gradient_whatever_solves_its_systems() {
         }
     }
 }
+
+/// A net of masses and springs, held at one edge, that falls and swings: its matrices fill as those of surfaces do.
+struct Net {
+    side: usize,
+}
+impl Scene for Net {
+    fn name(&self) -> String {
+        "net".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![
+            DesignVariable::new("stiffness", 400.0, (1.0, 1e4), "N/m"),
+            DesignVariable::new("mass", 0.02, (1e-3, 1.0), "kg"),
+        ]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(0.05, 5)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        const MESH: f64 = 0.1;
+        let ground = m.ground();
+        let place = |i: usize, j: usize| Vec3::from_f64([MESH * i as f64, MESH * j as f64, 0.0]);
+        let mut nodes = Vec::new();
+        for (i, j) in (0..self.side * self.side).map(|k| (k / self.side, k % self.side)) {
+            let node = if i == 0 { ground } else { m.point(&format!("knot {i} {j}"), place(i, j)) };
+            if i > 0 {
+                m.point_mass(&format!("mass {i} {j}"), node, x[1]);
+            }
+            nodes.push(node);
+        }
+        for (i, j) in (0..self.side * self.side).map(|k| (k / self.side, k % self.side)) {
+            for (other_i, other_j) in [(i + 1, j), (i, j + 1), (i + 1, j + 1), (i + 1, j.wrapping_sub(1))] {
+                if other_i < self.side && other_j < self.side && (i, other_i) != (0, 0) {
+                    let pair = [nodes[i * self.side + j], nodes[other_i * self.side + other_j]];
+                    let ends = [place(i, j), place(other_i, other_j)];
+                    let rest = (ends[1] - ends[0]).norm() * 0.95;
+                    m.line_spring(&format!("spring {i} {j} {other_i} {other_j}"), pair, ends, x[0], rest);
+                }
+            }
+        }
+        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
+        let corner = nodes[self.side * self.side - 1];
+        let up = Vec3::from_f64([0.0, 0.0, 1.0]);
+        m.position_functional("z of a corner", Over::Terminal, corner, place(self.side - 1, self.side - 1), up);
+        m.position_functional("z of a corner, integral", Over::Integral, corner, place(self.side - 1, self.side - 1), up);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_large_net_has_the_same_gradient_with_factors_that_lag_behind() {
+    let net = Net { side: 40 };
+    let backends = [Backend::LeftLooking, Backend::Multifrontal];
+    let x: Vec<f64> = net.variables().iter().map(|variable| variable.initial).collect();
+    let [expected, lagging] = backends.map(|backend| {
+        let settings = Settings::new(0.005, 10);
+        let method = Method { backend, ..Prepared::method_of(&settings).expect("a method") };
+        let prepared = Prepared::with(&net, &x, method, settings).expect("a scene");
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&x).expect("a run");
+        analysis.adjoint(&x, &forward).expect("a gradient")
+    });
+    for (own, expected) in lagging.rows.iter().zip(&expected.rows) {
+        let difference = largest_difference(expected, own);
+        assert!(difference < 1e-12, "{difference:e}");
+    }
+    let (own, all) = (&lagging.counters, &expected.counters);
+    assert_eq!(own.systems, all.systems);
+    assert!(own.factorizations * 2 < all.factorizations, "{own:?}, {all:?}");
+}

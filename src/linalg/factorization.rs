@@ -1,5 +1,6 @@
+use super::lagged::{LaggedSolver, Refactoring};
 use super::multifrontal::{MultifrontalLu, largest};
-use super::{DenseLu, LeftLookingLu, LinearSolver, Singular, SparseLu, minimum_degree};
+use super::{DenseLu, LeftLookingLu, LinearSolver, Side, Singular, SparseLu, minimum_degree};
 use crate::assembly::SparsePattern;
 use std::sync::Arc;
 
@@ -91,6 +92,16 @@ pub struct Factorization {
     followed: Vec<f64>,
     /// Refinements of a transposed solution.
     refinements: usize,
+    /// Solutions with factors of another matrix; `None` where a factorization takes the time of few solutions.
+    lagging: Option<Lagging>,
+}
+
+/// Solutions with factors of another matrix.
+struct Lagging {
+    solver: LaggedSolver,
+    rule: Refactoring,
+    /// Most applications of the factors for the matrix of now; 0 if that is the factored one.
+    most: usize,
 }
 
 impl Factorization {
@@ -134,8 +145,14 @@ impl Factorization {
 
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>) -> Self {
         let n = pattern.size;
+        let lagging = plan.work.filter(|_| plan.backend == Backend::Multifrontal).map(|work| Lagging {
+            solver: LaggedSolver::new(pattern.clone()),
+            rule: Refactoring::new(work.multiplications, work.fill),
+            most: 0,
+        });
         Factorization {
             plan,
+            lagging,
             solver,
             scaled: vec![0.0; pattern.rows.len()],
             row_scale: vec![1.0; n],
@@ -187,33 +204,48 @@ impl Factorization {
         Ok(())
     }
 
-    /// As [`Factorization::factor`], unless the values are those of the last factorization but for round-off: transposed solutions are
-    /// refined against the new ones, and nothing is factored. Returns whether it was.
+    /// Takes up the values of a matrix for transposed solutions of some right-hand sides: as [`Factorization::factor`], unless they are those
+    /// of the last factorization but for round-off, or near enough for its factors to serve. Solutions are as exact as with new factors.
+    /// Returns whether it was factored.
     ///
     /// # Errors
     /// As for [`Factorization::factor`].
-    pub fn follow(&mut self, values: &[f64]) -> Result<bool, Singular> {
+    pub fn follow(&mut self, values: &[f64], columns: usize) -> Result<bool, Singular> {
         let scaled = |column: usize, place: usize| {
             values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column])
         };
+        let known = self.followed.len() == values.len();
         let near = |column: usize| {
             self.entries(column).all(|place| (scaled(column, place) - self.followed[place]).abs() <= SAME_VALUES)
         };
-        let same = self.followed.len() == values.len() && (0..self.pattern.size).all(near);
+        let same = known && (0..self.pattern.size).all(near);
         self.refinements = if same { 2 } else { 1 };
-        if same {
+        if let Some(lagging) = &mut self.lagging {
+            lagging.most = if same || !known { 0 } else { lagging.rule.most_applications(columns) };
+        }
+        let lags = self.lagging.as_ref().is_some_and(|lagging| lagging.most > 0);
+        if same || lags {
             for column in 0..self.pattern.size {
                 for place in self.entries(column) {
                     self.scaled[place] =
                         values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column]);
                 }
             }
-        } else {
-            self.followed.clear();
-            self.factor(values)?;
-            self.followed.clone_from(&self.scaled);
+            return Ok(false);
         }
-        Ok(!same)
+        self.followed.clear();
+        self.factor(values)?;
+        self.now_factored(columns);
+        Ok(true)
+    }
+
+    /// Remembers the matrix factored last as the one that others are near.
+    fn now_factored(&mut self, columns: usize) {
+        self.followed.clone_from(&self.scaled);
+        if let Some(lagging) = &mut self.lagging {
+            lagging.most = 0;
+            lagging.rule.add_factored(columns);
+        }
     }
 
     /// The solver and what a factorization takes.
@@ -263,12 +295,60 @@ impl Factorization {
         }
     }
 
-    /// Replaces b by A^-T b, refined once against the matrix: adjoint variables are not corrected by a later iteration.
+    /// Replaces right-hand sides, one after the other, by the columns of A^-T B with the factors of A, refined once against the matrix:
+    /// adjoint variables are not corrected by a later iteration.
     pub fn solve_transposed(&mut self, rhs: &mut [f64]) {
-        for ((b, work), scale) in rhs.iter_mut().zip(&mut self.work).zip(&self.column_scale) {
-            *b *= scale;
-            *work = *b;
+        self.scale_transposed(rhs);
+        rhs.chunks_exact_mut(self.pattern.size.max(1)).for_each(|rhs| self.refine_transposed(rhs));
+        self.unscale_transposed(rhs);
+    }
+
+    /// The same with the matrix taken up by [`Factorization::follow`]; returns whether it had to be factored, because it was not near
+    /// enough to that of the factors.
+    ///
+    /// # Errors
+    /// As for [`Factorization::factor`].
+    pub fn solve_followed(&mut self, rhs: &mut [f64]) -> Result<bool, Singular> {
+        let Some(Lagging { solver, rule, most }) = self.lagging.as_mut().filter(|lagging| lagging.most > 0) else {
+            self.solve_transposed(rhs);
+            return Ok(false);
+        };
+        let columns = rhs.len() / self.pattern.size;
+        let most = *most;
+        for rhs in rhs.chunks_exact_mut(self.pattern.size) {
+            rhs.iter_mut().zip(&self.column_scale).for_each(|(b, scale)| *b *= scale);
         }
+        let lag = solver.solve(&mut *self.solver, &self.scaled, Side::Transposed, rhs, most);
+        if lag.solved {
+            rule.add_lagged(columns, lag.longest);
+            self.unscale_transposed(rhs);
+            return Ok(false);
+        }
+        rule.add_failure();
+        // the scales of the matrix before serve this one, too
+        self.followed.clear();
+        self.solver.factor(&self.scaled)?;
+        self.now_factored(columns);
+        rhs.chunks_exact_mut(self.pattern.size).for_each(|rhs| self.refine_transposed(rhs));
+        self.unscale_transposed(rhs);
+        Ok(true)
+    }
+
+    fn scale_transposed(&self, rhs: &mut [f64]) {
+        for rhs in rhs.chunks_exact_mut(self.pattern.size.max(1)) {
+            rhs.iter_mut().zip(&self.column_scale).for_each(|(b, scale)| *b *= scale);
+        }
+    }
+
+    fn unscale_transposed(&self, rhs: &mut [f64]) {
+        for rhs in rhs.chunks_exact_mut(self.pattern.size.max(1)) {
+            rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
+        }
+    }
+
+    /// Solves in the scale of the factors.
+    fn refine_transposed(&mut self, rhs: &mut [f64]) {
+        self.work.copy_from_slice(rhs);
         self.solver.solve_transposed(rhs);
         let mut correction = std::mem::take(&mut self.correction);
         for _ in 0..self.refinements {
@@ -280,7 +360,6 @@ impl Factorization {
             self.solver.solve_transposed(&mut correction);
             rhs.iter_mut().zip(&correction).for_each(|(x, correction)| *x += correction);
         }
-        rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
         self.correction = correction;
     }
 

@@ -6,6 +6,7 @@
 mod dense;
 mod eigen;
 mod factorization;
+pub mod lagged;
 mod left_looking;
 pub mod multifrontal;
 mod ordering;
@@ -16,6 +17,7 @@ pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
 pub use factorization::{Backend, Factorization, SolverPlan, Work};
 pub use left_looking::LeftLookingLu;
+pub use multifrontal::Side;
 pub use ordering::{Ordering, minimum_degree};
 pub use rank::independent_rows;
 pub use sparse::SparseLu;
@@ -49,4 +51,15 @@ pub trait LinearSolver: Send {
     fn solve(&mut self, rhs: &mut [f64]);
     /// Replaces b by A^-T b.
     fn solve_transposed(&mut self, rhs: &mut [f64]);
+    /// Replaces right-hand sides, one after the other, by the columns of A^-1 B or A^-T B.
+    ///
+    /// * `size` number of unknowns
+    fn solve_columns(&mut self, side: Side, size: usize, rhs: &mut [f64]) {
+        for column in rhs.chunks_exact_mut(size) {
+            match side {
+                Side::Plain => self.solve(column),
+                Side::Transposed => self.solve_transposed(column),
+            }
+        }
+    }
 }

@@ -61,6 +61,8 @@ pub(super) struct TransposedSolver<'m> {
     factored: Option<Factored>,
     /// Whether an adjoint of the system asked for last was not zero.
     pub is_needed: bool,
+    /// Number of its adjoints that were not.
+    columns: usize,
 }
 
 /// Work of a factorization: blocks differentiated, and whether the matrix was another one than before.
@@ -92,6 +94,7 @@ impl<'m> TransposedSolver<'m> {
             active,
             factored: None,
             is_needed: false,
+            columns: 1,
         }
     }
 
@@ -111,7 +114,7 @@ impl<'m> TransposedSolver<'m> {
         let before = self.jacobian.evaluated;
         self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
         let blocks = self.jacobian.evaluated - before;
-        self.factored = Some(Factored { blocks, outcome: self.factorization.follow(&self.jacobian.values) });
+        self.factored = Some(Factored { blocks, outcome: self.factorization.follow(&self.jacobian.values, self.columns) });
     }
 
     /// Forgets a factorization for which nobody has asked.
@@ -142,9 +145,7 @@ impl<'m> TransposedSolver<'m> {
             self.factor(record, p);
         }
         if let Some(Factored { blocks, outcome }) = self.factored.take() {
-            let factored = outcome.map_err(|Singular { unknown }| {
-                singular_named(system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
-            })?;
+            let factored = outcome.map_err(|singular| self.singular_at(singular, *t))?;
             counters.blocks += blocks;
             counters.factorizations += usize::from(factored);
         }
@@ -153,7 +154,9 @@ impl<'m> TransposedSolver<'m> {
         let unknowns = std::mem::take(&mut self.unknowns);
 
         let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
-        let mut all: Vec<Adjoints> = asked.iter().map(|&k| self.solve(&bars[k])).collect();
+        self.columns = asked.len();
+        let mut all =
+            self.solve(asked.iter().map(|&k| &bars[k]), counters).map_err(|unknown| self.singular_at(unknown, *t))?;
         counters.solves += asked.len();
         counters.products += asked.len();
 
@@ -251,27 +254,43 @@ impl<'m> TransposedSolver<'m> {
         Ok(base_bars)
     }
 
-    /// lambda with J^T lambda = -x_bar, for the matrix factored last.
-    fn solve(&mut self, bar: &SolutionBar) -> Adjoints {
+    /// lambda with J^T lambda = -x_bar for each x_bar, with the matrix taken up last.
+    fn solve<'b>(
+        &mut self,
+        bars: impl Iterator<Item = &'b SolutionBar>,
+        counters: &mut Counters,
+    ) -> Result<Vec<Adjoints>, Singular> {
         let system = &*self.system.clone();
-        let mut reduced = vec![0.0; system.size()];
-        self.jacobian.restrict_right(system, &bar.x, &bar.rate, &mut reduced);
-        for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {
-            if let Some(place) = *place {
-                reduced[place] = *mu;
+        let mut all = Vec::new();
+        for bar in bars {
+            let first = all.len();
+            all.resize(first + system.size(), 0.0);
+            let reduced = &mut all[first..];
+            self.jacobian.restrict_right(system, &bar.x, &bar.rate, reduced);
+            for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {
+                if let Some(place) = *place {
+                    reduced[place] = *mu;
+                }
             }
+            reduced.iter_mut().for_each(|value| *value = -*value);
         }
-        reduced.iter_mut().for_each(|value| *value = -*value);
-        self.factorization.solve_transposed(&mut reduced);
-        let mut adjoints = Adjoints::zeros(system);
-        self.jacobian.prolong_left(system, &reduced, &mut adjoints.f, &mut adjoints.y);
-        let places = system.multiplier_places().iter().zip(&mut adjoints.g);
-        for (place, g) in places.chain(system.stabilizer_places().iter().zip(&mut adjoints.g_second)) {
-            if let Some(place) = *place {
-                *g = reduced[place];
+        counters.factorizations += usize::from(self.factorization.solve_followed(&mut all)?);
+        let adjoints = |reduced: &[f64]| {
+            let mut adjoints = Adjoints::zeros(system);
+            self.jacobian.prolong_left(system, reduced, &mut adjoints.f, &mut adjoints.y);
+            let places = system.multiplier_places().iter().zip(&mut adjoints.g);
+            for (place, g) in places.chain(system.stabilizer_places().iter().zip(&mut adjoints.g_second)) {
+                if let Some(place) = *place {
+                    *g = reduced[place];
+                }
             }
-        }
-        adjoints
+            adjoints
+        };
+        Ok(all.chunks_exact(system.size()).map(adjoints).collect())
+    }
+
+    fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
+        singular_named(self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
     }
 }
 

@@ -25,10 +25,10 @@ mod substitution;
 mod supernodes;
 mod symbolic;
 mod traversal;
-mod wide;
+pub(super) mod wide;
 
 #[cfg(test)]
-mod test_matrices;
+pub(super) mod test_matrices;
 
 pub(super) use kernels::largest;
 pub use multifrontal_lu::MultifrontalLu;

@@ -82,6 +82,10 @@ impl LinearSolver for MultifrontalLu {
     fn solve_transposed(&mut self, rhs: &mut [f64]) {
         self.solve_many_transposed(rhs);
     }
+
+    fn solve_columns(&mut self, side: Side, _size: usize, rhs: &mut [f64]) {
+        self.substitution.solve(&self.symbolic, &self.factors, side, rhs);
+    }
 }
 
 #[cfg(test)]
