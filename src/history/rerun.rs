@@ -1,5 +1,5 @@
 use crate::integrators::{Marcher, Method, Problem, RunError, StartPlan, Systems, TimeGrid};
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// The run that a history belongs to: what it takes to compute some of it again.
 pub struct Rerun<'r> {
@@ -11,13 +11,13 @@ pub struct Rerun<'r> {
     pub grid: &'r TimeGrid,
     /// Decisions about the start.
     pub plan: &'r StartPlan,
-    systems: OnceCell<Systems<'r>>,
+    systems: OnceLock<Systems<'r>>,
 }
 
 impl<'r> Rerun<'r> {
     /// A run; nothing is computed yet.
     pub fn new(problem: &'r Problem<'r, f64>, method: &'r Method, grid: &'r TimeGrid, plan: &'r StartPlan) -> Self {
-        Rerun { problem, method, grid, plan, systems: OnceCell::new() }
+        Rerun { problem, method, grid, plan, systems: OnceLock::new() }
     }
 
     /// Its numbered equations.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// Which solver factors the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// Left-looking where that takes few operations, else dense up to [`DENSE_LIMIT`] unknowns and multifrontal above.
+    /// Left-looking up to 100 unknowns where that takes few operations, else dense; multifrontal above.
     #[default]
     Automatic,
     /// Dense LU.
@@ -59,17 +59,17 @@ pub struct Work {
     pub fill: usize,
 }
 
-/// Largest number of unknowns for which the dense solver is chosen.
-pub const DENSE_LIMIT: usize = 100;
-
-/// Multiplications up to which a left-looking factorization is chosen: beyond, blocks of columns pay.
-const LEFT_LOOKING_LIMIT: f64 = 2e7;
+/// Largest number of unknowns of a small system: above, dense fronts pay, whatever the pattern.
+const SMALL: usize = 100;
 
 /// Largest difference of scaled values that are the same but for round-off: of the sizes of steps, where all else is constant.
 const SAME_VALUES: f64 = 1e-11;
 
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
+
+/// Most right-hand sides that are solved with factors of another matrix: more of them share a factorization better than iterations.
+const LAGGING_COLUMNS: usize = 3;
 
 /// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
@@ -112,8 +112,6 @@ impl Factorization {
     pub fn new(pattern: &SparsePattern, backend: Backend) -> Result<Self, Singular> {
         let n = pattern.size;
         let of_dense = (n as f64).powi(3) / 3.0;
-        // dense kernels do several operations in the time of one of a left-looking factorization
-        let as_fast = if n <= DENSE_LIMIT { of_dense / 4.0 } else { LEFT_LOOKING_LIMIT.min(of_dense) };
         let dense = || {
             let work = Work { multiplications: of_dense, fill: n * n };
             (Box::new(DenseLu::new(pattern)) as Box<dyn LinearSolver>, Some(work), Backend::Dense)
@@ -135,9 +133,9 @@ impl Factorization {
             Backend::Sparse => (Box::new(SparseLu::new(pattern)?) as Box<dyn LinearSolver>, None, Backend::Sparse),
             Backend::Multifrontal => multifrontal(),
             Backend::LeftLooking => left_looking(f64::INFINITY).unwrap_or_else(dense),
-            Backend::Automatic => {
-                left_looking(as_fast).unwrap_or_else(|| if n <= DENSE_LIMIT { dense() } else { multifrontal() })
-            }
+            // dense kernels do several operations in the time of one of a left-looking factorization
+            Backend::Automatic if n <= SMALL => left_looking(of_dense / 4.0).unwrap_or_else(dense),
+            Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work };
         Ok(Self::of(solver, plan, Arc::new(pattern.clone())))
@@ -221,7 +219,8 @@ impl Factorization {
         let same = known && (0..self.pattern.size).all(near);
         self.refinements = if same { 2 } else { 1 };
         if let Some(lagging) = &mut self.lagging {
-            lagging.most = if same || !known { 0 } else { lagging.rule.most_applications(columns) };
+            let serve = known && !same && columns <= LAGGING_COLUMNS;
+            lagging.most = if serve { lagging.rule.most_applications(columns) } else { 0 };
         }
         let lags = self.lagging.as_ref().is_some_and(|lagging| lagging.most > 0);
         if same || lags {

@@ -106,39 +106,14 @@ impl<'m> Sweep<'m> {
             })
             .collect();
         let mut solvers = self.solvers()?;
-        let mut ahead = if solvers.are_apart { Some(solvers.another()?) } else { None };
-        let mut steps = history.backward(rerun)?;
-        let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut last = true;
-        match &mut ahead {
-            None => {
-                while let Some(step) = steps.next()? {
-                    self.select(&step.dropped, &mut solvers, None)?;
-                    self.step(step, last, &weights.back_through(step), &mut back, &mut solvers)?;
-                    last = false;
-                }
-            }
-            Some(ahead) => {
-                let mut next = steps.next()?.cloned();
-                while let Some(step) = next {
-                    next = steps.next()?.cloned();
-                    self.select(&step.dropped, &mut solvers, Some(ahead))?;
-                    let weights = weights.back_through(&step);
-                    let before =
-                        next.as_ref().filter(|next| next.dropped == step.dropped && rayon::current_num_threads() > 1);
-                    let p = &self.problem.p;
-                    let (result, ()) = rayon::join(
-                        || self.step(&step, last, &weights, &mut back, &mut solvers),
-                        || before.into_iter().for_each(|before| ahead.factor(before, p)),
-                    );
-                    result?;
-                    solvers.forget();
-                    std::mem::swap(&mut solvers, ahead);
-                    last = false;
-                }
-            }
+        if solvers.are_apart && rayon::current_num_threads() > 1 {
+            // on a thread that shares its work with the others
+            rayon::scope(|_| self.steps_ahead(rerun, history, &mut back, &mut solvers))?;
+        } else if solvers.are_apart {
+            self.steps_ahead(rerun, history, &mut back, &mut solvers)?;
+        } else {
+            self.steps(rerun, history, &mut back, &mut solvers)?;
         }
-        drop(steps);
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
         self.select(&start.dropped, &mut solvers, None)?;
@@ -172,6 +147,56 @@ impl<'m> Sweep<'m> {
             })
             .collect();
         Ok(AdjointRun { gradients, counters: self.counters })
+    }
+
+    /// Back through all steps, one after the other.
+    fn steps(
+        &mut self,
+        rerun: &Rerun,
+        history: &dyn History,
+        back: &mut [Backward],
+        solvers: &mut StepSolvers<'m>,
+    ) -> Result<(), RunError> {
+        let mut steps = history.backward(rerun)?;
+        let mut weights = QuadratureWeights::at_end(&rerun.method.table);
+        let mut last = true;
+        while let Some(step) = steps.next()? {
+            self.select(&step.dropped, solvers, None)?;
+            self.step(step, last, &weights.back_through(step), back, solvers)?;
+            last = false;
+        }
+        Ok(())
+    }
+
+    /// The same, with other threads factoring the systems of the step before: all of a sweep's matrices are known from the start.
+    fn steps_ahead(
+        &mut self,
+        rerun: &Rerun,
+        history: &dyn History,
+        back: &mut [Backward],
+        solvers: &mut StepSolvers<'m>,
+    ) -> Result<(), RunError> {
+        let p = &self.problem.p;
+        let mut ahead = solvers.another()?;
+        let mut steps = history.backward(rerun)?;
+        let mut weights = QuadratureWeights::at_end(&rerun.method.table);
+        let mut last = true;
+        let mut next = steps.next()?.cloned();
+        while let Some(step) = next {
+            next = steps.next()?.cloned();
+            self.select(&step.dropped, solvers, Some(&mut ahead))?;
+            let weights = weights.back_through(&step);
+            let before = next.as_ref().filter(|next| next.dropped == step.dropped && rayon::current_num_threads() > 1);
+            let (result, ()) = rayon::join(
+                || self.step(&step, last, &weights, back, solvers),
+                || before.into_iter().for_each(|before| ahead.factor(before, p)),
+            );
+            result?;
+            solvers.forget();
+            std::mem::swap(solvers, &mut ahead);
+            last = false;
+        }
+        Ok(())
     }
 
     fn solvers(&self) -> Result<StepSolvers<'m>, RunError> {

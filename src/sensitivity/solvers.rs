@@ -2,11 +2,12 @@
 
 use super::transposed::TransposedSolver;
 use crate::integrators::{Method, RunError, SolveRecord, StepRecord, Systems};
-use crate::linalg::Backend;
 use rayon::prelude::*;
 
 /// Unknowns from which each stage of a step has a solver of its own: below, waking other threads takes longer than a factorization.
-const APART: usize = 60;
+const APART: usize = 20;
+/// Entries of L and U up to which it has: a few megabytes each.
+const APART_FILL: usize = 1_000_000;
 
 /// Solvers of the systems of one step.
 ///
@@ -30,7 +31,7 @@ impl<'m> StepSolvers<'m> {
         let plain = TransposedSolver::new(systems.plain.clone(), method, active)?;
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart: false };
         let plan = solvers.stages[0].plan();
-        if plan.unknowns >= APART && plan.backend != Backend::Multifrontal {
+        if plan.unknowns >= APART && plan.work.is_some_and(|work| work.fill <= APART_FILL) {
             solvers.are_apart = true;
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
             for _ in 1..method.table.stages.len().max(starter) {

@@ -285,3 +285,48 @@ impl Job for AddMultiple<'_> {
         self.2.iter_mut().zip(self.1).for_each(|(to, own)| *to += self.0 * own);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::multifrontal::test_matrices::Noise;
+
+    /// A v, row by row.
+    fn product(a: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
+        a.iter().map(|row| row.iter().zip(v).map(|(a, v)| a * v).sum()).collect()
+    }
+
+    #[test]
+    fn without_a_preconditioner_as_many_iterations_as_unknowns_are_enough() {
+        let mut noise = Noise(21);
+        for size in [1, 2, 5, 17, 20] {
+            // eigenvalues on all sides of zero: corrections alone would diverge
+            let a: Vec<Vec<f64>> = (0..size).map(|_| noise.vector(size)).collect();
+            let sizes: Vec<f64> = a.iter().map(|row| row.iter().fold(0.0, |most: f64, a| most.max(a.abs()))).collect();
+            let absolute: Vec<Vec<f64>> = a.iter().map(|row| row.iter().map(|a| a.abs()).collect()).collect();
+            let mut gmres = FlexibleGmres::default();
+            gmres.start(&noise.vector(size), 4 * size + 4);
+            let mut direction = vec![0.0; size];
+            let mut cycles = Vec::new();
+            while gmres.progress() == Progress::Open {
+                gmres.write_direction(&mut direction);
+                if cycles.is_empty() {
+                    gmres.take_first(&direction);
+                } else {
+                    gmres.take(&direction, &product(&a, &direction));
+                }
+                if gmres.progress() == Progress::Unchecked {
+                    let x = gmres.solution().0;
+                    let magnitudes = product(&absolute, &x.iter().map(|x| x.abs()).collect::<Vec<_>>());
+                    let products = product(&a, x);
+                    gmres.check(&products, &magnitudes, &sizes);
+                    cycles.push(gmres.applications());
+                }
+            }
+            let error = gmres.solution().1;
+            // the first vector as it is, then a cycle with the whole space; the next ones take what round-off leaves of it
+            assert!(cycles[1] <= 1 + size, "{size} unknowns: cycles end at {cycles:?}");
+            assert_eq!(gmres.progress(), Progress::Reached, "{size} unknowns: {cycles:?}, {error:e}");
+        }
+    }
+}

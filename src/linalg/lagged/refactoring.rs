@@ -16,7 +16,9 @@ pub struct Refactoring {
     cost: f64,
     /// Applications for one right-hand side of the last two matrices.
     applications: [usize; 2],
-    /// Factorizations to come before the next attempt.
+    /// Matrices that one factorization served when it failed with the next.
+    reach: usize,
+    /// Factorizations to come before one is tried beyond that again.
     pause: usize,
     /// Pause after the next failure.
     next_pause: usize,
@@ -44,14 +46,15 @@ impl Refactoring {
     pub fn new(multiplications: f64, entries: usize) -> Self {
         let ratio = multiplications / entries.max(1) as f64;
         let factorization = ratio / (SLOW_MULTIPLICATIONS + ratio / MOST_ITERATIONS);
-        Refactoring { factorization, matrices: 0, cost: 0.0, applications: [0; 2], pause: 0, next_pause: 1 }
+        Refactoring { factorization, matrices: 0, cost: 0.0, applications: [0; 2], reach: 0, pause: 0, next_pause: 1 }
     }
 
     /// Most applications of the factors of now that a new matrix with a number of right-hand sides is worth; 0 to factor it at once.
     pub fn most_applications(&self, columns: usize) -> usize {
         let (fresh, weight) = (self.fresh_cost(columns), weight(columns));
         let worth = (fresh / weight) as usize;
-        if self.matrices == 0 || self.pause > 0 || worth < FEWEST_APPLICATIONS {
+        let is_beyond = self.pause > 0 && self.matrices >= self.reach;
+        if self.matrices == 0 || is_beyond || worth < FEWEST_APPLICATIONS {
             return 0;
         }
         // one that lies further away takes one more at most, where the distance grows evenly
@@ -67,11 +70,14 @@ impl Refactoring {
         // the first after a factorization tells of no growth
         self.applications = if self.matrices == 1 { [applications; 2] } else { [self.applications[1], applications] };
         self.matrices += 1;
-        self.next_pause = 1;
+        if self.matrices > self.reach {
+            self.next_pause = 1;
+        }
     }
 
-    /// An attempt failed: the next ones are left out, ever more from failure to failure.
+    /// An attempt failed: as far from a factored matrix the next ones are left out, ever more from failure to failure.
     pub fn add_failure(&mut self) {
+        self.reach = self.matrices;
         // this one is factored too
         self.pause = self.next_pause + 1;
         self.next_pause = (PAUSE_GROWTH * self.next_pause).min(LONGEST_PAUSE);
@@ -186,5 +192,17 @@ mod tests {
         let attempts = (applications - 2 * factorizations) / 12;
         let later = [1, 4, 16].iter().sum::<usize>() + 3;
         assert_eq!(attempts, 1 + 3 + (1000 - 2 - later) / 65);
+    }
+
+    #[test]
+    fn attempts_that_fail_at_the_same_distance_get_seldom_too() {
+        for distance in 2..6 {
+            // 5 iterations up to there, then too many
+            let (factorizations, applications) = count(10.0, 1000, 1, |d| if d < distance { 5 } else { 100 });
+            assert_eq!(factorizations, 1000usize.div_ceil(distance));
+            let attempts = (applications - 2 * factorizations - 5 * (1000 - factorizations)) / 12;
+            // after pauses of 1, 4, 16, 64, 64 .. factorizations
+            assert!((3..12).contains(&attempts), "{attempts} failures, {factorizations} factorizations");
+        }
     }
 }

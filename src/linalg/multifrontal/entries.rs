@@ -1,3 +1,4 @@
+use super::graph::rows_of;
 use super::symbolic::Symbolic;
 use crate::assembly::SparsePattern;
 
@@ -18,6 +19,31 @@ pub struct EntryBlock {
     pub width: u32,
 }
 
+/// Entries of a column that follow each other both in the pattern and in the order of elimination.
+struct Segment {
+    /// Number of the first among the entries of the column.
+    first: u32,
+    /// Place of its row.
+    row: u32,
+    /// Number of entries.
+    length: u32,
+    /// The front that eliminates these rows.
+    front: u32,
+}
+
+/// Divides the entries of a column.
+fn find_segments(rows: &[usize], place: &[u32], front_of: &[u32], segments: &mut Vec<Segment>) {
+    segments.clear();
+    for (first, &row) in (0u32..).zip(rows) {
+        let row = place[row];
+        let front = front_of[row as usize];
+        match segments.last_mut() {
+            Some(last) if last.row + last.length == row && last.front == front => last.length += 1,
+            _ => segments.push(Segment { first, row, length: 1, front }),
+        }
+    }
+}
+
 /// The entries of a pattern by the front that eliminates their row or their column first.
 ///
 /// Notes in each front where its blocks stand.
@@ -32,43 +58,33 @@ pub fn entry_blocks(pattern: &SparsePattern, symbolic: &mut Symbolic) -> Vec<Ent
 
     // rows and columns are numbered by their places until all blocks are known
     let (mut blocks, mut owners) = (Vec::<EntryBlock>::new(), Vec::<u32>::new());
+    let mut segments = Vec::<Segment>::new();
     let (mut before, mut current) = (Vec::<usize>::new(), Vec::<usize>::new());
     for (column, &unknown) in symbolic.order.iter().enumerate() {
+        let (rows, first) = (rows_of(pattern, unknown as usize), pattern.column_starts[unknown as usize] as u32);
         let new_front = column == 0 || front_of[column] != front_of[column - 1];
         std::mem::swap(&mut before, &mut current);
         current.clear();
         if new_front {
             before.clear();
         }
+        if column == 0 || rows_of(pattern, symbolic.order[column - 1] as usize) != rows {
+            find_segments(rows, &place, &front_of, &mut segments);
+        }
         let mut candidates = before.iter().copied();
-        let entries = pattern.column_starts[unknown as usize]..pattern.column_starts[unknown as usize + 1];
-        let mut source = entries.start;
-        while source < entries.end {
-            let row = place[pattern.rows[source]];
-            let front = front_of[row as usize];
-            let follows = |length: usize| {
-                let next = source + length;
-                next < entries.end && {
-                    let next = place[pattern.rows[next]];
-                    next == row + length as u32 && front_of[next as usize] == front
-                }
-            };
-            let mut length = 1;
-            while follows(length) {
-                length += 1;
-            }
-            let owner = front.min(front_of[column]);
-            let candidate = candidates.next();
-            let continued = candidate.filter(|&block| {
-                let EntryBlock { source: first, stride, row: first_row, height, width, .. } = blocks[block];
-                let distance = (source as u32).wrapping_sub(first);
+        for segment in &segments {
+            let source = first + segment.first;
+            let owner = segment.front.min(front_of[column]);
+            let continued = candidates.next().filter(|&block| {
+                let EntryBlock { source: first, stride, row, height, width, .. } = blocks[block];
+                let distance = source.wrapping_sub(first);
                 let even = if width == 1 { distance < i32::MAX as u32 } else { distance == stride.wrapping_mul(width) };
-                even && first_row == row && height as usize == length && owners[block] == owner
+                even && row == segment.row && height == segment.length && owners[block] == owner
             });
             match continued {
                 Some(block) => {
                     if blocks[block].width == 1 {
-                        blocks[block].stride = source as u32 - blocks[block].source;
+                        blocks[block].stride = source - blocks[block].source;
                     }
                     blocks[block].width += 1;
                     current.push(block);
@@ -76,11 +92,10 @@ pub fn entry_blocks(pattern: &SparsePattern, symbolic: &mut Symbolic) -> Vec<Ent
                 None => {
                     current.push(blocks.len());
                     owners.push(owner);
-                    let (source, height) = (source as u32, length as u32);
+                    let Segment { row, length: height, .. } = *segment;
                     blocks.push(EntryBlock { source, stride: 0, row, column: column as u32, height, width: 1 });
                 }
             }
-            source += length;
         }
     }
 

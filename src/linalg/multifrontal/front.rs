@@ -27,10 +27,9 @@ pub struct Contribution<'c> {
 #[derive(Default)]
 pub struct Workspace {
     runs: Vec<Run>,
-    run_starts: Vec<usize>,
-    selected: Vec<Run>,
+    /// First run of each child, first that does not belong to rows whose pivots are looked for, and end.
+    bounds: Vec<[usize; 3]>,
     exchanges: Vec<(u32, u32)>,
-    subtracted: Vec<u32>,
 }
 
 /// Where contributions go.
@@ -68,12 +67,12 @@ pub fn factor_front(
     let blocks = &symbolic.entries[front.entries.clone()];
     widest(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
 
-    let Workspace { runs, run_starts, selected, exchanges, subtracted } = workspace;
+    let Workspace { runs, bounds, exchanges } = workspace;
     runs.clear();
-    run_starts.clear();
+    bounds.clear();
     let mut next = front.pivots;
     for child in children {
-        run_starts.push(runs.len());
+        let start = runs.len();
         let own_delayed = child.delayed_rows.len();
         if own_delayed > 0 {
             rows[next..next + own_delayed].copy_from_slice(child.delayed_rows);
@@ -86,16 +85,24 @@ pub fn factor_front(
             Run { from: run.from + own_delayed as u32, to: run.to + shift as u32, length: run.length }
         };
         runs.extend(symbolic.extensions[symbolic.fronts[child.front].extensions.clone()].iter().map(shifted));
+        let own = runs[start..].iter().take_while(|run| (run.to as usize) < summed).count();
+        bounds.push([start, start + own, runs.len()]);
     }
-    run_starts.push(runs.len());
-    for (child, bounds) in children.iter().zip(run_starts.windows(2)) {
-        let runs = &runs[bounds[0]..bounds[1]];
-        widest(ExtendPivots { runs, selected, source: child.values, lower, upper, summed, size });
+    let extensions = || {
+        children.iter().zip(&*bounds).map(|(child, &[start, middle, end])| {
+            let (runs, own, later) = (&runs[start..end], &runs[start..middle], &runs[middle..end]);
+            let order = child.delayed_rows.len() + symbolic.fronts[child.front].others();
+            (runs, own, later, Columns { values: child.values, length: order })
+        })
+    };
+    for (runs, own, later, source) in extensions() {
+        let lower = Region { rows: runs, columns: own, values: lower, length: size, first: (0, 0) };
+        let upper = Region { rows: own, columns: later, values: upper, length: summed, first: (0, summed) };
+        widest(Extend { source, regions: [lower, upper] });
     }
 
     exchanges.clear();
-    let mut block =
-        PivotBlock { values: &mut *lower, size, rows, columns, exchanges, subtracted, is_last: front.is_last(), par };
+    let mut block = PivotBlock { values: &mut *lower, size, rows, columns, exchanges, is_last: front.is_last(), par };
     let found = block.eliminate();
     if found < summed && front.is_last() {
         return Err(Singular { unknown: symbolic.order[columns[found] as usize] as usize });
@@ -119,9 +126,10 @@ pub fn factor_front(
         subtract_product(top, Target::Reduced, lower.submatrix(found, 0, left, found), upper.as_ref(), par);
     }
     subtract_product(bottom, Target::Replaced, lower.submatrix(summed, 0, others, found), upper.as_ref(), par);
-    for (child, bounds) in children.iter().zip(run_starts.windows(2)) {
-        let runs = &runs[bounds[0]..bounds[1]];
-        widest(ExtendOthers { runs, selected, source: child.values, target: contribution, summed, left, order });
+    for (_, _, later, source) in extensions() {
+        let first = (summed - left, summed - left);
+        let region = Region { rows: later, columns: later, values: contribution, length: order, first };
+        widest(Extend { source, regions: [region] });
     }
     if front.is_schur {
         add_kept(blocks, values, contribution, left, order);
@@ -199,79 +207,47 @@ fn add_kept(blocks: &[EntryBlock], values: &[f64], target: &mut [f64], first: us
     }
 }
 
-/// Adds a contribution to the columns and rows whose pivots are looked for.
-struct ExtendPivots<'j> {
-    runs: &'j [Run],
-    selected: &'j mut Vec<Run>,
-    source: &'j [f64],
-    lower: &'j mut [f64],
-    upper: &'j mut [f64],
-    summed: usize,
-    size: usize,
+/// A matrix by columns.
+#[derive(Clone, Copy)]
+struct Columns<'j> {
+    values: &'j [f64],
+    /// Number of rows.
+    length: usize,
 }
 
-impl Job for ExtendPivots<'_> {
+/// A part of a front, and what of a contribution belongs there.
+struct Region<'j> {
+    rows: &'j [Run],
+    columns: &'j [Run],
+    values: &'j mut [f64],
+    /// Number of rows.
+    length: usize,
+    /// First row and column.
+    first: (usize, usize),
+}
+
+/// Adds a contribution to parts of the front that takes it up.
+struct Extend<'j, const N: usize> {
+    source: Columns<'j>,
+    regions: [Region<'j>; N],
+}
+
+impl<const N: usize> Job for Extend<'_, N> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let ExtendPivots { runs, selected, source, lower, upper, summed, size } = self;
-        let order: usize = runs.iter().map(|run| run.length as usize).sum();
-        selected.clear();
-        selected.extend(runs.iter().filter(|run| (run.to as usize) < summed));
-        for columns in runs {
-            let (target, stride, runs) = if (columns.to as usize) < summed {
-                (&mut lower[columns.to as usize * size..], size, runs)
-            } else {
-                (&mut upper[(columns.to as usize - summed) * summed..], summed, &selected[..])
-            };
-            extend(runs, *columns, source, order, target, stride, 0);
-        }
-    }
-}
-
-/// Adds a contribution to the contribution of the front that takes it up.
-struct ExtendOthers<'j> {
-    runs: &'j [Run],
-    selected: &'j mut Vec<Run>,
-    source: &'j [f64],
-    target: &'j mut [f64],
-    summed: usize,
-    left: usize,
-    order: usize,
-}
-
-impl Job for ExtendOthers<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FUSED: bool>(self) {
-        let ExtendOthers { runs, selected, source, target, summed, left, order } = self;
-        let source_order: usize = runs.iter().map(|run| run.length as usize).sum();
-        selected.clear();
-        selected.extend(runs.iter().filter(|run| run.to as usize >= summed));
-        for columns in &*selected {
-            let target = &mut target[(columns.to as usize - summed + left) * order..];
-            extend(selected, *columns, source, source_order, target, order, summed - left);
-        }
-    }
-}
-
-/// Adds some rows of some columns; `target` starts at the first of the columns and `first_row`.
-#[inline(always)]
-fn extend(
-    runs: &[Run],
-    columns: Run,
-    source: &[f64],
-    source_stride: usize,
-    target: &mut [f64],
-    stride: usize,
-    first_row: usize,
-) {
-    for column in 0..columns.length as usize {
-        let source = &source[(columns.from as usize + column) * source_stride..][..source_stride];
-        let target = &mut target[column * stride..][..stride];
-        for run in runs {
-            let length = run.length as usize;
-            add(&mut target[run.to as usize - first_row..][..length], &source[run.from as usize..][..length]);
+        let Extend { source, regions } = self;
+        for Region { rows, columns, values, length, first } in regions {
+            for columns in columns {
+                for column in 0..columns.length as usize {
+                    let source = &source.values[(columns.from as usize + column) * source.length..][..source.length];
+                    let target = &mut values[(columns.to as usize + column - first.1) * length..][..length];
+                    for run in rows {
+                        let length = run.length as usize;
+                        add(&mut target[run.to as usize - first.0..][..length], &source[run.from as usize..][..length]);
+                    }
+                }
+            }
         }
     }
 }

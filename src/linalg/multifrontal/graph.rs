@@ -29,42 +29,31 @@ impl Graph {
     pub fn new(pattern: &SparsePattern, roles: &[Role]) -> Self {
         let vertex_of = equal_patterns(pattern, roles);
         let vertices = vertex_of.iter().map(|&vertex| vertex as usize + 1).max().unwrap_or(0);
-        let (member_starts, members) = by_key(vertices, &vertex_of, |unknown| unknown as u32);
-        let edges = || {
-            let entries = (0..pattern.size).flat_map(|column| {
-                let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
-                pattern.rows[own].iter().map(move |&row| (column, row))
-            });
-            entries.filter_map(|(column, row)| {
-                let edge = (vertex_of[column], vertex_of[row]);
-                (edge.0 != edge.1).then_some(edge)
-            })
-        };
-        // each vertex is seen from one member's column first, so that repeated edges are few
-        let (mut sources, mut targets) = (Vec::new(), Vec::new());
+        let all: Vec<usize> = (0..=pattern.size).collect();
+        let (member_starts, members) = transposed(&all, &vertex_of, vertices);
+        // the columns of all members have the same rows
+        let (mut first_rows, mut rows) = (vec![0], Vec::new());
         let mut last_seen = vec![u32::MAX; vertices];
-        for (from, to) in edges() {
-            if last_seen[to as usize] != from {
-                last_seen[to as usize] = from;
-                sources.extend([from, to]);
-                targets.extend([to, from]);
-            }
-        }
-        let (all_starts, all) = by_key(vertices, &sources, |edge| targets[edge]);
-        let (mut starts, mut neighbours) = (vec![0], Vec::with_capacity(all.len() / 2));
         for vertex in 0..vertices {
-            let first = neighbours.len();
-            neighbours.extend_from_slice(&all[all_starts[vertex]..all_starts[vertex + 1]]);
-            neighbours[first..].sort_unstable();
-            let mut kept = first;
-            for place in first..neighbours.len() {
-                if kept == first || neighbours[place] != neighbours[kept - 1] {
-                    neighbours[kept] = neighbours[place];
-                    kept += 1;
+            last_seen[vertex] = vertex as u32;
+            for &row in rows_of(pattern, members[member_starts[vertex]] as usize) {
+                let other = vertex_of[row] as usize;
+                if last_seen[other] != vertex as u32 {
+                    last_seen[other] = vertex as u32;
+                    rows.push(other as u32);
                 }
             }
-            neighbours.truncate(kept);
-            starts.push(kept);
+            first_rows.push(rows.len());
+        }
+        let (first_columns, columns) = transposed(&first_rows, &rows, vertices);
+        // transposed twice: increasing
+        let (first_rows, rows) = transposed(&first_columns, &columns, vertices);
+        let (mut starts, mut neighbours) = (vec![0], Vec::with_capacity(rows.len()));
+        for vertex in 0..vertices {
+            let rows = &rows[first_rows[vertex]..first_rows[vertex + 1]];
+            let columns = &columns[first_columns[vertex]..first_columns[vertex + 1]];
+            unite(rows, columns, &mut neighbours);
+            starts.push(neighbours.len());
         }
         let roles = (0..vertices).map(|vertex| roles[members[member_starts[vertex]] as usize]).collect();
         Graph { starts, neighbours, roles, member_starts, members }
@@ -91,43 +80,85 @@ impl Graph {
     }
 }
 
-/// Values 0.. sorted by key, and where each key starts.
-fn by_key(keys: usize, key_of: &[u32], value: impl Fn(usize) -> u32) -> (Vec<usize>, Vec<u32>) {
-    let mut starts = vec![0; keys + 1];
-    key_of.iter().for_each(|&key| starts[key as usize + 1] += 1);
-    (0..keys).for_each(|key| starts[key + 1] += starts[key]);
-    let (mut next, mut sorted) = (starts.clone(), vec![0; key_of.len()]);
-    for (item, &key) in key_of.iter().enumerate() {
-        sorted[next[key as usize]] = value(item);
-        next[key as usize] += 1;
+/// Rows of the entries of a column.
+pub fn rows_of(pattern: &SparsePattern, column: usize) -> &[usize] {
+    &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]]
+}
+
+/// Lists of the numbers of the lists, one after the other in `items`, in which each item stands: increasing.
+fn transposed(starts: &[usize], items: &[u32], count: usize) -> (Vec<usize>, Vec<u32>) {
+    let mut new_starts = vec![0; count + 1];
+    items.iter().for_each(|&item| new_starts[item as usize + 1] += 1);
+    (0..count).for_each(|item| new_starts[item + 1] += new_starts[item]);
+    let (mut next, mut lists) = (new_starts.clone(), vec![0; items.len()]);
+    for (list, bounds) in (0u32..).zip(starts.windows(2)) {
+        for &item in &items[bounds[0]..bounds[1]] {
+            lists[next[item as usize]] = list;
+            next[item as usize] += 1;
+        }
     }
-    (starts, sorted)
+    (new_starts, lists)
+}
+
+/// Appends the numbers of two increasing lists, each once and increasing.
+fn unite(mut a: &[u32], mut b: &[u32], united: &mut Vec<u32>) {
+    if a == b {
+        united.extend_from_slice(a);
+        return;
+    }
+    while let (Some((&first, rest)), Some((&other, other_rest))) = (a.split_first(), b.split_first()) {
+        united.push(first.min(other));
+        a = if first <= other { rest } else { a };
+        b = if other <= first { other_rest } else { b };
+    }
+    united.extend_from_slice(a);
+    united.extend_from_slice(b);
 }
 
 /// The vertex of each unknown: one for unknowns of the same role whose columns and rows have the same pattern, where the diagonal counts as
 /// an entry of a primal unknown and as none of a multiplier.
 ///
-/// Patterns are compared by sums of random numbers; two that only seem equal would cost fill and nothing else, for all their edges
-/// are in the graph.
+/// Patterns are compared by sums of random numbers, one of 64 bits for the column and an independent one for the row: among a million
+/// unknowns two that only seem equal have a probability of 1e-27.
 fn equal_patterns(pattern: &SparsePattern, roles: &[Role]) -> Vec<u32> {
     let number: Vec<u64> = (0..pattern.size as u64).map(scrambled).collect();
-    let own = |unknown: usize| {
-        if roles[unknown] == Role::Multiplier { 0 } else { number[unknown] }
+    let other_number: Vec<u64> = number.iter().map(|&number| scrambled(number)).collect();
+    let own = |numbers: &[u64]| -> Vec<u64> {
+        let own = |(&number, &role): (&u64, &Role)| if role == Role::Multiplier { 0 } else { number };
+        numbers.iter().zip(roles).map(own).collect()
     };
-    let mut in_column: Vec<u64> = (0..pattern.size).map(own).collect();
-    let mut in_row = in_column.clone();
-    for column in 0..pattern.size {
-        for &row in &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]] {
-            if row != column {
-                in_column[column] = in_column[column].wrapping_add(number[row]);
-                in_row[row] = in_row[row].wrapping_add(number[column]);
+    let (mut in_column, mut in_row) = (own(&number), own(&other_number));
+    let mut first = 0;
+    while first < pattern.size {
+        let rows = rows_of(pattern, first);
+        let equal = (first + 1..pattern.size).take_while(|&column| rows_of(pattern, column) == rows).count();
+        let columns = first..first + 1 + equal;
+        first = columns.end;
+        let of_rows = rows.iter().fold(0, |sum: u64, &row| sum.wrapping_add(number[row]));
+        let of_columns = other_number[columns.clone()].iter().fold(0, |sum: u64, &number| sum.wrapping_add(number));
+        columns.clone().for_each(|column| in_column[column] = in_column[column].wrapping_add(of_rows));
+        for &row in rows {
+            in_row[row] = in_row[row].wrapping_add(of_columns);
+            // without the diagonal
+            if columns.contains(&row) {
+                in_row[row] = in_row[row].wrapping_sub(other_number[row]);
+                in_column[row] = in_column[row].wrapping_sub(number[row]);
             }
         }
     }
     let mut vertices = HashMap::new();
+    let mut last = None;
     let mut vertex = |unknown: usize| {
-        let next = vertices.len() as u32;
-        *vertices.entry((in_column[unknown], in_row[unknown], roles[unknown])).or_insert(next)
+        let key = (in_column[unknown], in_row[unknown], roles[unknown]);
+        match last {
+            Some((known, vertex)) if known == key => vertex,
+            _ => {
+                let next = vertices.len() as u32;
+                let vertex = *vertices.entry(key).or_insert(next);
+                last = Some((key, vertex));
+                vertex
+            }
+        }
     };
     (0..pattern.size).map(&mut vertex).collect()
 }

@@ -240,6 +240,38 @@ unsafe fn unit_lower<const FUSED: bool, const W: usize>(
     }
 }
 
+/// y <- y - x f.
+#[inline(always)]
+pub fn subtract_multiple<const FUSED: bool>(x: &[f64], factor: f64, y: &mut [f64]) {
+    let rows = x.len().min(y.len());
+    let mut row = 0;
+    while row + 8 <= rows {
+        subtract_rows::<FUSED, 8>(x, factor, y, row);
+        row += 8;
+    }
+    if row + 4 <= rows {
+        subtract_rows::<FUSED, 4>(x, factor, y, row);
+        row += 4;
+    }
+    if row + 2 <= rows {
+        subtract_rows::<FUSED, 2>(x, factor, y, row);
+        row += 2;
+    }
+    if row < rows {
+        subtract_rows::<FUSED, 1>(x, factor, y, row);
+    }
+}
+
+/// The same for `H` rows from `row` on.
+#[inline(always)]
+fn subtract_rows<const FUSED: bool, const H: usize>(x: &[f64], factor: f64, y: &mut [f64], row: usize) {
+    if let (Some(x), Some(y)) = (x[row..].first_chunk::<H>(), y[row..].first_chunk_mut::<H>()) {
+        for h in 0..H {
+            y[h] = multiply_add::<FUSED>(x[h], -factor, y[h]);
+        }
+    }
+}
+
 /// y <- y - A x.
 #[inline(always)]
 pub fn subtract_columns<const FUSED: bool>(a: &[f64], stride: usize, x: &[f64], y: &mut [f64]) {

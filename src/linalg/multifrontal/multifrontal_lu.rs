@@ -5,12 +5,13 @@ use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
 use crate::assembly::SparsePattern;
 use crate::linalg::{LinearSolver, Singular};
+use std::sync::Arc;
 
 /// Multifrontal LU of matrices of one pattern, whose rows and columns should have the size 1.
 ///
 /// Orders and plans once; later factorizations of new values use the same memory.
 pub struct MultifrontalLu {
-    symbolic: Symbolic,
+    symbolic: Arc<Symbolic>,
     traversal: Traversal,
     factors: Factors,
     substitution: Substitution,
@@ -27,7 +28,10 @@ impl MultifrontalLu {
 
     pub(super) fn of_roles(pattern: &SparsePattern, roles: &[Role], threads: usize) -> Self {
         assert!(pattern.rows.len() < u32::MAX as usize, "{} entries are more than 2^32", pattern.rows.len());
-        let symbolic = Symbolic::new(pattern, roles);
+        Self::of(Arc::new(Symbolic::new(pattern, roles)), threads)
+    }
+
+    fn of(symbolic: Arc<Symbolic>, threads: usize) -> Self {
         let traversal = Traversal::new(&symbolic, threads);
         let factors = Factors::new(&symbolic);
         MultifrontalLu { symbolic, traversal, factors, substitution: Substitution::default() }
@@ -73,6 +77,10 @@ impl LinearSolver for MultifrontalLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
         assert_eq!(values.len(), self.symbolic.pattern_entries, "values and entries of the pattern");
         self.traversal.factor(&self.symbolic, values, &mut self.factors)
+    }
+
+    fn another(&self) -> Option<Box<dyn LinearSolver>> {
+        Some(Box::new(Self::of(self.symbolic.clone(), self.traversal.threads())))
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {

@@ -1,16 +1,21 @@
 //! The elimination inside a front: blocks of columns, and a search for pivots among the rows that no later contribution changes.
 
-use super::kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_product};
+use super::kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 use super::wide::{Job, widest};
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, Par};
+use std::ops::Range;
 
 /// Smallest pivot, as a share of the largest entry of its column.
 pub const PIVOT_SHARE: f64 = 0.01;
 /// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
 pub const TINY_PIVOT: f64 = 1e-14;
-/// Columns that are eliminated one by one before the rest of the front is changed.
+/// Columns that are eliminated before the rest of the front is changed.
 const PANEL: usize = 32;
+/// Columns that are eliminated one by one before the rest of their panel is changed.
+const STRIP: usize = 4;
+/// Rows up to which all columns of a panel are changed one by one.
+const SMALL: usize = 64;
 
 /// The columns of a front whose unknowns may be eliminated.
 pub struct PivotBlock<'j> {
@@ -24,8 +29,6 @@ pub struct PivotBlock<'j> {
     pub columns: &'j mut [u32],
     /// Exchanges of rows, in their order.
     pub exchanges: &'j mut Vec<(u32, u32)>,
-    /// For each column the number of pivots that have been subtracted from it.
-    pub subtracted: &'j mut Vec<u32>,
     /// Whether every pivot has to be found, however much smaller than its column.
     pub is_last: bool,
     /// Threads for large products.
@@ -38,18 +41,13 @@ impl PivotBlock<'_> {
     /// Afterwards the columns hold L below the diagonal and U on and above it; the others, their Schur complement below.
     pub fn eliminate(&mut self) -> usize {
         let count = self.columns.len();
-        self.subtracted.clear();
-        self.subtracted.resize(count, 0);
         // columns from `end` on found no pivot in this round
         let (mut done, mut end, mut done_before) = (0, count, 0);
         while done < end {
-            let panel_end = (done + PANEL).min(end);
-            let found = widest(Panel { block: self, first: done, end: panel_end });
-            self.subtract_panel(done, found, panel_end);
-            for failed in (found..panel_end).rev() {
-                end -= 1;
-                self.exchange(failed, end);
-            }
+            let panel = done..(done + PANEL).min(end);
+            let found = widest(Panel { block: self, columns: panel.clone() });
+            self.subtract(done..found, panel.end..count);
+            self.postpone(found..panel.end, &mut end);
             done = found;
             if done == end && done > done_before {
                 (end, done_before) = (count, done);
@@ -58,19 +56,29 @@ impl PivotBlock<'_> {
         done
     }
 
-    /// Subtracts the pivots of a panel from the columns beyond it.
-    fn subtract_panel(&mut self, first: usize, found: usize, panel_end: usize) {
-        let (size, count) = (self.size, self.columns.len());
-        if found == first || panel_end == count {
+    /// Moves columns without a pivot to the end of those that are still tried.
+    #[inline(always)]
+    fn postpone(&mut self, failed: Range<usize>, end: &mut usize) {
+        for column in failed.rev() {
+            *end -= 1;
+            self.exchange(column, *end);
+        }
+    }
+
+    /// Subtracts pivots from columns.
+    fn subtract(&mut self, pivots: Range<usize>, columns: Range<usize>) {
+        if pivots.is_empty() || columns.is_empty() {
             return;
         }
-        let (done, rest) = self.values.split_at_mut(panel_end * size);
-        let done = MatRef::from_column_major_slice(done, size, panel_end).subcols(first, found - first);
-        let rest = MatMut::from_column_major_slice_mut(rest, size, count - panel_end);
-        let (_, rest) = rest.split_at_row_mut(first);
-        let (mut upper, lower) = rest.split_at_row_mut(found - first);
-        solve_unit_lower(done.subrows(first, found - first), upper.rb_mut(), self.par);
-        subtract_product(lower, Target::Reduced, done.subrows(found, size - found), upper.as_ref(), self.par);
+        let size = self.size;
+        let (done, rest) = self.values[..columns.end * size].split_at_mut(columns.start * size);
+        let done = MatRef::from_column_major_slice(done, size, columns.start).subcols(pivots.start, pivots.len());
+        let rest = MatMut::from_column_major_slice_mut(rest, size, columns.len());
+        let (_, rest) = rest.split_at_row_mut(pivots.start);
+        let (mut upper, lower) = rest.split_at_row_mut(pivots.len());
+        solve_unit_lower(done.subrows(pivots.start, pivots.len()), upper.rb_mut(), self.par);
+        let below = done.subrows(pivots.end, size - pivots.end);
+        subtract_product(lower, Target::Reduced, below, upper.as_ref(), self.par);
     }
 
     /// Exchanges two unknowns, rows and columns.
@@ -82,7 +90,6 @@ impl PivotBlock<'_> {
         let (left, right) = self.values.split_at_mut(high * self.size);
         left[low * self.size..][..self.size].swap_with_slice(&mut right[..self.size]);
         self.columns.swap(a, b);
-        self.subtracted.swap(a, b);
         self.exchange_rows(a, b);
     }
 
@@ -95,30 +102,67 @@ impl PivotBlock<'_> {
         }
     }
 
-    /// Subtracts pivots, the first of which is `from`, from a column.
+    /// Eliminates columns one after the other, each pivot subtracted from all of them at once; returns the end of the pivots.
     #[inline(always)]
-    fn subtract<const FUSED: bool>(&mut self, column: usize, from: usize, to: usize) {
-        if from == to {
-            return;
+    fn eliminate_strip<const FUSED: bool>(&mut self, columns: Range<usize>) -> usize {
+        let size = self.size;
+        let (mut next, mut end) = (columns.start, columns.end);
+        while next < end {
+            let Some(row) = self.pivot(next) else {
+                self.postpone(next..next + 1, &mut end);
+                continue;
+            };
+            self.exchange_rows(next, row);
+            let column = &mut self.values[next * size..][..size];
+            let inverse = 1.0 / column[next];
+            column[next + 1..].iter_mut().for_each(|value| *value *= inverse);
+            let (done, rest) = self.values[..columns.end * size].split_at_mut((next + 1) * size);
+            let below = &done[next * size + next + 1..];
+            for column in rest.chunks_exact_mut(size) {
+                subtract_multiple::<FUSED>(below, column[next], &mut column[next + 1..]);
+            }
+            next += 1;
         }
+        next
+    }
+
+    /// Subtracts a few pivots from a column.
+    #[inline(always)]
+    fn subtract_few<const FUSED: bool>(&mut self, pivots: Range<usize>, column: usize) {
         let size = self.size;
         let (done, rest) = self.values.split_at_mut(column * size);
-        let (upper, lower) = rest[from..size].split_at_mut(to - from);
-        for pivot in from..to {
-            let (known, rest) = upper[pivot - from..].split_first_mut().expect("a pivot above the end");
-            for (value, l) in rest.iter_mut().zip(&done[pivot * size + pivot + 1..pivot * size + to]) {
+        let (upper, lower) = rest[pivots.start..size].split_at_mut(pivots.len());
+        for pivot in pivots.clone() {
+            let (known, rest) = upper[pivot - pivots.start..].split_first_mut().expect("a pivot above the end");
+            for (value, l) in rest.iter_mut().zip(&done[pivot * size + pivot + 1..]) {
                 *value -= l * *known;
             }
         }
-        subtract_columns::<FUSED>(&done[from * size + to..], size, upper, lower);
+        subtract_columns::<FUSED>(&done[pivots.start * size + pivots.end..], size, upper, lower);
+    }
+
+    /// The row of the pivot of a column, if it has one at `first` or below.
+    #[inline(always)]
+    fn pivot(&self, first: usize) -> Option<usize> {
+        let column = &self.values[first * self.size..][..self.size];
+        let usable = |value: f64| value.abs() > TINY_PIVOT && value.is_finite();
+        if usable(column[first]) {
+            let limit = column[first].abs() / PIVOT_SHARE;
+            if !column[first..].iter().fold(false, |exceeded, value| exceeded | (value.abs() > limit)) {
+                return Some(first);
+            }
+        }
+        let size_at = |row: &usize| if column[*row].is_nan() { -1.0 } else { column[*row].abs() };
+        let best = (first..self.columns.len()).max_by(|a, b| size_at(a).total_cmp(&size_at(b)));
+        let least = if self.is_last { 0.0 } else { PIVOT_SHARE * largest(&column[first..]) };
+        best.filter(|&row| usable(column[row]) && column[row].abs() >= least)
     }
 }
 
-/// Columns that are eliminated one after the other.
+/// Columns that are eliminated a few at a time.
 struct Panel<'p, 'j> {
     block: &'p mut PivotBlock<'j>,
-    first: usize,
-    end: usize,
+    columns: Range<usize>,
 }
 
 impl Job for Panel<'_, '_> {
@@ -126,40 +170,20 @@ impl Job for Panel<'_, '_> {
     type Output = usize;
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> usize {
-        let Panel { block, first, end } = self;
-        let (size, count) = (block.size, block.columns.len());
-        block.subtracted[first..end].fill(first as u32);
-        let (mut next, mut candidates) = (first, end);
-        while next < candidates {
-            let from = block.subtracted[next] as usize;
-            block.subtract::<FUSED>(next, from, next);
-            block.subtracted[next] = next as u32;
-            let column = &block.values[next * size..][..size];
-            let most = largest(&column[next..]);
-            let accepted = |value: f64| value.abs() >= PIVOT_SHARE * most && value.abs() > TINY_PIVOT && value.is_finite();
-            let pivot = if accepted(column[next]) {
-                Some(next)
-            } else {
-                let size_at = |row: &usize| if column[*row].is_nan() { -1.0 } else { column[*row].abs() };
-                let best = (next..count).max_by(|a, b| size_at(a).total_cmp(&size_at(b)));
-                let usable = |value: f64| block.is_last && value.abs() > TINY_PIVOT && value.is_finite();
-                best.filter(|&row| accepted(column[row]) || usable(column[row]))
-            };
-            let Some(pivot) = pivot else {
-                candidates -= 1;
-                block.exchange(next, candidates);
-                continue;
-            };
-            block.exchange_rows(next, pivot);
-            let column = &mut block.values[next * size..][..size];
-            let inverse = 1.0 / column[next];
-            column[next + 1..].iter_mut().for_each(|value| *value *= inverse);
-            next += 1;
+        let Panel { block, columns: Range { start: mut done, end: panel_end } } = self;
+        let width = if block.size <= SMALL { PANEL } else { STRIP };
+        let mut end = panel_end;
+        while done < end {
+            let strip = done..(done + width).min(end);
+            let found = block.eliminate_strip::<FUSED>(strip.clone());
+            if done < found {
+                for column in strip.end..panel_end {
+                    block.subtract_few::<FUSED>(done..found, column);
+                }
+            }
+            block.postpone(found..strip.end, &mut end);
+            done = found;
         }
-        for failed in next..end {
-            let from = block.subtracted[failed] as usize;
-            block.subtract::<FUSED>(failed, from, next);
-        }
-        next
+        done
     }
 }

@@ -3,7 +3,7 @@
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{dot, subtract_columns};
 use super::symbolic::Symbolic;
-use super::wide::{Job, widest};
+use super::wide::{Job, multiply_add, widest};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve as triangular;
 use faer::prelude::ReborrowMut;
@@ -218,19 +218,10 @@ impl Job for ForwardOne<'_> {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
             lists.gather(residual, symbolic.size, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-            let (own, rest) = front.split_at_mut(eliminated);
             match side {
-                Side::Plain => {
-                    for pivot in 0..eliminated {
-                        let known = own[pivot];
-                        let column = &column(lower, pivot)[pivot + 1..eliminated];
-                        own[pivot + 1..].iter_mut().zip(column).for_each(|(value, l)| *value -= l * known);
-                    }
-                    if eliminated > 0 && !rest.is_empty() {
-                        subtract_columns::<FUSED>(&block(lower)[eliminated..], lower.nrows(), own, rest);
-                    }
-                }
+                Side::Plain => lower_triangle::<FUSED>(block(lower), lower.nrows(), eliminated, front),
                 Side::Transposed => {
+                    let (own, rest) = front.split_at_mut(eliminated);
                     for pivot in 0..eliminated {
                         let column = column(lower, pivot);
                         own[pivot] = (own[pivot] - dot::<FUSED>(&column[..pivot], &own[..pivot])) / column[pivot];
@@ -244,7 +235,8 @@ impl Job for ForwardOne<'_> {
                     }
                 }
             }
-            lists.own.iter().zip(&*own).for_each(|(&place, value)| solution[place as usize] = *value);
+            let (own, rest) = front.split_at(eliminated);
+            lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
             lists.scatter_rest(rest, residual);
         }
     }
@@ -268,9 +260,9 @@ impl Job for BackwardOne<'_> {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
             lists.gather(solution, symbolic.size, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-            let (own, rest) = front.split_at_mut(eliminated);
             match side {
                 Side::Plain => {
+                    let (own, rest) = front.split_at_mut(eliminated);
                     let (delayed, others) = rest.split_at(rows.len() - eliminated);
                     if eliminated > 0 && !delayed.is_empty() {
                         let beside = &block(lower)[eliminated * lower.nrows()..];
@@ -279,14 +271,10 @@ impl Job for BackwardOne<'_> {
                     if eliminated > 0 && !others.is_empty() {
                         subtract_columns::<FUSED>(block(upper), upper.nrows(), others, own);
                     }
-                    for pivot in (0..eliminated).rev() {
-                        let column = column(lower, pivot);
-                        own[pivot] /= column[pivot];
-                        let known = own[pivot];
-                        own[..pivot].iter_mut().zip(column).for_each(|(value, u)| *value -= u * known);
-                    }
+                    upper_triangle::<FUSED>(block(lower), lower.nrows(), eliminated, front);
                 }
                 Side::Transposed => {
+                    let (own, rest) = front.split_at_mut(eliminated);
                     for pivot in (0..eliminated).rev() {
                         let column = column(lower, pivot);
                         let later = dot::<FUSED>(&column[pivot + 1..eliminated], &own[pivot + 1..]);
@@ -294,8 +282,91 @@ impl Job for BackwardOne<'_> {
                     }
                 }
             }
-            lists.own.iter().zip(&*own).for_each(|(&place, value)| solution[place as usize] = *value);
+            lists.own.iter().zip(&front[..eliminated]).for_each(|(&place, value)| solution[place as usize] = *value);
         }
+    }
+}
+
+/// Rows of a triangle that are solved in a vector register.
+const LANES: usize = 8;
+
+/// x_1 <- L_11^-1 x_1, x_2 <- x_2 - L_21 x_1 with `count` columns of a unit lower triangle L_11 and the rows below.
+#[inline(always)]
+fn lower_triangle<const FUSED: bool>(l: &[f64], stride: usize, count: usize, x: &mut [f64]) {
+    let mut first = 0;
+    while first < count {
+        let columns = LANES.min(count - first);
+        let l = &l[first * stride + first..];
+        let (solved, below) = x[first..].split_at_mut(LANES.min(stride - first));
+        if let Some(lanes) = solved.first_chunk_mut::<LANES>() {
+            let mut x = *lanes;
+            for p in 0..LANES {
+                if p == columns {
+                    break;
+                }
+                let Some(column) = l[p * stride..].first_chunk::<LANES>() else { break };
+                let known = x[p];
+                for row in 0..LANES {
+                    x[row] = if row > p { multiply_add::<FUSED>(column[row], -known, x[row]) } else { x[row] };
+                }
+            }
+            *lanes = x;
+        } else {
+            for p in 0..columns {
+                let known = solved[p];
+                for row in p + 1..solved.len() {
+                    solved[row] -= l[p * stride + row] * known;
+                }
+            }
+        }
+        if !below.is_empty() {
+            subtract_columns::<FUSED>(&l[LANES..], stride, &solved[..columns], below);
+        }
+        first += columns;
+    }
+}
+
+/// x <- U^-1 x with an upper triangle of `count` columns.
+#[inline(always)]
+fn upper_triangle<const FUSED: bool>(u: &[f64], stride: usize, count: usize, x: &mut [f64]) {
+    let mut end = count;
+    while end > 0 {
+        let first = end.saturating_sub(LANES);
+        let columns = end - first;
+        let u = &u[first * stride..];
+        let (above, solved) = x.split_at_mut(first);
+        let mut inverses = [1.0; LANES];
+        for p in 0..columns {
+            inverses[p] = u[p * stride + first + p];
+        }
+        inverses.iter_mut().for_each(|pivot| *pivot = 1.0 / *pivot);
+        if let Some(lanes) = solved.first_chunk_mut::<LANES>() {
+            let mut x = *lanes;
+            for p in (0..LANES).rev() {
+                if p >= columns {
+                    continue;
+                }
+                let Some(column) = u[p * stride + first..].first_chunk::<LANES>() else { break };
+                x[p] *= inverses[p];
+                let known = x[p];
+                for row in 0..LANES {
+                    x[row] = if row < p { multiply_add::<FUSED>(column[row], -known, x[row]) } else { x[row] };
+                }
+            }
+            *lanes = x;
+        } else {
+            for p in (0..columns).rev() {
+                solved[p] *= inverses[p];
+                let known = solved[p];
+                for row in 0..p {
+                    solved[row] -= u[p * stride + first + row] * known;
+                }
+            }
+        }
+        if !above.is_empty() {
+            subtract_columns::<FUSED>(u, stride, &solved[..columns], above);
+        }
+        end = first;
     }
 }
 

@@ -57,12 +57,17 @@ impl Traversal {
         let total: f64 = roots().map(|root| flops[root]).sum();
         let share = (total / (threads as f64 * TASKS_PER_THREAD)).max(TASK_FLOPS);
         let mut tasks = Vec::new();
-        if threads <= 1 {
+        if threads <= 1 || total <= TASK_FLOPS {
             tasks.push(Task::new(symbolic, 0..symbolic.fronts.len(), 0));
         } else {
             roots().for_each(|root| divide(symbolic, root, &flops, share, &mut tasks));
         }
         Traversal { tasks, threads }
+    }
+
+    /// Threads among which the fronts were divided.
+    pub fn threads(&self) -> usize {
+        self.threads
     }
 
     /// Bytes of waiting contributions at their peak.
