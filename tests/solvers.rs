@@ -160,5 +160,5 @@ fn a_large_net_has_the_same_gradient_with_factors_that_lag_behind() {
     }
     let (own, all) = (&lagging.counters, &expected.counters);
     assert_eq!(own.systems, all.systems);
-    assert!(own.factorizations * 2 < all.factorizations, "{own:?}, {all:?}");
+    assert!(own.factorizations * 3 < all.factorizations * 2, "{own:?}, {all:?}");
 }

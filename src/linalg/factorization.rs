@@ -7,7 +7,7 @@ use std::sync::Arc;
 /// Which solver factors the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// Left-looking up to 100 unknowns where that takes few operations, else dense; multifrontal above.
+    /// Left-looking up to 40 unknowns where that takes few operations, else dense; multifrontal above.
     #[default]
     Automatic,
     /// Dense LU.
@@ -60,7 +60,7 @@ pub struct Work {
 }
 
 /// Largest number of unknowns of a small system: above, dense fronts pay, whatever the pattern.
-const SMALL: usize = 100;
+const SMALL: usize = 40;
 
 /// Largest difference of scaled values that are the same but for round-off: of the sizes of steps, where all else is constant.
 const SAME_VALUES: f64 = 1e-11;

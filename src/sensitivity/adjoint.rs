@@ -187,11 +187,13 @@ impl<'m> Sweep<'m> {
             self.select(&step.dropped, solvers, Some(&mut ahead))?;
             let weights = weights.back_through(&step);
             let before = next.as_ref().filter(|next| next.dropped == step.dropped && rayon::current_num_threads() > 1);
-            let (result, ()) = rayon::join(
-                || self.step(&step, last, &weights, back, solvers),
-                || before.into_iter().for_each(|before| ahead.factor(before, p)),
-            );
-            result?;
+            match before {
+                Some(before) => {
+                    let step_back = || self.step(&step, last, &weights, back, solvers);
+                    rayon::join(step_back, || ahead.factor(before, p)).0?;
+                }
+                None => self.step(&step, last, &weights, back, solvers)?,
+            }
             solvers.forget();
             std::mem::swap(solvers, &mut ahead);
             last = false;
