@@ -4,6 +4,7 @@ use super::{Jacobian, SparsePattern};
 use crate::elements::AnyConstraint;
 use smallvec::SmallVec;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Choices that fix the unknowns of a [`System`].
 #[derive(Clone, Debug, Default)]
@@ -83,7 +84,7 @@ pub struct System<'m> {
     /// The choices.
     pub options: SystemOptions,
     /// Places of the matrix entries.
-    pub pattern: SparsePattern,
+    pub pattern: Arc<SparsePattern>,
     pub(super) nodes: Vec<NodeUnknowns>,
     pub(super) locals: Vec<Local>,
     pub(super) local_equations: usize,
@@ -215,7 +216,7 @@ impl<'m> System<'m> {
             element_blocks,
             constraint_blocks,
             node_blocks,
-            pattern,
+            pattern: Arc::new(pattern),
             options,
         }
     }

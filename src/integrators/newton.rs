@@ -213,7 +213,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let mut fresh = false;
         let mut first_residual = None;
         let mut growth = 0;
-        let (mut worst_rate, mut rates) = (0.0_f64, 0);
+        let (mut worst_rate, mut is_first_rate) = (0.0_f64, true);
         let (mut previous_reaction, mut worst_reaction_rate) = (f64::INFINITY, 0.0_f64);
         if self.factored.is_some() {
             self.guess.clone_from(unknowns);
@@ -266,12 +266,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 return fail(FailureKind::NotFinite, iteration, step);
             }
             let rate = step / previous;
-            rates += usize::from(previous.is_finite());
             if rate < STALLED {
                 worst_rate = worst_rate.max(rate);
             }
             // of the error that is left; the first correction says nothing about it
-            let trusted = if rates == 1 { worst_rate.max(FIRST_RATE) } else { worst_rate };
+            let trusted = if is_first_rate { worst_rate.max(FIRST_RATE) } else { worst_rate };
+            is_first_rate &= previous.is_infinite();
             let share = if rate > 0.0 && rate < STALLED { trusted / (1.0 - trusted) } else { 1.0 };
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(equations, base).map(|(unit, size)| unit * step / size);
@@ -305,7 +305,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 if !fresh && rate > ASTRAY {
                     unknowns.clone_from(&self.guess);
                     self.factored = None;
-                    previous = f64::INFINITY;
+                    (previous, worst_rate, is_first_rate) = (f64::INFINITY, 0.0, true);
                     continue;
                 }
                 if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {

@@ -50,7 +50,7 @@ pub struct SolverPlan {
     pub work: Option<Work>,
 }
 
-/// What a factorization takes by its analysis, without pivots that are searched elsewhere.
+/// What a factorization takes by its analysis, as if no pivot had to wait for another front.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Work {
     /// Multiplications of the elimination.
@@ -109,7 +109,7 @@ impl Factorization {
     ///
     /// # Errors
     /// [`Singular`] if no values could make the pattern regular.
-    pub fn new(pattern: &SparsePattern, backend: Backend) -> Result<Self, Singular> {
+    pub fn new(pattern: &Arc<SparsePattern>, backend: Backend) -> Result<Self, Singular> {
         let n = pattern.size;
         let of_dense = (n as f64).powi(3) / 3.0;
         let dense = || {
@@ -138,7 +138,7 @@ impl Factorization {
             Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work };
-        Ok(Self::of(solver, plan, Arc::new(pattern.clone())))
+        Ok(Self::of(solver, plan, pattern.clone()))
     }
 
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>) -> Self {
@@ -181,19 +181,12 @@ impl Factorization {
     /// # Errors
     /// [`Singular`] with the unknown that the matrix does not determine.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        if values.iter().fold(false, |any, value| any | !value.is_finite()) {
-            let place = values.iter().position(|value| !value.is_finite()).unwrap_or(0);
-            let column = self.pattern.column_starts.partition_point(|&start| start <= place) - 1;
-            return Err(Singular { unknown: column });
-        }
+        self.check_finite(values)?;
         self.set_scales(values);
-        for column in 0..self.pattern.size {
-            let (own, scale) = (self.entries(column), self.column_scale[column]);
-            let scaled = self.scaled[own.clone()].iter_mut().zip(&values[own.clone()]);
-            for ((scaled, value), &row) in scaled.zip(&self.pattern.rows[own]) {
-                *scaled = value * (self.row_scale[row] * scale);
-            }
-        }
+        self.set_scaled(values);
+        self.followed.clear();
+        self.refinements = 1;
+        self.lagging.iter_mut().for_each(|lagging| lagging.most = 0);
         self.solver.factor(&self.scaled)?;
         if !self.checked {
             self.examine()?;
@@ -202,37 +195,34 @@ impl Factorization {
         Ok(())
     }
 
-    /// Takes up the values of a matrix for transposed solutions of some right-hand sides: as [`Factorization::factor`], unless they are those
-    /// of the last factorization but for round-off, or near enough for its factors to serve. Solutions are as exact as with new factors.
-    /// Returns whether it was factored.
+    /// Takes up the values of a matrix for transposed solutions of some right-hand sides by [`Factorization::solve_followed`]: as
+    /// [`Factorization::factor`], unless they are those of the last factorization but for round-off, or near enough for its factors to
+    /// serve. Solutions are as exact as with new factors. Returns whether it was factored.
     ///
     /// # Errors
     /// As for [`Factorization::factor`].
     pub fn follow(&mut self, values: &[f64], columns: usize) -> Result<bool, Singular> {
-        let scaled = |column: usize, place: usize| {
-            values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column])
-        };
+        self.check_finite(values)?;
         let known = self.followed.len() == values.len();
         let near = |column: usize| {
-            self.entries(column).all(|place| (scaled(column, place) - self.followed[place]).abs() <= SAME_VALUES)
+            let scale = self.column_scale[column];
+            self.entries(column).all(|place| {
+                let scaled = values[place] * (self.row_scale[self.pattern.rows[place]] * scale);
+                (scaled - self.followed[place]).abs() <= SAME_VALUES
+            })
         };
         let same = known && (0..self.pattern.size).all(near);
         self.refinements = if same { 2 } else { 1 };
+        let mut lags = false;
         if let Some(lagging) = &mut self.lagging {
             let serve = known && !same && columns <= LAGGING_COLUMNS;
             lagging.most = if serve { lagging.rule.most_applications(columns) } else { 0 };
+            lags = lagging.most > 0;
         }
-        let lags = self.lagging.as_ref().is_some_and(|lagging| lagging.most > 0);
         if same || lags {
-            for column in 0..self.pattern.size {
-                for place in self.entries(column) {
-                    self.scaled[place] =
-                        values[place] * (self.row_scale[self.pattern.rows[place]] * self.column_scale[column]);
-                }
-            }
+            self.set_scaled(values);
             return Ok(false);
         }
-        self.followed.clear();
         self.factor(values)?;
         self.now_factored(columns);
         Ok(true)
@@ -244,6 +234,28 @@ impl Factorization {
         if let Some(lagging) = &mut self.lagging {
             lagging.most = 0;
             lagging.rule.add_factored(columns);
+        }
+    }
+
+    /// # Errors
+    /// [`Singular`] with the column of a value that is not a number.
+    fn check_finite(&self, values: &[f64]) -> Result<(), Singular> {
+        // all are looked at, several at a time
+        if values.iter().fold(true, |all, value| all & value.is_finite()) {
+            return Ok(());
+        }
+        let finite = |column: &usize| values[self.entries(*column)].iter().all(|value| value.is_finite());
+        Err(Singular { unknown: (0..self.pattern.size).take_while(finite).count() })
+    }
+
+    /// Sets the values in the scales of now.
+    fn set_scaled(&mut self, values: &[f64]) {
+        for column in 0..self.pattern.size {
+            let (own, scale) = (self.entries(column), self.column_scale[column]);
+            let scaled = self.scaled[own.clone()].iter_mut().zip(&values[own.clone()]);
+            for ((scaled, value), &row) in scaled.zip(&self.pattern.rows[own]) {
+                *scaled = value * (self.row_scale[row] * scale);
+            }
         }
     }
 
@@ -308,23 +320,23 @@ impl Factorization {
     /// # Errors
     /// As for [`Factorization::factor`].
     pub fn solve_followed(&mut self, rhs: &mut [f64]) -> Result<bool, Singular> {
-        let Some(Lagging { solver, rule, most }) = self.lagging.as_mut().filter(|lagging| lagging.most > 0) else {
+        let most = self.lagging.as_ref().map_or(0, |lagging| lagging.most);
+        if most == 0 {
             self.solve_transposed(rhs);
             return Ok(false);
-        };
+        }
         let columns = rhs.len() / self.pattern.size;
-        let most = *most;
-        for rhs in rhs.chunks_exact_mut(self.pattern.size) {
-            rhs.iter_mut().zip(&self.column_scale).for_each(|(b, scale)| *b *= scale);
+        self.scale_transposed(rhs);
+        if let Some(Lagging { solver, rule, .. }) = self.lagging.as_mut().filter(|_| columns <= LAGGING_COLUMNS) {
+            let lag = solver.solve(&mut *self.solver, &self.scaled, Side::Transposed, rhs, most);
+            if lag.solved {
+                rule.add_lagged(columns, lag.longest);
+                self.unscale_transposed(rhs);
+                return Ok(false);
+            }
+            rule.add_failure();
         }
-        let lag = solver.solve(&mut *self.solver, &self.scaled, Side::Transposed, rhs, most);
-        if lag.solved {
-            rule.add_lagged(columns, lag.longest);
-            self.unscale_transposed(rhs);
-            return Ok(false);
-        }
-        rule.add_failure();
-        // the scales of the matrix before serve this one, too
+        // the scales of the matrix before serve this one, too: it was worth trying its factors
         self.followed.clear();
         self.solver.factor(&self.scaled)?;
         self.now_factored(columns);
@@ -419,7 +431,7 @@ impl Factorization {
     }
 }
 
-/// Smallest diagonal entry, as a share of its column, by which an unknown is scaled.
+/// Smallest diagonal entry, as a share of its column, by which an unknown is scaled: rows and columns of our matrices have like sizes.
 const SMALL_DIAGONAL: f64 = 1e-10;
 
 /// The inverse of the power of two near a normal number, by its exponent; 1 for zero.

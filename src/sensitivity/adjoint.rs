@@ -5,14 +5,13 @@
 
 use super::solvers::StepSolvers;
 use super::transposed::{Backward, SolutionBar};
-use crate::assembly::{System, VectorsAvq};
+use crate::assembly::VectorsAvq;
 use crate::design::ModelNumbers;
 use crate::functionals::{Functional, Over, QuadratureWeights, Sample};
 use crate::history::{History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
 };
-use std::sync::Arc;
 
 /// Gradients with respect to parameters and initial state, one for each functional, and the work done.
 #[derive(Clone, Debug)]
@@ -68,8 +67,7 @@ pub fn adjoint(
         values,
         duration: rerun.grid.duration(history.steps()),
         active,
-        plain: systems.plain.clone(),
-        stage: systems.stage.clone(),
+        systems: Systems { plain: systems.plain.clone(), stage: systems.stage.clone() },
         counters: Counters::default(),
     };
     sweep.run(rerun, history)
@@ -82,10 +80,7 @@ struct Sweep<'m> {
     values: &'m [f64],
     duration: f64,
     active: &'m [bool],
-    /// Numbered equations of accelerations and projections.
-    plain: Arc<System<'m>>,
-    /// Of stages.
-    stage: Arc<System<'m>>,
+    systems: Systems<'m>,
     counters: Counters,
 }
 
@@ -93,8 +88,8 @@ impl<'m> Sweep<'m> {
     fn run(&mut self, rerun: &Rerun, history: &dyn History) -> Result<AdjointRun, RunError> {
         let model = self.problem.model;
         let zeros = || vec![0.0; model.dofs];
-        let multipliers = self.plain.multipliers();
-        let rates = if self.stage.options.stabilized { model.dofs } else { 0 };
+        let multipliers = self.systems.plain.multipliers();
+        let rates = if self.systems.stage.options.stabilized { model.dofs } else { 0 };
         let mut back: Vec<Backward> = self
             .functionals
             .iter()
@@ -105,12 +100,10 @@ impl<'m> Sweep<'m> {
                 p: vec![0.0; model.parameters],
             })
             .collect();
-        let mut solvers = self.solvers()?;
-        if solvers.are_apart && rayon::current_num_threads() > 1 {
+        let mut solvers = StepSolvers::new(&self.systems, self.method, self.active)?;
+        if solvers.are_apart {
             // on a thread that shares its work with the others
             rayon::scope(|_| self.steps_ahead(rerun, history, &mut back, &mut solvers))?;
-        } else if solvers.are_apart {
-            self.steps_ahead(rerun, history, &mut back, &mut solvers)?;
         } else {
             self.steps(rerun, history, &mut back, &mut solvers)?;
         }
@@ -186,24 +179,15 @@ impl<'m> Sweep<'m> {
             next = steps.next()?.cloned();
             self.select(&step.dropped, solvers, Some(&mut ahead))?;
             let weights = weights.back_through(&step);
-            let before = next.as_ref().filter(|next| next.dropped == step.dropped && rayon::current_num_threads() > 1);
-            match before {
-                Some(before) => {
-                    let step_back = || self.step(&step, last, &weights, back, solvers);
-                    rayon::join(step_back, || ahead.factor(before, p)).0?;
-                }
-                None => self.step(&step, last, &weights, back, solvers)?,
-            }
-            solvers.forget();
+            // the same on one thread, so that every number is the same
+            let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
+            let step_back = || self.step(&step, last, &weights, back, solvers);
+            rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
+            solvers.forget(&mut self.counters);
             std::mem::swap(solvers, &mut ahead);
             last = false;
         }
         Ok(())
-    }
-
-    fn solvers(&self) -> Result<StepSolvers<'m>, RunError> {
-        let systems = Systems { plain: self.plain.clone(), stage: self.stage.clone() };
-        StepSolvers::new(&systems, self.method, self.active)
     }
 
     /// Leaves out the redundant equations that a step left out.
@@ -213,10 +197,12 @@ impl<'m> Sweep<'m> {
         solvers: &mut StepSolvers<'m>,
         ahead: Option<&mut StepSolvers<'m>>,
     ) -> Result<(), RunError> {
-        if self.plain.options.dropped != dropped {
-            Systems { plain: self.plain, stage: self.stage } = Systems::new(self.problem.model, self.method, dropped);
-            *solvers = self.solvers()?;
+        if self.systems.plain.options.dropped != dropped {
+            self.systems = Systems::new(self.problem.model, self.method, dropped);
+            solvers.forget(&mut self.counters);
+            *solvers = StepSolvers::new(&self.systems, self.method, self.active)?;
             if let Some(ahead) = ahead {
+                ahead.forget(&mut self.counters);
                 *ahead = solvers.another()?;
             }
         }
@@ -288,7 +274,7 @@ impl<'m> Sweep<'m> {
         back.iter_mut().for_each(Backward::drop_negligible);
         let table = self.method.table.scheme(step.scheme);
         let dofs = self.problem.model.dofs;
-        let (multipliers, rates) = (self.plain.multipliers(), self.stage.options.stabilized);
+        let (multipliers, rates) = (self.systems.plain.multipliers(), self.systems.stage.options.stabilized);
         let last = table.stages.len() - 1;
         let mut stages: Vec<Vec<SolutionBar>> =
             back.iter().map(|_| vec![SolutionBar::zeros(dofs, multipliers, rates); table.stages.len()]).collect();
@@ -342,7 +328,7 @@ impl<'m> Sweep<'m> {
         stages: &mut [Vec<SolutionBar>],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let multipliers = self.plain.multipliers();
+        let multipliers = self.systems.plain.multipliers();
         for (solve, carried) in [(&step.velocity_projection, 1), (&step.position_projection, 0)] {
             let Some(record) = solve else { continue };
             let shift = record.equations.constraint;

@@ -1,7 +1,7 @@
 //! The solvers of one step's systems: what needs no adjoint can be done ahead, for many systems at once.
 
 use super::transposed::TransposedSolver;
-use crate::integrators::{Method, RunError, SolveRecord, StepRecord, Systems};
+use crate::integrators::{Counters, Method, RunError, SolveRecord, StepRecord, Systems};
 use rayon::prelude::*;
 
 /// Unknowns from which each stage of a step has a solver of its own: below, waking other threads takes longer than a factorization.
@@ -52,8 +52,7 @@ impl<'m> StepSolvers<'m> {
 
     /// The solver of a stage.
     pub fn stage(&mut self, stage: usize) -> &mut TransposedSolver<'m> {
-        let last = self.stages.len() - 1;
-        &mut self.stages[stage.min(last)]
+        &mut self.stages[if self.are_apart { stage } else { 0 }]
     }
 
     /// Factors the systems of a step whose adjoints were needed in the last one that these solvers served.
@@ -61,15 +60,14 @@ impl<'m> StepSolvers<'m> {
         let stages = step.stages.iter().map(|stage| stage.known.is_none().then_some(&stage.solve));
         // the one that comes first on the way back
         let projection = step.velocity_projection.as_ref().or(step.position_projection.as_ref());
-        let all = self.stages.iter_mut().zip(stages).chain(std::iter::once((&mut self.plain, projection)));
+        let all = self.stages.iter_mut().zip(stages).chain([(&mut self.plain, projection)]);
         let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
-            all.filter(|(solver, _)| solver.is_needed).filter_map(|(solver, record)| Some((solver, record?))).collect();
+            all.filter(|(solver, _)| solver.was_needed()).filter_map(|(solver, record)| Some((solver, record?))).collect();
         needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
     }
 
-    /// Forgets what was factored ahead and not asked for.
-    pub fn forget(&mut self) {
-        self.stages.iter_mut().for_each(TransposedSolver::forget);
-        self.plain.forget();
+    /// Forgets what was factored ahead and not asked for, and counts the work done so far.
+    pub fn forget(&mut self, counters: &mut Counters) {
+        self.stages.iter_mut().chain([&mut self.plain]).for_each(|solver| solver.forget(counters));
     }
 }

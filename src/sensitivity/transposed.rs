@@ -1,6 +1,8 @@
 //! One system of the sweep back.
 
-use crate::assembly::{Adjoints, Jacobian, ProductBars, ProductPoint, Residual, System, Unknowns, Variational, VectorsAvq};
+use crate::assembly::{
+    Adjoints, Equations, Jacobian, ProductBars, ProductPoint, Residual, System, Unknowns, Variational, VectorsAvq,
+};
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
 use crate::linalg::{Factorization, Singular, SolverPlan};
 use std::sync::Arc;
@@ -57,17 +59,18 @@ pub(super) struct TransposedSolver<'m> {
     unknowns: Unknowns<f64>,
     /// Parameters whose derivatives are asked for.
     active: &'m [bool],
-    /// What came of a factorization for which nobody has asked yet.
+    /// The system that was factored, until its adjoint is asked for.
     factored: Option<Factored>,
-    /// Whether an adjoint of the system asked for last was not zero.
-    pub is_needed: bool,
-    /// Number of its adjoints that were not.
+    /// Number of adjoints of the last system that were not zero.
     columns: usize,
+    /// Work that is not counted yet.
+    work: Counters,
 }
 
-/// Work of a factorization: blocks differentiated, and whether the matrix was another one than before.
+/// A system that was factored.
 struct Factored {
-    blocks: usize,
+    t: f64,
+    equations: Equations,
     outcome: Result<bool, Singular>,
 }
 
@@ -93,8 +96,8 @@ impl<'m> TransposedSolver<'m> {
             unknowns: Unknowns::default(),
             active,
             factored: None,
-            is_needed: false,
-            columns: 1,
+            columns: 0,
+            work: Counters::default(),
         }
     }
 
@@ -113,13 +116,22 @@ impl<'m> TransposedSolver<'m> {
         self.residual.evaluate(system, equations, base, &mut self.unknowns, p, *t);
         let before = self.jacobian.evaluated;
         self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
-        let blocks = self.jacobian.evaluated - before;
-        self.factored = Some(Factored { blocks, outcome: self.factorization.follow(&self.jacobian.values, self.columns) });
+        let outcome = self.factorization.follow(&self.jacobian.values, self.columns.max(1));
+        self.work.residuals += 1;
+        self.work.blocks += self.jacobian.evaluated - before;
+        self.work.factorizations += usize::from(outcome == Ok(true));
+        self.factored = Some(Factored { t: *t, equations: *equations, outcome });
     }
 
-    /// Forgets a factorization for which nobody has asked.
-    pub fn forget(&mut self) {
+    /// Whether an adjoint of the last system was not zero.
+    pub fn was_needed(&self) -> bool {
+        self.columns > 0
+    }
+
+    /// Forgets a system for whose adjoint nobody has asked, and counts the work done so far.
+    pub fn forget(&mut self, counters: &mut Counters) {
         self.factored = None;
+        *counters += std::mem::take(&mut self.work);
     }
 
     /// Goes back through one system, which is factored now unless it was before; returns the adjoint of its base point for each
@@ -135,28 +147,29 @@ impl<'m> TransposedSolver<'m> {
         let system = &*self.system.clone();
         let dofs = system.model.dofs;
         let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
-        self.is_needed = !bars.iter().all(SolutionBar::is_zero);
-        if !self.is_needed {
-            self.forget();
+        let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
+        self.columns = asked.len();
+        if asked.is_empty() {
+            self.forget(counters);
             return Ok(base_bars);
         }
         let SolveRecord { t, equations, base, .. } = record;
         if self.factored.is_none() {
             self.factor(record, p);
         }
-        if let Some(Factored { blocks, outcome }) = self.factored.take() {
-            let factored = outcome.map_err(|singular| self.singular_at(singular, *t))?;
-            counters.blocks += blocks;
-            counters.factorizations += usize::from(factored);
+        if let Some(factored) = &self.factored {
+            assert!(
+                factored.t == *t && factored.equations == *equations,
+                "the system at {t} s was not the one factored ahead"
+            );
+            factored.outcome.map_err(|singular| self.singular_at(singular, *t))?;
         }
+        self.forget(counters);
         counters.systems += 1;
-        counters.residuals += 1;
         let unknowns = std::mem::take(&mut self.unknowns);
 
-        let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
-        self.columns = asked.len();
         let mut all =
-            self.solve(asked.iter().map(|&k| &bars[k]), counters).map_err(|unknown| self.singular_at(unknown, *t))?;
+            self.solve(asked.iter().map(|&k| &bars[k]), counters).map_err(|singular| self.singular_at(singular, *t))?;
         counters.solves += asked.len();
         counters.products += asked.len();
 
@@ -261,8 +274,9 @@ impl<'m> TransposedSolver<'m> {
         counters: &mut Counters,
     ) -> Result<Vec<Adjoints>, Singular> {
         let system = &*self.system.clone();
-        let mut all = Vec::new();
+        let (mut all, mut count) = (Vec::new(), 0);
         for bar in bars {
+            count += 1;
             let first = all.len();
             all.resize(first + system.size(), 0.0);
             let reduced = &mut all[first..];
@@ -286,7 +300,7 @@ impl<'m> TransposedSolver<'m> {
             }
             adjoints
         };
-        Ok(all.chunks_exact(system.size()).map(adjoints).collect())
+        Ok((0..count).map(|k| adjoints(&all[k * system.size()..][..system.size()])).collect())
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {

@@ -267,6 +267,10 @@ fn gradients(report: &mut Report) -> Result<(), String> {
         let complex_step = analysis.complex_step(&prepared.x, &forward).map_err(|error| error.to_string())?;
         let difference = largest_difference(&adjoint.rows[0], &complex_step.rows[0]);
         report.at_most(format!("{name}/gradient of the {}, adjoint - complex step", first[0]), difference, 1e-10);
+        for (run, counters) in [("simulation", &forward.counters), ("adjoint", &adjoint.counters)] {
+            let share = counters.factorizations as f64 / counters.systems as f64;
+            report.inform(format!("{name}/factorizations of the {run} by its systems"), share);
+        }
         report.inform(format!("{name}/time of the simulation [s]"), of_forward);
         report.inform(format!("{name}/time of the adjoint by that of the simulation"), of_adjoint / of_forward);
         for threads in [1, 2, 4, 8, 16] {

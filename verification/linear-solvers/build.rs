@@ -1,7 +1,7 @@
 //! Compiles what the optional feature `mumps` calls.
 
 fn main() {
-    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=verification/linear-solvers/build.rs");
     #[cfg(feature = "mumps")]
     {
         const SOURCE: &str = "verification/linear-solvers/mumps.c";

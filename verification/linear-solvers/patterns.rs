@@ -1,13 +1,14 @@
 //! Matrices like those of flexible structures, of any size.
 
 use costate::assembly::SparsePattern;
+use std::sync::Arc;
 
 /// A matrix by its pattern and its values.
 pub struct Matrix {
     /// What it is like.
     pub name: String,
     /// Places of its entries.
-    pub pattern: SparsePattern,
+    pub pattern: Arc<SparsePattern>,
     /// Its entries.
     pub values: Vec<f64>,
 }
@@ -61,7 +62,7 @@ pub fn full(size: usize) -> Matrix {
     let pattern = SparsePattern::from_entries(size, (0..size * size).map(|place| (place / size, place % size)).collect());
     let mut values: Vec<f64> = pattern.rows.iter().map(|_| noise.next()).collect();
     (0..size).for_each(|i| values[i * size + i] += 4.0);
-    Matrix { name: format!("full, {size}"), pattern, values }
+    Matrix { name: format!("full, {size}"), pattern: Arc::new(pattern), values }
 }
 
 /// Sums of elements' matrices: of differences of their nodes, as stiffness is, with a diagonal of inertia and a part that is not
@@ -89,9 +90,7 @@ fn assembled(name: String, nodes: usize, elements: &[Vec<usize>]) -> Matrix {
     let mut values = vec![0.0; pattern.rows.len()];
     let mut noise = Noise::new(nodes as u64);
     let mut add = |row: usize, column: usize, value: f64| {
-        if let Some(place) = pattern.position(row, column) {
-            values[place] += value;
-        }
+        values[pattern.position(row, column).expect("an entry of the pattern")] += value;
     };
     for element in elements {
         let own = unknowns(element);
@@ -112,5 +111,5 @@ fn assembled(name: String, nodes: usize, elements: &[Vec<usize>]) -> Matrix {
             }
         }
     }
-    Matrix { name, pattern, values }
+    Matrix { name, pattern: Arc::new(pattern), values }
 }

@@ -14,7 +14,7 @@ const HOPELESS: f64 = 2.0;
 const ROUND_OFF: f64 = 1e-14;
 
 /// How far a solution is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Progress {
     /// Another application of the preconditioner is needed.
     Open,
@@ -23,6 +23,7 @@ pub enum Progress {
     /// The backward error is at most [`BACKWARD_ERROR`].
     Reached,
     /// The preconditioner is too far from the matrix, or not finite.
+    #[default]
     Refused,
 }
 
@@ -41,7 +42,7 @@ pub struct FlexibleGmres {
     /// Most applications.
     most: usize,
     applications: usize,
-    progress: Option<Progress>,
+    progress: Progress,
     backward_error: f64,
     rhs: Vec<f64>,
     solution: Vec<f64>,
@@ -81,7 +82,7 @@ impl FlexibleGmres {
         self.solution.resize(size, 0.0);
         self.against.resize(size, 0.0);
         // zero without an application
-        self.progress = Some(if rhs.iter().all(|&b| b == 0.0) {
+        self.progress = if rhs.iter().all(|&b| b == 0.0) {
             self.solution.fill(0.0);
             self.backward_error = 0.0;
             Progress::Reached
@@ -89,7 +90,7 @@ impl FlexibleGmres {
             Progress::Refused
         } else {
             Progress::Open
-        });
+        };
     }
 
     /// What the preconditioner is to be applied to.
@@ -107,7 +108,7 @@ impl FlexibleGmres {
     pub fn take_first(&mut self, applied: &[f64]) {
         self.applications = 1;
         self.solution.copy_from_slice(applied);
-        self.progress = Some(Progress::Unchecked);
+        self.progress = Progress::Unchecked;
     }
 
     /// Takes up z = M^-1 of the direction, and A z.
@@ -115,15 +116,15 @@ impl FlexibleGmres {
         self.applications += 1;
         if self.extend(applied, product) {
             self.add_combination();
-            self.progress = Some(Progress::Unchecked);
+            self.progress = Progress::Unchecked;
         } else if self.applications == self.most.div_ceil(2) && self.expected() > HOPELESS * self.most as f64 {
-            self.progress = Some(Progress::Refused);
+            self.progress = Progress::Refused;
         }
     }
 
     /// How far it is.
     pub fn progress(&self) -> Progress {
-        self.progress.unwrap_or(Progress::Refused)
+        self.progress
     }
 
     /// The solution so far, with its backward error as of the last evaluation.
@@ -177,7 +178,7 @@ impl FlexibleGmres {
             let residual = b - product[row];
             let weighted = if residual == 0.0 { 0.0 } else { residual / against };
             let most = &mut omega[usize::from(ordinary)];
-            if !(weighted.abs() <= *most) {
+            if !(weighted.abs() <= *most) && !most.is_nan() {
                 *most = weighted.abs();
             }
             self.against[row] = against;
@@ -185,7 +186,7 @@ impl FlexibleGmres {
         }
         let error = omega[0] + omega[1];
         let before = std::mem::replace(&mut self.backward_error, error);
-        self.progress = Some(if error <= BACKWARD_ERROR {
+        self.progress = if error <= BACKWARD_ERROR {
             Progress::Reached
         } else if !(error <= before / SLOWEST) || !error.is_finite() || self.applications == self.most {
             Progress::Refused
@@ -198,7 +199,7 @@ impl FlexibleGmres {
             let [least, most] = LARGEST_BY_MEAN;
             self.goal = AIM * root / (error * root / norm).clamp(least, most);
             Progress::Open
-        });
+        };
     }
 
     /// Adds a column to Z and V; returns whether the cycle ends.

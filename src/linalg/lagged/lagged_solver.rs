@@ -251,6 +251,20 @@ mod tests {
             let lag = lagged.solve(&mut lu, &bad, Side::Transposed, &mut x, 12);
             assert!(!lag.solved && lag.longest <= 2, "{lag:?}");
         }
+        // one that is followed by rows without a fault
+        let diagonal = SparsePattern::from_entries(3, (0..3).map(|i| (i, i)).collect());
+        let mut simple = MultifrontalLu::new(&diagonal, &[], 1);
+        simple.factor(&[1.0; 3]).expect("regular");
+        for number in [f64::NAN, f64::INFINITY] {
+            let lag = LaggedSolver::new(Arc::new(diagonal.clone())).solve(
+                &mut simple,
+                &[number, 1.0, 1.0],
+                Side::Transposed,
+                &mut [1.0; 3],
+                12,
+            );
+            assert!(!lag.solved, "{lag:?}");
+        }
         let zeros = vec![0.0; values.len()];
         let lag = lagged.solve(&mut lu, &zeros, Side::Plain, &mut x, 12);
         assert!(!lag.solved, "{lag:?}");

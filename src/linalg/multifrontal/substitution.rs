@@ -304,7 +304,7 @@ fn lower_triangle<const FUSED: bool>(l: &[f64], stride: usize, count: usize, x: 
                 if p == columns {
                     break;
                 }
-                let Some(column) = l[p * stride..].first_chunk::<LANES>() else { break };
+                let column = l[p * stride..].first_chunk::<LANES>().expect("as many rows as lanes");
                 let known = x[p];
                 for row in 0..LANES {
                     x[row] = if row > p { multiply_add::<FUSED>(column[row], -known, x[row]) } else { x[row] };
@@ -346,7 +346,7 @@ fn upper_triangle<const FUSED: bool>(u: &[f64], stride: usize, count: usize, x: 
                 if p >= columns {
                     continue;
                 }
-                let Some(column) = u[p * stride + first..].first_chunk::<LANES>() else { break };
+                let column = u[p * stride + first..].first_chunk::<LANES>().expect("as many rows as lanes");
                 x[p] *= inverses[p];
                 let known = x[p];
                 for row in 0..LANES {

@@ -1,4 +1,4 @@
-//! The scenes of the command line. A new one is a file here and a line in [`all`].
+//! The scenes of the command line. A new one is a file here, and its name in the lists of modules, of erased scenes and of [`all`].
 
 mod andrews;
 mod bricard;
@@ -55,7 +55,7 @@ pub use von_mises_truss::VonMisesTruss;
 use super::AnyScene;
 
 /// Erases scenes by functions that are compiled in this crate: others then compile none of them again.
-macro_rules! compiled_here {
+macro_rules! erased_here {
     ($($scene:ty),* $(,)?) => {$(
         impl AsRef<dyn AnyScene> for $scene {
             #[inline(never)]
@@ -66,7 +66,7 @@ macro_rules! compiled_here {
     )*};
 }
 
-compiled_here!(
+erased_here!(
     Andrews,
     Bricard,
     CarAxis,
