@@ -4,7 +4,7 @@ use super::jacobian::{Bases, Point, node_seeds};
 use super::numbering::{Part, System};
 use super::residual::Local3;
 use super::{Equations, Impulse, Level, Shift};
-use crate::elements::{AnyConstraint, ByPoints, PointWork, RunScalar, State, add_scaled, padded};
+use crate::elements::{AnyConstraint, ByPoints, PointWork, RunScalar, State, Wide, wide};
 use crate::scalar::{Direction, Job, LANES, Lanes, Taylor, widest};
 
 /// Where a matrix is assembled.
@@ -32,7 +32,7 @@ pub(super) struct BlockWork {
     products: Vec<Direction>,
     multipliers: Vec<f64>,
     points: PointWork,
-    reduced: Vec<f64>,
+    reduced: Vec<Wide>,
     /// Factors of the velocity, and one term of an impulse.
     scaled: [Vec<f64>; 2],
     term: Vec<f64>,
@@ -73,12 +73,12 @@ pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
     target.extend(values.iter().map(|&value| Lanes::constant(value)));
 }
 
-/// N_L^T K N_R of one element, K given column after column with padded columns.
+/// N_L^T K N_R of one element, K given column after column, in each [`wide`] vectors for every node.
 struct Reduction<'j> {
     assembly: &'j Assembly<'j>,
     part: &'j Part,
-    matrix: &'j [f64],
-    reduced: &'j mut Vec<f64>,
+    matrix: &'j [Wide],
+    reduced: &'j mut Vec<Wide>,
     block: &'j mut [f64],
 }
 
@@ -90,10 +90,10 @@ impl Job for Reduction<'_> {
     #[inline(always)]
     fn run(self) {
         let Reduction { assembly: Assembly { system, bases, .. }, part, matrix, reduced, block } = self;
-        let (n, size) = (padded(part.dofs), part.columns.len());
+        let n: usize = part.segments.iter().map(|segment| wide(segment.len())).sum();
+        let size = part.columns.len();
         // K N_R, column after column
-        reduced.clear();
-        reduced.resize(size * n, 0.0);
+        reduced.resize(size * n, Wide::default());
         let (mut dof, mut first) = (0, 0);
         for (&node, segment) in part.nodes.iter().zip(&part.segments) {
             let columns = system.nodes[node].columns.len();
@@ -102,43 +102,62 @@ impl Job for Reduction<'_> {
             reduced[first * n..(first + plain) * n].copy_from_slice(&matrix[dof * n..(dof + plain) * n]);
             let turning = &mut reduced[(first + plain) * n..(first + columns) * n];
             for (column, target) in turning.chunks_exact_mut(n).enumerate() {
+                target.fill(Wide::default());
                 for i in plain..segment.len() {
-                    add_scaled(right[i * columns + plain + column], &matrix[(dof + i) * n..(dof + i + 1) * n], target);
+                    let weight = right[i * columns + plain + column];
+                    let source = &matrix[(dof + i) * n..(dof + i + 1) * n];
+                    target.iter_mut().zip(source).for_each(|(target, source)| target.add(weight, source));
                 }
             }
             dof += segment.len();
             first += columns;
         }
-        let (mut dof, mut first) = (0, 0);
+        let (mut place, mut first) = (0, 0);
         for (&node, segment) in part.nodes.iter().zip(&part.segments) {
             let rows = system.nodes[node].columns.len();
             let Bases { left, plain, .. } = &bases[node];
             let columns = reduced.chunks_exact(n).zip(block.chunks_exact_mut(size));
-            let columns = columns.map(|(own, target)| (&own[dof..dof + segment.len()], &mut target[first..first + rows]));
+            let columns =
+                columns.map(|(own, target)| (&own[place..place + wide(segment.len())], &mut target[first..first + rows]));
             if left.is_empty() {
-                columns.for_each(|(own, target)| target.copy_from_slice(&own[..rows]));
+                columns.for_each(|(own, target)| copy_wide(own, target));
             } else if let (EULER, Some(left)) = ((segment.len(), *plain), left.first_chunk::<42>()) {
+                // the position, and rows of N_L behind it
+                let mut turning = [Wide::default(); 4];
+                for (turning, left) in turning.iter_mut().zip(left[18..].chunks_exact(6)) {
+                    turning.0[3..6].copy_from_slice(&left[3..]);
+                }
                 for (own, target) in columns {
-                    let (Some(own), Some(target)) = (own.first_chunk::<7>(), target.first_chunk_mut::<6>()) else {
-                        continue;
-                    };
-                    for i in 0..3 {
-                        target[i] = own[i];
-                        target[3 + i] = (3..7).map(|k| left[6 * k + 3 + i] * own[k]).sum();
+                    let own = own[0].0;
+                    let mut sum = Wide([own[0], own[1], own[2], 0.0, 0.0, 0.0, 0.0, 0.0]);
+                    for k in 0..4 {
+                        sum.add(own[3 + k], &turning[k]);
+                    }
+                    if let (Some(sum), Some(target)) = (sum.0.first_chunk::<6>(), target.first_chunk_mut()) {
+                        *target = *sum;
                     }
                 }
             } else {
                 for (own, target) in columns {
-                    target[..*plain].copy_from_slice(&own[..*plain]);
-                    for (value, weights) in own.iter().zip(left.chunks_exact(rows)).skip(*plain) {
+                    copy_wide(own, &mut target[..*plain]);
+                    let own = own.iter().flat_map(|own| own.0);
+                    for (value, weights) in own.zip(left.chunks_exact(rows)).skip(*plain) {
                         let turning = target[*plain..].iter_mut().zip(&weights[*plain..]);
                         turning.for_each(|(sum, weight)| *sum += weight * value);
                     }
                 }
             }
-            dof += segment.len();
+            place += wide(segment.len());
             first += rows;
         }
+    }
+}
+
+/// The first numbers of wide vectors.
+#[inline(always)]
+fn copy_wide(source: &[Wide], target: &mut [f64]) {
+    for (target, source) in target.chunks_mut(8).zip(source) {
+        target.copy_from_slice(&source.0[..target.len()]);
     }
 }
 

@@ -58,11 +58,14 @@ pub trait Field: Send + Sync + 'static {
     fn momentum_rate<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], r: &mut [S]) {
         point_momentum_rate(self, point, v, h, p, r);
     }
-    /// Adds gamma dr/da + beta dr/dv + alpha dr/dq of a point for `shift` = [gamma, beta, alpha], row-major, and says true; or says false, and r is
-    /// differentiated.
+    /// Adds gamma dr/da + beta dr/dv + alpha dr/dq of a point for `shift` = [gamma, beta, alpha], column after column, and says true; or says
+    /// false, and r is differentiated.
+    ///
+    /// A column has [`wide`] vectors for each list of weights that the point's numbers have, in the order in which the lists first come; there
+    /// each row is at its component, so that whole vectors go to the nodes. What is between stays zero.
     ///
     /// Not needed: an element of which scenes have hundreds may write it out; the contract tests then hold it against r.
-    fn add_matrix(&self, _point: usize, _s: State<f64>, _shift: [f64; 3], _p: &[f64], _matrix: &mut [f64]) -> bool {
+    fn add_matrix(&self, _point: usize, _s: State<f64>, _shift: [f64; 3], _p: &[f64], _matrix: &mut [Wide]) -> bool {
         false
     }
     /// Adds the gradient of lambda . r of a point, and says true; or says false, and r is differentiated.
@@ -162,7 +165,108 @@ fn interpolate_if<S: Scalar>(read: bool, rows: &[Interpolation], components: usi
     }
 }
 
+/// Eight numbers in one line of the cache, for whole vectors; those that are not used are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(64))]
+pub struct Wide(pub [f64; 8]);
+
+/// Number of wide vectors for some numbers.
+pub const fn wide(count: usize) -> usize {
+    count.div_ceil(8)
+}
+
+impl Wide {
+    /// Adds factor x.
+    #[inline(always)]
+    pub fn add(&mut self, factor: f64, x: &Wide) {
+        let mut sum = *self;
+        for i in 0..8 {
+            sum.0[i] += factor * x.0[i];
+        }
+        *self = sum;
+    }
+    /// factor x.
+    #[inline(always)]
+    pub fn times(mut self, factor: f64) -> Self {
+        for i in 0..8 {
+            self.0[i] *= factor;
+        }
+        self
+    }
+}
+
+/// At most: points of a field, numbers of each, wide vectors of their weights, and of all nodes.
+const MOST: (usize, usize, usize, usize) = (8, 16, 4, 4);
+
+/// Numbers of a point by weights: those with the same ones stand together, each at its component, in whole vectors.
+#[derive(Clone, Copy)]
+struct Groups {
+    count: usize,
+    weights: [&'static [f64]; MOST.2],
+    /// Where each number stands: vector and place in it.
+    places: [(usize, usize); MOST.1],
+}
+
+impl Groups {
+    const NONE: Groups = Groups { count: 0, weights: [&[]; MOST.2], places: [(0, 0); MOST.1] };
+
+    /// For nodes with some number of vectors.
+    const fn of(rows: &[Interpolation], own: usize) -> Self {
+        let mut groups = Self::NONE;
+        let mut number = 0;
+        while number < rows.len() {
+            let Interpolation { component, weights } = rows[number];
+            let mut group = 0;
+            while group < groups.count {
+                let (mut fits, mut other) = (same(groups.weights[group], weights), 0);
+                while other < number {
+                    let (vector, place) = groups.places[other];
+                    fits = fits && (vector != group * own + component / 8 || place != component % 8);
+                    other += 1;
+                }
+                if fits {
+                    break;
+                }
+                group += 1;
+            }
+            groups.weights[group] = weights;
+            groups.places[number] = (group * own + component / 8, component % 8);
+            if group == groups.count {
+                groups.count += 1;
+            }
+            number += 1;
+        }
+        assert!(groups.count * own <= MOST.2);
+        groups
+    }
+}
+
+/// a = b, number by number.
+const fn same(a: &[f64], b: &[f64]) -> bool {
+    let (mut all, mut i) = (a.len() == b.len(), 0);
+    while all && i < a.len() {
+        all = a[i] == b[i];
+        i += 1;
+    }
+    all
+}
+
 impl<F: Field> Flexible<F> {
+    /// Vectors of a node, and of a column of the matrix.
+    const OWN: usize = wide(F::COMPONENTS);
+    const COLUMN: usize = F::NODES * Self::OWN;
+    /// Numbers of each point by weights.
+    const GROUPS: &'static [Groups; MOST.0] = &{
+        assert!(Self::COLUMN <= MOST.3);
+        let mut groups = [Groups::NONE; MOST.0];
+        let mut point = 0;
+        while point < F::POINTS.len() {
+            groups[point] = Groups::of(F::POINTS[point], Self::OWN);
+            point += 1;
+        }
+        groups
+    };
+
     /// Which of (hddot, hdot, h) a point reads at all.
     #[inline(always)]
     fn read_at(&self, point: usize) -> [bool; 3] {
@@ -265,9 +369,9 @@ impl<F: Field> Element for Flexible<F> {
 
 /// Derivatives of an element through its points, or written out.
 pub trait ByPoints: Send + Sync {
-    /// gamma dR/da + beta dR/dv + alpha dR/dq for `shift` = [gamma, beta, alpha], column after column, each with room for
-    /// [`padded`] numbers of which the last ones are zero.
-    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &'w mut PointWork) -> &'w [f64];
+    /// gamma dR/da + beta dR/dv + alpha dR/dq for `shift` = [gamma, beta, alpha], column after column, in each [`wide`] vectors for
+    /// every node; behind its coordinates are zeros.
+    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &'w mut PointWork) -> &'w [Wide];
     /// Adds the gradients of lambda . R with respect to (a, v, q) and, if there is room for them, p, one row of `gradients` for each row
     /// of `lambdas`.
     fn pull_back(&self, s: State<f64>, p: &[f64], t: f64, lambdas: &[f64], work: &mut PointWork, gradients: &mut [f64]);
@@ -295,17 +399,17 @@ fn add_point_residual<F: Field, S: Scalar>(field: &F, point: usize, s: State<S>,
 /// Numbers of one point after the other.
 #[derive(Clone, Debug, Default)]
 pub struct PointWork {
-    real: [Few<f64>; 3],
-    /// dr/dh, row-major.
-    own: Vec<f64>,
+    /// (a, v, q), each node in whole vectors.
+    given: [Vec<Wide>; 3],
+    /// (hddot, hdot, h) of the point.
+    real: [[f64; MOST.1]; 3],
+    /// dr/dh as [`Field::add_matrix`] adds it.
+    own: Vec<Wide>,
     state: [Few<Lanes>; 3],
     p: Vec<Lanes>,
     r: Few<Lanes>,
-    /// dr/dh with padded rows; W^T dr/dh, row-major, and column after column; W^T dr/dh W, column after column.
-    even: Vec<f64>,
-    half: Vec<f64>,
-    turned: Vec<f64>,
-    matrix: Vec<f64>,
+    /// W^T dr/dh W of all points.
+    matrix: Vec<Wide>,
     /// Places of the arguments that are read: which of (hddot, hdot, h, p), and its number there.
     read: Vec<(usize, usize)>,
     lambdas: Vec<f64>,
@@ -313,27 +417,43 @@ pub struct PointWork {
 }
 
 impl PointWork {
-    /// Room for a matrix of some numbers, all zero.
-    pub(crate) fn zeros(&mut self, count: usize) -> &mut [f64] {
-        self.matrix.clear();
-        self.matrix.resize(count, 0.0);
+    /// Room for a matrix of some vectors, all zero.
+    pub(crate) fn zeros(&mut self, count: usize) -> &mut [Wide] {
+        clear(&mut self.matrix, count);
         &mut self.matrix
+    }
+
+    /// Takes over (a, v, q) as far as they are read.
+    #[inline(always)]
+    fn take_over<F: Field>(&mut self, element: &Flexible<F>, given: [&[f64]; 3]) {
+        let mut read = [false; 3];
+        for point in 0..F::POINTS.len() {
+            let here = element.read_at(point);
+            (0..3).for_each(|kind| read[kind] |= here[kind]);
+        }
+        for kind in 0..3 {
+            if read[kind] {
+                spread(F::COMPONENTS, given[kind], &mut self.given[kind]);
+            }
+        }
     }
 
     /// Interpolates what a point reads.
     #[inline(always)]
-    fn interpolate(&mut self, rows: &[Interpolation], components: usize, given: [&[f64]; 3], read: [bool; 3]) {
+    fn interpolate<F: Field>(&mut self, groups: &Groups, size: usize, read: [bool; 3]) {
         for kind in 0..3 {
-            interpolate_if(read[kind], rows, components, given[kind], &mut self.real[kind]);
+            if read[kind] {
+                gather::<F>(groups, &self.given[kind], &mut self.real[kind][..size]);
+            }
         }
     }
 
     /// Takes over what was interpolated, without derivatives.
     #[inline(always)]
-    fn load(&mut self, read: [bool; 3], p: &[f64]) {
+    fn load(&mut self, size: usize, read: [bool; 3], p: &[f64]) {
         for kind in 0..3 {
-            let (lanes, real) = (&mut self.state[kind], &self.real[kind]);
-            if read[kind] || lanes.len() != real.len() {
+            let (lanes, real) = (&mut self.state[kind], &self.real[kind][..size]);
+            if read[kind] || lanes.len() != size {
                 lanes.clear();
                 for &x in real {
                     lanes.push(Lanes::constant(x));
@@ -358,10 +478,10 @@ impl PointWork {
     /// dr/dh along a shift, if the element writes it out.
     #[inline(always)]
     fn written<F: Field>(&mut self, field: &F, point: usize, shift: [f64; 3], p: &[f64]) -> bool {
+        let size = F::POINTS[point].len();
         let [a, v, q] = &self.real;
-        self.own.clear();
-        self.own.resize(q.len() * q.len(), 0.0);
-        field.add_matrix(point, State { a, v, q }, shift, p, &mut self.own)
+        clear(&mut self.own, size * Flexible::<F>::GROUPS[point].count * Flexible::<F>::OWN);
+        field.add_matrix(point, State { a: &a[..size], v: &v[..size], q: &q[..size] }, shift, p, &mut self.own)
     }
 
     /// Sets or takes back the derivative of an argument along a lane.
@@ -380,18 +500,18 @@ impl<F: Field> Job for Matrix<'_, F> {
     #[inline(always)]
     fn run(self) {
         let Matrix(element, s, shift, p, t, work) = self;
-        let n = Flexible::<F>::DOFS;
-        let column = padded(n);
-        work.matrix.clear();
-        work.matrix.resize(n * column, 0.0);
+        let column = Flexible::<F>::COLUMN;
+        clear(&mut work.matrix, Flexible::<F>::DOFS * column);
+        work.take_over(element, [s.a, s.v, s.q]);
         for (point, rows) in F::POINTS.iter().enumerate() {
             let size = rows.len();
             let read = element.read_at(point);
-            work.interpolate(rows, F::COMPONENTS, [s.a, s.v, s.q], read);
+            let groups = &Flexible::<F>::GROUPS[point];
+            work.interpolate::<F>(groups, size, read);
             let p = &p[element.0.parameters_of(point)];
             let mut next = if work.written(&element.0, point, shift, p) { size } else { 0 };
             if next < size {
-                work.load(read, p);
+                work.load(size, read, p);
             }
             while next < size {
                 let mut columns = [0; LANES];
@@ -414,70 +534,87 @@ impl<F: Field> Job for Matrix<'_, F> {
                 }
                 work.evaluate(&element.0, point, t);
                 for (lane, &column) in columns[..count].iter().enumerate() {
-                    for (row, r) in work.own.chunks_exact_mut(size).zip(&work.r) {
-                        row[column] = r.eps[lane];
+                    let own = &mut work.own[column * groups.count * Flexible::<F>::OWN..];
+                    for (&(vector, place), r) in groups.places.iter().zip(&work.r) {
+                        own[vector].0[place] = r.eps[lane];
                     }
                     for kind in 0..3 {
                         work.seed((kind, column), lane, 0.0);
                     }
                 }
             }
-            let PointWork { own, even, half, turned, matrix, .. } = &mut *work;
-            let row = padded(size);
-            even.clear();
-            even.resize(size * row, 0.0);
-            for (even, own) in even.chunks_exact_mut(row).zip(own.chunks_exact(size)) {
-                even[..size].copy_from_slice(own);
+            let PointWork { own, matrix, .. } = &mut *work;
+            match groups.count {
+                1 => distribute_columns::<F, 1>(rows, groups, own, matrix),
+                2 => distribute_columns::<F, 2>(rows, groups, own, matrix),
+                _ => distribute_columns::<F, { MOST.2 }>(rows, groups, own, matrix),
             }
-            half.clear();
-            half.resize(n * row, 0.0);
-            add_scaled_rows(rows, F::COMPONENTS, even, row, half);
-            turned.clear();
-            turned.resize(size * column, 0.0);
-            for (place, half) in half.chunks_exact(row).enumerate() {
-                for (turned, value) in turned.chunks_exact_mut(column).zip(half) {
-                    turned[place] = *value;
+        }
+    }
+}
+
+/// target += W^T own W of a point with at most COUNT lists of weights.
+#[inline(always)]
+fn distribute_columns<F: Field, const COUNT: usize>(
+    rows: &[Interpolation],
+    groups: &Groups,
+    own: &[Wide],
+    target: &mut [Wide],
+) {
+    let (vectors, column) = (Flexible::<F>::OWN, Flexible::<F>::COLUMN);
+    for (row, own) in rows.iter().zip(own.chunks_exact(groups.count * vectors)) {
+        // W^T times a column
+        let mut half = [Wide::default(); MOST.3];
+        for (group, weights) in groups.weights.iter().enumerate().take(COUNT.min(groups.count)) {
+            for node in 0..F::NODES {
+                for i in 0..vectors {
+                    half[node * vectors + i].add(weights[node], &own[group * vectors + i]);
                 }
             }
-            add_scaled_rows(rows, F::COMPONENTS, turned, column, matrix);
         }
-    }
-}
-
-/// Room for a row of some numbers: a multiple of eight, so that whole vectors are read and written.
-pub const fn padded(count: usize) -> usize {
-    count.next_multiple_of(8)
-}
-
-/// target += factor source for rows of [`padded`] numbers.
-#[inline(always)]
-pub fn add_scaled(factor: f64, source: &[f64], target: &mut [f64]) {
-    /// Rows of W numbers.
-    #[inline(always)]
-    fn of<const W: usize>(factor: f64, source: &[f64], target: &mut [f64]) {
-        if let (Some(source), Some(target)) = (source.first_chunk::<W>(), target.first_chunk_mut::<W>()) {
-            for i in 0..W {
-                target[i] += factor * source[i];
+        for node in 0..F::NODES {
+            let target = &mut target[(node * F::COMPONENTS + row.component) * column..][..column];
+            for (target, half) in target.iter_mut().zip(&half) {
+                target.add(row.weights[node], half);
             }
         }
     }
-    match source.len() {
-        8 => of::<8>(factor, source, target),
-        16 => of::<16>(factor, source, target),
-        24 => of::<24>(factor, source, target),
-        _ => target.iter_mut().zip(source).for_each(|(target, source)| *target += factor * source),
+}
+
+/// Each node's coordinates in whole vectors.
+#[inline(always)]
+fn spread(components: usize, x: &[f64], vectors: &mut Vec<Wide>) {
+    let own = wide(components);
+    clear(vectors, x.len() / components * own);
+    for (target, x) in vectors.chunks_exact_mut(own).zip(x.chunks_exact(components)) {
+        for (i, &x) in x.iter().enumerate() {
+            target[i / 8].0[i % 8] = x;
+        }
     }
 }
 
-/// target += W^T source for matrices with rows of some length: rows of numbers, and rows of coordinates.
+/// W x, x being spread.
 #[inline(always)]
-fn add_scaled_rows(rows: &[Interpolation], components: usize, source: &[f64], length: usize, target: &mut [f64]) {
-    for (row, source) in rows.iter().zip(source.chunks_exact(length)) {
-        for (node, &weight) in row.weights.iter().enumerate() {
-            let place = (node * components + row.component) * length;
-            add_scaled(weight, source, &mut target[place..place + length]);
+fn gather<F: Field>(groups: &Groups, x: &[Wide], h: &mut [f64]) {
+    let own = Flexible::<F>::OWN;
+    let mut sums = [Wide::default(); MOST.2];
+    for (group, weights) in groups.weights.iter().enumerate().take(groups.count) {
+        for node in 0..F::NODES {
+            for i in 0..own {
+                sums[group * own + i].add(weights[node], &x[node * own + i]);
+            }
         }
     }
+    for (h, &(vector, place)) in h.iter_mut().zip(&groups.places) {
+        *h = sums[vector].0[place];
+    }
+}
+
+/// Some vectors, all zero.
+#[inline(always)]
+fn clear(vectors: &mut Vec<Wide>, count: usize) {
+    vectors.resize(count, Wide::default());
+    vectors.fill(Wide::default());
 }
 
 /// Gradients of products to be added: lambdas, then gradients.
@@ -491,19 +628,19 @@ impl<F: Field> Job for PullBack<'_, F> {
         let n = Flexible::<F>::DOFS;
         let count = lambdas.len() / n;
         let variables = gradients.len() / count;
+        work.take_over(element, [s.a, s.v, s.q]);
         for (point, rows) in F::POINTS.iter().enumerate() {
             let size = rows.len();
+            let groups = &Flexible::<F>::GROUPS[point];
             let own = element.0.parameters_of(point);
             let first = own.start;
             let read_here = element.read_at(point);
-            let mut at_point = std::mem::take(&mut work.real[0]);
-            work.lambdas.clear();
-            for lambda in lambdas.chunks_exact(n) {
-                interpolate(rows, F::COMPONENTS, lambda, &mut at_point);
-                work.lambdas.extend_from_slice(&at_point);
+            work.lambdas.resize(size * count, 0.0);
+            for (lambda, at_point) in lambdas.chunks_exact(n).zip(work.lambdas.chunks_exact_mut(size)) {
+                spread(F::COMPONENTS, lambda, &mut work.own);
+                gather::<F>(groups, &work.own, at_point);
             }
-            work.real[0] = at_point;
-            work.interpolate(rows, F::COMPONENTS, [s.a, s.v, s.q], read_here);
+            work.interpolate::<F>(groups, size, read_here);
             work.gradients.clear();
             work.gradients.resize(3 * size * count, 0.0);
             let mut read = std::mem::take(&mut work.read);
@@ -516,7 +653,7 @@ impl<F: Field> Job for PullBack<'_, F> {
                 let p_bar = if of_k.is_empty() { of_k } else { &mut of_k[own.clone()] };
                 let mut into = PointGradient { state: [a, v, q], p: p_bar };
                 let [real_a, real_v, real_q] = &work.real;
-                let here = State { a: real_a, v: real_v, q: real_q };
+                let here = State { a: &real_a[..size], v: &real_v[..size], q: &real_q[..size] };
                 let lambda = &work.lambdas[k * size..(k + 1) * size];
                 element.0.add_products(point, here, &p[own.clone()], lambda, &mut into)
             });
@@ -526,10 +663,11 @@ impl<F: Field> Job for PullBack<'_, F> {
                 if read_here[kind] && work.written(&element.0, point, unit, &p[own.clone()]) {
                     for k in 0..count {
                         let target = &mut work.gradients[(3 * k + kind) * size..][..size];
-                        for (row, weight) in work.own.chunks_exact(size).zip(&work.lambdas[k * size..]) {
-                            for (target, entry) in target.iter_mut().zip(row) {
-                                *target += weight * entry;
-                            }
+                        for (target, column) in
+                            target.iter_mut().zip(work.own.chunks_exact(groups.count * Flexible::<F>::OWN))
+                        {
+                            let entries = groups.places.iter().map(|&(vector, place)| column[vector].0[place]);
+                            *target += entries.zip(&work.lambdas[k * size..(k + 1) * size]).map(|(e, l)| e * l).sum::<f64>();
                         }
                     }
                     continue;
@@ -546,7 +684,7 @@ impl<F: Field> Job for PullBack<'_, F> {
                 }
             }
             if !read.is_empty() {
-                work.load(read_here, &p[own]);
+                work.load(size, read_here, &p[own]);
             }
             for group in read.chunks(LANES) {
                 for (lane, &argument) in group.iter().enumerate() {
@@ -584,7 +722,7 @@ impl<F: Field> Job for PullBack<'_, F> {
 }
 
 impl<F: Field> ByPoints for Flexible<F> {
-    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &'w mut PointWork) -> &'w [f64] {
+    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], t: f64, work: &'w mut PointWork) -> &'w [Wide] {
         widest(Matrix(self, s, shift, p, t, work));
         &work.matrix
     }

@@ -12,7 +12,7 @@ use costate::elements::forces::{
 };
 use costate::elements::joints::PrescribedTranslation;
 use costate::elements::{
-    AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_momentum_rate, lagrangian_residual, padded,
+    AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_momentum_rate, lagrangian_residual, wide,
 };
 use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
 use std::sync::Arc;
@@ -220,8 +220,19 @@ fn derivatives_through_points_are_those_of_the_whole_element() {
         for sample in samples(&case) {
             let columns = columns_by_lanes(&case, &inputs(&case, &sample));
             let shift = [0.7, -0.4, 1.3];
-            let columns_with_room = points.matrix(sample.state(), shift, &case.p, sample.t, &mut work);
-            let matrix: Vec<f64> = columns_with_room.chunks_exact(padded(n)).flat_map(|c| c[..n].to_vec()).collect();
+            let vectors = points.matrix(sample.state(), shift, &case.p, sample.t, &mut work);
+            let mut matrix = Vec::new();
+            for column in vectors.chunks_exact(case.nodes.iter().map(|node| wide(node.dofs())).sum()) {
+                let mut next = column.iter().flat_map(|vector| vector.0);
+                for node in &case.nodes {
+                    matrix.extend(next.by_ref().take(node.dofs()));
+                    assert!(
+                        next.by_ref().take(8 * wide(node.dofs()) - node.dofs()).all(|entry| entry == 0.0),
+                        "{}",
+                        case.name
+                    );
+                }
+            }
             let expected: Vec<f64> = (0..n * n)
                 .map(|place| (0..3).map(|kind| shift[kind] * columns[kind * n + place / n][place % n]).sum())
                 .collect();

@@ -1,7 +1,7 @@
-use super::beam_matrix::{Strained, add_inertia_matrix, add_strain_matrix};
+use super::beam_matrix::{add_inertia_matrix, add_strain_matrix};
 use super::beam_products::{add_inertia_products, add_strain_products};
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State, point_momentum_rate};
+use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State, Wide, point_momentum_rate};
 use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
 use std::ops::Range;
 
@@ -89,12 +89,21 @@ impl<S: Scalar> Reference<S> {
 
 impl BeamField {
     /// Number of stiffnesses.
+    #[inline(always)]
     fn stiffnesses(&self) -> usize {
         if self.coupled { 21 } else { STRAINS }
     }
     /// Number of parameters of a tying point.
+    #[inline(always)]
     pub(crate) fn tying_parameters(&self) -> usize {
         GEOMETRY + self.stiffnesses() + usize::from(self.damped)
+    }
+
+    /// Stiffnesses among the parameters of a tying point, and damping, which may be zero.
+    #[inline(always)]
+    pub(super) fn stiffness_and_damping<'p>(&self, p: &'p [f64]) -> (&'p [f64], f64) {
+        let (stiffness, rest) = p[GEOMETRY..].split_at(self.stiffnesses());
+        (stiffness, if self.damped { rest[0] } else { 0.0 })
     }
 
     /// C strain.
@@ -329,20 +338,12 @@ impl Field for BeamField {
     }
 
     #[inline(always)]
-    fn add_matrix(&self, point: usize, s: State<f64>, shift: [f64; 3], p: &[f64], matrix: &mut [f64]) -> bool {
-        if point >= TYING_POINTS {
-            if !self.eccentric {
-                add_inertia_matrix([s.a, s.v, s.q], shift, p, matrix);
-            }
-            return !self.eccentric;
+    fn add_matrix(&self, point: usize, s: State<f64>, shift: [f64; 3], p: &[f64], matrix: &mut [Wide]) -> bool {
+        if point < TYING_POINTS {
+            add_strain_matrix(self, [s.v, s.q], p, shift, matrix);
+        } else {
+            add_inertia_matrix(self, [s.a, s.v, s.q], shift, p, matrix);
         }
-        if self.damped {
-            return false;
-        }
-        let reference = Reference::of(p);
-        let stiffness = &p[GEOMETRY..];
-        let stress = self.stiffness_times(stiffness, reference.strains(s.q));
-        add_strain_matrix(&Strained { h: s.q, reference, stiffness, stress }, shift[2], matrix);
         true
     }
 

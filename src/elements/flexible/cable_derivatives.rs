@@ -4,15 +4,13 @@
 use super::cable::{AXIAL, BENDING, Cable, LENGTH, Line, MASS, WEIGHTS, derivatives, green_strain, line};
 use super::cable_inertia::mass_matrix;
 use super::hermite::{COMPONENTS, NODES, THREE_WEIGHTS};
-use crate::elements::{ByPoints, Element, PointWork, State, padded};
+use crate::elements::{ByPoints, Element, PointWork, State, Wide};
 use crate::scalar::{Job, Lanes, Vec3, widest};
 
 /// Derivatives of a [`Cable`] without damping.
 pub(super) struct CableDerivatives;
 
 const DOFS: usize = NODES * COMPONENTS;
-/// Numbers of a column.
-const COLUMN: usize = padded(DOFS);
 
 type Block = [[f64; 3]; 3];
 
@@ -60,8 +58,8 @@ fn second_derivatives(a: Vec3<f64>, b: Vec3<f64>, axial: f64, bending: f64) -> [
 /// Places (row, column) of the blocks above and on the diagonal of the matrix of chord and slopes.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-/// The matrix to be written.
-struct Matrix<'j>(&'j [f64], [f64; 3], &'j [f64], &'j mut [f64]);
+/// The matrix to be written: in each column one vector for a node, position and slope.
+struct Matrix<'j>(&'j [f64], [f64; 3], &'j [f64], &'j mut [Wide]);
 
 impl Job for Matrix<'_> {
     type Output = ();
@@ -91,7 +89,7 @@ impl Job for Matrix<'_> {
         // the chord to both nodes: with opposite signs, by the length
         let mut add = |row: usize, column: usize, factor: f64, block: &Block, transposed: bool| {
             for j in 0..3 {
-                let target = &mut matrix[(3 * column + j) * COLUMN + 3 * row..][..3];
+                let target = &mut matrix[(3 * column + j) * NODES + row / 2].0[row % 2 * 3..][..3];
                 for i in 0..3 {
                     target[i] += factor * if transposed { block[j][i] } else { block[i][j] };
                 }
@@ -115,7 +113,7 @@ impl Job for Matrix<'_> {
         for (i, row) in inertia.iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
                 for k in 0..3 {
-                    matrix[(3 * j + k) * COLUMN + 3 * i + k] += gamma * entry;
+                    matrix[(3 * j + k) * NODES + i / 2].0[i % 2 * 3 + k] += gamma * entry;
                 }
             }
         }
@@ -150,8 +148,8 @@ impl Job for Along<'_> {
 const PARAMETERS: usize = 7;
 
 impl ByPoints for CableDerivatives {
-    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], _t: f64, work: &'w mut PointWork) -> &'w [f64] {
-        let matrix = work.zeros(DOFS * COLUMN);
+    fn matrix<'w>(&self, s: State<f64>, shift: [f64; 3], p: &[f64], _t: f64, work: &'w mut PointWork) -> &'w [Wide] {
+        let matrix = work.zeros(DOFS * NODES);
         widest(Matrix(s.q, shift, p, matrix));
         matrix
     }
