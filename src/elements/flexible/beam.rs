@@ -349,12 +349,10 @@ impl Field for BeamField {
 
     #[inline(always)]
     fn add_products(&self, point: usize, s: State<f64>, p: &[f64], lambda: &[f64], into: &mut PointGradient) -> bool {
-        if point >= TYING_POINTS {
-            add_inertia_products(self, [s.a, s.v, s.q], p, lambda, into);
-        } else if self.damped {
-            return false;
+        if point < TYING_POINTS {
+            add_strain_products(self, [s.v, s.q], p, lambda, into);
         } else {
-            add_strain_products(self, s.q, p, lambda, into);
+            add_inertia_products(self, [s.a, s.v, s.q], p, lambda, into);
         }
         true
     }

@@ -5,85 +5,202 @@ use super::beam::{BeamField, GEOMETRY, Reference, STRAINS};
 use crate::elements::PointGradient;
 use crate::scalar::{Quaternion, Vec3, rotation_gradient_transposed, tensor_times};
 
+#[inline(always)]
 fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
 }
 
 /// Adds the gradient of a six-number tensor's x . J y.
+#[inline(always)]
 fn add_tensor(target: &mut [f64], x: Vec3<f64>, y: Vec3<f64>) {
     let ([a, b, c], [d, e, f]) = (x.0, y.0);
     add(target, 1.0, &[a * d, b * e, c * f, a * e + b * d, a * f + c * d, b * f + c * e]);
 }
 
-/// Adds the gradient of phi = lambda . dV/dh of a tying point without damping, V = J/2 strain . C strain: with the change dstrain of the strains along
-/// lambda, phi = J dstrain . C strain.
+/// (dr/dxi, e, de/dxi), or a change of them.
+#[derive(Clone, Copy)]
+struct Place {
+    x: Vec3<f64>,
+    e: Quaternion<f64>,
+    d: Quaternion<f64>,
+}
+
+impl Place {
+    #[inline(always)]
+    fn of(h: &[f64]) -> Self {
+        Place { x: Vec3::from_slice(h), e: Quaternion::from_slice(&h[3..]), d: Quaternion::from_slice(&h[7..]) }
+    }
+}
+
+/// Both strains before Lambda^T: `back` = R^T x and `turned` = 2 G(e) d, times `scale` = 1 / (J |e|^2).
+struct Strained {
+    at: Place,
+    /// 1 / |e|^2.
+    inverse: f64,
+    scale: f64,
+    back: Vec3<f64>,
+    turned: Vec3<f64>,
+}
+
+/// How they change along a direction; the relative change of the scale is `shrink`.
+struct Change {
+    along: Place,
+    shrink: f64,
+    scale: f64,
+    back: Vec3<f64>,
+    turned: Vec3<f64>,
+}
+
+/// Adjoints of a place and of what follows from it.
+struct Adjoint {
+    x: Vec3<f64>,
+    e: [f64; 4],
+    d: [f64; 4],
+    scale: f64,
+    /// That of `inverse`, times it, by changes.
+    inverse: f64,
+    back: Vec3<f64>,
+    turned: Vec3<f64>,
+}
+
+impl Strained {
+    #[inline(always)]
+    fn new(at: Place, metric: f64) -> Self {
+        let Place { x, e, d } = at;
+        let inverse = 1.0 / e.dot(e);
+        Strained { at, inverse, scale: inverse / metric, back: e.rotate_back(x), turned: e.g_times(d) * 2.0 }
+    }
+    #[inline(always)]
+    fn change(&self, along: Place) -> Change {
+        let Place { x, e, d } = self.at;
+        let shrink = -2.0 * self.inverse * e.dot(along.e);
+        let opposite = |Quaternion([a, x, y, z]): Quaternion<f64>| Quaternion([a, -x, -y, -z]);
+        Change {
+            along,
+            shrink,
+            scale: shrink * self.scale,
+            back: e.rotate_back(along.x) + opposite(e).rotate_rate(opposite(along.e), x),
+            turned: (along.e.g_times(d) + e.g_times(along.d)) * 2.0,
+        }
+    }
+    /// (Stretch, bend).
+    #[inline(always)]
+    fn strains(&self) -> [Vec3<f64>; 2] {
+        [self.back * self.scale, self.turned * self.scale]
+    }
+    #[inline(always)]
+    fn changes(&self, change: &Change) -> [Vec3<f64>; 2] {
+        [self.back * change.scale + change.back * self.scale, self.turned * change.scale + change.turned * self.scale]
+    }
+    /// Takes adjoints of changes back, and returns the one of `shrink`.
+    #[inline(always)]
+    fn add_change(&self, change: &Change, [stretch_bar, bend_bar]: [Vec3<f64>; 2], into: &mut Adjoint) -> f64 {
+        let Place { x, e, .. } = self.at;
+        let along = &change.along;
+        let (back_bar, turned_bar) = (stretch_bar * self.scale, bend_bar * self.scale);
+        let scale_bar = self.back.dot(stretch_bar) + self.turned.dot(bend_bar);
+        let shrink_bar = self.scale * scale_bar;
+        into.back += stretch_bar * change.scale;
+        into.turned += bend_bar * change.scale;
+        into.scale += change.back.dot(stretch_bar) + change.turned.dot(bend_bar) + change.shrink * scale_bar;
+        into.inverse += change.shrink * shrink_bar;
+        into.x += e.rotate_rate(along.e, back_bar);
+        add(&mut into.e, 1.0, &rotation_gradient_transposed(e, back_bar, along.x));
+        add(&mut into.e, 1.0, &rotation_gradient_transposed(along.e, back_bar, x));
+        add(&mut into.e, -2.0, &along.d.g_transposed_times(turned_bar));
+        add(&mut into.e, -2.0 * self.inverse * shrink_bar, &along.e.0);
+        add(&mut into.d, 2.0, &along.e.g_transposed_times(turned_bar));
+        shrink_bar
+    }
+    /// Adds what the adjoints of `back` and `turned` make of those of (x, e, d).
+    #[inline(always)]
+    fn add_place(&self, back_bar: Vec3<f64>, turned_bar: Vec3<f64>, h_bar: &mut [f64]) {
+        let Place { x, e, d } = self.at;
+        add(h_bar, 1.0, &e.rotate(back_bar).0);
+        add(&mut h_bar[3..7], 1.0, &rotation_gradient_transposed(e, back_bar, x));
+        add(&mut h_bar[3..7], -2.0, &d.g_transposed_times(turned_bar));
+        add(&mut h_bar[7..], 2.0, &e.g_transposed_times(turned_bar));
+    }
+}
+
+/// Adds the gradient of phi = lambda . r of a tying point, r = J B^T C (strain + eta B v): with the changes dstrain of the strains along lambda and
+/// the rates of the strains along v, phi = J dstrain . C (strain + eta rate).
 ///
 /// Both strains are Lambda^T of (R^T x, 2 G(e) d) s - (1, 0, ..) with s = 1 / (J |e|^2); numbers along lambda begin with `d_`.
 #[inline(always)]
-pub(super) fn add_strain_products(beam: &BeamField, h: &[f64], p: &[f64], lambda: &[f64], into: &mut PointGradient) {
+pub(super) fn add_strain_products(
+    beam: &BeamField,
+    [v, h]: [&[f64]; 2],
+    p: &[f64],
+    lambda: &[f64],
+    into: &mut PointGradient,
+) {
     let reference = Reference::of(p);
-    let (metric, stiffness) = (reference.metric, &p[GEOMETRY..]);
-    let split = |h: &[f64]| (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
-    let ((x, e, d), (d_x, d_e, d_d)) = (split(h), split(lambda));
-    let inverse = 1.0 / e.norm_squared();
-    let scale = inverse / metric;
-    let shrink = -2.0 * inverse * e.dot(d_e);
-    let d_scale = shrink * scale;
-    let (back, turned) = (e.rotate_back(x), e.g_times(d) * 2.0);
-    let d_back = e.rotate_back(d_x) + e.conjugate().rotate_rate(d_e.conjugate(), x);
-    let d_turned = (d_e.g_times(d) + e.g_times(d_d)) * 2.0;
-    let (stretch, bend) = (back * scale, turned * scale);
-    let (d_stretch, d_bend) = (back * d_scale + d_back * scale, turned * d_scale + d_turned * scale);
-    let both = |stretch: Vec3<f64>, bend: Vec3<f64>| -> [f64; STRAINS] {
+    let metric = reference.metric;
+    let (stiffness, damping) = beam.stiffness_and_damping(p);
+    let at = Strained::new(Place::of(h), metric);
+    let (change, motion) = (at.change(Place::of(lambda)), if beam.damped { Some(at.change(Place::of(v))) } else { None });
+    let components = |[stretch, bend]: [Vec3<f64>; 2]| -> [f64; STRAINS] {
         let ([a, b, c], [d, e, f]) = (reference.components(stretch), reference.components(bend));
         [a, b, c, d, e, f]
     };
-    let (mut strain, d_strain) = (both(stretch, bend), both(d_stretch, d_bend));
+    let (strains, changes) = (at.strains(), at.changes(&change));
+    // strain + eta rate
+    let mut together = strains;
+    let rates = motion.as_ref().map(|motion| at.changes(motion));
+    if let Some(rates) = rates {
+        (0..2).for_each(|kind| together[kind] += rates[kind] * damping);
+    }
+    let (mut strain, d_strain) = (components(together), components(changes));
     strain[0] -= 1.0;
 
-    // back: adjoints of the strains and of their changes
-    let strain_bar = beam.stiffness_times(stiffness, d_strain).map(|stress| metric * stress);
+    // back: adjoints of the strains, of their rates by damping, and of their changes
+    let mut strain_bar = beam.stiffness_times(stiffness, d_strain);
     let stress = beam.stiffness_times(stiffness, strain);
-    let d_strain_bar = stress.map(|stress| metric * stress);
+    let mut d_strain_bar = stress;
+    for i in 0..STRAINS {
+        strain_bar[i] *= metric;
+        d_strain_bar[i] *= metric;
+    }
     let of =
-        |bar: &[f64; STRAINS]| (reference.combine([bar[0], bar[1], bar[2]]), reference.combine([bar[3], bar[4], bar[5]]));
-    let ((stretch_bar, bend_bar), (d_stretch_bar, d_bend_bar)) = (of(&strain_bar), of(&d_strain_bar));
-    let back_bar = stretch_bar * scale + d_stretch_bar * d_scale;
-    let turned_bar = bend_bar * scale + d_bend_bar * d_scale;
-    let (d_back_bar, d_turned_bar) = (d_stretch_bar * scale, d_bend_bar * scale);
-    let d_scale_bar = back.dot(d_stretch_bar) + turned.dot(d_bend_bar);
-    let scale_bar = back.dot(stretch_bar)
-        + d_back.dot(d_stretch_bar)
-        + turned.dot(bend_bar)
-        + d_turned.dot(d_bend_bar)
-        + shrink * d_scale_bar;
-    let shrink_bar = scale * d_scale_bar;
-    let inverse_bar = (shrink * shrink_bar + scale * scale_bar) / inverse;
-
-    let x_bar = e.rotate(back_bar) + e.rotate_rate(d_e, d_back_bar);
-    let [_, _, h_bar] = &mut into.state;
-    add(h_bar, 1.0, &x_bar.0);
-    let e_bar = &mut h_bar[3..7];
-    add(e_bar, 1.0, &rotation_gradient_transposed(e, back_bar, x));
-    add(e_bar, 1.0, &rotation_gradient_transposed(e, d_back_bar, d_x));
-    add(e_bar, 1.0, &rotation_gradient_transposed(d_e, d_back_bar, x));
-    add(e_bar, -2.0, &d.g_transposed_times(turned_bar));
-    add(e_bar, -2.0, &d_d.g_transposed_times(d_turned_bar));
-    add(e_bar, -2.0 * inverse * shrink_bar, &d_e.0);
-    add(e_bar, -2.0 * inverse * inverse * inverse_bar, &e.0);
-    let d_bar = &mut h_bar[7..];
-    add(d_bar, 2.0, &e.g_transposed_times(turned_bar));
-    add(d_bar, 2.0, &d_e.g_transposed_times(d_turned_bar));
+        |bar: &[f64; STRAINS]| [reference.combine([bar[0], bar[1], bar[2]]), reference.combine([bar[3], bar[4], bar[5]])];
+    let [stretch_bar, bend_bar] = of(&strain_bar);
+    let mut adjoint = Adjoint {
+        x: Vec3::zero(),
+        e: [0.0; 4],
+        d: [0.0; 4],
+        scale: at.back.dot(stretch_bar) + at.turned.dot(bend_bar),
+        inverse: 0.0,
+        back: stretch_bar * at.scale,
+        turned: bend_bar * at.scale,
+    };
+    at.add_change(&change, of(&d_strain_bar), &mut adjoint);
+    let [_, v_bar, h_bar] = &mut into.state;
+    if let Some(motion) = &motion {
+        let bars = [stretch_bar * damping, bend_bar * damping];
+        let shrink_bar = at.add_change(motion, bars, &mut adjoint);
+        at.add_place(bars[0] * at.scale, bars[1] * at.scale, v_bar);
+        add(&mut v_bar[3..7], -2.0 * at.inverse * shrink_bar, &at.at.e.0);
+    }
+    at.add_place(adjoint.back, adjoint.turned, h_bar);
+    add(h_bar, 1.0, &adjoint.x.0);
+    add(&mut h_bar[3..7], 1.0, &adjoint.e);
+    add(&mut h_bar[3..7], -2.0 * at.inverse * (adjoint.inverse + at.scale * adjoint.scale), &at.at.e.0);
+    add(&mut h_bar[7..], 1.0, &adjoint.d);
 
     if into.p.is_empty() {
         return;
     }
-    let energy = d_strain.iter().zip(&stress).map(|(d_strain, stress)| d_strain * stress).sum::<f64>();
-    into.p[0] += energy - scale_bar * scale / metric;
+    let mut energy = 0.0;
+    for i in 0..STRAINS {
+        energy += d_strain[i] * stress[i];
+    }
+    into.p[0] += energy - adjoint.scale * at.scale / metric;
     let mut axes_bar = [Vec3::zero(); 3];
     for (i, axis) in axes_bar.iter_mut().enumerate() {
-        *axis =
-            stretch * strain_bar[i] + d_stretch * d_strain_bar[i] + bend * strain_bar[3 + i] + d_bend * d_strain_bar[3 + i];
+        for kind in 0..2 {
+            *axis += together[kind] * strain_bar[3 * kind + i] + changes[kind] * d_strain_bar[3 * kind + i];
+        }
     }
     let [tangent, second, _] = reference.axes;
     add(&mut into.p[1..4], 1.0, &(axes_bar[0] + second.cross(axes_bar[2])).0);
@@ -93,10 +210,16 @@ pub(super) fn add_strain_products(beam: &BeamField, h: &[f64], p: &[f64], lambda
         stiffness_bar[i] += metric * d_strain[i] * strain[i];
     }
     if beam.coupled {
-        let pairs = (0..STRAINS).flat_map(|i| (i + 1..STRAINS).map(move |j| (i, j)));
-        for ((i, j), bar) in pairs.zip(&mut stiffness_bar[STRAINS..]) {
-            *bar += metric * (d_strain[i] * strain[j] + d_strain[j] * strain[i]);
+        let mut entry = STRAINS;
+        for i in 0..STRAINS {
+            for j in i + 1..STRAINS {
+                stiffness_bar[entry] += metric * (d_strain[i] * strain[j] + d_strain[j] * strain[i]);
+                entry += 1;
+            }
         }
+    }
+    if let Some([stretch_rate, bend_rate]) = rates {
+        stiffness_bar[stiffness.len()] += stretch_bar.dot(stretch_rate) + bend_bar.dot(bend_rate);
     }
 }
 
