@@ -144,12 +144,13 @@ fn fit<S: Scalar>(numbers: &mut Few<S>, count: usize) {
 
 /// W x.
 #[inline(always)]
-fn interpolate<S: Scalar>(rows: &[Interpolation], components: usize, x: &[S], h: &mut Few<S>) {
+fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S], h: &mut Few<S>) {
     fit(h, rows.len());
     for (h, row) in h.iter_mut().zip(rows) {
-        let mut sum = x[row.component] * row.weights[0];
-        for (node, &weight) in row.weights.iter().enumerate().skip(1) {
-            sum += x[node * components + row.component] * weight;
+        let weights = &row.weights[..F::NODES];
+        let mut sum = x[row.component] * weights[0];
+        for node in 1..F::NODES {
+            sum += x[node * F::COMPONENTS + row.component] * weights[node];
         }
         *h = sum;
     }
@@ -157,9 +158,9 @@ fn interpolate<S: Scalar>(rows: &[Interpolation], components: usize, x: &[S], h:
 
 /// W x where it is read; numbers of any value otherwise.
 #[inline(always)]
-fn interpolate_if<S: Scalar>(read: bool, rows: &[Interpolation], components: usize, x: &[S], h: &mut Few<S>) {
+fn interpolate_if<F: Field, S: Scalar>(read: bool, rows: &[Interpolation], x: &[S], h: &mut Few<S>) {
     if read {
-        interpolate(rows, components, x, h);
+        interpolate::<F, S>(rows, x, h);
     } else {
         fit(h, rows.len());
     }
@@ -283,10 +284,11 @@ impl<F: Field> Flexible<F> {
 
 /// x += W^T h.
 #[inline(always)]
-fn distribute<S: Scalar>(rows: &[Interpolation], components: usize, h: &[S], x: &mut [S]) {
+fn distribute<F: Field, S: Scalar>(rows: &[Interpolation], h: &[S], x: &mut [S]) {
     for (row, &h) in rows.iter().zip(h) {
-        for (node, &weight) in row.weights.iter().enumerate() {
-            x[node * components + row.component] += h * weight;
+        let weights = &row.weights[..F::NODES];
+        for node in 0..F::NODES {
+            x[node * F::COMPONENTS + row.component] += h * weights[node];
         }
     }
 }
@@ -306,8 +308,8 @@ impl<F: Field> Element for Flexible<F> {
         let (mut rates, mut h) = (Few::new(), Few::new());
         let mut total = S::zero();
         for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate(rows, F::COMPONENTS, v, &mut rates);
-            interpolate(rows, F::COMPONENTS, q, &mut h);
+            interpolate::<F, S>(rows, v, &mut rates);
+            interpolate::<F, S>(rows, q, &mut h);
             total += self.0.kinetic(point, &rates, &h, &p[self.0.parameters_of(point)]);
         }
         total
@@ -316,7 +318,7 @@ impl<F: Field> Element for Flexible<F> {
         let mut h = Few::new();
         let mut total = S::zero();
         for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate(rows, F::COMPONENTS, q, &mut h);
+            interpolate::<F, S>(rows, q, &mut h);
             total += self.0.potential(point, &h, &p[self.0.parameters_of(point)]);
         }
         total
@@ -324,36 +326,36 @@ impl<F: Field> Element for Flexible<F> {
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         let (mut rates, mut h) = (Few::new(), Few::new());
         for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate(rows, F::COMPONENTS, v, &mut rates);
-            interpolate(rows, F::COMPONENTS, q, &mut h);
+            interpolate::<F, S>(rows, v, &mut rates);
+            interpolate::<F, S>(rows, q, &mut h);
             let mut own: Few<S> = SmallVec::from_elem(S::zero(), rows.len());
             self.0.add_force(point, &rates, &h, &p[self.0.parameters_of(point)], t, &mut own);
-            distribute(rows, F::COMPONENTS, &own, force);
+            distribute::<F, S>(rows, &own, force);
         }
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         let (mut a, mut v, mut q, mut own) = (Few::new(), Few::new(), Few::new(), Few::new());
         for (point, rows) in F::POINTS.iter().enumerate() {
             let [in_a, in_v, in_q] = self.read_at(point);
-            interpolate_if(in_a, rows, F::COMPONENTS, s.a, &mut a);
-            interpolate_if(in_v, rows, F::COMPONENTS, s.v, &mut v);
-            interpolate_if(in_q, rows, F::COMPONENTS, s.q, &mut q);
+            interpolate_if::<F, S>(in_a, rows, s.a, &mut a);
+            interpolate_if::<F, S>(in_v, rows, s.v, &mut v);
+            interpolate_if::<F, S>(in_q, rows, s.q, &mut q);
             fit(&mut own, rows.len());
             own.fill(S::zero());
             let here = State { a: &a, v: &v, q: &q };
             add_point_residual(&self.0, point, here, &p[self.0.parameters_of(point)], t, &mut own);
-            distribute(rows, F::COMPONENTS, &own, r);
+            distribute::<F, S>(rows, &own, r);
         }
     }
     fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
         let (mut rates, mut h, mut own) = (Few::new(), Few::new(), Few::new());
         for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate(rows, F::COMPONENTS, v, &mut rates);
-            interpolate(rows, F::COMPONENTS, q, &mut h);
+            interpolate::<F, S>(rows, v, &mut rates);
+            interpolate::<F, S>(rows, q, &mut h);
             fit(&mut own, rows.len());
             own.fill(S::zero());
             self.0.momentum_rate(point, &rates, &h, &p[self.0.parameters_of(point)], &mut own);
-            distribute(rows, F::COMPONENTS, &own, r);
+            distribute::<F, S>(rows, &own, r);
         }
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
@@ -714,7 +716,7 @@ impl<F: Field> Job for PullBack<'_, F> {
             for (k, gradient) in gradients.chunks_exact_mut(variables).enumerate() {
                 for kind in 0..3 {
                     let at_point = &work.gradients[(3 * k + kind) * size..][..size];
-                    distribute(rows, F::COMPONENTS, at_point, &mut gradient[kind * n..(kind + 1) * n]);
+                    distribute::<F, f64>(rows, at_point, &mut gradient[kind * n..(kind + 1) * n]);
                 }
             }
         }
