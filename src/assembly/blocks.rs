@@ -101,12 +101,14 @@ impl Job for Reduction<'_> {
             let plain = if right.is_empty() { columns } else { *plain };
             reduced[first * n..(first + plain) * n].copy_from_slice(&matrix[dof * n..(dof + plain) * n]);
             let turning = &mut reduced[(first + plain) * n..(first + columns) * n];
+            let sources = &matrix[(dof + plain) * n..(dof + segment.len()) * n];
             for (column, target) in turning.chunks_exact_mut(n).enumerate() {
-                target.fill(Wide::default());
-                for i in plain..segment.len() {
-                    let weight = right[i * columns + plain + column];
-                    let source = &matrix[(dof + i) * n..(dof + i + 1) * n];
-                    target.iter_mut().zip(source).for_each(|(target, source)| target.add(weight, source));
+                for (vector, target) in target.iter_mut().enumerate() {
+                    let mut sum = Wide::default();
+                    for (i, source) in sources.chunks_exact(n).enumerate() {
+                        sum.add(right[(plain + i) * columns + plain + column], &source[vector]);
+                    }
+                    *target = sum;
                 }
             }
             dof += segment.len();
@@ -122,20 +124,20 @@ impl Job for Reduction<'_> {
             if left.is_empty() {
                 columns.for_each(|(own, target)| copy_wide(own, target));
             } else if let (EULER, Some(left)) = ((segment.len(), *plain), left.first_chunk::<42>()) {
-                // the position, and rows of N_L behind it
-                let mut turning = [Wide::default(); 4];
+                // rows behind the position, their last number twice: the compiler takes whole vectors
+                let mut turning = [[0.0; 4]; 4];
                 for (turning, left) in turning.iter_mut().zip(left[18..].chunks_exact(6)) {
-                    turning.0[3..6].copy_from_slice(&left[3..]);
+                    *turning = [left[3], left[4], left[5], left[5]];
                 }
                 for (own, target) in columns {
-                    let own = own[0].0;
-                    let mut sum = Wide([own[0], own[1], own[2], 0.0, 0.0, 0.0, 0.0, 0.0]);
+                    let (own, Some(target)) = (own[0].0, target.first_chunk_mut::<6>()) else { continue };
+                    let mut sum = [0.0; 4];
                     for k in 0..4 {
-                        sum.add(own[3 + k], &turning[k]);
+                        for i in 0..4 {
+                            sum[i] += turning[k][i] * own[3 + k];
+                        }
                     }
-                    if let (Some(sum), Some(target)) = (sum.0.first_chunk::<6>(), target.first_chunk_mut()) {
-                        *target = *sum;
-                    }
+                    *target = [own[0], own[1], own[2], sum[0], sum[1], sum[2]];
                 }
             } else {
                 for (own, target) in columns {

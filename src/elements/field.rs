@@ -196,20 +196,24 @@ impl Wide {
     }
 }
 
-/// At most: points of a field, numbers of each, wide vectors of their weights, and of all nodes.
-const MOST: (usize, usize, usize, usize) = (8, 16, 4, 4);
+/// Points of a field at most.
+const POINTS: usize = 8;
+/// Numbers of a point at most.
+const NUMBERS: usize = 16;
+/// Wide vectors at most: of a point's numbers by weights, and of all nodes.
+const VECTORS: usize = 4;
 
 /// Numbers of a point by weights: those with the same ones stand together, each at its component, in whole vectors.
 #[derive(Clone, Copy)]
 struct Groups {
     count: usize,
-    weights: [&'static [f64]; MOST.2],
+    weights: [&'static [f64]; VECTORS],
     /// Where each number stands: vector and place in it.
-    places: [(usize, usize); MOST.1],
+    places: [(usize, usize); NUMBERS],
 }
 
 impl Groups {
-    const NONE: Groups = Groups { count: 0, weights: [&[]; MOST.2], places: [(0, 0); MOST.1] };
+    const NONE: Groups = Groups { count: 0, weights: [&[]; VECTORS], places: [(0, 0); NUMBERS] };
 
     /// For nodes with some number of vectors.
     const fn of(rows: &[Interpolation], own: usize) -> Self {
@@ -237,7 +241,7 @@ impl Groups {
             }
             number += 1;
         }
-        assert!(groups.count * own <= MOST.2);
+        assert!(groups.count * own <= VECTORS, "a point has numbers of too many different weights: raise VECTORS");
         groups
     }
 }
@@ -257,9 +261,12 @@ impl<F: Field> Flexible<F> {
     const OWN: usize = wide(F::COMPONENTS);
     const COLUMN: usize = F::NODES * Self::OWN;
     /// Numbers of each point by weights.
-    const GROUPS: &'static [Groups; MOST.0] = &{
-        assert!(Self::COLUMN <= MOST.3);
-        let mut groups = [Groups::NONE; MOST.0];
+    const GROUPS: &'static [Groups; POINTS] = &{
+        assert!(
+            Self::COLUMN <= VECTORS && F::POINTS.len() <= POINTS,
+            "too many coordinates or points: raise VECTORS or POINTS"
+        );
+        let mut groups = [Groups::NONE; POINTS];
         let mut point = 0;
         while point < F::POINTS.len() {
             groups[point] = Groups::of(F::POINTS[point], Self::OWN);
@@ -404,7 +411,7 @@ pub struct PointWork {
     /// (a, v, q), each node in whole vectors.
     given: [Vec<Wide>; 3],
     /// (hddot, hdot, h) of the point.
-    real: [[f64; MOST.1]; 3],
+    real: [[f64; NUMBERS]; 3],
     /// dr/dh as [`Field::add_matrix`] adds it.
     own: Vec<Wide>,
     state: [Few<Lanes>; 3],
@@ -549,7 +556,7 @@ impl<F: Field> Job for Matrix<'_, F> {
             match groups.count {
                 1 => distribute_columns::<F, 1>(rows, groups, own, matrix),
                 2 => distribute_columns::<F, 2>(rows, groups, own, matrix),
-                _ => distribute_columns::<F, { MOST.2 }>(rows, groups, own, matrix),
+                _ => distribute_columns::<F, VECTORS>(rows, groups, own, matrix),
             }
         }
     }
@@ -566,7 +573,7 @@ fn distribute_columns<F: Field, const COUNT: usize>(
     let (vectors, column) = (Flexible::<F>::OWN, Flexible::<F>::COLUMN);
     for (row, own) in rows.iter().zip(own.chunks_exact(groups.count * vectors)) {
         // W^T times a column
-        let mut half = [Wide::default(); MOST.3];
+        let mut half = [Wide::default(); VECTORS];
         for (group, weights) in groups.weights.iter().enumerate().take(COUNT.min(groups.count)) {
             for node in 0..F::NODES {
                 for i in 0..vectors {
@@ -599,7 +606,7 @@ fn spread(components: usize, x: &[f64], vectors: &mut Vec<Wide>) {
 #[inline(always)]
 fn gather<F: Field>(groups: &Groups, x: &[Wide], h: &mut [f64]) {
     let own = Flexible::<F>::OWN;
-    let mut sums = [Wide::default(); MOST.2];
+    let mut sums = [Wide::default(); VECTORS];
     for (group, weights) in groups.weights.iter().enumerate().take(groups.count) {
         for node in 0..F::NODES {
             for i in 0..own {
