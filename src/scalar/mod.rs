@@ -32,6 +32,7 @@ pub use curved::{Curved, Direction, curvature};
 pub use dual::Dual;
 pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gradients};
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
+pub(crate) use rotation::{RotationRows, g_form, g_rows, rotation_form, rotation_rows, tensor_gradient, tensor_times_rows};
 pub use taylor::Taylor;
 pub use vector::Vec3;
 pub(crate) use wide::{Job, widest};

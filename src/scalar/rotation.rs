@@ -9,6 +9,7 @@ pub struct Quaternion<S>(pub [S; 4]);
 
 impl<S: Scalar> Quaternion<S> {
     /// No rotation.
+    #[inline(always)]
     pub fn identity() -> Self {
         Quaternion([1.0, 0.0, 0.0, 0.0].map(S::from))
     }
@@ -39,6 +40,7 @@ impl<S: Scalar> Quaternion<S> {
         Quaternion([norm * 0.5, S::zero(), -z / norm, y / norm])
     }
     /// The product: first `other`, then `self`.
+    #[inline(always)]
     pub fn times(self, other: Self) -> Self {
         let (a, u) = self.parts();
         let (b, w) = other.parts();
@@ -46,6 +48,7 @@ impl<S: Scalar> Quaternion<S> {
         Quaternion([a * b - u.dot(w), v.0[0], v.0[1], v.0[2]])
     }
     /// Opposite rotation (for unit length).
+    #[inline(always)]
     pub fn conjugate(self) -> Self {
         let [a, x, y, z] = self.0;
         Quaternion([a, -x, -y, -z])
@@ -128,11 +131,12 @@ impl<S: Scalar> Quaternion<S> {
         Quaternion(products.map(|product| product / (twice * 2.0)))
     }
     /// |e|^2.
+    #[inline(always)]
     pub fn norm_squared(self) -> S {
         self.dot(self)
     }
     /// Scalar product of all four components.
-    #[inline]
+    #[inline(always)]
     pub fn dot(self, other: Self) -> S {
         let ([a, x, y, z], [b, u, v, w]) = (self.0, other.0);
         a * b + x * u + y * v + z * w
@@ -149,6 +153,67 @@ pub fn rotation_gradient_transposed<S: Scalar>(e: Quaternion<S>, s: Vec3<S>, f: 
     [scalar, vector.0[0], vector.0[1], vector.0[2]]
 }
 
+/// Three rows towards four Euler parameters.
+pub(crate) type RotationRows = [[f64; 4]; 3];
+
+/// G(e), rows: G(e) d for a rate d.
+#[inline(always)]
+pub(crate) fn g_rows(e: Quaternion<f64>) -> RotationRows {
+    let [a, x, y, z] = e.0;
+    [[-x, a, z, -y], [-y, -z, a, x], [-z, y, -x, a]]
+}
+
+/// d(R(e) s)/de: rows of 2 (s (a de0 - u . du) + u (s . du) + du (u . s) + (de0 u + a du) x s).
+#[inline(always)]
+pub(crate) fn rotation_rows(e: Quaternion<f64>, s: Vec3<f64>) -> RotationRows {
+    let ([a, x, y, z], [p, q, r]) = (e.0, (s + s).0);
+    let along = x * p + y * q + z * r;
+    let (first, second, third) = (a * p + y * r - z * q, a * q + z * p - x * r, a * r + x * q - y * p);
+    [[first, along, third, -second], [second, -third, along, first], [third, second, -first, along]]
+}
+
+/// S with f . R(e) s = e . S e: half the derivative of [`rotation_gradient_transposed`] towards e.
+#[inline(always)]
+pub(crate) fn rotation_form(s: Vec3<f64>, f: Vec3<f64>) -> [[f64; 4]; 4] {
+    let (dot, cross) = (f.dot(s), s.cross(f));
+    let mut form = [[0.0; 4]; 4];
+    form[0][0] = dot;
+    for i in 0..3 {
+        form[0][1 + i] = cross.0[i];
+        form[1 + i][0] = cross.0[i];
+        for j in 0..3 {
+            form[1 + i][1 + j] = f.0[i] * s.0[j] + s.0[i] * f.0[j] - if i == j { dot } else { 0.0 };
+        }
+    }
+    form
+}
+
+/// T with m . G(e) d = e . T d, skew: G(e)^T m = -T e.
+#[inline(always)]
+pub(crate) fn g_form(m: Vec3<f64>) -> [[f64; 4]; 4] {
+    let [a, b, c] = m.0;
+    [[0.0, a, b, c], [-a, 0.0, -c, b], [-b, c, 0.0, -a], [-c, -b, a, 0.0]]
+}
+
+/// J times each column for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
+#[inline(always)]
+pub(crate) fn tensor_times_rows(j: &[f64], [first, second, third]: &RotationRows) -> RotationRows {
+    let mut rows = [[0.0; 4]; 3];
+    for k in 0..4 {
+        rows[0][k] = j[0] * first[k] + j[3] * second[k] + j[4] * third[k];
+        rows[1][k] = j[3] * first[k] + j[1] * second[k] + j[5] * third[k];
+        rows[2][k] = j[4] * first[k] + j[5] * second[k] + j[2] * third[k];
+    }
+    rows
+}
+
+/// The gradient of x . J y towards the six numbers of J.
+#[inline(always)]
+pub(crate) fn tensor_gradient(x: Vec3<f64>, y: Vec3<f64>) -> [f64; 6] {
+    let ([a, b, c], [d, e, f]) = (x.0, y.0);
+    [a * d, b * e, c * f, a * e + b * d, a * f + c * d, b * f + c * e]
+}
+
 /// J x for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
 #[inline(always)]
 pub fn tensor_times<S: Scalar>(j: &[S], x: Vec3<S>) -> Vec3<S> {
@@ -157,6 +222,7 @@ pub fn tensor_times<S: Scalar>(j: &[S], x: Vec3<S>) -> Vec3<S> {
 }
 
 /// Angle [rad] in (-pi, pi] by which `to` is turned from `from` about the unit vector `axis`.
+#[inline(always)]
 pub fn angle_about<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>) -> S {
     axis.dot(from.cross(to)).atan2(from.dot(to))
 }

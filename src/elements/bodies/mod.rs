@@ -5,6 +5,7 @@ mod natural_body;
 mod orthonormal_axes;
 mod point_mass;
 mod rigid_body;
+mod rigid_body_derivatives;
 
 pub use euler_parameter_norm::EulerParameterNorm;
 pub use natural_body::NaturalBody;

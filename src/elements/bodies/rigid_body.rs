@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Element, Parameter, State};
+use crate::elements::{Anchor, ByPoints, Element, Parameter, State};
 use crate::scalar::{Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
 
 /// A rigid body with position r of its frame and Euler parameters e.
@@ -78,5 +78,9 @@ impl Element for RigidBody {
 
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[0]
+    }
+
+    fn by_points(&self) -> Option<&dyn ByPoints> {
+        Some(self)
     }
 }

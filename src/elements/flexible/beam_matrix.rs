@@ -3,31 +3,15 @@
 
 use super::beam::{BeamField, Reference, STRAINS};
 use crate::elements::Wide;
-use crate::scalar::{Dual, Quaternion, Vec3, tensor_times};
+use crate::scalar::{
+    Dual, Quaternion, RotationRows, Vec3, g_form, g_rows, rotation_form, rotation_rows, tensor_times, tensor_times_rows,
+};
 
 type Vector = Vec3<f64>;
-/// Three rows towards four Euler parameters.
-type Rows = [[f64; 4]; 3];
-
-/// G(e), rows: G(e) d for a rate d.
-#[inline(always)]
-fn g_rows(e: Quaternion<f64>) -> Rows {
-    let [a, x, y, z] = e.0;
-    [[-x, a, z, -y], [-y, -z, a, x], [-z, y, -x, a]]
-}
-
-/// d(R(e) s)/de: rows of 2 (s (a de0 - u . du) + u (s . du) + du (u . s) + (de0 u + a du) x s).
-#[inline(always)]
-fn rotation_rows(e: Quaternion<f64>, s: Vector) -> Rows {
-    let ([a, x, y, z], [p, q, r]) = (e.0, (s + s).0);
-    let along = x * p + y * q + z * r;
-    let (first, second, third) = (a * p + y * r - z * q, a * q + z * p - x * r, a * r + x * q - y * p);
-    [[first, along, third, -second], [second, -third, along, first], [third, second, -first, along]]
-}
 
 /// d(R(e)^T s)/de: the same for the opposite rotation.
 #[inline(always)]
-fn rotation_back_rows(e: Quaternion<f64>, s: Vector) -> Rows {
+fn rotation_back_rows(e: Quaternion<f64>, s: Vector) -> RotationRows {
     let [a, x, y, z] = e.0;
     let mut rows = rotation_rows(Quaternion([a, -x, -y, -z]), s);
     for row in &mut rows {
@@ -38,16 +22,9 @@ fn rotation_back_rows(e: Quaternion<f64>, s: Vector) -> Rows {
     rows
 }
 
-/// T with mu . G(e) d = e . T d; its rows are the columns of d(G(e)^T mu)/de.
-#[inline(always)]
-fn g_form(mu: Vector) -> [[f64; 4]; 4] {
-    let [a, b, c] = mu.0;
-    [[0.0, a, b, c], [-a, 0.0, -c, b], [-b, c, 0.0, -a], [-c, -b, a, 0.0]]
-}
-
 /// x times each column.
 #[inline(always)]
-fn cross_rows(x: Vector, [first, second, third]: &Rows) -> Rows {
+fn cross_rows(x: Vector, [first, second, third]: &RotationRows) -> RotationRows {
     let [a, b, c] = x.0;
     let mut rows = [[0.0; 4]; 3];
     for k in 0..4 {
@@ -58,21 +35,9 @@ fn cross_rows(x: Vector, [first, second, third]: &Rows) -> Rows {
     rows
 }
 
-/// J times each column for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
-#[inline(always)]
-fn tensor_times_rows(j: &[f64], [first, second, third]: &Rows) -> Rows {
-    let mut rows = [[0.0; 4]; 3];
-    for k in 0..4 {
-        rows[0][k] = j[0] * first[k] + j[3] * second[k] + j[4] * third[k];
-        rows[1][k] = j[3] * first[k] + j[1] * second[k] + j[5] * third[k];
-        rows[2][k] = j[4] * first[k] + j[5] * second[k] + j[2] * third[k];
-    }
-    rows
-}
-
 /// Sum of factors times rows, row by row and entry by entry.
 #[inline(always)]
-fn sum_of_rows<const TERMS: usize>(factors: [f64; TERMS], terms: [&Rows; TERMS]) -> Rows {
+fn sum_of_rows<const TERMS: usize>(factors: [f64; TERMS], terms: [&RotationRows; TERMS]) -> RotationRows {
     let mut rows = [[0.0; 4]; 3];
     for l in 0..3 {
         for (factor, term) in factors.iter().zip(terms) {
@@ -86,7 +51,7 @@ fn sum_of_rows<const TERMS: usize>(factors: [f64; TERMS], terms: [&Rows; TERMS])
 
 /// Adds factor x y^T.
 #[inline(always)]
-fn add_outer(rows: &mut Rows, factor: f64, x: Vector, y: &[f64; 4]) {
+fn add_outer(rows: &mut RotationRows, factor: f64, x: Vector, y: &[f64; 4]) {
     for l in 0..3 {
         for k in 0..4 {
             rows[l][k] += factor * x.0[l] * y[k];
@@ -121,7 +86,7 @@ fn gradient_rows(
     d_scale: &[f64; 4],
     [back, turned]: [Vector; 2],
     columns: &[Vector; 3],
-    [by_e, g_e, g_d]: [&Rows; 3],
+    [by_e, g_e, g_d]: [&RotationRows; 3],
 ) -> [Column; STRAINS] {
     let mut rows = [Column::ZERO; STRAINS];
     let twice = 2.0 * scale;
@@ -232,17 +197,7 @@ pub(super) fn add_strain_matrix(
         gradient.values.0[TURN + k] = x.0[0] * by_nu[0][k] + x.0[1] * by_nu[1][k] + x.0[2] * by_nu[2][k] - 2.0 * of_e[k];
         unit.0[TURN + k] = e.0[k];
     }
-    // 2 S with x . R(e) nu = e . S e
-    let (dot, cross) = (x.dot(nu), nu.cross(x));
-    let mut second = [[0.0; 4]; 4];
-    second[0][0] = dot;
-    for i in 0..3 {
-        second[0][1 + i] = cross.0[i];
-        second[1 + i][0] = cross.0[i];
-        for j in 0..3 {
-            second[1 + i][1 + j] = x.0[i] * nu.0[j] + nu.0[i] * x.0[j] - if i == j { dot } else { 0.0 };
-        }
-    }
+    let second = rotation_form(nu, x);
     let mixed = g_form(mu);
 
     // without coupling gamma does not depend on de/dxi, nor kappa on dr/dxi
@@ -296,9 +251,9 @@ fn add_to(target: &mut [Wide; 2], column: &Column) {
     target[1].add(1.0, &column.values);
 }
 
-/// Rows times a quaternion.
+/// RotationRows times a quaternion.
 #[inline(always)]
-fn rows_times(rows: &Rows, e: Quaternion<f64>) -> Vector {
+fn rows_times(rows: &RotationRows, e: Quaternion<f64>) -> Vector {
     Vec3([rows[0], rows[1], rows[2]].map(|row| Quaternion(row).dot(e)))
 }
 

@@ -3,18 +3,11 @@
 
 use super::beam::{BeamField, GEOMETRY, Reference, STRAINS};
 use crate::elements::PointGradient;
-use crate::scalar::{Quaternion, Vec3, rotation_gradient_transposed, tensor_times};
+use crate::scalar::{Quaternion, Vec3, rotation_gradient_transposed, tensor_gradient, tensor_times};
 
 #[inline(always)]
 fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
-}
-
-/// Adds the gradient of a six-number tensor's x . J y.
-#[inline(always)]
-fn add_tensor(target: &mut [f64], x: Vec3<f64>, y: Vec3<f64>) {
-    let ([a, b, c], [d, e, f]) = (x.0, y.0);
-    add(target, 1.0, &[a * d, b * e, c * f, a * e + b * d, a * f + c * d, b * f + c * e]);
 }
 
 /// (dr/dxi, e, de/dxi), or a change of them.
@@ -293,6 +286,6 @@ pub(super) fn add_inertia_products(
     }
     into.p[0] += shift.dot(acceleration);
     add(&mut into.p[1..4], 1.0, &arm_bar.0);
-    add_tensor(&mut into.p[4..], delta, alpha);
-    add_tensor(&mut into.p[4..], cross, omega);
+    add(&mut into.p[4..], 1.0, &tensor_gradient(delta, alpha));
+    add(&mut into.p[4..], 1.0, &tensor_gradient(cross, omega));
 }
