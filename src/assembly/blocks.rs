@@ -28,11 +28,14 @@ pub(super) struct BlockWork {
     r: Vec<Lanes>,
     motion: Vec<Taylor<f64>>,
     gradients: Vec<f64>,
+    /// Movements (x, y) of coordinates along columns.
     directions: Vec<Direction>,
+    second: Vec<Direction>,
     products: Vec<Direction>,
     multipliers: Vec<f64>,
     points: PointWork,
     reduced: Vec<Wide>,
+    row_sums: Vec<f64>,
     /// Factors of the velocity, and one term of an impulse.
     scaled: [Vec<f64>; 2],
     term: Vec<f64>,
@@ -71,6 +74,23 @@ pub(super) fn constants(system: &System, index: usize, p: &[f64]) -> Option<Cons
 pub(super) fn load(target: &mut Vec<Lanes>, values: &[f64]) {
     target.clear();
     target.extend(values.iter().map(|&value| Lanes::constant(value)));
+}
+
+/// Numbers that move by a factor times a direction.
+fn load_along(target: &mut Vec<Lanes>, values: &[f64], directions: &[Direction], factor: f64) {
+    target.clear();
+    for (&re, direction) in values.iter().zip(directions) {
+        let mut eps = *direction;
+        eps.iter_mut().for_each(|e| *e *= factor);
+        target.push(Lanes { re, eps });
+    }
+}
+
+/// x += y, where there is a y.
+fn add_directions(x: &mut [Direction], y: &[Direction]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        x.iter_mut().zip(y).for_each(|(x, y)| *x += y);
+    }
 }
 
 /// N_L^T K N_R of one element, K given column after column, in each [`wide`] vectors for every node.
@@ -164,19 +184,33 @@ fn copy_wide(source: &[Wide], target: &mut [f64]) {
 }
 
 impl Assembly<'_> {
-    /// Calls `f(lane, dof, dx, dy)` for the coordinates that reduced columns `first..first + 8` of a part move; returns their number.
-    fn for_lanes(&self, part: &Part, first: usize, mut f: impl FnMut(usize, usize, f64, f64)) -> usize {
-        let mut lanes = 0;
-        for (lane, &(place, column)) in part.columns.iter().skip(first).take(LANES).enumerate() {
-            let seeds = node_seeds(self.system, self.bases, part.nodes[place]);
-            let offset: usize = part.segments[..place].iter().map(ExactSizeIterator::len).sum();
-            for dof in 0..seeds.dofs {
-                let (x, y) = seeds.direction(dof, column);
-                f(lane, offset + dof, x, y);
-            }
-            lanes = lane + 1;
+    /// How the coordinates of a part move along its reduced columns `first..first + 8`: writes x and, if stabilized, y; returns the number of
+    /// columns.
+    fn seed(&self, part: &Part, first: usize, x: &mut Vec<Direction>, y: &mut Vec<Direction>) -> usize {
+        let last = part.columns.len().min(first + LANES);
+        x.clear();
+        x.resize(part.dofs, [0.0; LANES]);
+        y.clear();
+        if self.system.options.stabilized {
+            y.resize(part.dofs, [0.0; LANES]);
         }
-        lanes
+        let (mut column, mut dof) = (0, 0);
+        for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+            let seeds = node_seeds(self.system, self.bases, node);
+            let own = first.max(column)..last.min(column + seeds.columns);
+            if !own.is_empty() {
+                let (lane, own) = (own.start - first, own.start - column..own.end - column);
+                for (i, x) in x[dof..dof + segment.len()].iter_mut().enumerate() {
+                    seeds.write_row(i, own.clone(), &mut x[lane..]);
+                }
+                for (i, y) in y.iter_mut().skip(dof).take(segment.len()).enumerate() {
+                    seeds.write_row(segment.len() + i, own.clone(), &mut y[lane..]);
+                }
+            }
+            column += seeds.columns;
+            dof += segment.len();
+        }
+        last - first
     }
 
     /// Adds N_L^T times local rows to a block's columns `first_column..`; `second` selects the Y rows.
@@ -274,16 +308,13 @@ impl Assembly<'_> {
         if physics.has_constant_mass() || impulse.force == 0.0 {
             return;
         }
-        let BlockWork { v, q, p, r, .. } = work;
+        let BlockWork { v, q, p, r, directions, second, .. } = work;
         let size = part.columns.len();
         load(p, &self.p[part.parameters.clone()]);
         for first in (0..size).step_by(LANES) {
-            load(v, state.v);
-            load(q, state.q);
-            let lanes = self.for_lanes(part, first, |lane, dof, x, _| {
-                v[dof].eps[lane] = beta * x;
-                q[dof].eps[lane] = alpha * x;
-            });
+            let lanes = self.seed(part, first, directions, second);
+            load_along(v, state.v, directions, beta);
+            load_along(q, state.q, directions, alpha);
             r.clear();
             r.resize(part.dofs, Lanes::default());
             Lanes::element(physics).add_momentum_rate(v, q, p, r);
@@ -301,17 +332,14 @@ impl Assembly<'_> {
         if let Some(points) = physics.points().filter(|_| self.equations.level != Level::Stabilized) {
             return self.element_by_points(work, part, points, (own, shift), block);
         }
-        let BlockWork { a, v, q, p, r, .. } = work;
+        let BlockWork { a, v, q, p, r, directions, second, .. } = work;
         load(p, &self.p[part.parameters.clone()]);
         for first in (0..size).step_by(LANES) {
-            load(a, own.a);
-            load(v, own.v);
-            load(q, own.q);
-            let lanes = self.for_lanes(part, first, |lane, dof, x, y| {
-                a[dof].eps[lane] = gamma * x;
-                v[dof].eps[lane] = beta * x;
-                q[dof].eps[lane] = alpha * (x + y);
-            });
+            let lanes = self.seed(part, first, directions, second);
+            load_along(a, own.a, directions, gamma);
+            load_along(v, own.v, directions, beta);
+            add_directions(directions, second);
+            load_along(q, own.q, directions, alpha);
             r.clear();
             r.resize(part.dofs, Lanes::default());
             let state = State { a: &a[..], v: &v[..], q: &q[..] };
@@ -340,24 +368,21 @@ impl Assembly<'_> {
         let part = &self.system.element_parts[index];
         let Shift { gamma, beta, alpha } = self.equations.linear_shift();
         let (size, n) = (part.columns.len(), part.dofs);
-        let BlockWork { directions, products, .. } = work;
+        let BlockWork { directions, second, products, .. } = work;
         for first in (0..size).step_by(LANES) {
             products.clear();
             products.resize(n, [0.0; LANES]);
-            for (matrix, factors) in constants.iter().zip([[gamma, 0.0], [beta, 0.0], [alpha, alpha]]) {
-                if matrix.is_empty() {
-                    continue;
+            let lanes = self.seed(part, first, directions, second);
+            for (kind, (matrix, factor)) in constants.iter().zip([gamma, beta, alpha]).enumerate() {
+                if kind == 2 {
+                    add_directions(directions, second);
                 }
-                directions.clear();
-                directions.resize(n, [0.0; LANES]);
-                self.for_lanes(part, first, |lane, dof, x, y| directions[dof][lane] = factors[0] * x + factors[1] * y);
                 for (row, product) in matrix.chunks_exact(n).zip(products.iter_mut()) {
                     for (entry, direction) in row.iter().zip(&*directions).filter(|(entry, _)| **entry != 0.0) {
-                        product.iter_mut().zip(direction).for_each(|(sum, d)| *sum += entry * d);
+                        product.iter_mut().zip(direction).for_each(|(sum, d)| *sum += factor * entry * d);
                     }
                 }
             }
-            let lanes = LANES.min(size - first);
             self.add_reduced_rows(part, |dof| &products[dof], false, first..first + lanes, size, block);
         }
     }
@@ -372,6 +397,7 @@ impl Assembly<'_> {
         let size = own_columns + if stabilized { 2 * count } else { count };
         block.fill(0.0);
         let p = &self.p[part.parameters.clone()];
+        self.set_rows(joint.physics, part, work, p, count);
         let unknowns = &self.point.unknowns;
         let sets = [(false, &unknowns.mu, 1.0), (true, &unknowns.eta, -1.0)];
         for (second, multipliers, sign) in sets.into_iter().take(1 + usize::from(stabilized)) {
@@ -394,17 +420,30 @@ impl Assembly<'_> {
                 self.add_reduced_rows(part, |dof| &products[dof], second, columns, size, block);
             }
         }
-        if self.equations.variational.is_some() {
-            // the equations hold at another point than where the reactions act
-            let BlockWork { real, gradients, multipliers, .. } = &mut *work;
-            let q = real.state(part, &self.point.constraint_at).q;
-            let at = (q, p, self.equations.constraint_time(self.t));
-            joint.physics.linearize_reaction(at, multipliers, &[], gradients, &mut []);
-        }
-        self.add_equation_rows(joint.physics, part, work, p, count, size, block);
+        self.add_equation_rows(joint.physics, part, work, count, size, block);
     }
 
-    /// Derivative of A^T mu along the columns; leaves A in `gradients`.
+    /// Rows A along the motion where the equations hold, and A where the reactions act.
+    fn set_rows(&self, physics: &dyn AnyConstraint, part: &Part, work: &mut BlockWork, p: &[f64], count: usize) {
+        let BlockWork { real, motion, gradients, .. } = work;
+        motion.resize(count * part.dofs, Taylor::default());
+        gradients.resize(count * part.dofs, 0.0);
+        let own = real.state(part, &self.point.constraint_at);
+        if self.equations.level == Level::Position && !physics.is_nonholonomic() {
+            physics.gradients((own.q, p, self.equations.constraint_time(self.t)), gradients);
+            motion.iter_mut().zip(&*gradients).for_each(|(row, &a)| *row = Taylor::from(a));
+        } else {
+            let accelerations = self.equations.level == Level::Acceleration || !physics.is_nonholonomic();
+            physics.rows(own, p, self.t, accelerations, motion);
+            gradients.iter_mut().zip(&*motion).for_each(|(a, row)| *a = row.value);
+        }
+        if self.equations.variational.is_some() {
+            let q = real.state(part, &self.point.reaction_at).q;
+            physics.gradients((q, p, self.equations.reaction_time(self.t)), gradients);
+        }
+    }
+
+    /// Derivative of A^T mu along the columns.
     #[allow(clippy::too_many_arguments)]
     fn add_curvature(
         &self,
@@ -416,73 +455,64 @@ impl Assembly<'_> {
         size: usize,
         block: &mut [f64],
     ) {
-        let BlockWork { real, gradients, directions, products, multipliers, .. } = work;
+        let BlockWork { real, directions, second: moved_second, products, multipliers, .. } = work;
         let columns = part.columns.len();
         // a reaction at the start of a step does not move
         let alpha = if self.equations.variational.is_some() { 0.0 } else { self.equations.constraint.alpha };
-        let q = real.state(part, self.point.reaction(self.equations)).q;
-        let t = self.equations.reaction_time(self.t);
         // room for the first time that there are multipliers
-        directions.clear();
-        directions.reserve(columns.div_ceil(LANES) * part.dofs);
-        products.clear();
-        products.reserve(columns.div_ceil(LANES) * part.dofs);
+        for directions in [&mut *directions, &mut *moved_second] {
+            directions.clear();
+            directions.reserve(part.dofs);
+        }
+        if alpha == 0.0 || multipliers.iter().all(|&m| m == 0.0) {
+            return;
+        }
+        let q = real.state(part, self.point.reaction(self.equations)).q;
+        let at = (q, p, self.equations.reaction_time(self.t));
         let most = part.nodes.iter().map(|&node| self.system.nodes[node].columns.len()).max().unwrap_or(0);
-        if physics.is_separable() && most <= LANES && alpha != 0.0 {
+        products.clear();
+        products.resize(part.dofs, [0.0; LANES]);
+        if physics.is_separable() && most <= LANES {
             // columns of different nodes don't meet: the first of each node share a lane, and so on
+            directions.clear();
             directions.resize(part.dofs, [0.0; LANES]);
-            for first in (0..columns).step_by(LANES) {
-                self.for_lanes(part, first, |lane, dof, x, y| {
-                    if x != 0.0 || y != 0.0 {
-                        directions[dof][part.columns[first + lane].1] = alpha * (x + y);
+            let mut dof = 0;
+            for (&node, segment) in part.nodes.iter().zip(&part.segments) {
+                let seeds = node_seeds(self.system, self.bases, node);
+                for (i, direction) in directions[dof..dof + segment.len()].iter_mut().enumerate() {
+                    seeds.write_row(i, 0..seeds.columns, direction);
+                    if seeds.stabilized() {
+                        let mut moved = [0.0; LANES];
+                        seeds.write_row(segment.len() + i, 0..seeds.columns, &mut moved);
+                        add_directions(std::slice::from_mut(direction), &[moved]);
                     }
-                });
+                }
+                dof += segment.len();
             }
-            products.clear();
-            products.resize(part.dofs, [0.0; LANES]);
-            gradients.resize(multipliers.len() * part.dofs, 0.0);
-            physics.linearize_reaction((q, p, t), multipliers, directions, gradients, products);
+            multipliers.iter_mut().for_each(|m| *m *= alpha);
+            physics.curvature(at, multipliers, directions, products);
             self.add_own_rows(part, products, second, size, block);
             return;
         }
-        if alpha != 0.0 && multipliers.iter().any(|&m| m != 0.0) {
-            directions.resize(columns.div_ceil(LANES) * part.dofs, [0.0; LANES]);
-            for (group, directions) in directions.chunks_exact_mut(part.dofs).enumerate() {
-                self.for_lanes(part, group * LANES, |lane, dof, x, y| directions[dof][lane] = alpha * (x + y));
-            }
-        }
-        products.clear();
-        products.resize(directions.len(), [0.0; LANES]);
-        gradients.resize(multipliers.len() * part.dofs, 0.0);
-        physics.linearize_reaction((q, p, t), multipliers, directions, gradients, products);
-        for (group, rows) in products.chunks_exact(part.dofs).enumerate() {
-            let own = group * LANES..columns.min((group + 1) * LANES);
-            self.add_reduced_rows(part, |dof| &rows[dof], second, own, size, block);
+        multipliers.iter_mut().for_each(|m| *m *= alpha);
+        for first in (0..columns).step_by(LANES) {
+            let lanes = self.seed(part, first, directions, moved_second);
+            add_directions(directions, moved_second);
+            physics.curvature(at, multipliers, directions, products);
+            self.add_reduced_rows(part, |dof| &products[dof], second, first..first + lanes, size, block);
         }
     }
 
     /// The scaled equations of a joint along N_R.
-    #[allow(clippy::too_many_arguments)]
     fn add_equation_rows(
         &self,
         physics: &dyn AnyConstraint,
         part: &Part,
         work: &mut BlockWork,
-        p: &[f64],
         count: usize,
         size: usize,
         block: &mut [f64],
     ) {
-        let BlockWork { real, motion, gradients, .. } = work;
-        motion.resize(count * part.dofs, Taylor::default());
-        if physics.is_nonholonomic() {
-            let accelerations = self.equations.level == Level::Acceleration;
-            physics.rows(real.state(part, &self.point.constraint_at), p, self.t, accelerations, motion);
-        } else if self.equations.level == Level::Position {
-            motion.iter_mut().zip(&*gradients).for_each(|(row, &a)| *row = Taylor::from(a));
-        } else {
-            physics.rows(real.state(part, &self.point.constraint_at), p, self.t, true, motion);
-        }
         let columns = part.columns.len();
         let stabilized = self.equations.level == Level::Stabilized;
         if physics.is_nonholonomic() {
@@ -494,26 +524,36 @@ impl Assembly<'_> {
                 }
             }
         }
+        let BlockWork { motion, row_sums, .. } = work;
         let (mut offset, mut first) = (0, 0);
         for (&node, segment) in part.nodes.iter().zip(&part.segments) {
             let seeds = node_seeds(self.system, self.bases, node);
             for (row, motion) in motion.chunks_exact(part.dofs).enumerate() {
+                // both sets of equations, towards the columns of the node
+                row_sums.clear();
+                row_sums.resize(2 * seeds.columns, 0.0);
+                let (sums, second_sums) = row_sums.split_at_mut(seeds.columns);
                 for (dof, &entry) in motion[offset..offset + segment.len()].iter().enumerate() {
+                    if entry == Taylor::default() {
+                        continue;
+                    }
                     let [towards_x, towards_y] = if physics.is_nonholonomic() {
                         self.equations.nonholonomic_entries(entry)
                     } else {
                         self.equations.row_entries(entry)
                     };
-                    if entry == Taylor::default() {
-                        continue;
+                    seeds.add_row(dof, towards_x[0], sums);
+                    if stabilized {
+                        seeds.add_row(segment.len() + dof, towards_y[0], sums);
+                        seeds.add_row(dof, towards_x[1], second_sums);
+                        seeds.add_row(segment.len() + dof, towards_y[1], second_sums);
                     }
-                    for column in 0..seeds.columns {
-                        let (x, y) = seeds.direction(dof, column);
-                        let at = columns + row + (first + column) * size;
-                        block[at] += towards_x[0] * x + towards_y[0] * y;
-                        if stabilized {
-                            block[at + count] += towards_x[1] * x + towards_y[1] * y;
-                        }
+                }
+                for (column, (sum, second_sum)) in sums.iter().zip(&*second_sums).enumerate() {
+                    let at = columns + row + (first + column) * size;
+                    block[at] += sum;
+                    if stabilized {
+                        block[at + count] += second_sum;
                     }
                 }
             }
@@ -529,23 +569,37 @@ impl Assembly<'_> {
         block.fill(0.0);
         let local = self.system.nodes[node].local.map(|index| &self.system.locals[index]);
         let unknowns = &self.point.unknowns;
-        let stabilized = self.equations.level == Level::Stabilized;
-        let sets = [(false, &unknowns.local_mu, 1.0), (true, &unknowns.local_eta, -1.0)];
+        if self.equations.level != Level::Stabilized {
+            // a reaction at the start of a step does not move
+            if let Some(local) = local.filter(|_| self.equations.variational.is_none()) {
+                let Bases { left, right, plain } = &self.bases[node];
+                let mu = &unknowns.local_mu[local.equations.clone()];
+                let alpha = self.equations.constraint.alpha;
+                for (equation, row, column, second) in local.form.second_derivatives() {
+                    let weight = alpha * mu[equation] * second;
+                    // columns that a coordinate is itself have no others
+                    let own = |place: usize| if place < *plain { place..place + 1 } else { *plain..size };
+                    for j in own(column) {
+                        let along = weight * right[column * size + j];
+                        for i in own(row) {
+                            block[i + j * size] += left[row * size + i] * along;
+                        }
+                    }
+                }
+            }
+            return;
+        }
         if let Some(local) = local {
-            for (second, multipliers, sign) in sets.into_iter().take(1 + usize::from(stabilized)) {
+            for (second, multipliers, sign) in [(false, &unknowns.local_mu, 1.0), (true, &unknowns.local_eta, -1.0)] {
                 work.multipliers.clear();
                 work.multipliers.extend(multipliers[local.equations.clone()].iter().map(|m| sign * m));
                 self.add_curvature(&*local.physics, part, work, &[], second, size, block);
             }
         }
-        if stabilized {
-            for first in (0..size).step_by(LANES) {
-                let rows = &mut work.products;
-                rows.clear();
-                rows.resize(part.dofs, [0.0; LANES]);
-                let lanes = self.for_lanes(part, first, |lane, dof, _, y| rows[dof][lane] = y);
-                self.add_reduced_rows(part, |dof| &rows[dof], true, first..first + lanes, size, block);
-            }
+        for first in (0..size).step_by(LANES) {
+            let BlockWork { directions, second, .. } = &mut *work;
+            let lanes = self.seed(part, first, directions, second);
+            self.add_reduced_rows(part, |dof| &second[dof], true, first..first + lanes, size, block);
         }
     }
 }

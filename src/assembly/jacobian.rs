@@ -1,9 +1,9 @@
 use super::blocks::{Assembly, BlockWork, Constants, constants};
 use super::numbering::{Contributor, NOWHERE, System};
-use super::residual::LocalVec;
 use super::{Equations, Level, Residual, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Fewer parts than this are differentiated on one thread.
 const PARALLEL_JACOBIANS: usize = 64;
@@ -17,6 +17,8 @@ pub struct Jacobian {
     bases: Vec<Bases>,
     blocks: Vec<Vec<f64>>,
     point: Point,
+    /// Coordinates of one node combined with their rates.
+    combined: Vec<f64>,
     work: BlockWork,
     works: Vec<BlockWork>,
     /// dR/da, dR/dv, dR/dq of elements where these are constant.
@@ -118,6 +120,37 @@ impl NodeSeeds<'_> {
         (row(dof), if self.stabilized { row(dof + self.dofs) } else { 0.0 })
     }
 
+    /// Whether rate corrections y stand behind the coordinates x.
+    pub fn stabilized(&self) -> bool {
+        self.stabilized
+    }
+
+    /// Writes row `row` of N_R, (x, then y), for some columns.
+    #[inline]
+    pub fn write_row(&self, row: usize, columns: Range<usize>, target: &mut [f64]) {
+        if self.right.is_empty() {
+            if columns.contains(&row) {
+                target[row - columns.start] = 1.0;
+            }
+        } else {
+            let own = &self.right[row * self.columns..(row + 1) * self.columns];
+            let count = columns.len();
+            target[..count].copy_from_slice(&own[columns]);
+        }
+    }
+
+    /// Adds `factor` times row `row` of N_R, (x, then y).
+    #[inline]
+    pub fn add_row(&self, row: usize, factor: f64, target: &mut [f64]) {
+        if self.right.is_empty() || row < self.plain {
+            // a node that is held has no columns
+            target.iter_mut().skip(row).take(1).for_each(|target| *target += factor);
+        } else {
+            let own = &self.right[row * self.columns + self.plain..(row + 1) * self.columns];
+            target[self.plain..].iter_mut().zip(own).for_each(|(target, entry)| *target += factor * entry);
+        }
+    }
+
     /// (d x, d y) of coordinate `dof` for column `column`.
     #[inline]
     pub fn direction(&self, dof: usize, column: usize) -> (f64, f64) {
@@ -144,6 +177,7 @@ impl Jacobian {
             bases: vec![Bases::default(); system.nodes.len()],
             blocks,
             point: Point::default(),
+            combined: Vec::new(),
             work: BlockWork::default(),
             works: Vec::new(),
             constants: Vec::new(),
@@ -222,23 +256,23 @@ impl Jacobian {
         for local in system.eliminated() {
             let dofs = system.model.nodes[local.node].dofs.clone();
             let bases = &mut self.bases[local.node];
-            let own = |x: &[f64]| LocalVec::from(&x[dofs.clone()]);
-            let (a, v, q) = (own(&at.a), own(&at.v), own(&at.q));
+            let (a, v, q) = (&at.a[dofs.clone()], &at.v[dofs.clone()], &at.q[dofs.clone()]);
             let reaction_q = &reaction_at.q[dofs.clone()];
             let stabilized = equations.level == Level::Stabilized;
             if let Some(turning) = local.form.turning().filter(|_| !stabilized) {
                 turning.basis(reaction_q, &mut bases.left);
                 // rows are linear in the coordinates: at this level those of a combination of them and their rates
                 let [by_value, by_rate, by_second] = equations.row_weights();
-                let moving = q.iter().zip(v.iter().zip(&a));
-                let combined: LocalVec<f64> = moving.map(|(q, (v, a))| by_value * q + by_rate * v + by_second * a).collect();
-                turning.basis(&combined, &mut bases.right);
+                self.combined.clear();
+                let moving = q.iter().zip(v.iter().zip(a));
+                self.combined.extend(moving.map(|(q, (v, a))| by_value * q + by_rate * v + by_second * a));
+                turning.basis(&self.combined, &mut bases.right);
                 bases.plain = q.len() - turning.coordinates();
                 continue;
             }
             let reaction = super::local::reaction_rows(local, reaction_q);
             super::local::complement(&reaction, local.equations.len(), q.len(), &mut bases.left);
-            let rows = super::local::equation_rows(local, equations, State { a: &a, v: &v, q: &q });
+            let rows = super::local::equation_rows(local, equations, State { a, v, q });
             let copies = if stabilized { 2 } else { 1 };
             super::local::complement(&rows, copies * local.equations.len(), copies * q.len(), &mut bases.right);
             bases.plain = 0;

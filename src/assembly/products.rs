@@ -350,7 +350,7 @@ impl System<'_> {
         bars: &mut [ProductBars],
         work: &mut Work,
     ) {
-        let Work { state, rows, reaction_rows, multipliers, .. } = work;
+        let Work { state, rows, reaction_rows, .. } = work;
         let (count, own) = (joint.equations.len(), state.state(part, point.at));
         rows.clear();
         rows.resize(count * part.dofs, Taylor::default());
@@ -360,11 +360,9 @@ impl System<'_> {
         let p = &point.p[part.parameters.clone()];
         if level == Level::Position && !nonholonomic {
             // nothing moves
-            multipliers.clear();
-            multipliers.resize(count, 0.0);
             reaction_rows.clear();
             reaction_rows.resize(count * part.dofs, 0.0);
-            joint.physics.linearize_reaction((own.q, p, point.t), multipliers, &[], reaction_rows, &mut []);
+            joint.physics.gradients((own.q, p, point.t), reaction_rows);
             rows.iter_mut().zip(&*reaction_rows).for_each(|(row, &a)| row.value = a);
         } else {
             joint.physics.rows(own, p, point.t, level == Level::Acceleration, rows);
@@ -397,7 +395,7 @@ impl System<'_> {
         if multipliers.iter().all(|&mu| mu == 0.0) {
             return;
         }
-        let Work { state, reaction_rows, directions, curvature, weights, multipliers: signed, .. } = work;
+        let Work { state, directions, curvature, weights, multipliers: signed, .. } = work;
         let n = part.dofs;
         let groups = adjoints.len().div_ceil(LANES);
         directions.clear();
@@ -413,11 +411,9 @@ impl System<'_> {
         }
         signed.clear();
         signed.extend(multipliers.iter().map(|&m| if second { -m } else { m }));
-        reaction_rows.clear();
-        reaction_rows.resize(multipliers.len() * n, 0.0);
         let q = state.state(part, point.at).q;
         let at = (q, &point.p[part.parameters.clone()], point.t);
-        joint.physics.pull_back(at, signed, directions, reaction_rows, curvature);
+        joint.physics.pull_back(at, signed, directions, curvature);
         for (k, bar) in bars.iter_mut().enumerate() {
             weights.clear();
             weights.extend(curvature[k / LANES * n..].iter().take(n).map(|product| product[k % LANES]));

@@ -99,11 +99,13 @@ impl Quadratic {
         for dof in 0..n {
             directions[dof / LANES * n + dof][dof % LANES] = 1.0;
         }
+        let mut gradients = vec![0.0; count * n];
+        physics.gradients((&origin, &[], 0.0), &mut gradients);
         for equation in 0..count {
             let mut unit = vec![0.0; count];
             unit[equation] = 1.0;
-            let (mut gradients, mut products) = (vec![0.0; count * n], vec![[0.0; LANES]; directions.len()]);
-            physics.linearize_reaction((&origin, &[], 0.0), &unit, &directions, &mut gradients, &mut products);
+            let mut products = vec![[0.0; LANES]; directions.len()];
+            physics.curvature((&origin, &[], 0.0), &unit, &directions, &mut products);
             let linear = gradients[equation * n..].iter().take(n).enumerate();
             quadratic.linear.extend(linear.filter(|(_, b)| **b != 0.0).map(|(dof, &b)| (equation, dof, b)));
             for row in 0..n {
@@ -191,6 +193,11 @@ impl Quadratic {
                 row[i] += vector[j] * (h * weight);
             }
         }
+    }
+
+    /// The entries of H that are not zero: (equation, row, column, H).
+    pub fn second_derivatives(&self) -> impl Iterator<Item = (usize, usize, usize, f64)> + '_ {
+        self.second.iter().copied()
     }
 
     /// target += factor (sum_k multiplier_k H_k) direction: the derivative of the reaction along a direction.

@@ -36,7 +36,7 @@ pub trait Constraint: Send + Sync + 'static {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
     /// Adds A^T mu to `r`: the forces with which the constraint acts on its nodes.
     ///
-    /// Not needed: it follows from g. A constraint of which scenes have hundreds may write it out, some ten times faster than by
+    /// Not needed: it follows from g. A constraint of which scenes have many may write it out, some three times as fast as by
     /// differentiation, and set [`REACTION`](Constraint::REACTION); the contract tests then hold the two together.
     fn reaction<S: Scalar>(&self, _q: &[S], _mu: &[S], _p: &[S], _t: S, _r: &mut [S]) {}
     /// Times at which the motion it prescribes is not smooth: steps end there.

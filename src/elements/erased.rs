@@ -1,6 +1,6 @@
 use super::{ByPoints, Constraint, Element, Parameter, State};
 use crate::scalar::{
-    Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature, widest,
+    Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
 };
 use smallvec::SmallVec;
 
@@ -127,7 +127,7 @@ impl<E: Element, S: Scalar> Job for Residual<'_, E, S> {
 }
 
 /// A reaction to be evaluated: (q, mu, p, t).
-struct Reaction<'j, C, S>(&'j C, [&'j [S]; 3], S, &'j mut [S]);
+pub(super) struct Reaction<'j, C, S>(pub &'j C, pub [&'j [S]; 3], pub S, pub &'j mut [S]);
 
 impl<C: Constraint, S: Scalar> Job for Reaction<'_, C, S> {
     type Output = ();
@@ -140,30 +140,6 @@ impl<C: Constraint, S: Scalar> Job for Reaction<'_, C, S> {
 
 /// Coordinates up to which differentiating g along all of them is faster than recording it.
 const FEW: usize = 4 * LANES;
-
-/// A reaction in real numbers from g, eight coordinates at a time: (q, mu, p, t).
-struct ReactionOfLanes<'j, C>(&'j C, [&'j [f64]; 3], f64, &'j mut [f64]);
-
-impl<C: Constraint> Job for ReactionOfLanes<'_, C> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let ReactionOfLanes(constraint, [q, mu, p], t, r) = self;
-        let (mut lanes_q, mut lanes_p) = (SmallVec::<[Lanes; 16]>::new(), SmallVec::<[Lanes; 16]>::new());
-        lanes_q.extend(q.iter().map(|&q| Lanes::constant(q)));
-        lanes_p.extend(p.iter().map(|&p| Lanes::constant(p)));
-        let mut g: SmallVec<[Lanes; 6]> = SmallVec::from_elem(Lanes::default(), mu.len());
-        for first in (0..q.len()).step_by(LANES) {
-            let lanes = LANES.min(q.len() - first);
-            (0..lanes).for_each(|lane| lanes_q[first + lane].eps[lane] = 1.0);
-            constraint.g(&lanes_q, &lanes_p, Lanes::from(t), &mut g);
-            for (g, mu) in g.iter().zip(mu) {
-                r[first..first + lanes].iter_mut().zip(g.eps).for_each(|(r, g)| *r += g * mu);
-            }
-            (0..lanes).for_each(|lane| lanes_q[first + lane].eps[lane] = 0.0);
-        }
-    }
-}
 
 impl<E: Element, S: Scalar> ElementIn<S> for E {
     fn add_residual(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
@@ -241,26 +217,14 @@ pub trait AnyConstraint:
     /// These are all rows that any constraint level needs: d(dg/dt)/dq = dA/dt, d(d2g/dt2)/dv = 2 dA/dt, d(d2g/dt2)/dq = d2A/dt2.
     /// Those of a nonholonomic constraint differ for velocities and `accelerations`.
     fn rows(&self, s: State<f64>, p: &[f64], t: f64, accelerations: bool, rows: &mut [Taylor<f64>]);
-    /// Writes A (equations by coordinates) and, for groups of eight directions of q, the derivative of A^T mu along them.
-    fn linearize_reaction(
-        &self,
-        at: (&[f64], &[f64], f64),
-        mu: &[f64],
-        directions: &[Direction],
-        gradients: &mut [f64],
-        products: &mut [Direction],
-    );
-    /// Writes, for groups of eight lambdas, the gradient of lambda . A^T mu with respect to q; A goes to `gradients`.
-    fn pull_back(
-        &self,
-        at: (&[f64], &[f64], f64),
-        mu: &[f64],
-        lambdas: &[Direction],
-        gradients: &mut [f64],
-        products: &mut [Direction],
-    ) {
+    /// Writes A (equations by coordinates) at (q, p, t).
+    fn gradients(&self, at: (&[f64], &[f64], f64), rows: &mut [f64]);
+    /// Writes, for groups of eight directions of q, the derivative of A^T mu along them.
+    fn curvature(&self, at: (&[f64], &[f64], f64), mu: &[f64], directions: &[Direction], products: &mut [Direction]);
+    /// Writes, for groups of eight lambdas, the gradient of lambda . A^T mu with respect to q.
+    fn pull_back(&self, at: (&[f64], &[f64], f64), mu: &[f64], lambdas: &[Direction], products: &mut [Direction]) {
         // the curvature of mu . g is symmetric
-        self.linearize_reaction(at, mu, lambdas, gradients, products);
+        self.curvature(at, mu, lambdas, products);
     }
     /// Times at which the prescribed motion is not smooth.
     fn kink_times(&self, p: &[f64]) -> Vec<f64>;
@@ -286,7 +250,7 @@ impl<C: Constraint, S: Recordable> ReactingConstraintIn<S> for C {
             && let (Some(q), Some(mu), Some(p)) = (S::reals(q), S::reals(mu), S::reals(p))
             && let Some(r) = S::reals_mut(r)
         {
-            return widest(ReactionOfLanes(self, [q, mu, p], t.value(), r));
+            return add_reaction_of_lanes(self, [q, mu, p], t.value(), r);
         }
         let p: SmallVec<[Reverse<S>; 16]> = p.iter().map(|&p| Reverse::constant(p)).collect();
         let work = |q: &[Reverse<S>]| {
@@ -312,104 +276,142 @@ impl<C: Constraint> AnyConstraint for C {
         self.parameters()
     }
     fn rows(&self, s: State<f64>, p: &[f64], t: f64, _accelerations: bool, rows: &mut [Taylor<f64>]) {
-        let n = s.q.len();
         if !C::REACTION {
             return rows_of_lanes(self, s, p, t, rows);
         }
         let (q, constants) = (motion(s), along_motion(p));
-        let mut unit: SmallVec<[Taylor<f64>; 6]> = SmallVec::from_elem(Taylor::default(), self.equations());
         rows.fill(Taylor::default());
-        for (equation, row) in rows.chunks_exact_mut(n).enumerate() {
-            unit[equation] = Taylor::from(1.0);
-            self.reaction(&q, &unit, &constants, Taylor::new(t, 1.0, 0.0), row);
-            unit[equation] = Taylor::default();
-        }
+        for_units(rows, s.q.len(), |unit, row| self.reaction(&q, unit, &constants, Taylor::new(t, 1.0, 0.0), row));
     }
-    fn linearize_reaction(
-        &self,
-        (q, p, t): (&[f64], &[f64], f64),
-        mu: &[f64],
-        directions: &[Direction],
-        gradients: &mut [f64],
-        products: &mut [Direction],
-    ) {
+    fn gradients(&self, (q, p, t): (&[f64], &[f64], f64), rows: &mut [f64]) {
+        if !C::REACTION {
+            return gradients_of_lanes(self, [q, p], t, rows);
+        }
+        rows.fill(0.0);
+        for_units(rows, q.len(), |unit, row| self.reaction(q, unit, p, t, row));
+    }
+    fn curvature(&self, (q, p, t): (&[f64], &[f64], f64), mu: &[f64], directions: &[Direction], products: &mut [Direction]) {
+        if mu.iter().all(|&mu| mu == 0.0) {
+            return products.fill([0.0; LANES]);
+        }
         if C::REACTION {
-            return linearize_written_reaction(self, (q, p, t), mu, directions, gradients, products);
+            return curvature_of_lanes(self, [q, mu, p], t, directions, products);
         }
         let p: SmallVec<[Curved; 16]> = p.iter().map(|&p| Curved::from(p)).collect();
         let function = |q: &[Curved], g: &mut [Curved]| self.g(q, &p, Curved::from(t), g);
-        curvature(q, function, mu, directions, gradients, products);
+        curvature(q, function, mu, directions, products);
     }
     fn kink_times(&self, p: &[f64]) -> Vec<f64> {
         self.kinks(p)
     }
 }
 
-/// Rows A from unit multipliers, and the derivative of A^T mu along directions from eight dual lanes at a time.
-fn linearize_written_reaction<C: Constraint>(
-    constraint: &C,
-    (q, p, t): (&[f64], &[f64], f64),
-    mu: &[f64],
+/// Numbers of a joint between two bodies: on the stack.
+type Few<S> = SmallVec<[S; 24]>;
+
+/// Numbers that don't move, filled in place: moving them costs as much as the evaluation.
+#[inline(always)]
+fn lift(values: &[f64], lifted: &mut Few<Lanes>) {
+    for &value in values {
+        lifted.push(Lanes::constant(value));
+    }
+}
+
+/// Calls `add(unit, row)` for each row of n numbers, with the unit vector of its place among them.
+fn for_units<S: Scalar>(rows: &mut [S], n: usize, mut add: impl FnMut(&[S], &mut [S])) {
+    let mut unit: SmallVec<[S; 6]> = SmallVec::from_elem(S::zero(), rows.len() / n);
+    for (place, row) in rows.chunks_exact_mut(n).enumerate() {
+        unit[place] = S::one();
+        add(&unit, row);
+        unit[place] = S::zero();
+    }
+}
+
+/// A at (q, p), eight coordinates at a time.
+fn gradients_of_lanes(constraint: &dyn ConstraintIn<Lanes>, [q, p]: [&[f64]; 2], t: f64, rows: &mut [f64]) {
+    let n = q.len();
+    let (mut lanes_q, mut lanes_p) = (Few::new(), Few::new());
+    lift(q, &mut lanes_q);
+    lift(p, &mut lanes_p);
+    let mut g: SmallVec<[Lanes; 6]> = SmallVec::from_elem(Lanes::default(), rows.len() / n);
+    for first in (0..n).step_by(LANES) {
+        let width = LANES.min(n - first);
+        (0..width).for_each(|lane| lanes_q[first + lane].eps[lane] = 1.0);
+        constraint.value(&lanes_q, &lanes_p, Lanes::from(t), &mut g);
+        for (row, g) in rows.chunks_exact_mut(n).zip(&g) {
+            row[first..first + width].copy_from_slice(&g.eps[..width]);
+        }
+        (0..width).for_each(|lane| lanes_q[first + lane].eps[lane] = 0.0);
+    }
+}
+
+/// A^T mu at (q, mu, p) from g, eight coordinates at a time.
+fn add_reaction_of_lanes(constraint: &dyn ConstraintIn<Lanes>, [q, mu, p]: [&[f64]; 3], t: f64, r: &mut [f64]) {
+    let n = q.len();
+    let (mut lanes_q, mut lanes_p) = (Few::new(), Few::new());
+    lift(q, &mut lanes_q);
+    lift(p, &mut lanes_p);
+    let mut g: SmallVec<[Lanes; 6]> = SmallVec::from_elem(Lanes::default(), mu.len());
+    for first in (0..n).step_by(LANES) {
+        let width = LANES.min(n - first);
+        (0..width).for_each(|lane| lanes_q[first + lane].eps[lane] = 1.0);
+        constraint.value(&lanes_q, &lanes_p, Lanes::from(t), &mut g);
+        for (g, mu) in g.iter().zip(mu) {
+            r[first..first + width].iter_mut().zip(g.eps).for_each(|(r, g)| *r += g * mu);
+        }
+        (0..width).for_each(|lane| lanes_q[first + lane].eps[lane] = 0.0);
+    }
+}
+
+/// The derivative of a written reaction at (q, mu, p) along groups of eight directions.
+fn curvature_of_lanes(
+    constraint: &dyn ReactingConstraintIn<Lanes>,
+    [q, mu, p]: [&[f64]; 3],
+    t: f64,
     directions: &[Direction],
-    gradients: &mut [f64],
     products: &mut [Direction],
 ) {
     let n = q.len();
-    gradients.fill(0.0);
-    let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, mu.len());
-    for (row, gradient) in gradients.chunks_exact_mut(n).enumerate() {
-        unit[row] = 1.0;
-        constraint.reaction(q, &unit, p, t, gradient);
-        unit[row] = 0.0;
-    }
-    if mu.iter().all(|&mu| mu == 0.0) {
-        return products.fill([0.0; LANES]);
-    }
-    let (mut lanes_p, mut lanes_mu) = (SmallVec::<[Lanes; 16]>::new(), SmallVec::<[Lanes; 6]>::new());
-    lanes_p.extend(p.iter().map(|&p| Lanes::constant(p)));
-    lanes_mu.extend(mu.iter().map(|&mu| Lanes::constant(mu)));
-    let (mut lanes_q, mut r) = (SmallVec::<[Lanes; 16]>::new(), SmallVec::<[Lanes; 16]>::new());
+    let (mut lanes_q, mut lanes_mu, mut lanes_p) = (Few::new(), Few::new(), Few::new());
+    lift(q, &mut lanes_q);
+    lift(mu, &mut lanes_mu);
+    lift(p, &mut lanes_p);
+    let mut r = Few::<Lanes>::new();
     for (directions, products) in directions.chunks_exact(n).zip(products.chunks_exact_mut(n)) {
-        lanes_q.clear();
-        lanes_q.extend(q.iter().zip(directions).map(|(&re, &eps)| Lanes { re, eps }));
+        lanes_q.iter_mut().zip(directions).for_each(|(q, &eps)| q.eps = eps);
         r.clear();
         r.resize(n, Lanes::default());
-        Lanes::run(Reaction(constraint, [&lanes_q, &lanes_mu, &lanes_p], Lanes::from(t), &mut r));
+        constraint.add_reaction(&lanes_q, &lanes_mu, &lanes_p, Lanes::from(t), &mut r);
         products.iter_mut().zip(&r).for_each(|(product, r)| *product = r.eps);
     }
 }
 
 /// Rows A along the motion, eight coordinates at a time.
-fn rows_of_lanes<C: Constraint>(constraint: &C, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]) {
+fn rows_of_lanes(constraint: &dyn ConstraintIn<Lanes>, s: State<f64>, p: &[f64], t: f64, rows: &mut [Taylor<f64>]) {
     let n = s.q.len();
-    let (mut q, mut constants) = (SmallVec::<[Taylor<Lanes>; 16]>::new(), SmallVec::<[Taylor<Lanes>; 16]>::new());
-    let [value, rate, second] = [s.q, s.v, s.a].map(|x| x.iter().map(|&x| Lanes::constant(x)));
-    q.extend(value.zip(rate.zip(second)).map(|(q, (v, a))| Taylor::new(q, v, a)));
-    constants.extend(p.iter().map(|&p| Taylor::from(p)));
-    let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), constraint.equations());
-    let time = Taylor::new(Lanes::from(t), Lanes::one(), Lanes::zero());
+    let (mut a, mut v, mut lanes_q, mut lanes_p) = (Few::new(), Few::new(), Few::new(), Few::new());
+    lift(s.a, &mut a);
+    lift(s.v, &mut v);
+    lift(s.q, &mut lanes_q);
+    lift(p, &mut lanes_p);
+    let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), rows.len() / n);
     for first in (0..n).step_by(LANES) {
-        let lanes = first..n.min(first + LANES);
-        for dof in lanes.clone() {
-            q[dof].value.eps[dof - first] = 1.0;
-        }
-        constraint.g(&q, &constants, time, &mut g);
+        let width = LANES.min(n - first);
+        (0..width).for_each(|lane| lanes_q[first + lane].eps[lane] = 1.0);
+        constraint.derivatives(State { a: &a, v: &v, q: &lanes_q }, &lanes_p, Lanes::from(t), 1.0, &mut g);
         for (row, g) in rows.chunks_exact_mut(n).zip(&g) {
-            for dof in lanes.clone() {
-                let lane = dof - first;
-                row[dof] = Taylor::new(g.value.eps[lane], g.first.eps[lane], g.second.eps[lane]);
+            for (lane, row) in row[first..first + width].iter_mut().enumerate() {
+                *row = Taylor::new(g.value.eps[lane], g.first.eps[lane], g.second.eps[lane]);
             }
         }
-        for dof in lanes {
-            q[dof].value.eps[dof - first] = 0.0;
-        }
+        (0..width).for_each(|lane| lanes_q[first + lane].eps[lane] = 0.0);
     }
 }
 
 /// q(s) = q + v s + a s^2 / 2, filled in place: moving or pushing costs as much as the evaluation.
 #[inline(always)]
-pub(super) fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 16]> {
-    let mut q: SmallVec<[Taylor<S>; 16]> = SmallVec::from_elem(Taylor::default(), s.q.len());
+pub(super) fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 24]> {
+    let mut q: SmallVec<[Taylor<S>; 24]> = SmallVec::from_elem(Taylor::default(), s.q.len());
     for (i, q) in q.iter_mut().enumerate() {
         *q = Taylor::new(s.q[i], s.v[i], s.a[i]);
     }
@@ -418,8 +420,8 @@ pub(super) fn motion<S: Scalar>(s: State<S>) -> SmallVec<[Taylor<S>; 16]> {
 
 /// Numbers that don't move.
 #[inline(always)]
-pub(super) fn along_motion<S: Scalar>(p: &[S]) -> SmallVec<[Taylor<S>; 16]> {
-    let mut constants: SmallVec<[Taylor<S>; 16]> = SmallVec::from_elem(Taylor::default(), p.len());
+pub(super) fn along_motion<S: Scalar>(p: &[S]) -> SmallVec<[Taylor<S>; 24]> {
+    let mut constants: SmallVec<[Taylor<S>; 24]> = SmallVec::from_elem(Taylor::default(), p.len());
     for (constant, &p) in constants.iter_mut().zip(p) {
         constant.value = p;
     }

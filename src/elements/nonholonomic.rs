@@ -128,22 +128,18 @@ impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
         }
     }
 
-    fn linearize_reaction(
-        &self,
-        (q, p, t): (&[f64], &[f64], f64),
-        mu: &[f64],
-        directions: &[Direction],
-        gradients: &mut [f64],
-        products: &mut [Direction],
-    ) {
-        let n = q.len();
-        gradients.fill(0.0);
-        let mut unit: Rows<f64> = SmallVec::from_elem(0.0, mu.len());
-        for (row, gradient) in gradients.chunks_exact_mut(n).enumerate() {
-            unit[row] = 1.0;
-            self.add_reaction(q, &unit, p, t, gradient);
-            unit[row] = 0.0;
+    fn gradients(&self, (q, p, t): (&[f64], &[f64], f64), rows: &mut [f64]) {
+        rows.fill(0.0);
+        let mut unit: Rows<f64> = SmallVec::from_elem(0.0, C::EQUATIONS);
+        for (equation, row) in rows.chunks_exact_mut(q.len()).enumerate() {
+            unit[equation] = 1.0;
+            self.add_reaction(q, &unit, p, t, row);
+            unit[equation] = 0.0;
         }
+    }
+
+    fn curvature(&self, (q, p, t): (&[f64], &[f64], f64), mu: &[f64], directions: &[Direction], products: &mut [Direction]) {
+        let n = q.len();
         if mu.iter().all(|&mu| mu == 0.0) {
             return products.fill([0.0; LANES]);
         }
@@ -159,14 +155,7 @@ impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
 
     /// The gradient of mu . B(q) lambda with respect to q for eight lambdas at a time; B^T mu has no potential, so that this is not the
     /// derivative of the reaction along lambda.
-    fn pull_back(
-        &self,
-        (q, p, t): (&[f64], &[f64], f64),
-        mu: &[f64],
-        lambdas: &[Direction],
-        _gradients: &mut [f64],
-        products: &mut [Direction],
-    ) {
+    fn pull_back(&self, (q, p, t): (&[f64], &[f64], f64), mu: &[f64], lambdas: &[Direction], products: &mut [Direction]) {
         let n = q.len();
         let lift = |values: &[f64]| -> Few<Lanes> { values.iter().map(|&value| Lanes::constant(value)).collect() };
         let (p, mu) = (constants(&lift(p)), lift(mu));

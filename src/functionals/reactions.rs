@@ -260,8 +260,7 @@ fn add_row_gradient(
         let lambdas: Vec<Direction> =
             along.iter().map(|&x| std::array::from_fn(|lane| if lane == 0 { x } else { 0.0 })).collect();
         let mut products = vec![[0.0; LANES]; n];
-        let mut gradients = vec![0.0; n * alpha.len()];
-        joint.physics.pull_back((&own, own_p, t), alpha, &lambdas, &mut gradients, &mut products);
+        joint.physics.pull_back((&own, own_p, t), alpha, &lambdas, &mut products);
         dofs.iter().zip(&products).for_each(|(&dof, product)| q_bar[dof] += product[0]);
 
         let lift = |values: &[f64]| values.iter().map(|&value| Lanes::constant(value)).collect::<Vec<_>>();

@@ -5,9 +5,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value on a tape that keeps first and second partial derivatives of every operation.
 ///
-/// Recorded once in real numbers, a vector function g of n variables gives its gradients, and the products of the second
-/// derivative of a combination mu . g with eight directions at a time, for a few operations per record: the part A^T mu of a
-/// Jacobian, several times faster than reverse mode over eight dual lanes.
+/// Recorded once in real numbers, a vector function g of n variables gives the products of the second derivative of a combination
+/// mu . g with eight directions at a time, for a few operations per record: the part A^T mu of a Jacobian, several times faster than
+/// reverse mode over eight dual lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curved {
     value: f64,
@@ -115,8 +115,8 @@ fn add_multiple(target: &mut Direction, factor: f64, values: &Direction) {
     }
 }
 
-/// Differentiates a vector function at `variables`: writes its gradients (results by variables, row-major), and for each group of
-/// eight directions (variables by lanes, one group after the other) the second derivative of multipliers . g along them.
+/// Differentiates a vector function at `variables`: writes, for each group of eight directions (variables by lanes, one group after the
+/// other), the second derivative of multipliers . g along them.
 ///
 /// # Panics
 /// Inside itself on the same thread.
@@ -125,7 +125,6 @@ pub fn curvature(
     function: impl FnOnce(&[Curved], &mut [Curved]),
     multipliers: &[f64],
     directions: &[Direction],
-    gradients: &mut [f64],
     products: &mut [Direction],
 ) {
     let n = variables.len();
@@ -140,14 +139,6 @@ pub fn curvature(
     });
     function(&inputs, &mut results);
     WORKSPACE.with_borrow_mut(|work| {
-        for (row, result) in gradients.chunks_exact_mut(n).zip(&results) {
-            work.sweep(std::iter::once((result.node, 1.0)));
-            row.copy_from_slice(&work.adjoint[..n]);
-        }
-        if multipliers.iter().all(|&multiplier| multiplier == 0.0) {
-            products.fill([0.0; LANES]);
-            return;
-        }
         work.sweep(results.iter().map(|result| result.node).zip(multipliers.iter().copied()));
         for (group, products) in directions.chunks_exact(n).zip(products.chunks_exact_mut(n)) {
             work.sweep_tangents(group);
@@ -288,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_and_curvature_agree_with_nested_duals() {
+    fn curvature_agrees_with_nested_duals() {
         let at = [0.7, -0.4, 1.3];
         let multipliers = [1.7, -0.6];
         let mut directions = vec![[0.0; LANES]; 3];
@@ -297,9 +288,9 @@ mod tests {
                 *entry = ((3 * i + 2 * lane) as f64).sin();
             }
         }
-        let (mut gradients, mut products) = (vec![0.0; 6], vec![[0.0; LANES]; 3]);
+        let mut products = vec![[0.0; LANES]; 3];
         let function = |x: &[Curved], g: &mut [Curved]| g.copy_from_slice(&sample(x));
-        curvature(&at, function, &multipliers, &directions, &mut gradients, &mut products);
+        curvature(&at, function, &multipliers, &directions, &mut products);
 
         for i in 0..3 {
             let x: Vec<Dual<Lanes, 1>> = (0..3)
@@ -309,9 +300,6 @@ mod tests {
                 })
                 .collect();
             let g = sample(&x);
-            for (k, g) in g.iter().enumerate() {
-                assert!((gradients[3 * k + i] - g.eps[0].re).abs() < 1e-14, "gradient {k}, {i}");
-            }
             for lane in 0..LANES {
                 let expected: f64 = g.iter().zip(multipliers).map(|(g, m)| m * g.eps[0].eps[lane]).sum();
                 assert!((products[i][lane] - expected).abs() < 1e-13, "curvature {i}, {lane}");

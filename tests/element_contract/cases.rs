@@ -128,7 +128,8 @@ pub fn cases() -> Vec<Case> {
         Case::soft("helical", HelicalJoint { a, b }, &both, &[&guide[..], &u, &[2.5]].concat()),
         Case::soft("rack and pinion", RackAndPinion { nodes: [a, b, a] }, &[a, b, a], &[&ends[..], &angle, &w, &[0.4]].concat()),
         Case::soft("angle coordinate", AngleCoordinate { a, b }, &both, &angle),
-        Case::soft("rotation", PrescribedRotation { a, b, angle: TimeFunction::Sine }, &both, &[&angle[..], &[0.2, 1.4, 2.3, 0.6]].concat()),
+        // with 0.2 rad a sample is so near half a turn that differences reach over its jump
+        Case::soft("rotation", PrescribedRotation { a, b, angle: TimeFunction::Sine }, &both, &[&angle[..], &[0.3, 1.4, 2.3, 0.6]].concat()),
     ]);
     }
     for [a, b] in GUIDED {

@@ -1,7 +1,7 @@
 use super::Soft;
-use crate::elements::joints::{POINTS, gap};
+use crate::elements::joints::{POINTS, PairGradient, add_relative_turn, gap};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
-use crate::scalar::{Quaternion, Scalar};
+use crate::scalar::{Quaternion, Scalar, Vec3};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
 ///
@@ -28,6 +28,7 @@ struct Displacement {
 impl Constraint for Displacement {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
+    const REACTION: bool = true;
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
@@ -55,6 +56,23 @@ impl Constraint for Displacement {
             g[i] = fa[i].dot(between);
             g[3 + i] = (fa[k].dot(fb[j]) - fa[j].dot(fb[k])) * S::from(0.5);
         }
+    }
+    #[inline(always)]
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        let mut towards = PairGradient::new(self.ends, q);
+        let [own_a, own_b] = [6, 10].map(|first| Quaternion::from_slice(&p[first..]));
+        let (force, moment) = (Vec3::from_slice(mu), Vec3::from_slice(&mu[3..]));
+        towards.add_component(p, own_a.rotate(force));
+        if self.ends == [Anchor::Body; 2] {
+            add_relative_turn([&q[3..], &q[10..]], [own_a, own_b.conjugate()], moment, r);
+        } else {
+            let (of_a, half) = (own_a.columns(), S::from(0.5));
+            for (j, axis) in own_b.columns().into_iter().enumerate() {
+                let (i, k) = ((j + 2) % 3, (j + 1) % 3);
+                towards.add_product((of_a[k] * moment.0[i] - of_a[i] * moment.0[k]) * half, axis);
+            }
+        }
+        towards.write(q, r);
     }
 }
 

@@ -1,7 +1,7 @@
 use super::Soft;
-use crate::elements::joints::{POINTS, components, gap, vectors};
+use crate::elements::joints::{POINTS, PairGradient, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vec3};
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt [N], s = n_a . (x_b - x_a).
 ///
@@ -26,6 +26,7 @@ struct Slide {
 impl Constraint for Slide {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
+    const REACTION: bool = true;
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
@@ -38,6 +39,12 @@ impl Constraint for Slide {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         components(&Frame::of(self.a, q), &p[7..], gap([self.a, self.b], q, &p[1..]), g);
         g[0] -= p[0];
+    }
+    #[inline(always)]
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        let mut towards = PairGradient::new([self.a, self.b], q);
+        towards.add_component(&p[1..], Vec3::from_slice(&p[7..]) * mu[0]);
+        towards.write(q, r);
     }
 }
 

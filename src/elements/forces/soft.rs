@@ -1,4 +1,5 @@
 use crate::elements::Admissible::NonNegative;
+use crate::elements::erased::Reaction;
 use crate::elements::{Constraint, Element, Parameter, State};
 use crate::scalar::{Dual, LANES, Scalar};
 use smallvec::SmallVec;
@@ -36,7 +37,7 @@ impl<J: Constraint> Soft<J> {
         let force: Few<S> =
             g.iter().zip(coefficients).map(|(g, (&k, &c))| k * g.re * elastic + c * g.eps[0] * viscous).collect();
         if J::REACTION {
-            return self.0.reaction(q, &force, own, t, r);
+            return S::run(Reaction(&self.0, [q, &force, own], t, r));
         }
         let mut lanes: Few<Dual<S, LANES>> = q.iter().map(|&q| Dual::constant(q)).collect();
         let constants: Few<_> = own.iter().map(|&p| Dual::constant(p)).collect();

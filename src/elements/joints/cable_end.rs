@@ -1,4 +1,4 @@
-use super::{components, vectors};
+use super::{PairGradient, combination, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, Vec3};
 
@@ -32,6 +32,7 @@ pub struct CableEnd {
 impl Constraint for CableEnd {
     const DOFS: usize = 18;
     const EQUATIONS: usize = 6;
+    const REACTION: bool = true;
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
@@ -62,6 +63,23 @@ impl Constraint for CableEnd {
             g[3..].copy_from_slice(&(frame.seen(slope) - Vec3::from_slice(&p[3..])).0);
         } else {
             components(&frame, &p[3..], slope, &mut g[3..]);
+        }
+    }
+    #[inline(always)]
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        let mut towards = PairGradient::new([self.a, Anchor::Slope], q);
+        let (zero, end) = (S::zero(), self.a.dofs() + 3);
+        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vec3::from_slice(mu));
+        let along = match self.held {
+            HeldSlope::Direction => combination(&p[3..], &mu[3..]),
+            HeldSlope::Vector => Vec3::from_slice(&mu[3..]),
+            HeldSlope::Plane => Vec3::from_slice(&p[3..]) * mu[3],
+        };
+        towards.add_direction_of_a(along, Vec3::from_slice(&q[end..]));
+        let force = towards.of_a(along);
+        towards.write(q, r);
+        for i in 0..3 {
+            r[end + i] += force.0[i];
         }
     }
 }

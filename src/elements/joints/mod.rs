@@ -1,4 +1,4 @@
-//! Joints and motion drivers: each file holds g(q, p, t) and nothing else.
+//! Joints and motion drivers: each file holds g(q, p, t) and, of those that many scenes have, the reaction A^T mu.
 
 mod angle_coordinate;
 mod cable_corner;
@@ -8,6 +8,7 @@ mod distance;
 mod fixed;
 mod gear;
 mod helical;
+mod pair_gradient;
 mod planar;
 mod point_in_plane;
 mod point_on_line;
@@ -42,9 +43,11 @@ pub use rolling::{DiscOnPlane, RollingDisc, RollingSphere};
 pub use spherical::SphericalJoint;
 pub use universal::UniversalJoint;
 
+pub(crate) use pair_gradient::{PairGradient, add_relative_turn};
+
 use super::erased::compiled_here;
 use super::{Anchor, AnyConstraint, Frame, Nonholonomic, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3, angle_about};
+use crate::scalar::{Quaternion, Scalar, Vec3};
 use std::f64::consts::TAU;
 
 compiled_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
@@ -97,6 +100,12 @@ fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vec3<S>, r:
     b.add_force(qb, Vec3::from_slice(&p[3..]), force, rb);
 }
 
+/// v_1 c_1 + v_2 c_2 for two vectors, one after the other.
+#[inline(always)]
+fn combination<S: Scalar>(vectors: &[S], coefficients: &[S]) -> Vec3<S> {
+    Vec3::from_slice(vectors) * coefficients[0] + Vec3::from_slice(&vectors[3..]) * coefficients[1]
+}
+
 /// Components of a world vector along vectors of body a, which `vectors` gives in its frame, one after the other.
 #[inline(always)]
 pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vec3<S>, g: &mut [S]) {
@@ -121,10 +130,13 @@ fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> 
     (beyond(0) + beyond(1) + beyond(2)) * S::from(0.5)
 }
 
-/// The angle about `axis` from `from` to `to` less `turn`, in [-pi, pi] [rad]: any number of whole turns is left out of it.
+/// The angle about `axis` from `from` to `to` less `turn`, in [-pi, pi] [rad]: any number of whole turns is left out of it. Axis and zero mark
+/// are vectors of a, the other mark is one of b.
 #[inline(always)]
-fn angle_beyond<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>, turn: S) -> S {
-    let beyond = angle_about(axis, from, to) - turn;
+fn angle_beyond<S: Scalar>([a, b]: [&Frame<S>; 2], [axis, from, to]: [&[S]; 3], turn: S) -> S {
+    let (axis, from) = (Vec3::from_slice(axis), Vec3::from_slice(from));
+    let seen_from_a = a.seen(b.direction(to));
+    let beyond = axis.cross(from).dot(seen_from_a).atan2(from.dot(seen_from_a)) - turn;
     beyond - (beyond.value() / TAU).round() * TAU
 }
 
@@ -132,5 +144,5 @@ fn angle_beyond<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>, turn: S) -
 #[inline(always)]
 pub(crate) fn angle_between<S: Scalar>(ends: [Anchor; 2], q: &[S], p: &[S], turn: S) -> S {
     let [a, b] = Frame::pair(ends, q);
-    angle_beyond(a.direction(p), a.direction(&p[3..]), b.direction(&p[6..]), turn)
+    angle_beyond([&a, &b], [p, &p[3..], &p[6..]], turn)
 }

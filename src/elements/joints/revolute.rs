@@ -1,4 +1,4 @@
-use super::{POINTS, add_pair, vectors};
+use super::{POINTS, PairGradient, combination, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, Vec3};
 
@@ -38,15 +38,9 @@ impl Constraint for RevoluteJoint {
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let ends = [self.a, self.b];
-        add_pair(ends, q, p, Vec3::from_slice(mu), r);
-        // mu_4 u + mu_5 w turns with a, the axis with b
-        let (normal, axis) =
-            (Vec3::from_slice(&p[6..]) * mu[3] + Vec3::from_slice(&p[9..]) * mu[4], Vec3::from_slice(&p[12..]));
-        let [a, b] = Frame::pair(ends, q);
-        let (qa, qb) = q.split_at(self.a.dofs());
-        let (ra, rb) = r.split_at_mut(self.a.dofs());
-        self.a.add_turning(qa, normal, b.direction(&axis.0), ra);
-        self.b.add_turning(qb, axis, a.direction(&normal.0), rb);
+        let mut towards = PairGradient::new([self.a, self.b], q);
+        towards.add_gap(p, Vec3::from_slice(mu));
+        towards.add_product(combination(&p[6..], &mu[3..]), Vec3::from_slice(&p[12..]));
+        towards.write(q, r);
     }
 }

@@ -1,4 +1,4 @@
-use super::{RELATIVE_ROTATION, remaining_rotation};
+use super::{PairGradient, RELATIVE_ROTATION, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, Vec3};
 
@@ -19,6 +19,7 @@ pub struct RigidLink {
 impl Constraint for RigidLink {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
+    const REACTION: bool = true;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("offset x", "m"), Parameter::new("offset y", "m"), Parameter::new("offset z", "m")];
     const STEADY: bool = true;
@@ -40,5 +41,15 @@ impl Constraint for RigidLink {
         if self.b.has_axes() {
             g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).0);
         }
+    }
+    #[inline(always)]
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        let mut towards = PairGradient::new([self.a, self.b], q);
+        let zero = S::zero();
+        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vec3::from_slice(mu));
+        if self.b.has_axes() {
+            towards.add_remaining_rotation(&p[3..], Vec3::from_slice(&mu[3..]), q, r);
+        }
+        towards.write(q, r);
     }
 }

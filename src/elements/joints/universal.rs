@@ -1,6 +1,6 @@
-use super::{POINTS, components, vectors};
+use super::{POINTS, PairGradient, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vec3};
 
 /// A universal (Cardan, Hooke) joint: points held together [m] and the two pins of the cross at right angles [-].
 ///
@@ -19,6 +19,7 @@ pub struct UniversalJoint {
 impl Constraint for UniversalJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
+    const REACTION: bool = true;
     const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
@@ -32,5 +33,12 @@ impl Constraint for UniversalJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).0);
         components(&a, &p[6..9], b.direction(&p[9..]), &mut g[3..]);
+    }
+    #[inline(always)]
+    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
+        let mut towards = PairGradient::new([self.a, self.b], q);
+        towards.add_gap(p, Vec3::from_slice(mu));
+        towards.add_product(Vec3::from_slice(&p[6..]) * mu[3], Vec3::from_slice(&p[9..]));
+        towards.write(q, r);
     }
 }
