@@ -182,6 +182,10 @@ impl Factorization {
     /// [`Singular`] with the unknown that the matrix does not determine.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
         self.check_finite(values)?;
+        self.factor_finite(values)
+    }
+
+    fn factor_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
         self.set_scales(values);
         self.set_scaled(values);
         self.followed.clear();
@@ -223,7 +227,7 @@ impl Factorization {
             self.set_scaled(values);
             return Ok(false);
         }
-        self.factor(values)?;
+        self.factor_finite(values)?;
         self.now_factored(columns);
         Ok(true)
     }

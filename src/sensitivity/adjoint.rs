@@ -102,10 +102,11 @@ impl<'m> Sweep<'m> {
             .collect();
         let mut solvers = StepSolvers::new(&self.systems, self.method, self.active)?;
         if solvers.are_apart {
+            let ahead = Some(solvers.another()?);
             // on a thread that shares its work with the others
-            rayon::scope(|_| self.steps_ahead(rerun, history, &mut back, &mut solvers))?;
+            rayon::scope(|_| self.steps(rerun, history, &mut back, &mut solvers, ahead))?;
         } else {
-            self.steps(rerun, history, &mut back, &mut solvers)?;
+            self.steps(rerun, history, &mut back, &mut solvers, None)?;
         }
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
@@ -142,49 +143,35 @@ impl<'m> Sweep<'m> {
         Ok(AdjointRun { gradients, counters: self.counters })
     }
 
-    /// Back through all steps, one after the other.
+    /// Back through all steps, one after the other. With solvers `ahead`, other threads factor the systems of the step before meanwhile: all
+    /// of a sweep's matrices are known from the start.
     fn steps(
         &mut self,
         rerun: &Rerun,
         history: &dyn History,
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
-    ) -> Result<(), RunError> {
-        let mut steps = history.backward(rerun)?;
-        let mut weights = QuadratureWeights::at_end(&rerun.method.table);
-        let mut last = true;
-        while let Some(step) = steps.next()? {
-            self.select(&step.dropped, solvers, None)?;
-            self.step(step, last, &weights.back_through(step), back, solvers)?;
-            last = false;
-        }
-        Ok(())
-    }
-
-    /// The same, with other threads factoring the systems of the step before: all of a sweep's matrices are known from the start.
-    fn steps_ahead(
-        &mut self,
-        rerun: &Rerun,
-        history: &dyn History,
-        back: &mut [Backward],
-        solvers: &mut StepSolvers<'m>,
+        mut ahead: Option<StepSolvers<'m>>,
     ) -> Result<(), RunError> {
         let p = &self.problem.p;
-        let mut ahead = solvers.another()?;
         let mut steps = history.backward(rerun)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
         let mut next = steps.next()?.cloned();
         while let Some(step) = next {
             next = steps.next()?.cloned();
-            self.select(&step.dropped, solvers, Some(&mut ahead))?;
+            self.select(&step.dropped, solvers, ahead.as_mut())?;
             let weights = weights.back_through(&step);
-            // the same on one thread, so that every number is the same
-            let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
-            let step_back = || self.step(&step, last, &weights, back, solvers);
-            rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
-            solvers.forget(&mut self.counters);
-            std::mem::swap(solvers, &mut ahead);
+            if let Some(ahead) = &mut ahead {
+                // the same on one thread, so that every number is the same
+                let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
+                let step_back = || self.step(&step, last, &weights, back, solvers);
+                rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
+                solvers.forget(&mut self.counters);
+                std::mem::swap(solvers, ahead);
+            } else {
+                self.step(&step, last, &weights, back, solvers)?;
+            }
             last = false;
         }
         Ok(())
