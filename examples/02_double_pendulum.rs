@@ -20,20 +20,20 @@ impl Scene for DoublePendulum {
         Settings::new(1.0, 200)
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let directions = [[1.0, 0.0, 0.0], [0.0, 0.8, -0.6]].map(Vec3::from_f64);
-        let mut from = (m.ground(), Vec3::zero());
+        let directions = [[1.0, 0.0, 0.0], [0.0, 0.8, -0.6]].map(Vector3::from_f64);
+        let mut from = (m.ground(), Vector3::zeros());
         for (i, direction) in directions.into_iter().enumerate() {
             let (mass, length) = (x[2 * i], x[2 * i + 1]);
             let name = format!("rod {}", i + 1);
             let rod = m.body(&name, from.1 + direction * (length * 0.5), Quaternion::x_axis_to(direction));
             // a rod of square section, a tenth as thick as long
             let (axial, lateral) = (mass * length * length / 600.0, mass * length * length * (1.01 / 12.0));
-            m.rigid_body(&name, rod, mass, Vec3::zero(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
+            m.rigid_body(&name, rod, mass, Vector3::zeros(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
             m.spherical(&format!("joint {}", i + 1), [from.0, rod], from.1);
             from = (rod, from.1 + direction * length);
         }
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
-        m.position_functional("height of the tip", Over::Terminal, from.0, from.1, Vec3::from_f64([0.0, 0.0, 1.0]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
+        m.position_functional("height of the tip", Over::Terminal, from.0, from.1, Vector3::from_f64([0.0, 0.0, 1.0]));
         Ok(())
     }
 }

@@ -24,18 +24,18 @@ impl Scene for Top {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [length, radius, spin] = x else { return Err(format!("3 variables expected, {} given", x.len())) };
         let mass = S::from(0.4);
-        let axis = Vec3::from_f64([f64::sin(0.5), 0.0, f64::cos(0.5)]);
+        let axis = Vector3::from_f64([f64::sin(0.5), 0.0, f64::cos(0.5)]);
         let ground = m.ground();
         // the body's x axis is the axis of symmetry; its frame sits at the mass centre
         let centre = axis * *length;
         let disk = m.body("disk", centre, Quaternion::x_axis_to(axis));
         let (axial, lateral) = (mass * *radius * *radius * 0.5, mass * *radius * *radius * 0.25);
-        m.rigid_body("disk", disk, mass, Vec3::zero(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
-        m.spherical("tip", [ground, disk], Vec3::zero());
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
+        m.rigid_body("disk", disk, mass, Vector3::zeros(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
+        m.spherical("tip", [ground, disk], Vector3::zeros());
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
         // the spin axis passes through the tip, so the mass centre is at rest
-        m.set_velocity(disk, Vec3::zero(), axis * *spin);
-        let up = Vec3::from_f64([0.0, 0.0, 1.0]);
+        m.set_velocity(disk, Vector3::zeros(), axis * *spin);
+        let up = Vector3::from_f64([0.0, 0.0, 1.0]);
         m.position_functional("mean height of the disk x time", Over::Integral, disk, centre, up);
         let highest = Over::SmoothMaximum { sharpness: 1e4, normalized: true };
         m.position_functional("smooth maximum of height", highest, disk, centre, up);

@@ -33,14 +33,14 @@ impl Scene for Bead {
         Settings::new(2.0, 4000)
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let start = Vec3([S::from(START), S::zero(), x[0] * (START * START / 2.0)]);
+        let start = Vector3::new(S::from(START), S::zero(), x[0] * (START * START / 2.0));
         let bead = m.point("bead", start);
         m.point_mass("bead", bead, S::from(0.3));
-        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
         m.constraint("wire", &[bead], ParabolicWire, &x[..1]);
         // released at the right, it is fastest to the left and to the right at the bottom
         let fastest = Over::SmoothMaximum { sharpness: 1e5, normalized: true };
-        m.velocity_functional("fastest", fastest, bead, start, Vec3::from_f64([1.0, 0.0, 0.0]));
+        m.velocity_functional("fastest", fastest, bead, start, Vector3::from_f64([1.0, 0.0, 0.0]));
         Ok(())
     }
 }

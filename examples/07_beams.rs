@@ -38,20 +38,20 @@ impl Scene for Arm {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [width, height, young, density, tip_mass] = x else { return Err("5 variables".into()) };
-        let [along, lateral, hinge] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::<S>::from_f64);
+        let [along, lateral, hinge] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::<S>::from_f64);
         let material = Material { young: *young, poisson: S::from(POISSON), density: *density };
         // section axis 2 lies in the plane of the motion: the shape's first side is along it
         let shape = Shape::rectangle(*height, *width, S::from(POISSON));
         let section = Section::of(material, shape).damped(S::from(2e-4));
         let ground = m.ground();
-        let arm = m.beam("arm", BeamLine::straight([Vec3::zero(), along], ELEMENTS, lateral), &section);
-        m.revolute("hinge", [ground, arm.start()], Vec3::zero(), hinge);
+        let arm = m.beam("arm", BeamLine::straight([Vector3::zeros(), along], ELEMENTS, lateral), &section);
+        m.revolute("hinge", [ground, arm.start()], Vector3::zeros(), hinge);
         let angle = [0.0, std::f64::consts::FRAC_PI_3, 0.0, 0.8].map(S::from);
         m.prescribed_rotation("drive", [ground, arm.start()], hinge, TimeFunction::SmoothRamp, &angle);
         // the last node of a beam is a body like any other
         let radius = *tip_mass * (0.02 * 0.02 * 0.4);
         let zero = S::zero();
-        m.rigid_body("tip mass", arm.end(), *tip_mass, Vec3::zero(), [radius, radius, radius, zero, zero, zero]);
+        m.rigid_body("tip mass", arm.end(), *tip_mass, Vector3::zeros(), [radius, radius, radius, zero, zero, zero]);
         let largest = Over::SmoothMaximum { sharpness: 1.0 / RESOLVED, normalized: true };
         let fibre = [*height * 0.5, zero];
         m.fibre_stress_functional("largest root stress", largest, (&arm, 0.0), *young, fibre);

@@ -72,7 +72,7 @@ pub mod prelude {
     };
     pub use crate::functionals::{Over, Quantity};
     pub use crate::integrators::{ConstraintLevel, Method, RunError, table_by_name};
-    pub use crate::scalar::{Quaternion, Scalar, Vec3};
+    pub use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
     pub use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Prepared, Scene, Settings};
     pub use crate::sensitivity::largest_difference;
 }

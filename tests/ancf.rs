@@ -53,8 +53,8 @@ const ELEMENTS: usize = 8;
 /// Damping [s].
 const DAMPING: f64 = 0.02;
 
-fn vector<S: Scalar>(components: [f64; 3]) -> Vec3<S> {
-    Vec3::from_f64(components)
+fn vector<S: Scalar>(components: [f64; 3]) -> Vector3<S> {
+    Vector3::from_f64(components)
 }
 
 fn section<S: Scalar>(axial: f64, small: bool) -> CableSection<S> {
@@ -63,7 +63,7 @@ fn section<S: Scalar>(axial: f64, small: bool) -> CableSection<S> {
 }
 
 fn line<S: Scalar>(elements: usize) -> CableLine<S> {
-    CableLine::straight([Vec3::zero(), vector([LENGTH, 0.0, 0.0])], elements)
+    CableLine::straight([Vector3::zeros(), vector([LENGTH, 0.0, 0.0])], elements)
 }
 
 impl Scene for Bar {
@@ -97,7 +97,7 @@ impl Scene for Bar {
                 m.element("load", &[cable.end()], force, &p);
                 let end = cable.end();
                 for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-                    m.position_functional("tip", Over::Terminal, end, Vec3::zero(), vector(direction));
+                    m.position_functional("tip", Over::Terminal, end, Vector3::zeros(), vector(direction));
                 }
                 m.cable_strain_functional("strain", Over::Terminal, &cable, 0.9, CableMeasure::Strain);
                 m.cable_strain_functional("curvature", Over::Terminal, &cable, 0.5, CableMeasure::Curvature);
@@ -111,9 +111,9 @@ impl Scene for Bar {
             }
             What::Thrown { small } => {
                 let cable = m.cable("cable", line(ELEMENTS), &section(AXIAL, small));
-                m.set_rigid_motion(&cable.nodes, Vec3::zero(), vector([0.3, -0.7, 0.4]), vector([0.0, 0.4, 0.9]));
+                m.set_rigid_motion(&cable.nodes, Vector3::zeros(), vector([0.3, -0.7, 0.4]), vector([0.0, 0.4, 0.9]));
                 // one end is pushed, so that the cable bends in space
-                m.set_velocity(cable.end(), vector([0.0, 4.0, -2.0]), Vec3::zero());
+                m.set_velocity(cable.end(), vector([0.0, 4.0, -2.0]), Vector3::zeros());
                 m.energy_functional("energy at the start", Over::Initial);
                 m.energy_functional("energy", Over::Terminal);
             }
@@ -135,7 +135,7 @@ impl Scene for Bar {
 fn supported<S: Scalar>(m: &mut MechanismBuilder<S>, supports: Supports, cable: &CableMember) {
     let ground = m.ground();
     if supports == Supports::Simple {
-        m.spherical("left", [ground, cable.start()], Vec3::zero());
+        m.spherical("left", [ground, cable.start()], Vector3::zeros());
         m.point_on_line("right", [ground, cable.end()], vector([LENGTH, 0.0, 0.0]), vector([1.0, 0.0, 0.0]));
     }
 }
@@ -226,21 +226,21 @@ fn frequencies_are_those_of_euler_and_bernoulli() {
 }
 
 /// Momentum, and angular momentum about the origin, of all elements: integrals of m dr/dt and m r x dr/dt, exact by four Gauss points.
-fn momenta(prepared: &Prepared, q: &[f64], v: &[f64]) -> [Vec3<f64>; 2] {
+fn momenta(prepared: &Prepared, q: &[f64], v: &[f64]) -> [Vector3<f64>; 2] {
     use costate::elements::flexible::hermite::values;
     let (inner, outer) = ((3.0 / 7.0 - 2.0 / 7.0 * 1.2_f64.sqrt()).sqrt(), (3.0 / 7.0 + 2.0 / 7.0 * 1.2_f64.sqrt()).sqrt());
     let weights = [(18.0 + 30.0_f64.sqrt()) / 72.0, (18.0 - 30.0_f64.sqrt()) / 72.0];
     let points = [(-inner, weights[0]), (inner, weights[0]), (-outer, weights[1]), (outer, weights[1])];
     let model = prepared.model();
     let length = LENGTH / ELEMENTS as f64;
-    let mut sums = [Vec3::zero(); 2];
+    let mut sums = [Vector3::zeros(); 2];
     for element in model.elements.iter().filter(|element| element.name.starts_with("cable, element")) {
         let first = model.node(element.nodes[0]).dofs.start;
         let second = model.node(element.nodes[1]).dofs.start;
         for (place, weight) in points {
             let functions = values(0.5 * (1.0 + place));
             let at = |x: &[f64]| {
-                let vector = |place: usize, weight: f64| Vec3::from_slice(&x[place..]) * weight;
+                let vector = |place: usize, weight: f64| Vector3::first_three(&x[place..]) * weight;
                 vector(first, functions[0])
                     + vector(first + 3, functions[1] * length)
                     + vector(second, functions[2])
@@ -248,7 +248,7 @@ fn momenta(prepared: &Prepared, q: &[f64], v: &[f64]) -> [Vec3<f64>; 2] {
             };
             let share = MASS * length * weight;
             sums[0] += at(v) * share;
-            sums[1] += at(q).cross(at(v)) * share;
+            sums[1] += at(q).cross(&at(v)) * share;
         }
     }
     sums
@@ -265,7 +265,7 @@ fn a_thrown_cable_keeps_momentum_angular_momentum_and_energy() {
         let mut watch = Watch(|step: &StepRecord<f64>| {
             let now = momenta(&prepared, &step.q, &step.v);
             for k in 0..2 {
-                worst[k] = worst[k].max((now[k] - start[k]).norm());
+                worst[k] = worst[k].max((now[k] - start[k]).length());
             }
             true
         });
@@ -278,7 +278,7 @@ fn a_thrown_cable_keeps_momentum_angular_momentum_and_energy() {
         );
         // a linear invariant to round-off; the others as exactly as the method is, with axial waves of 80 rad/s and more resolved
         assert!(worst[0] < 1e-11, "{}", worst[0]);
-        assert!(worst[1] < 1e-3 * start[1].norm() && drift < 1e-2, "{} of {}, {drift}", worst[1], start[1].norm());
+        assert!(worst[1] < 1e-3 * start[1].length() && drift < 1e-2, "{} of {}, {drift}", worst[1], start[1].length());
     }
 }
 
@@ -354,7 +354,7 @@ impl Scene for Everything {
             m.rigid_body(name, node, *mass, vector([0.01, 0.0, 0.02]), tensor.map(|entry| *mass * entry));
         }
         let all: Vec<_> = first.nodes.iter().chain(&second.nodes).copied().chain([block, weight]).collect();
-        m.set_rigid_motion(&all, Vec3::zero(), Vec3::zero(), up * *spin);
+        m.set_rigid_motion(&all, Vector3::zeros(), Vector3::zeros(), up * *spin);
         m.cable_hinge("hinge", [ground, first.start()], up);
         m.cable_weld("weld", [block, first.end()], self.stretch);
         m.cable_weld("other weld", [block, second.start()], HeldSlope::Direction);
@@ -364,8 +364,8 @@ impl Scene for Everything {
         m.vector_damper("damper", [block, weight], [at(1.1), at(2.3)], S::from(0.8));
         m.line_damper("line damper", [first.nodes[1], weight], [at(0.5), at(2.3) + up], S::from(0.8));
         m.gravity(vector([0.0, 0.0, -9.81]));
-        m.target_functional("path", Over::Integral, weight, at(2.4), Vec3::zero());
-        m.velocity_functional("speed", Over::Terminal, second.end(), Vec3::zero(), along);
+        m.target_functional("path", Over::Integral, weight, at(2.4), Vector3::zeros());
+        m.velocity_functional("speed", Over::Terminal, second.end(), Vector3::zeros(), along);
         m.energy_functional("energy", Over::Terminal);
         m.mass_functional("mass", Over::Initial);
         m.cable_strain_functional("strain", Over::Integral, &first, 0.5, CableMeasure::Strain);
@@ -425,13 +425,13 @@ impl Scene for Corner {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let (corner, tip) = (vector([1.0, 0.0, 0.0]) * x[0], vector([1.0, 0.5, 0.0]) * x[0]);
         let section = CableSection::new(S::from(2e3), x[1], S::from(0.4));
-        let first = m.cable("first", CableLine::straight([Vec3::zero(), corner], 2).clamped_start(), &section);
+        let first = m.cable("first", CableLine::straight([Vector3::zeros(), corner], 2).clamped_start(), &section);
         let second = m.cable("second", CableLine::straight([corner, tip], 2), &section);
         if let Some(mass) = self.body {
             let joint = m.natural_body("corner", corner, Quaternion::identity());
             if mass > 0.0 {
                 let inertia = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(|entry| S::from(entry * mass));
-                m.rigid_body("corner", joint, S::from(mass), Vec3::zero(), inertia);
+                m.rigid_body("corner", joint, S::from(mass), Vector3::zeros(), inertia);
             }
             m.cable_weld("before", [joint, first.end()], HeldSlope::Direction);
             m.cable_weld("behind", [joint, second.start()], HeldSlope::Direction);
@@ -440,7 +440,7 @@ impl Scene for Corner {
         }
         m.gravity(vector([0.0, -1.0, -2.0]));
         for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-            m.position_functional("tip", Over::Terminal, second.end(), Vec3::zero(), vector(axis));
+            m.position_functional("tip", Over::Terminal, second.end(), Vector3::zeros(), vector(axis));
         }
         Ok(())
     }
@@ -512,7 +512,7 @@ impl Scene for Mistaken {
         let from = if is(Gap) { point(1.2, 0.0) } else { point(1.0, 0.0) };
         let elements = if is(NoElements) { 0 } else { 2 };
         let block = m.natural_body("block", point(1.0, 0.0), Quaternion::identity());
-        m.rigid_body("block", block, S::one(), Vec3::zero(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
+        m.rigid_body("block", block, S::one(), Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
         let line = CableLine::straight([from, to], elements).from_node(if is(BodyAtEnd) { block } else { first.end() });
         let own = if is(DampedSmall) { own.damped(S::one()).small_strains() } else { own };
         let second = m.cable("second", line, &own);

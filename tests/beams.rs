@@ -70,8 +70,8 @@ const BETWEEN: [f64; STRAINS] = [5e4, 3e4, 3e4, 700.0, 900.0, 1300.0];
 /// Damping of the cantilever [s].
 const DAMPING: f64 = 0.011;
 
-fn axis<S: Scalar>(i: usize) -> Vec3<S> {
-    Vec3(std::array::from_fn(|k| S::from(if k == i { 1.0 } else { 0.0 })))
+fn axis<S: Scalar>(i: usize) -> Vector3<S> {
+    Vector3::from(std::array::from_fn(|k| S::from(if k == i { 1.0 } else { 0.0 })))
 }
 
 /// All components of the section force at a share.
@@ -88,9 +88,10 @@ fn growing_force<S: Scalar>(
     name: &str,
     node: NodeId,
     (frame, force): (LoadFrame, [f64; 3]),
-    point: Vec3<S>,
+    point: Vector3<S>,
 ) {
-    let p = [force.map(S::from).to_vec(), m.local_point(node, point).0.to_vec(), vec![S::zero(), S::one()]].concat();
+    let p =
+        [force.map(S::from).to_vec(), m.local_point(node, point).components().to_vec(), vec![S::zero(), S::one()]].concat();
     m.element(name, &[node], AppliedForce { on: Anchor::Body, frame, size: TimeFunction::ConstantRate }, &p);
 }
 
@@ -113,7 +114,7 @@ impl Scene for Bar {
         let number = |value: f64| S::from(value);
         let along = |length: f64| axis::<S>(0) * S::from(length);
         let cantilever = |length: f64, elements: usize| {
-            BeamLine::straight([Vec3::zero(), along(length)], elements, axis(1)).clamped_start()
+            BeamLine::straight([Vector3::zeros(), along(length)], elements, axis(1)).clamped_start()
         };
         match self.0 {
             What::Determinate => {
@@ -121,7 +122,7 @@ impl Scene for Bar {
                 growing_force(m, "force", beam.end(), (LoadFrame::World, TIP[0]), along(LENGTH));
                 let moment = AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size: TimeFunction::Constant };
                 m.element("moment", &[beam.end()], moment, &[&TIP[1].map(S::from)[..], &[S::one()]].concat());
-                let direction = (LoadFrame::World, Vec3::from_f64(ALONG));
+                let direction = (LoadFrame::World, Vector3::from_f64(ALONG));
                 m.distributed_load("load", &beam, direction, TimeFunction::Constant, &[S::one()]);
                 SHARES.iter().for_each(|&share| section_forces(m, &beam, share));
             }
@@ -136,13 +137,13 @@ impl Scene for Bar {
                 }
             }
             What::Hanging => {
-                let down = Vec3::from_f64([0.0, 0.0, -LENGTH]);
-                let line = BeamLine::straight([Vec3::zero(), down], ELEMENTS, axis(1)).clamped_start();
+                let down = Vector3::from_f64([0.0, 0.0, -LENGTH]);
+                let line = BeamLine::straight([Vector3::zeros(), down], ELEMENTS, axis(1)).clamped_start();
                 let beam = m.tapered_beam("bar", line, |share| {
                     let [stiffness, mass] = HANGING.map(|number| S::from(number * (1.0 - 0.6 * share)));
                     Section::new([stiffness; STRAINS]).with_inertia(mass, [number(1e-3); 2])
                 });
-                m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+                m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
                 for share in SHARES {
                     let name = format!("normal force at {share}");
                     m.section_functional(&name, Over::Terminal, &beam, share, SectionMeasure::Force(0));
@@ -156,11 +157,11 @@ impl Scene for Bar {
                 if [x2, x3] != [0.0; 2] {
                     section = section.offset([x2, x3].map(S::from));
                 }
-                let beside = Vec3::from_f64([0.0, -x2, -x3]);
+                let beside = Vector3::from_f64([0.0, -x2, -x3]);
                 let line = BeamLine::straight([beside, along(1.0) + beside], elements, axis(1)).clamped_start();
                 let beam = m.beam("beam", line, &section);
                 if loaded {
-                    m.gravity(Vec3::from_f64([0.0, 1.0, -2.0]));
+                    m.gravity(Vector3::from_f64([0.0, 1.0, -2.0]));
                     growing_force(m, "force", beam.end(), (LoadFrame::World, [-1.0, 3.0, 6.0]), along(1.0));
                 }
                 for i in 0..3 {
@@ -169,13 +170,13 @@ impl Scene for Bar {
             }
             What::Dumbbell => {
                 // the frames of the bodies lie askew to the bar
-                let turn = Quaternion::about(Vec3::from_f64([1.0, 2.0, -1.0]).normalized(), number(0.7));
-                let ends = [Vec3::from_f64([0.3, -0.2, 0.5]), Vec3::from_f64([0.3, 1.0, 2.1])];
+                let turn = Quaternion::about(Vector3::from_f64([1.0, 2.0, -1.0]).unit(), number(0.7));
+                let ends = [Vector3::from_f64([0.3, -0.2, 0.5]), Vector3::from_f64([0.3, 1.0, 2.1])];
                 let [mass, inertia] = BODY.map(S::from);
                 let nodes = [("left", ends[0]), ("right", ends[1])].map(|(name, place)| {
                     let node = m.body(name, place, turn);
                     let zero = S::zero();
-                    m.rigid_body(name, node, mass, Vec3::zero(), [inertia, inertia, inertia, zero, zero, zero]);
+                    m.rigid_body(name, node, mass, Vector3::zeros(), [inertia, inertia, inertia, zero, zero, zero]);
                     node
                 });
                 let section = Section::new(BETWEEN.map(S::from)).with_inertia(number(1e-8), [number(1e-9); 2]);
@@ -202,7 +203,7 @@ impl Scene for Bar {
                     }
                 } else {
                     let (size, values) = (TimeFunction::ConstantRate, [S::zero(), S::one()]);
-                    m.distributed_load("load", &beam, (frame, Vec3::from_f64(direction)), size, &values);
+                    m.distributed_load("load", &beam, (frame, Vector3::from_f64(direction)), size, &values);
                 }
                 for i in 0..3 {
                     m.position_functional(&format!("{i} of the tip"), Over::Terminal, beam.end(), along(1.0), axis(i));
@@ -246,11 +247,11 @@ fn invariants(prepared: &Prepared, q: &[f64], v: &[f64]) -> [f64; 7] {
         let mut rigid: [Vec<f64>; 6] = Default::default();
         for node in &element.nodes {
             let dofs = model.node(*node).dofs.clone();
-            let (place, e) = (Vec3::from_slice(&q[dofs.start..]), Quaternion::from_slice(&q[dofs.start + 3..]));
+            let (place, e) = (Vector3::first_three(&q[dofs.start..]), Quaternion::from_slice(&q[dofs.start + 3..]));
             for i in 0..3 {
-                rigid[i].extend(axis::<f64>(i).0.into_iter().chain([0.0; 4]));
+                rigid[i].extend(axis::<f64>(i).components().into_iter().chain([0.0; 4]));
                 let turning = e.rate_of_body_velocity(e.rotate_back(axis(i)));
-                rigid[3 + i].extend(axis::<f64>(i).cross(place).0.into_iter().chain(turning));
+                rigid[3 + i].extend(axis::<f64>(i).cross(&place).components().into_iter().chain(turning));
             }
             own_q.extend_from_slice(&q[dofs.clone()]);
             own_v.extend_from_slice(&v[dofs]);
@@ -300,15 +301,15 @@ fn a_free_rod_keeps_the_momentum_that_its_load_gave_it() {
 #[test]
 fn section_forces_of_a_cantilever_balance_its_loads() {
     let found = values(&Bar(What::Determinate));
-    let (force, moment, load) = (Vec3(TIP[0]), Vec3(TIP[1]), Vec3(ALONG));
+    let (force, moment, load) = (Vector3::from(TIP[0]), Vector3::from(TIP[1]), Vector3::from(ALONG));
     for (share, found) in SHARES.into_iter().zip(found.chunks(STRAINS)) {
         for component in 0..STRAINS {
             let exact = |share: f64| {
                 let rest = LENGTH * (1.0 - share);
-                let of_load = axis::<f64>(0).cross(load) * (0.5 * rest * rest);
-                let moment = moment + axis::<f64>(0).cross(force) * rest + of_load;
+                let of_load = axis::<f64>(0).cross(&load) * (0.5 * rest * rest);
+                let moment = moment + axis::<f64>(0).cross(&force) * rest + of_load;
                 let force = force + load * rest;
-                if component < 3 { force.0[component] } else { moment.0[component - 3] }
+                if component < 3 { force[component] } else { moment[component - 3] }
             };
             let expected = by_tying_points(share, exact);
             // angles of 1e-7 rad turn forces of some newtons, and strains of 1e-8 have lost their last eight digits
@@ -512,7 +513,7 @@ impl Field for Cable {
         0..2
     }
     fn potential<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
-        let strain = Vec3::from_slice(h).norm() / p[1] - 1.0;
+        let strain = Vector3::first_three(h).length() / p[1] - 1.0;
         p[0] * p[1] * strain * strain * 0.5
     }
 }
@@ -531,12 +532,12 @@ impl Scene for Plumb {
         Settings::statics(2)
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let start = Vec3::from_f64([0.1, 0.0, -0.9]);
-        let (hook, mass) = (m.point("hook", Vec3::zero()), m.point("mass", start));
+        let start = Vector3::from_f64([0.1, 0.0, -0.9]);
+        let (hook, mass) = (m.point("hook", Vector3::zeros()), m.point("mass", start));
         let ground = m.ground();
-        m.spherical("hook", [ground, hook], Vec3::zero());
+        m.spherical("hook", [ground, hook], Vector3::zeros());
         m.point_mass("mass", mass, S::from(1.3));
-        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
         m.element("cable", &[hook, mass], Flexible(Cable), x);
         m.position_functional("height", Over::Terminal, mass, start, axis(2));
         Ok(())
@@ -587,7 +588,7 @@ impl Scene for Mistaken {
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         use Mistake::*;
         let section = Section::new([S::from(10.0); STRAINS]).with_inertia(S::one(), [S::one(); 2]);
-        let ends = [Vec3::zero(), axis::<S>(0)];
+        let ends = [Vector3::zeros(), axis::<S>(0)];
         let ground = m.ground();
         let body =
             |m: &mut MechanismBuilder<S>, angle: f64| m.body("body", ends[1], Quaternion::about(axis(2), S::from(angle)));
@@ -613,7 +614,7 @@ impl Scene for Mistaken {
         growing_force(m, "force", tip, (LoadFrame::World, [0.0, 0.1, 0.0]), ends[1]);
         m.gravity(axis(2));
         m.distributed_load("load", &beam, (LoadFrame::Body, axis(1)), TimeFunction::Constant, &[S::one()]);
-        m.set_rigid_motion(&beam.nodes, ends[0], Vec3::zero(), Vec3::zero());
+        m.set_rigid_motion(&beam.nodes, ends[0], Vector3::zeros(), Vector3::zeros());
         let (share, measure) = match self.0 {
             Some(FibreWithoutPlace) => (0.5, SectionMeasure::FibreStress),
             Some(Component) => (0.5, SectionMeasure::Strain(6)),

@@ -25,29 +25,29 @@ impl Scene for Tumbler {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [mass, length, inertia, stiffness, spin] = x else { return Err("5 variables expected".into()) };
         let ground = m.ground();
-        let axis = Vec3::from_f64([0.6, 0.0, 0.8]);
+        let axis = Vector3::from_f64([0.6, 0.0, 0.8]);
         let middle = axis * *length;
-        let omega = Vec3::from_f64([0.3, -0.5, 1.0]) * *spin;
+        let omega = Vector3::from_f64([0.3, -0.5, 1.0]) * *spin;
         let products = [0.03, -0.02, 0.05].map(S::from);
         let tensor = [*inertia, *inertia * 1.5, *inertia * 2.0, products[0], products[1], products[2]];
-        let turn = Quaternion::about(Vec3::from_f64([0.0, 0.6, 0.8]), S::from(0.4));
-        let body = |m: &mut MechanismBuilder<S>, name: &str, place: Vec3<S>, turn: Quaternion<S>| {
+        let turn = Quaternion::about(Vector3::from_f64([0.0, 0.6, 0.8]), S::from(0.4));
+        let body = |m: &mut MechanismBuilder<S>, name: &str, place: Vector3<S>, turn: Quaternion<S>| {
             if self.natural { m.natural_body(name, place, turn) } else { m.body(name, place, turn) }
         };
         let first = body(m, "first", middle * S::from(0.5), turn);
-        m.rigid_body("first", first, *mass, Vec3::from_f64([0.05, 0.02, -0.03]), tensor);
-        m.set_velocity(first, omega.cross(middle * S::from(0.5)), omega);
-        let second = body(m, "second", middle + Vec3::from_f64([0.2, 0.1, 0.0]), Quaternion::identity());
-        m.rigid_body("second", second, *mass * 0.5, Vec3::zero(), tensor);
-        m.set_velocity(second, omega.cross(middle) - omega.cross(Vec3::from_f64([-0.2, -0.1, 0.0])), omega);
-        m.spherical("pivot", [ground, first], Vec3::zero());
+        m.rigid_body("first", first, *mass, Vector3::from_f64([0.05, 0.02, -0.03]), tensor);
+        m.set_velocity(first, omega.cross(&(middle * S::from(0.5))), omega);
+        let second = body(m, "second", middle + Vector3::from_f64([0.2, 0.1, 0.0]), Quaternion::identity());
+        m.rigid_body("second", second, *mass * 0.5, Vector3::zeros(), tensor);
+        m.set_velocity(second, omega.cross(&middle) - omega.cross(&Vector3::from_f64([-0.2, -0.1, 0.0])), omega);
+        m.spherical("pivot", [ground, first], Vector3::zeros());
         m.spherical("knee", [first, second], middle);
-        let tip = middle + Vec3::from_f64([0.4, 0.2, 0.1]);
-        m.line_spring("spring", [ground, second], [Vec3::from_f64([1.0, 1.0, 1.0]), tip], *stiffness, S::from(0.5));
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
-        m.target_functional("path", Over::Integral, second, tip, Vec3::zero());
+        let tip = middle + Vector3::from_f64([0.4, 0.2, 0.1]);
+        m.line_spring("spring", [ground, second], [Vector3::from_f64([1.0, 1.0, 1.0]), tip], *stiffness, S::from(0.5));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
+        m.target_functional("path", Over::Integral, second, tip, Vector3::zeros());
         m.energy_functional("energy", Over::Terminal);
-        let knee = m.spherical("tied", [ground, first], Vec3::zero());
+        let knee = m.spherical("tied", [ground, first], Vector3::zeros());
         m.reaction_functional("force", Over::Integral, knee, &[S::one(), S::zero(), S::zero()]);
         Ok(())
     }

@@ -36,20 +36,20 @@ struct Small(What);
 const MASS: f64 = 1.3;
 const STIFFNESS: f64 = 250.0;
 
-fn fixed_axis() -> Vec3<f64> {
-    Vec3::from_f64([0.0, 1.0, 0.0])
+fn fixed_axis() -> Vector3<f64> {
+    Vector3::from_f64([0.0, 1.0, 0.0])
 }
 
 fn load<S: Scalar>(
     m: &mut MechanismBuilder<S>,
     (node, on): (NodeId, Anchor),
     direction: [f64; 3],
-    point: Vec3<S>,
+    point: Vector3<S>,
     frame: LoadFrame,
     size: f64,
 ) {
     let local = m.local_point(node, point);
-    let p = [&direction.map(S::from)[..], &local.0, &[S::zero(), S::from(size)]].concat();
+    let p = [&direction.map(S::from)[..], &local.components(), &[S::zero(), S::from(size)]].concat();
     m.element("load", &[node], AppliedForce { on, frame, size: TimeFunction::ConstantRate }, &p);
 }
 
@@ -68,8 +68,8 @@ impl Scene for Small {
     }
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let ground = m.ground();
-        let at = |x: f64, z: f64| Vec3::<S>::from_f64([x, 0.0, z]);
-        let axis = Vec3::from_f64(fixed_axis().0);
+        let at = |x: f64, z: f64| Vector3::<S>::from_f64([x, 0.0, z]);
+        let axis = Vector3::from_f64(fixed_axis().components());
         let (along, down) = (at(1.0, 0.0), at(0.0, -GRAVITY));
         let tensor = [0.2, 0.3, 0.4, 0.0, 0.0, 0.0].map(S::from);
         match self.0 {
@@ -89,7 +89,7 @@ impl Scene for Small {
             What::Rod { length, offset } => {
                 let rod = m.body("rod", at(0.0, -length + offset), Quaternion::identity());
                 m.rigid_body("rod", rod, S::from(MASS), at(0.0, -offset), tensor);
-                m.revolute("hinge", [ground, rod], Vec3::zero(), axis);
+                m.revolute("hinge", [ground, rod], Vector3::zeros(), axis);
                 m.gravity(down);
             }
             What::DoublePendulum => {
@@ -110,7 +110,7 @@ impl Scene for Small {
             What::FreePair => {
                 let nodes = [("left", 0.0), ("right", 1.0)].map(|(name, x)| {
                     let node = m.body(name, at(x, 0.0), Quaternion::identity());
-                    m.rigid_body(name, node, S::from(MASS), Vec3::zero(), tensor);
+                    m.rigid_body(name, node, S::from(MASS), Vector3::zeros(), tensor);
                     node
                 });
                 let coefficients = [[100.0, 200.0, 300.0, 40.0, 50.0, 60.0].map(S::from), [S::zero(); 6]];
@@ -123,7 +123,7 @@ impl Scene for Small {
                     // its mass is at the upper end
                     let link = m.body(&format!("link {i}"), at(0.0, top), Quaternion::identity());
                     let mass = if i == 1 { 2.0 } else { 1.0 };
-                    m.rigid_body(&format!("link {i}"), link, S::from(mass), Vec3::zero(), [S::zero(); 6]);
+                    m.rigid_body(&format!("link {i}"), link, S::from(mass), Vector3::zeros(), [S::zero(); 6]);
                     m.revolute(&format!("hinge {i}"), [last.0, link], at(0.0, foot), axis);
                     m.torsion_spring_damper(&format!("spring {i}"), [last.0, link], axis, [S::one(), S::zero(), S::zero()]);
                     last = (link, top);
@@ -153,7 +153,7 @@ impl Scene for Small {
             What::Rolling => {
                 let centre = at(0.0, 0.5);
                 let ball = m.body("ball", centre, Quaternion::identity());
-                m.rigid_body("ball", ball, S::from(MASS), Vec3::zero(), tensor);
+                m.rigid_body("ball", ball, S::from(MASS), Vector3::zeros(), tensor);
                 m.rolling_sphere(["contact", "rolling"], [ground, ball], centre, at(0.0, 1.0), S::from(0.5));
             }
         }
@@ -310,10 +310,10 @@ impl Scene for Released {
     }
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let ground = m.ground();
-        let rod = m.body("rod", Vec3::from_f64([0.3, 0.0, -0.4]), Quaternion::identity());
-        m.rigid_body("rod", rod, S::one(), Vec3::zero(), [0.1, 0.1, 0.1, 0.0, 0.0, 0.0].map(S::from));
-        m.revolute("hinge", [ground, rod], Vec3::zero(), Vec3::from_f64(fixed_axis().0));
-        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+        let rod = m.body("rod", Vector3::from_f64([0.3, 0.0, -0.4]), Quaternion::identity());
+        m.rigid_body("rod", rod, S::one(), Vector3::zeros(), [0.1, 0.1, 0.1, 0.0, 0.0, 0.0].map(S::from));
+        m.revolute("hinge", [ground, rod], Vector3::zeros(), Vector3::from_f64(fixed_axis().components()));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
         Ok(())
     }
 }

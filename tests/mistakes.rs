@@ -49,7 +49,7 @@ impl Scene for Mistaken {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         use Mistake::*;
         let ground = m.ground();
-        let axis = Vec3::from_f64([1.0, 0.0, 0.0]);
+        let axis = Vector3::from_f64([1.0, 0.0, 0.0]);
         let mut turn = Quaternion::identity();
         if let Some(NonUnitQuaternion) = self.0 {
             turn.0[0] = S::from(1.1);
@@ -61,28 +61,28 @@ impl Scene for Mistaken {
             _ => 2.0,
         };
         let tensor = [0.01, 0.2, 0.2, 0.0, 0.0, 0.0].map(S::from);
-        m.rigid_body("rod", rod, S::from(mass), Vec3::zero(), tensor);
-        let hinge = Vec3::from_f64([0.0, 1.0, 0.0]);
+        m.rigid_body("rod", rod, S::from(mass), Vector3::zeros(), tensor);
+        let hinge = Vector3::from_f64([0.0, 1.0, 0.0]);
         let pivot = if let Some(GapInJoint) = self.0 { 0.01 } else { 0.0 };
-        m.revolute("hinge", [ground, rod], Vec3::zero(), hinge);
+        m.revolute("hinge", [ground, rod], Vector3::zeros(), hinge);
         m.numbers.p[m.model.constraints[0].parameters.start] = S::from(pivot);
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
-        m.position_functional("tip", Over::Terminal, rod, axis * x[0], Vec3::from_f64([0.0, 0.0, 1.0]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
+        m.position_functional("tip", Over::Terminal, rod, axis * x[0], Vector3::from_f64([0.0, 0.0, 1.0]));
         match self.0 {
             Some(LengtheningRates) => {
                 let first = m.model.nodes[1].dofs.start;
                 m.numbers.v[first + 3] = S::from(0.25);
             }
             Some(UnconnectedBody) => {
-                m.body("forgotten", Vec3::zero(), Quaternion::identity());
+                m.body("forgotten", Vector3::zeros(), Quaternion::identity());
             }
-            Some(WrongVelocity) => m.set_velocity(rod, axis, Vec3::zero()),
+            Some(WrongVelocity) => m.set_velocity(rod, axis, Vector3::zeros()),
             Some(RedundantJoint) => {
                 m.revolute("second hinge", [ground, rod], hinge, hinge);
             }
             Some(NoInertia) => {
                 let point = m.point("tip", axis * x[0]);
-                let ends = [axis * x[0], Vec3::from_f64([2.0, 0.0, 0.5])];
+                let ends = [axis * x[0], Vector3::from_f64([2.0, 0.0, 0.5])];
                 m.line_spring("string", [point, ground], ends, S::from(10.0), S::from(0.1));
             }
             Some(WrongParameterCount) => {
@@ -98,7 +98,7 @@ impl Scene for Mistaken {
             }
             Some(ZeroPitch) => drop(m.helical("screw", [ground, rod], hinge, hinge, S::zero())),
             Some(SkewPins) => drop(m.universal("cross", [ground, rod], hinge, [axis, axis + hinge])),
-            Some(NoAxis) => drop(m.prismatic("slide", [ground, rod], hinge, Vec3::zero())),
+            Some(NoAxis) => drop(m.prismatic("slide", [ground, rod], hinge, Vector3::zeros())),
             Some(PointForBody) => {
                 let bob = m.point("bob", axis * x[0]);
                 m.point_mass("bob", bob, S::one());

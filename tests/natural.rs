@@ -27,12 +27,12 @@ struct Chain {
     joints: Joints,
 }
 
-fn vector<S: Scalar>(components: [f64; 3]) -> Vec3<S> {
-    Vec3::from_f64(components)
+fn vector<S: Scalar>(components: [f64; 3]) -> Vector3<S> {
+    Vector3::from_f64(components)
 }
 
 impl Chain {
-    fn body<S: Scalar>(&self, m: &mut MechanismBuilder<S>, number: usize, mass: S, place: Vec3<S>) -> NodeId {
+    fn body<S: Scalar>(&self, m: &mut MechanismBuilder<S>, number: usize, mass: S, place: Vector3<S>) -> NodeId {
         let turn = Quaternion::about(vector([0.0, 0.6, 0.8]), S::from(0.4 + 0.9 * number as f64));
         let name = format!("body {number}");
         let natural = self.kind == Kind::Natural || (self.kind == Kind::Mixed && number.is_multiple_of(2));
@@ -62,7 +62,7 @@ impl Scene for Chain {
         let point = |i: usize| along * (*length * (i as f64));
         let bodies: Vec<NodeId> = (0..4).map(|i| self.body(m, i, *mass, point(i) + along * (*length * 0.5))).collect();
         let omega = along * *spin;
-        m.set_rigid_motion(&bodies, Vec3::zero(), Vec3::zero(), omega);
+        m.set_rigid_motion(&bodies, Vector3::zeros(), Vector3::zeros(), omega);
         let pair = |i: usize| [if i == 0 { ground } else { bodies[i - 1] }, bodies[i]];
         let damped = [*stiffness * 0.1, S::from(0.2), S::from(0.1)];
         let first: ConstraintId = match self.joints {
@@ -107,17 +107,21 @@ impl Scene for Chain {
         for (i, frame) in [LoadFrame::World, LoadFrame::Body].into_iter().enumerate() {
             let on = m.model.node(bodies[i]).kind.anchor().ok_or("bodies have places")?;
             let local = |direction: [f64; 3]| {
-                if i == 1 { m.local_direction(bodies[i], vector(direction)).0 } else { vector(direction).0 }
+                if i == 1 {
+                    m.local_direction(bodies[i], vector(direction)).components()
+                } else {
+                    vector(direction).components()
+                }
             };
             let (force, torque) = (local([0.3, -0.5, 0.7]), local([0.7, 0.2, -0.4]));
-            let p = [&force[..], &m.local_point(bodies[i], point(i)).0, &[S::from(2.0)]].concat();
+            let p = [&force[..], &m.local_point(bodies[i], point(i)).components(), &[S::from(2.0)]].concat();
             let size = TimeFunction::Constant;
             m.element(&format!("force {i}"), &[bodies[i]], AppliedForce { on, frame, size: size.clone() }, &p);
             let p = [&torque[..], &[S::from(0.6)]].concat();
             m.element(&format!("torque {i}"), &[bodies[i]], AppliedTorque { on, frame, size }, &p);
         }
         m.gravity(vector([0.0, 0.0, -9.81]));
-        m.target_functional("path", Over::Integral, bodies[3], tip, Vec3::zero());
+        m.target_functional("path", Over::Integral, bodies[3], tip, Vector3::zeros());
         m.velocity_functional("speed", Over::Terminal, bodies[3], tip, across);
         m.energy_functional("energy", Over::Terminal);
         m.joint_angle_functional("turned", Over::Terminal, pair(0), along);
@@ -218,8 +222,8 @@ impl Scene for Single {
         let ground = m.ground();
         let omega = vector([0.0, 0.0, 1.0]);
         if self.pinned {
-            m.set_rigid_motion(&[node], Vec3::zero(), Vec3::zero(), omega);
-            let joints = ["first", "second"].map(|name| m.revolute(name, [ground, node], Vec3::zero(), omega));
+            m.set_rigid_motion(&[node], Vector3::zeros(), Vector3::zeros(), omega);
+            let joints = ["first", "second"].map(|name| m.revolute(name, [ground, node], Vector3::zeros(), omega));
             for joint in joints {
                 let on = (joint, node);
                 for (kind, axis) in [(LoadKind::Force, [1.0, 0.0, 0.0]), (LoadKind::Moment, [0.0, 1.0, 0.0])] {
@@ -229,7 +233,7 @@ impl Scene for Single {
                 m.reaction_norm_functional("norm", Over::Terminal, joint);
             }
         } else {
-            m.set_velocity(node, Vec3::zero(), vector([1.0, 0.1, 1.0]));
+            m.set_velocity(node, Vector3::zeros(), vector([1.0, 0.1, 1.0]));
             m.energy_functional("energy", Over::Terminal);
             m.energy_functional("energy at the start", Over::Initial);
         }
@@ -298,8 +302,8 @@ impl Scene for Skew {
         Settings::new(1.0, 10)
     }
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let node = m.natural_body("plate", Vec3::zero(), Quaternion([1.1, 0.0, 0.0, 0.0].map(S::from)));
-        m.rigid_body("plate", node, S::one(), Vec3::zero(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
+        let node = m.natural_body("plate", Vector3::zeros(), Quaternion([1.1, 0.0, 0.0, 0.0].map(S::from)));
+        m.rigid_body("plate", node, S::one(), Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
         Ok(())
     }
 }

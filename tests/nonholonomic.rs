@@ -7,7 +7,7 @@ use costate::elements::joints::{RollingDisc, RollingSphere};
 use costate::elements::{Anchor, AnyConstraint, ConstraintIn, Nonholonomic, State, TimeFunction};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
-use costate::scalar::{Complex, Quaternion, Scalar, Taylor, Vec3};
+use costate::scalar::{Complex, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
 use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 use support::Random;
@@ -38,23 +38,23 @@ impl Scene for BallOnTurntable {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [radius, mass, turn] = x else { return Err("3 variables".into()) };
-        let at = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
         let (ground, z) = (m.ground(), at([0.0, 0.0, 1.0]));
-        let table = m.body("table", Vec3::zero(), Quaternion::identity());
-        m.set_velocity(table, Vec3::zero(), z * *turn);
-        m.rigid_body("table", table, S::from(2.0), Vec3::zero(), [1.0, 1.0, 2.0, 0.0, 0.0, 0.0].map(S::from));
-        m.revolute("bearing", [ground, table], Vec3::zero(), z);
+        let table = m.body("table", Vector3::zeros(), Quaternion::identity());
+        m.set_velocity(table, Vector3::zeros(), z * *turn);
+        m.rigid_body("table", table, S::from(2.0), Vector3::zeros(), [1.0, 1.0, 2.0, 0.0, 0.0, 0.0].map(S::from));
+        m.revolute("bearing", [ground, table], Vector3::zeros(), z);
         m.prescribed_rotation("drive", [ground, table], z, TimeFunction::ConstantRate, &[S::zero(), *turn]);
 
         let centre = at([START[0], START[1], 0.0]) + z * *radius;
         let velocity = at([SPEED[0], SPEED[1], 0.0]);
         let ball = m.body("ball", centre, Quaternion::about(at([0.6, 0.0, 0.8]), S::from(0.4)));
         // v - r omega x z = turn z x centre, and a spin about z that changes nothing
-        let sliding = velocity - z.cross(centre) * *turn;
-        m.set_velocity(ball, velocity, z.cross(sliding) * (S::one() / *radius) + z * S::from(1.7));
+        let sliding = velocity - z.cross(&centre) * *turn;
+        m.set_velocity(ball, velocity, z.cross(&sliding) * (S::one() / *radius) + z * S::from(1.7));
         let moment = *mass * *radius * *radius * 0.4;
         let zero = S::zero();
-        m.rigid_body("ball", ball, *mass, Vec3::zero(), [moment, moment, moment, zero, zero, zero]);
+        m.rigid_body("ball", ball, *mass, Vector3::zeros(), [moment, moment, moment, zero, zero, zero]);
         m.gravity(z * S::from(-9.81));
         let [contact, rolling] = m.rolling_sphere(["contact", "rolling"], [table, ball], centre, z, *radius);
         for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
@@ -201,7 +201,7 @@ impl Scene for TumblingDisc {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [radius, roll, lean] = x else { return Err("3 variables".into()) };
-        let at = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
         let (ground, z) = (m.ground(), at([0.0, 0.0, 1.0]));
         // rolls along x; the axis y leans about x
         let turn = Quaternion::about(at([1.0, 0.0, 0.0]), *lean);
@@ -210,13 +210,13 @@ impl Scene for TumblingDisc {
         let centre = up * *radius;
         let omega = axis * *roll + z * S::from(1.1) + at([0.3, 0.0, 0.0]);
         let disc = m.body("disc", centre, turn);
-        m.set_velocity(disc, omega.cross(centre), omega);
+        m.set_velocity(disc, omega.cross(&centre), omega);
         let quarter = *radius * *radius * 0.25;
         let zero = S::zero();
-        m.rigid_body("disc", disc, S::one(), Vec3::zero(), [quarter, quarter * 2.0, quarter, zero, zero, zero]);
+        m.rigid_body("disc", disc, S::one(), Vector3::zeros(), [quarter, quarter * 2.0, quarter, zero, zero, zero]);
         m.gravity(z * S::from(-9.81));
         let [_, rolling] =
-            m.rolling_disc(["contact", "rolling"], [ground, disc], (centre, axis), (Vec3::zero(), z), *radius);
+            m.rolling_disc(["contact", "rolling"], [ground, disc], (centre, axis), (Vector3::zeros(), z), *radius);
         m.energy_functional("energy at the start", Over::Initial);
         m.energy_functional("energy", Over::Terminal);
         m.position_functional("path", Over::Integral, disc, centre, at([0.3, 0.5, 0.4]));

@@ -282,13 +282,13 @@ impl Scene for Stone {
         if x[0].value() > self.fastest {
             return Err(format!("u is {}, more than {}", x[0].value(), self.fastest));
         }
-        let stone = m.point("stone", Vec3::zero());
-        m.set_velocity(stone, Vec3([x[0], x[1], S::zero()]), Vec3::zero());
+        let stone = m.point("stone", Vector3::zeros());
+        m.set_velocity(stone, Vector3::new(x[0], x[1], S::zero()), Vector3::zeros());
         m.point_mass("stone", stone, x[2]);
-        m.gravity(Vec3::from_f64([0.0, -GRAVITY, 0.0]));
-        let target = Vec3::from_f64([TARGET[0], TARGET[1], 0.0]);
-        m.target_functional("miss", Over::Terminal, stone, Vec3::zero(), target);
-        m.position_functional("reach", Over::Terminal, stone, Vec3::zero(), Vec3::from_f64([1.0, 0.0, 0.0]));
+        m.gravity(Vector3::from_f64([0.0, -GRAVITY, 0.0]));
+        let target = Vector3::from_f64([TARGET[0], TARGET[1], 0.0]);
+        m.target_functional("miss", Over::Terminal, stone, Vector3::zeros(), target);
+        m.position_functional("reach", Over::Terminal, stone, Vector3::zeros(), Vector3::from_f64([1.0, 0.0, 0.0]));
         m.energy_functional("energy", Over::Initial);
         m.mass_functional("mass of the stone", Over::Initial);
         Ok(())

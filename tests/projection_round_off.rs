@@ -3,7 +3,7 @@
 use costate::design::DesignVariable;
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, StepRecord, march, table_by_name};
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::built_in::DoublePendulum;
 use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, Violation};
 
@@ -23,12 +23,12 @@ impl Scene for TopWithFrameAtTip {
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let ground = m.ground();
         let (sine, cosine) = f64::sin_cos(0.5);
-        let top = m.body("top", Vec3::zero(), Quaternion::about(Vec3::from_f64([0.0, 1.0, 0.0]), S::from(0.5)));
-        m.set_velocity(top, Vec3::zero(), Vec3::from_f64([10.0 * sine, 0.0, 10.0 * cosine]));
+        let top = m.body("top", Vector3::zeros(), Quaternion::about(Vector3::from_f64([0.0, 1.0, 0.0]), S::from(0.5)));
+        m.set_velocity(top, Vector3::zeros(), Vector3::from_f64([10.0 * sine, 0.0, 10.0 * cosine]));
         let inertia = [0.75, 0.75, 0.5, 0.0, 0.0, 0.0].map(S::from);
-        m.rigid_body("top", top, S::one(), Vec3::from_f64([0.0, 0.0, 0.5]), inertia);
-        m.gravity(Vec3::from_f64([0.0, 0.0, -2.0]));
-        m.spherical("tip", [ground, top], Vec3::zero());
+        m.rigid_body("top", top, S::one(), Vector3::from_f64([0.0, 0.0, 0.5]), inertia);
+        m.gravity(Vector3::from_f64([0.0, 0.0, -2.0]));
+        m.spherical("tip", [ground, top], Vector3::zeros());
         Ok(())
     }
 }

@@ -7,7 +7,7 @@ use costate::history::Keep;
 use costate::integrators::{
     ConstraintLevel, Method, Recorder, RunError, StartRecord, StepControl, StepRecord, march, table_by_name,
 };
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 
@@ -33,11 +33,11 @@ impl Scene for Loop {
         Settings::new(self.end, self.steps).dropping_redundant()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let corner = |i: usize| Vec3::<S>::from_f64(CORNERS[i % 6]) * x[1];
+        let corner = |i: usize| Vector3::<S>::from_f64(CORNERS[i % 6]) * x[1];
         let mut bars: Vec<_> = (0..5)
             .map(|i| {
                 let (from, to) = (corner(i), corner(i + 1));
-                let along = (to - from).normalized();
+                let along = (to - from).unit();
                 let bar = m.body(&format!("bar {i}"), (from + to) * S::from(0.5), Quaternion::x_axis_to(along));
                 let lateral = x[0] * x[1] * x[1] / 12.0;
                 let zero = S::zero();
@@ -45,20 +45,20 @@ impl Scene for Loop {
                     &format!("bar {i}"),
                     bar,
                     x[0],
-                    Vec3::zero(),
+                    Vector3::zeros(),
                     [lateral * 1e-3, lateral, lateral, zero, zero, zero],
                 );
                 bar
             })
             .collect();
         bars.push(m.ground());
-        m.gravity(Vec3::from_f64([0.0, -9.81, 0.0]));
+        m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
         let mut joints = vec![None; 6];
         for i in self.order {
             let nodes = [bars[(i + 5) % 6], bars[i]];
-            joints[i] = Some(m.revolute(&format!("hinge {i}"), nodes, corner(i), Vec3::from_f64(AXES[i])));
+            joints[i] = Some(m.revolute(&format!("hinge {i}"), nodes, corner(i), Vector3::from_f64(AXES[i])));
         }
-        m.position_functional("place", Over::Terminal, bars[2], corner(3), Vec3::from_f64([1.0, 0.5, -0.3]));
+        m.position_functional("place", Over::Terminal, bars[2], corner(3), Vector3::from_f64([1.0, 0.5, -0.3]));
         m.energy_functional("energy", Over::Terminal);
         for (i, joint) in joints.into_iter().enumerate() {
             let weights = [1.0, 0.5, -0.7, 0.3, 0.2].map(S::from);
@@ -159,10 +159,10 @@ impl Scene for Door {
         Settings::new(0.1, 2).dropping_redundant()
     }
     fn build<S: Scalar>(&self, _: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let at = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
         let (ground, z) = (m.ground(), at([0.0, 0.0, 1.0]));
         let door = m.body("door", at([0.4, 0.0, 0.0]), Quaternion::identity());
-        m.rigid_body("door", door, S::from(20.0), Vec3::zero(), [1.0, 2.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
+        m.rigid_body("door", door, S::from(20.0), Vector3::zeros(), [1.0, 2.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
         m.gravity(at([0.0, 0.0, -10.0]));
         let hinges = [1.0, -1.0].map(|height| {
             let point = at([0.0, 0.0, height]);

@@ -141,7 +141,7 @@ impl Scene for Net {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         const MESH: f64 = 0.1;
         let ground = m.ground();
-        let place = |i: usize, j: usize| Vec3::from_f64([MESH * i as f64, MESH * j as f64, 0.0]);
+        let place = |i: usize, j: usize| Vector3::from_f64([MESH * i as f64, MESH * j as f64, 0.0]);
         let mut nodes = Vec::new();
         for (i, j) in (0..self.side * self.side).map(|k| (k / self.side, k % self.side)) {
             let node = if i == 0 { ground } else { m.point(&format!("knot {i} {j}"), place(i, j)) };
@@ -155,14 +155,14 @@ impl Scene for Net {
                 if other_i < self.side && other_j < self.side && (i, other_i) != (0, 0) {
                     let pair = [nodes[i * self.side + j], nodes[other_i * self.side + other_j]];
                     let ends = [place(i, j), place(other_i, other_j)];
-                    let rest = (ends[1] - ends[0]).norm() * 0.95;
+                    let rest = (ends[1] - ends[0]).length() * 0.95;
                     m.line_spring(&format!("spring {i} {j} {other_i} {other_j}"), pair, ends, x[0], rest);
                 }
             }
         }
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
         let corner = nodes[self.side * self.side - 1];
-        let up = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let up = Vector3::from_f64([0.0, 0.0, 1.0]);
         m.position_functional("z of a corner", Over::Terminal, corner, place(self.side - 1, self.side - 1), up);
         m.position_functional("z of a corner, integral", Over::Integral, corner, place(self.side - 1, self.side - 1), up);
         Ok(())

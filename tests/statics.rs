@@ -17,12 +17,12 @@ fn ramped_force<S: Scalar>(
     m: &mut MechanismBuilder<S>,
     name: &str,
     (node, on): (NodeId, Anchor),
-    (direction, point): ([f64; 3], Vec3<S>),
+    (direction, point): ([f64; 3], Vector3<S>),
     frame: LoadFrame,
     size: S,
 ) {
     let local = m.local_point(node, point);
-    let p = [&direction.map(S::from)[..], &local.0, &[S::zero(), size]].concat();
+    let p = [&direction.map(S::from)[..], &local.components(), &[S::zero(), size]].concat();
     m.element(name, &[node], AppliedForce { on, frame, size: TimeFunction::ConstantRate }, &p);
 }
 
@@ -55,18 +55,18 @@ impl Scene for Truss {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [stiffness, rest, half, mass, load] = x else { return Err("5 variables".into()) };
         let ground = m.ground();
-        let place = Vec3::from_f64([0.0, 0.0, RISE]);
+        let place = Vector3::from_f64([0.0, 0.0, RISE]);
         let apex = m.point("apex", place);
         m.point_mass("apex", apex, *mass);
-        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
         for (name, side) in [("left", -1.0), ("right", 1.0)] {
-            let foot = Vec3([*half * side, S::zero(), S::zero()]);
+            let foot = Vector3::new(*half * side, S::zero(), S::zero());
             m.line_spring(name, [ground, apex], [foot, place], *stiffness, *rest);
             m.line_damper(&format!("{name} damper"), [ground, apex], [foot, place], S::from(7.0));
         }
-        let guide = m.point_on_line("guide", [ground, apex], place, Vec3::from_f64([0.0, 0.0, 1.0]));
+        let guide = m.point_on_line("guide", [ground, apex], place, Vector3::from_f64([0.0, 0.0, 1.0]));
         ramped_force(m, "load", (apex, Anchor::Point), (vector(0.0, 0.0, -1.0), place), LoadFrame::World, *load);
-        let up = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let up = Vector3::from_f64([0.0, 0.0, 1.0]);
         m.position_functional("height", Over::Terminal, apex, place, up);
         m.position_functional("height at the start", Over::Initial, apex, place, up);
         m.position_functional("integral of the height", Over::Integral, apex, place, up);
@@ -232,38 +232,51 @@ impl Scene for TwoLinks {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [upper_mass, lower_mass, upper_length, pull] = x else { return Err("4 variables".into()) };
         let ground = m.ground();
-        let down = Vec3::from_f64([0.0, 0.0, -1.0]);
+        let down = Vector3::from_f64([0.0, 0.0, -1.0]);
         let (elbow, tip) = (down * *upper_length, down * (*upper_length + S::from(LENGTHS[1])));
         let upper = m.body("upper", elbow * S::from(0.5), Quaternion::identity());
         let lower = m.body("lower", (elbow + tip) * S::from(0.5), Quaternion::identity());
         let tensor = [0.1, 0.1, 0.01, 0.0, 0.0, 0.0].map(S::from);
-        m.rigid_body("upper", upper, *upper_mass, Vec3::zero(), tensor);
-        m.rigid_body("lower", lower, *lower_mass, Vec3::zero(), tensor);
+        m.rigid_body("upper", upper, *upper_mass, Vector3::zeros(), tensor);
+        m.rigid_body("lower", lower, *lower_mass, Vector3::zeros(), tensor);
         m.gravity(down * S::from(GRAVITY));
-        let axis = Vec3::from_f64([0.0, 1.0, 0.0]);
-        let hinge = m.revolute("hinge", [ground, upper], Vec3::zero(), axis);
+        let axis = Vector3::from_f64([0.0, 1.0, 0.0]);
+        let hinge = m.revolute("hinge", [ground, upper], Vector3::zeros(), axis);
         m.revolute("elbow", [upper, lower], elbow, axis);
         if self.redundant {
             m.revolute("second hinge", [ground, upper], axis * S::from(0.3), axis);
         }
         ramped_force(m, "pull", (lower, Anchor::Body), (vector(1.0, 0.0, 0.0), tip), LoadFrame::World, *pull);
         if self.velocity != 0.0 {
-            m.set_velocity(lower, Vec3::from_f64([self.velocity, 0.0, 0.0]), Vec3::zero());
+            m.set_velocity(lower, Vector3::from_f64([self.velocity, 0.0, 0.0]), Vector3::zeros());
         }
         if self.rolling {
-            let centre = Vec3::from_f64([3.0, 0.0, 0.5]);
+            let centre = Vector3::from_f64([3.0, 0.0, 0.5]);
             let ball = m.body("ball", centre, Quaternion::identity());
-            m.rigid_body("ball", ball, S::one(), Vec3::zero(), tensor);
-            m.rolling_sphere(["contact", "rolling"], [ground, ball], centre, Vec3::from_f64([0.0, 0.0, 1.0]), S::from(0.5));
+            m.rigid_body("ball", ball, S::one(), Vector3::zeros(), tensor);
+            m.rolling_sphere(
+                ["contact", "rolling"],
+                [ground, ball],
+                centre,
+                Vector3::from_f64([0.0, 0.0, 1.0]),
+                S::from(0.5),
+            );
         }
-        m.position_functional("x of the tip", Over::Terminal, lower, tip, Vec3::from_f64([1.0, 0.0, 0.0]));
-        m.position_functional("z of the tip", Over::Terminal, lower, tip, Vec3::from_f64([0.0, 0.0, 1.0]));
+        m.position_functional("x of the tip", Over::Terminal, lower, tip, Vector3::from_f64([1.0, 0.0, 0.0]));
+        m.position_functional("z of the tip", Over::Terminal, lower, tip, Vector3::from_f64([0.0, 0.0, 1.0]));
         for (name, direction) in [("hinge, x", [1.0, 0.0, 0.0]), ("hinge, z", [0.0, 0.0, 1.0])] {
             let load = (LoadKind::Force, LoadFrame::World);
-            m.joint_load_functional(name, Over::Terminal, (hinge, upper), load, Vec3::from_f64(direction), Vec3::zero());
+            m.joint_load_functional(
+                name,
+                Over::Terminal,
+                (hinge, upper),
+                load,
+                Vector3::from_f64(direction),
+                Vector3::zeros(),
+            );
         }
         let load = (LoadKind::ForceNorm, LoadFrame::World);
-        m.joint_load_functional("hinge, integral", Over::Integral, (hinge, upper), load, axis, Vec3::zero());
+        m.joint_load_functional("hinge, integral", Over::Integral, (hinge, upper), load, axis, Vector3::zeros());
         m.joint_angle_functional("angle", Over::Integral, [ground, upper], axis);
         Ok(())
     }
@@ -310,17 +323,17 @@ impl Scene for Driven {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [mass, turn, length] = x else { return Err("3 variables".into()) };
         let ground = m.ground();
-        let centre = Vec3([S::zero(), S::zero(), -*length]);
+        let centre = Vector3::new(S::zero(), S::zero(), -*length);
         let rod = m.body("rod", centre, Quaternion::identity());
-        m.rigid_body("rod", rod, *mass, Vec3::zero(), [0.1, 0.1, 0.01, 0.0, 0.0, 0.0].map(S::from));
-        m.gravity(Vec3::from_f64([0.0, 0.0, -GRAVITY]));
-        let axis = Vec3::from_f64([0.0, 1.0, 0.0]);
-        m.revolute("hinge", [ground, rod], Vec3::zero(), axis);
+        m.rigid_body("rod", rod, *mass, Vector3::zeros(), [0.1, 0.1, 0.01, 0.0, 0.0, 0.0].map(S::from));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
+        let axis = Vector3::from_f64([0.0, 1.0, 0.0]);
+        m.revolute("hinge", [ground, rod], Vector3::zeros(), axis);
         let driver = m.prescribed_rotation("driver", [ground, rod], axis, TimeFunction::ConstantRate, &[S::zero(), *turn]);
-        m.position_functional("x", Over::Terminal, rod, centre, Vec3::from_f64([1.0, 0.0, 0.0]));
+        m.position_functional("x", Over::Terminal, rod, centre, Vector3::from_f64([1.0, 0.0, 0.0]));
         let load = (LoadKind::Moment, LoadFrame::World);
-        m.joint_load_functional("moment", Over::Terminal, (driver, rod), load, axis, Vec3::zero());
-        m.joint_load_functional("moment, integral", Over::Integral, (driver, rod), load, axis, Vec3::zero());
+        m.joint_load_functional("moment", Over::Terminal, (driver, rod), load, axis, Vector3::zeros());
+        m.joint_load_functional("moment, integral", Over::Integral, (driver, rod), load, axis, Vector3::zeros());
         Ok(())
     }
 }
@@ -377,17 +390,17 @@ impl Scene for Loose {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let ground = m.ground();
-        let place = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let place = Vector3::from_f64([0.0, 0.0, 1.0]);
         let block = m.point("block", place);
         if self.spring {
-            let foot = Vec3::zero();
+            let foot = Vector3::zeros();
             m.line_spring("support", [ground, block], [foot, place], S::from(50.0), S::from(1.0));
-            m.point_on_line("guide", [ground, block], place, Vec3::from_f64([0.0, 0.0, 1.0]));
+            m.point_on_line("guide", [ground, block], place, Vector3::from_f64([0.0, 0.0, 1.0]));
         } else {
             m.point_mass("block", block, S::one());
         }
         ramped_force(m, "load", (block, Anchor::Point), (vector(0.0, 0.0, -1.0), place), LoadFrame::World, x[0]);
-        m.position_functional("height", Over::Terminal, block, place, Vec3::from_f64([0.0, 0.0, 1.0]));
+        m.position_functional("height", Over::Terminal, block, place, Vector3::from_f64([0.0, 0.0, 1.0]));
         Ok(())
     }
 }

@@ -384,7 +384,7 @@ mod tests {
     use super::*;
     use costate::design::DesignVariable;
     use costate::elements::{Element, Parameter, State};
-    use costate::scalar::{Scalar, Vec3};
+    use costate::scalar::{Scalar, SpatialVector, Vector3};
     use costate::scenes::{MechanismBuilder, Scene, Settings};
 
     /// R = a + q: an oscillator without a place in space, and without energies.
@@ -415,10 +415,10 @@ mod tests {
                 m.element("oscillator", &[node], Oscillator, &[]);
                 return Ok(());
             };
-            let ball = m.point("ball", Vec3::zero());
+            let ball = m.point("ball", Vector3::zeros());
             m.point_mass("ball", ball, S::one());
-            m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
-            m.set_velocity(ball, Vec3::from_f64(velocity), Vec3::zero());
+            m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
+            m.set_velocity(ball, Vector3::from_f64(velocity), Vector3::zeros());
             Ok(())
         }
     }

@@ -1,5 +1,5 @@
 use super::{Frame, State};
-use crate::scalar::{Quaternion, Scalar, Vec3, combine_columns, rotation_gradient_transposed};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns, rotation_gradient_transposed};
 
 /// What kind of node an element takes hold of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,53 +32,53 @@ impl Anchor {
 
     /// World position of the body point `point` [m].
     #[inline(always)]
-    pub fn position<S: Scalar>(self, q: &[S], point: Vec3<S>) -> Vec3<S> {
+    pub fn position<S: Scalar>(self, q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vec3::from_slice(q),
-            Anchor::Body => Vec3::from_slice(q) + Quaternion::from_slice(&q[3..]).rotate(point),
-            Anchor::Natural => Vec3::from_slice(q) + combine_columns(&columns(q), point),
+            Anchor::Point | Anchor::Slope => Vector3::first_three(q),
+            Anchor::Body => Vector3::first_three(q) + Quaternion::from_slice(&q[3..]).rotate(point),
+            Anchor::Natural => Vector3::first_three(q) + combine_columns(&columns(q), point),
         }
     }
 
     /// World velocity of the body point `point` [m/s].
     #[inline(always)]
-    pub fn velocity<S: Scalar>(self, v: &[S], q: &[S], point: Vec3<S>) -> Vec3<S> {
+    pub fn velocity<S: Scalar>(self, v: &[S], q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vec3::from_slice(v),
+            Anchor::Point | Anchor::Slope => Vector3::first_three(v),
             Anchor::Body => {
                 let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
-                Vec3::from_slice(v) + e.rotate_rate(rate, point)
+                Vector3::first_three(v) + e.rotate_rate(rate, point)
             }
-            Anchor::Natural => Vec3::from_slice(v) + combine_columns(&columns(v), point),
+            Anchor::Natural => Vector3::first_three(v) + combine_columns(&columns(v), point),
         }
     }
 
     /// World acceleration of the body point `point` [m/s2].
     #[inline(always)]
-    pub fn acceleration<S: Scalar>(self, s: State<S>, point: Vec3<S>) -> Vec3<S> {
+    pub fn acceleration<S: Scalar>(self, s: State<S>, point: Vector3<S>) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vec3::from_slice(s.a),
+            Anchor::Point | Anchor::Slope => Vector3::first_three(s.a),
             Anchor::Body => {
                 let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
                 let second = Quaternion::from_slice(&s.a[3..]);
-                Vec3::from_slice(s.a) + e.rotate_rate(second, point) + rate.rotate_rate(rate, point)
+                Vector3::first_three(s.a) + e.rotate_rate(second, point) + rate.rotate_rate(rate, point)
             }
-            Anchor::Natural => Vec3::from_slice(s.a) + combine_columns(&columns(s.a), point),
+            Anchor::Natural => Vector3::first_three(s.a) + combine_columns(&columns(s.a), point),
         }
     }
 
     /// Adds the generalized force of the world force `force` [N] at the body point `point`.
     #[inline(always)]
-    pub fn add_force<S: Scalar>(self, q: &[S], point: Vec3<S>, force: Vec3<S>, generalized: &mut [S]) {
+    pub fn add_force<S: Scalar>(self, q: &[S], point: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         for i in 0..3 {
-            generalized[i] += force.0[i];
+            generalized[i] += force[i];
         }
         self.add_turning(q, point, force, generalized);
     }
 
     /// Adds the gradient of force . R s for the vector s in the body frame: what a force at its tip does to the turning of the node.
     #[inline(always)]
-    pub fn add_turning<S: Scalar>(self, q: &[S], s: Vec3<S>, force: Vec3<S>, generalized: &mut [S]) {
+    pub fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         match self {
             Anchor::Point | Anchor::Slope => {}
             Anchor::Body => {
@@ -90,7 +90,7 @@ impl Anchor {
             Anchor::Natural => {
                 for axis in 0..3 {
                     for i in 0..3 {
-                        generalized[3 + 3 * axis + i] += force.0[i] * s.0[axis];
+                        generalized[3 + 3 * axis + i] += force[i] * s[axis];
                     }
                 }
             }
@@ -101,14 +101,14 @@ impl Anchor {
     #[inline(always)]
     pub(crate) fn add_gradient<S: Scalar>(self, q: &[S], towards: &Frame<S>, generalized: &mut [S]) {
         for i in 0..3 {
-            generalized[i] += towards.origin.0[i];
+            generalized[i] += towards.origin[i];
         }
         match self {
             Anchor::Point | Anchor::Slope => {}
             Anchor::Body => {
                 // the entries of R(e) are squares and products of e
                 let [a, x, y, z] = [q[3], q[4], q[5], q[6]].map(|e| e + e);
-                let [u, v, w] = towards.axes.map(|axis| axis.0);
+                let [u, v, w] = towards.axes.map(|axis| axis.components());
                 let turning = [v[2] - w[1], w[0] - u[2], u[1] - v[0]];
                 let sums = [v[2] + w[1], w[0] + u[2], u[1] + v[0]];
                 generalized[3] += a * (u[0] + v[1] + w[2]) + x * turning[0] + y * turning[1] + z * turning[2];
@@ -119,7 +119,7 @@ impl Anchor {
             Anchor::Natural => {
                 for (axis, towards) in towards.axes.iter().enumerate() {
                     for i in 0..3 {
-                        generalized[3 + 3 * axis + i] += towards.0[i];
+                        generalized[3 + 3 * axis + i] += towards[i];
                     }
                 }
             }
@@ -128,23 +128,23 @@ impl Anchor {
 
     /// Angular velocity in the world [rad/s]; zero for nodes without axes. With natural coordinates (u x du/dt + ...) / 2.
     #[inline(always)]
-    pub fn angular_velocity<S: Scalar>(self, v: &[S], q: &[S]) -> Vec3<S> {
+    pub fn angular_velocity<S: Scalar>(self, v: &[S], q: &[S]) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vec3::zero(),
+            Anchor::Point | Anchor::Slope => Vector3::zeros(),
             Anchor::Body => {
                 let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
                 e.rotate(e.g_times(rate) * S::from(2.0))
             }
             Anchor::Natural => {
                 let (axes, rates) = (columns(q), columns(v));
-                (axes[0].cross(rates[0]) + axes[1].cross(rates[1]) + axes[2].cross(rates[2])) * S::from(0.5)
+                (axes[0].cross(&rates[0]) + axes[1].cross(&rates[1]) + axes[2].cross(&rates[2])) * S::from(0.5)
             }
         }
     }
 
     /// Adds the generalized force of the world moment `moment` [N m]: its power is moment . omega.
     #[inline(always)]
-    pub fn add_moment<S: Scalar>(self, q: &[S], moment: Vec3<S>, generalized: &mut [S]) {
+    pub fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
         match self {
             Anchor::Point | Anchor::Slope => {}
             Anchor::Body => {
@@ -157,9 +157,9 @@ impl Anchor {
             }
             Anchor::Natural => {
                 for (axis, column) in columns(q).into_iter().enumerate() {
-                    let own = moment.cross(column) * S::from(0.5);
+                    let own = moment.cross(&column) * S::from(0.5);
                     for i in 0..3 {
-                        generalized[3 + 3 * axis + i] += own.0[i];
+                        generalized[3 + 3 * axis + i] += own[i];
                     }
                 }
             }
@@ -169,27 +169,27 @@ impl Anchor {
     /// Moment about the origin of the node that generalized forces hold, the inverse of [`add_moment`](Anchor::add_moment) for what is
     /// free to turn: in the world [N m].
     #[inline(always)]
-    pub fn moment<S: Scalar>(self, q: &[S], generalized: &[S]) -> Vec3<S> {
+    pub fn moment<S: Scalar>(self, q: &[S], generalized: &[S]) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vec3::zero(),
+            Anchor::Point | Anchor::Slope => Vector3::zeros(),
             Anchor::Body => {
                 let e = Quaternion::from_slice(&q[3..]);
                 e.rotate(e.g_times(Quaternion::from_slice(&generalized[3..])) * S::from(0.5))
             }
             Anchor::Natural => {
                 let (axes, forces) = (columns(q), columns(generalized));
-                axes[0].cross(forces[0]) + axes[1].cross(forces[1]) + axes[2].cross(forces[2])
+                axes[0].cross(&forces[0]) + axes[1].cross(&forces[1]) + axes[2].cross(&forces[2])
             }
         }
     }
 
     /// Axes of the node in the world, the columns of R; those of the world for nodes without axes.
     #[inline(always)]
-    pub fn axes<S: Scalar>(self, q: &[S]) -> [Vec3<S>; 3] {
+    pub fn axes<S: Scalar>(self, q: &[S]) -> [Vector3<S>; 3] {
         match self {
             Anchor::Point | Anchor::Slope => {
                 let (zero, one) = (S::zero(), S::one());
-                [Vec3([one, zero, zero]), Vec3([zero, one, zero]), Vec3([zero, zero, one])]
+                [Vector3::new(one, zero, zero), Vector3::new(zero, one, zero), Vector3::new(zero, zero, one)]
             }
             Anchor::Body => Quaternion::from_slice(&q[3..]).columns(),
             Anchor::Natural => columns(q),
@@ -199,6 +199,6 @@ impl Anchor {
 
 /// Entries 3 to 11 as three vectors: axes, their rates or the forces on them.
 #[inline(always)]
-fn columns<S: Scalar>(x: &[S]) -> [Vec3<S>; 3] {
-    [Vec3::from_slice(&x[3..]), Vec3::from_slice(&x[6..]), Vec3::from_slice(&x[9..])]
+fn columns<S: Scalar>(x: &[S]) -> [Vector3<S>; 3] {
+    [Vector3::first_three(&x[3..]), Vector3::first_three(&x[6..]), Vector3::first_three(&x[9..])]
 }

@@ -1,6 +1,7 @@
 use super::erased::{ReactingConstraintIn, along_motion, motion};
 use super::{AnyConstraint, ConstraintIn, Parameter, State};
 use crate::scalar::{Direction, LANES, Lanes, Recordable, Reverse, Scalar, Taylor, add_gradient};
+use num_traits::{One, Zero};
 use smallvec::SmallVec;
 
 /// A constraint on velocities, h(v, q, p, t) = B(q, p, t) v + b(q, p, t) = 0, that is no derivative of any g: rolling, blades, wheels.

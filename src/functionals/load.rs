@@ -1,7 +1,7 @@
 use super::FunctionalScalar;
 use crate::elements::forces::LoadFrame;
 use crate::elements::{Anchor, AnyConstraint, Frame, Parameter};
-use crate::scalar::Vec3;
+use crate::scalar::{SpatialVector, Vector3};
 use std::ops::Range;
 
 /// Which load of a joint.
@@ -59,20 +59,20 @@ impl JointLoad {
         let mut reaction = vec![S::zero(); q.len()];
         S::constraint(joint).add_reaction(q, mu, joint_p, t, &mut reaction);
         let (q, generalized) = (&q[self.node.clone()], &reaction[self.node.clone()]);
-        let mut load = -Vec3::from_slice(generalized);
-        let mut direction = Vec3::from_slice(p);
+        let mut load = -Vector3::first_three(generalized);
+        let mut direction = Vector3::first_three(p);
         if self.on.has_axes() {
             let frame = Frame::of(self.on, q);
             if matches!(self.kind, LoadKind::Moment | LoadKind::MomentNorm) {
-                load = -self.on.moment(q, generalized) - frame.direction(&p[3..]).cross(load);
+                load = -self.on.moment(q, generalized) - frame.direction(&p[3..]).cross(&load);
             }
             if self.frame == LoadFrame::Body {
                 direction = frame.direction(p);
             }
         }
         match self.kind {
-            LoadKind::Force | LoadKind::Moment => load.dot(direction),
-            LoadKind::ForceNorm | LoadKind::MomentNorm => load.norm(),
+            LoadKind::Force | LoadKind::Moment => load.dot(&direction),
+            LoadKind::ForceNorm | LoadKind::MomentNorm => load.length(),
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use crate::assembly::{Model, NodeKind};
 use crate::elements::{Anchor, RunScalar};
-use crate::scalar::{Direction, LANES, Lanes, Quaternion, Scalar, Vec3};
+use crate::scalar::{Direction, LANES, Lanes, Quaternion, Scalar, SpatialVector, Vector3};
 
 type Matrix<S> = Vec<Vec<S>>;
 
@@ -88,7 +88,10 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64
                         }
                         _ => Anchor::Natural.moment(place, force),
                     };
-                    target.iter_mut().zip(force[..3].iter().chain(&moment.0)).for_each(|(target, &f)| *target += f);
+                    target
+                        .iter_mut()
+                        .zip(force[..3].iter().chain(&moment.components()))
+                        .for_each(|(target, &f)| *target += f);
                 } else {
                     target.iter_mut().zip(force).for_each(|(target, &f)| *target += f);
                 }
@@ -238,7 +241,7 @@ fn add_row_gradient(
             let Some(first) = sharing.columns.first[node.0] else { continue };
             if model.nodes[node.0].kind == NodeKind::Body {
                 let e = Quaternion::from_slice(&own[places.start + 3..]);
-                let half = Vec3::from_slice(&beta[first + 3..]) * 0.5;
+                let half = Vector3::first_three(&beta[first + 3..]) * 0.5;
                 along[places.start..places.start + 3].copy_from_slice(&beta[first..first + 3]);
                 along[places.start + 3..places.end].copy_from_slice(&e.g_transposed_times(half));
                 // G(e) f = -G(f) e
@@ -246,12 +249,12 @@ fn add_row_gradient(
                 let target = &mut q_bar[dofs[places.start] + 3..];
                 target.iter_mut().zip(of_e).for_each(|(bar, g)| *bar -= g);
             } else if model.nodes[node.0].kind == NodeKind::Natural {
-                let turn = Vec3::from_slice(&beta[first + 3..]);
+                let turn = Vector3::first_three(&beta[first + 3..]);
                 along[places.start..places.start + 3].copy_from_slice(&beta[first..first + 3]);
                 for axis in (3..12).step_by(3).map(|axis| places.start + axis) {
-                    along[axis..axis + 3].copy_from_slice(&turn.cross(Vec3::from_slice(&own[axis..])).0);
-                    let of_axis = Vec3::from_slice(&force[axis..]).cross(turn);
-                    q_bar[dofs[axis]..].iter_mut().zip(of_axis.0).for_each(|(bar, g)| *bar += g);
+                    along[axis..axis + 3].copy_from_slice(&turn.cross(&Vector3::first_three(&own[axis..])).components());
+                    let of_axis = Vector3::first_three(&force[axis..]).cross(&turn);
+                    q_bar[dofs[axis]..].iter_mut().zip(of_axis.components()).for_each(|(bar, g)| *bar += g);
                 }
             } else {
                 along[places].copy_from_slice(&beta[first..first + count]);

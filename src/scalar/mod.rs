@@ -10,11 +10,13 @@
 //! | [`Taylor<S>`](Taylor) | value, first and second derivative in one direction | time derivatives of constraints |
 //! | [`Reverse<S>`](Reverse) | value and a place on a tape | reactions A^T mu, adjoint products, the chain to design variables |
 //!
-//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex` and eight dual lanes ([`Rev`] is the first). A sixth, [`Curved`], is a tape with
-//! second derivatives for the Jacobian of reactions. Branches look at [`Scalar::value`] only, so every type takes the
-//! same path through a formula. The types are our own because two needs exclude the usual crates: a constraint's second
-//! time derivative inside a complex-step run is a `Taylor<Complex>`, and functions whose derivative is infinite
-//! at the point of evaluation (`sqrt` at 0) must not turn a vanishing perturbation into NaN.
+//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex` and eight dual lanes
+//! ([`Rev`] is the first). A sixth, [`Curved`], is a tape with second derivatives for the Jacobian of reactions.
+//! Branches look at [`Scalar::value`] only, so every type takes the same path through a formula. Vectors are
+//! those of nalgebra, with [`SpatialVector`] beside them. The scalars are our own
+//! because two needs exclude the usual crates: a constraint's second time derivative inside a complex-step run is a
+//! `Taylor<Complex>`, and functions whose derivative is infinite at the point of evaluation (`sqrt` at 0) must not
+//! turn a vanishing perturbation into NaN.
 
 mod complex;
 mod curved;
@@ -34,8 +36,12 @@ pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gra
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub(crate) use rotation::{RotationRows, g_form, g_rows, rotation_form, rotation_rows, tensor_gradient, tensor_times_rows};
 pub use taylor::Taylor;
-pub use vector::Vec3;
+pub use vector::SpatialVector;
 pub(crate) use wide::{Job, widest};
+
+pub use nalgebra::{Matrix3, Vector3};
+
+use num_traits::{One, Zero};
 
 use std::fmt::Debug;
 use std::iter::Sum;
@@ -49,13 +55,16 @@ pub type Lanes = Dual<f64, LANES>;
 
 /// A number with which elements, constraints and functionals are evaluated.
 ///
-/// Laws, held by `tests/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for
-/// bit where the function is elementary; derivative parts follow the chain rule; a zero derivative part stays zero where
-/// the derivative of the function is infinite.
+/// Laws, held by `tests/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for bit
+/// where the function is elementary; derivative parts
+/// follow the chain rule; a zero derivative part stays zero where the derivative of the function is infinite.
 pub trait Scalar:
     Copy
     + Debug
     + Default
+    + PartialEq
+    + Zero
+    + One
     + Send
     + Sync
     + 'static
@@ -75,7 +84,8 @@ pub trait Scalar:
     + DivAssign
     + Sum
 {
-    /// The real value, without any derivative part. For branches only: inside a formula it silently drops the derivative.
+    /// The real value, without any derivative part. For branches only: inside a formula it silently drops the
+    /// derivative.
     fn value(self) -> f64;
     /// True if every derivative part is zero.
     fn is_constant(self) -> bool;
@@ -129,17 +139,9 @@ pub trait Scalar:
     fn reals_mut(_values: &mut [Self]) -> Option<&mut [f64]> {
         None
     }
-    /// Zero of this type.
-    fn zero() -> Self {
-        Self::from(0.0)
-    }
-    /// One of this type.
-    fn one() -> Self {
-        Self::from(1.0)
-    }
 }
 
-/// Assignment operators, `Sum` and nothing else, from the binary operators of a scalar type.
+/// Assignment operators, `Sum`, zero and one, from the binary operators of a scalar type.
 macro_rules! assign_operators {
     ([$($generics:tt)*] $type:ty) => {
         impl<$($generics)*> std::ops::AddAssign for $type {
@@ -167,6 +169,19 @@ macro_rules! assign_operators {
                 }
                 total
             }
+        }
+        impl<$($generics)*> num_traits::Zero for $type {
+            #[inline(always)]
+            fn zero() -> Self { <$type>::from(0.0) }
+            #[inline(always)]
+            fn is_zero(&self) -> bool {
+                use $crate::scalar::Scalar;
+                self.value() == 0.0 && self.is_constant()
+            }
+        }
+        impl<$($generics)*> num_traits::One for $type {
+            #[inline(always)]
+            fn one() -> Self { <$type>::from(1.0) }
         }
     };
 }

@@ -1,4 +1,4 @@
-use super::{Scalar, Vec3};
+use super::{Scalar, SpatialVector, Vector3};
 
 /// Euler parameters e = (e0, e1, e2, e3) of a rotation, scalar part first.
 ///
@@ -19,17 +19,17 @@ impl<S: Scalar> Quaternion<S> {
         Quaternion([e[0], e[1], e[2], e[3]])
     }
     /// Rotation by `angle` [rad] about the unit vector `axis`.
-    pub fn about(axis: Vec3<S>, angle: S) -> Self {
+    pub fn about(axis: Vector3<S>, angle: S) -> Self {
         let (s, c) = (angle * 0.5).sin_cos();
         let u = axis * s;
-        Quaternion([c, u.0[0], u.0[1], u.0[2]])
+        Quaternion([c, u[0], u[1], u[2]])
     }
     /// The rotation that takes the x axis to the unit vector `direction`, without twist about it.
     ///
     /// # Panics
     /// Not for any unit vector: the direction -x is reached by half a turn about z.
-    pub fn x_axis_to(direction: Vec3<S>) -> Self {
-        let [x, y, z] = direction.0;
+    pub fn x_axis_to(direction: Vector3<S>) -> Self {
+        let [x, y, z] = direction.components();
         if x.value() < -0.9 {
             // past the nearly opposite direction: half a turn about z first, then the small rest
             let rest = Self::x_axis_to(-direction);
@@ -44,8 +44,8 @@ impl<S: Scalar> Quaternion<S> {
     pub fn times(self, other: Self) -> Self {
         let (a, u) = self.parts();
         let (b, w) = other.parts();
-        let v = w * a + u * b + u.cross(w);
-        Quaternion([a * b - u.dot(w), v.0[0], v.0[1], v.0[2]])
+        let v = w * a + u * b + u.cross(&w);
+        Quaternion([a * b - u.dot(&w), v[0], v[1], v[2]])
     }
     /// Opposite rotation (for unit length).
     #[inline(always)]
@@ -55,19 +55,19 @@ impl<S: Scalar> Quaternion<S> {
     }
     /// Scalar and vector part.
     #[inline(always)]
-    pub fn parts(self) -> (S, Vec3<S>) {
+    pub fn parts(self) -> (S, Vector3<S>) {
         let [a, x, y, z] = self.0;
-        (a, Vec3([x, y, z]))
+        (a, Vector3::new(x, y, z))
     }
     /// R(e) s: a vector of the body frame in world components.
     #[inline(always)]
-    pub fn rotate(self, s: Vec3<S>) -> Vec3<S> {
+    pub fn rotate(self, s: Vector3<S>) -> Vector3<S> {
         let (a, u) = self.parts();
-        s * (a * a - u.dot(u)) + u * (u.dot(s) * 2.0) + u.cross(s) * (a * 2.0)
+        s * (a * a - u.dot(&u)) + u * (u.dot(&s) * 2.0) + u.cross(&s) * (a * 2.0)
     }
     /// R(e) by columns: cheaper than [`rotate`](Quaternion::rotate) for two and more vectors.
     #[inline(always)]
-    pub fn columns(self) -> [Vec3<S>; 3] {
+    pub fn columns(self) -> [Vector3<S>; 3] {
         let [a, x, y, z] = self.0;
         let (a2, x2, y2, z2) = (a * a, x * x, y * y, z * z);
         let two = |s: S| s + s;
@@ -75,47 +75,47 @@ impl<S: Scalar> Quaternion<S> {
         let (ax, ay, az) = (a * x, a * y, a * z);
         let (minus, plus) = (a2 - z2, x2 - y2);
         [
-            Vec3([a2 + x2 - y2 - z2, two(xy + az), two(xz - ay)]),
-            Vec3([two(xy - az), minus - plus, two(yz + ax)]),
-            Vec3([two(xz + ay), two(yz - ax), a2 + z2 - x2 - y2]),
+            Vector3::new(a2 + x2 - y2 - z2, two(xy + az), two(xz - ay)),
+            Vector3::new(two(xy - az), minus - plus, two(yz + ax)),
+            Vector3::new(two(xz + ay), two(yz - ax), a2 + z2 - x2 - y2),
         ]
     }
     /// R(e)^T s: a vector of the world in body-frame components.
     #[inline(always)]
-    pub fn rotate_back(self, s: Vec3<S>) -> Vec3<S> {
+    pub fn rotate_back(self, s: Vector3<S>) -> Vector3<S> {
         self.conjugate().rotate(s)
     }
     /// Derivative of R(e) s along de: the bilinear form B(e, s) de with B = d(R s)/de.
     #[inline(always)]
-    pub fn rotate_rate(self, rate: Self, s: Vec3<S>) -> Vec3<S> {
+    pub fn rotate_rate(self, rate: Self, s: Vector3<S>) -> Vector3<S> {
         let (a, u) = self.parts();
         let (b, w) = rate.parts();
-        let along = s * (a * b - u.dot(w)) + u * w.dot(s) + w * u.dot(s) + w.cross(s) * a + u.cross(s) * b;
+        let along = s * (a * b - u.dot(&w)) + u * w.dot(&s) + w * u.dot(&s) + w.cross(&s) * a + u.cross(&s) * b;
         along * S::from(2.0)
     }
     /// G(e) de: half the body-frame angular velocity of the rate `de`.
     #[inline(always)]
-    pub fn g_times(self, rate: Self) -> Vec3<S> {
+    pub fn g_times(self, rate: Self) -> Vector3<S> {
         let (a, u) = self.parts();
         let (b, w) = rate.parts();
-        w * a - u * b - u.cross(w)
+        w * a - u * b - u.cross(&w)
     }
     /// G(e)^T m.
     #[inline(always)]
-    pub fn g_transposed_times(self, m: Vec3<S>) -> [S; 4] {
+    pub fn g_transposed_times(self, m: Vector3<S>) -> [S; 4] {
         let (a, u) = self.parts();
-        let w = m * a + u.cross(m);
-        [-u.dot(m), w.0[0], w.0[1], w.0[2]]
+        let w = m * a + u.cross(&m);
+        [-u.dot(&m), w[0], w[1], w[2]]
     }
     /// de/dt for the body-frame angular velocity omega: G(e)^T omega / 2.
-    pub fn rate_of_body_velocity(self, omega_body: Vec3<S>) -> [S; 4] {
+    pub fn rate_of_body_velocity(self, omega_body: Vector3<S>) -> [S; 4] {
         self.g_transposed_times(omega_body * S::from(0.5))
     }
     /// Euler parameters of the rotation with the given orthonormal columns; the largest of the four is taken positive and divides.
     ///
     /// Source: Shepperd (1978).
-    pub fn of_columns(columns: &[Vec3<S>; 3]) -> Self {
-        let entry = |i: usize, j: usize| columns[j].0[i];
+    pub fn of_columns(columns: &[Vector3<S>; 3]) -> Self {
+        let entry = |i: usize, j: usize| columns[j][i];
         let (xx, yy, zz) = (entry(0, 0), entry(1, 1), entry(2, 2));
         // four times the squares
         let squares = [xx + yy + zz + 1.0, xx - yy - zz + 1.0, yy - xx - zz + 1.0, zz - xx - yy + 1.0];
@@ -145,12 +145,12 @@ impl<S: Scalar> Quaternion<S> {
 
 /// B(e, s)^T f with B = d(R(e) s)/de: the generalized force of a world force f at the body point s.
 #[inline(always)]
-pub fn rotation_gradient_transposed<S: Scalar>(e: Quaternion<S>, s: Vec3<S>, f: Vec3<S>) -> [S; 4] {
+pub fn rotation_gradient_transposed<S: Scalar>(e: Quaternion<S>, s: Vector3<S>, f: Vector3<S>) -> [S; 4] {
     let (a, u) = e.parts();
-    let sf = s.dot(f);
-    let scalar = (a * sf + u.cross(s).dot(f)) * 2.0;
-    let vector = (s * u.dot(f) + f * s.dot(u) - u * sf + s.cross(f) * a) * S::from(2.0);
-    [scalar, vector.0[0], vector.0[1], vector.0[2]]
+    let sf = s.dot(&f);
+    let scalar = (a * sf + u.cross(&s).dot(&f)) * 2.0;
+    let vector = (s * u.dot(&f) + f * s.dot(&u) - u * sf + s.cross(&f) * a) * S::from(2.0);
+    [scalar, vector[0], vector[1], vector[2]]
 }
 
 /// Three rows towards four Euler parameters.
@@ -165,8 +165,8 @@ pub(crate) fn g_rows(e: Quaternion<f64>) -> RotationRows {
 
 /// d(R(e) s)/de: rows of 2 (s (a de0 - u . du) + u (s . du) + du (u . s) + (de0 u + a du) x s).
 #[inline(always)]
-pub(crate) fn rotation_rows(e: Quaternion<f64>, s: Vec3<f64>) -> RotationRows {
-    let ([a, x, y, z], [p, q, r]) = (e.0, (s + s).0);
+pub(crate) fn rotation_rows(e: Quaternion<f64>, s: Vector3<f64>) -> RotationRows {
+    let ([a, x, y, z], [p, q, r]) = (e.0, (s + s).components());
     let along = x * p + y * q + z * r;
     let (first, second, third) = (a * p + y * r - z * q, a * q + z * p - x * r, a * r + x * q - y * p);
     [[first, along, third, -second], [second, -third, along, first], [third, second, -first, along]]
@@ -174,15 +174,15 @@ pub(crate) fn rotation_rows(e: Quaternion<f64>, s: Vec3<f64>) -> RotationRows {
 
 /// S with f . R(e) s = e . S e: half the derivative of [`rotation_gradient_transposed`] towards e.
 #[inline(always)]
-pub(crate) fn rotation_form(s: Vec3<f64>, f: Vec3<f64>) -> [[f64; 4]; 4] {
-    let (dot, cross) = (f.dot(s), s.cross(f));
+pub(crate) fn rotation_form(s: Vector3<f64>, f: Vector3<f64>) -> [[f64; 4]; 4] {
+    let (dot, cross) = (f.dot(&s), s.cross(&f));
     let mut form = [[0.0; 4]; 4];
     form[0][0] = dot;
     for i in 0..3 {
-        form[0][1 + i] = cross.0[i];
-        form[1 + i][0] = cross.0[i];
+        form[0][1 + i] = cross[i];
+        form[1 + i][0] = cross[i];
         for j in 0..3 {
-            form[1 + i][1 + j] = f.0[i] * s.0[j] + s.0[i] * f.0[j] - if i == j { dot } else { 0.0 };
+            form[1 + i][1 + j] = f[i] * s[j] + s[i] * f[j] - if i == j { dot } else { 0.0 };
         }
     }
     form
@@ -190,8 +190,8 @@ pub(crate) fn rotation_form(s: Vec3<f64>, f: Vec3<f64>) -> [[f64; 4]; 4] {
 
 /// T with m . G(e) d = e . T d, skew: G(e)^T m = -T e.
 #[inline(always)]
-pub(crate) fn g_form(m: Vec3<f64>) -> [[f64; 4]; 4] {
-    let [a, b, c] = m.0;
+pub(crate) fn g_form(m: Vector3<f64>) -> [[f64; 4]; 4] {
+    let [a, b, c] = m.components();
     [[0.0, a, b, c], [-a, 0.0, -c, b], [-b, c, 0.0, -a], [-c, -b, a, 0.0]]
 }
 
@@ -209,28 +209,28 @@ pub(crate) fn tensor_times_rows(j: &[f64], [first, second, third]: &RotationRows
 
 /// The gradient of x . J y towards the six numbers of J.
 #[inline(always)]
-pub(crate) fn tensor_gradient(x: Vec3<f64>, y: Vec3<f64>) -> [f64; 6] {
-    let ([a, b, c], [d, e, f]) = (x.0, y.0);
+pub(crate) fn tensor_gradient(x: Vector3<f64>, y: Vector3<f64>) -> [f64; 6] {
+    let ([a, b, c], [d, e, f]) = (x.components(), y.components());
     [a * d, b * e, c * f, a * e + b * d, a * f + c * d, b * f + c * e]
 }
 
 /// J x for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
 #[inline(always)]
-pub fn tensor_times<S: Scalar>(j: &[S], x: Vec3<S>) -> Vec3<S> {
-    let [x, y, z] = x.0;
-    Vec3([j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z])
+pub fn tensor_times<S: Scalar>(j: &[S], x: Vector3<S>) -> Vector3<S> {
+    let [x, y, z] = x.components();
+    Vector3::new(j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z)
 }
 
 /// Angle [rad] in (-pi, pi] by which `to` is turned from `from` about the unit vector `axis`.
 #[inline(always)]
-pub fn angle_about<S: Scalar>(axis: Vec3<S>, from: Vec3<S>, to: Vec3<S>) -> S {
-    axis.dot(from.cross(to)).atan2(from.dot(to))
+pub fn angle_about<S: Scalar>(axis: Vector3<S>, from: Vector3<S>, to: Vector3<S>) -> S {
+    axis.dot(&from.cross(&to)).atan2(from.dot(&to))
 }
 
 /// Combination of three columns: R s for the columns of R.
 #[inline(always)]
-pub fn combine_columns<S: Scalar>(columns: &[Vec3<S>; 3], s: Vec3<S>) -> Vec3<S> {
-    columns[0] * s.0[0] + columns[1] * s.0[1] + columns[2] * s.0[2]
+pub fn combine_columns<S: Scalar>(columns: &[Vector3<S>; 3], s: Vector3<S>) -> Vector3<S> {
+    columns[0] * s[0] + columns[1] * s[1] + columns[2] * s[2]
 }
 
 #[cfg(test)]
@@ -252,8 +252,8 @@ mod tests {
     #[test]
     fn columns_rotate_like_the_formula_for_any_length() {
         let e = Quaternion([0.7, -0.4, 1.1, 0.3]);
-        let s = Vec3([0.2, -1.3, 0.9]);
+        let s = Vector3::new(0.2, -1.3, 0.9);
         let difference = combine_columns(&e.columns(), s) - e.rotate(s);
-        assert!(difference.norm() < 1e-15);
+        assert!(difference.length() < 1e-15);
     }
 }

@@ -14,7 +14,7 @@ use crate::design::ModelNumbers;
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::{Anchor, AnyConstraint, AnyElement, Frame, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, Over};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,13 +45,13 @@ pub struct MechanismBuilder<S> {
     /// Lines of the picture.
     pub drawings: Vec<Drawing>,
     ground: Option<NodeId>,
-    masses: Vec<(NodeId, S, Vec3<S>)>,
+    masses: Vec<(NodeId, S, Vector3<S>)>,
     /// Elements of beams whose weight has not been added: name, nodes, inertia of their Gauss points, whether eccentric.
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
     /// Elements of cables whose weight has not been added.
     heavy_cables: Vec<cables::HeavyCable<S>>,
     /// Joint angles with their bodies and axes.
-    angles: Vec<(NodeId, [NodeId; 2], Vec3<S>)>,
+    angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     mistakes: Vec<String>,
 }
 
@@ -66,20 +66,24 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A rigid body's node at rest: position of its frame [m] and Euler parameters.
-    pub fn body(&mut self, name: &str, position: Vec3<S>, rotation: Quaternion<S>) -> NodeId {
-        let q: Vec<S> = position.0.into_iter().chain(rotation.0).collect();
+    pub fn body(&mut self, name: &str, position: Vector3<S>, rotation: Quaternion<S>) -> NodeId {
+        let q: Vec<S> = position.components().into_iter().chain(rotation.0).collect();
         self.add_node(name, NodeKind::Body, false, &q)
     }
 
     /// A rigid body's node in natural coordinates, at rest: position of its frame [m] and rotation, by Euler parameters of unit length.
-    pub fn natural_body(&mut self, name: &str, position: Vec3<S>, rotation: Quaternion<S>) -> NodeId {
-        let q: Vec<S> = position.0.into_iter().chain(rotation.columns().into_iter().flat_map(|axis| axis.0)).collect();
+    pub fn natural_body(&mut self, name: &str, position: Vector3<S>, rotation: Quaternion<S>) -> NodeId {
+        let q: Vec<S> = position
+            .components()
+            .into_iter()
+            .chain(rotation.columns().into_iter().flat_map(|axis| axis.components()))
+            .collect();
         self.add_node(name, NodeKind::Natural, false, &q)
     }
 
     /// A point's node at rest [m].
-    pub fn point(&mut self, name: &str, position: Vec3<S>) -> NodeId {
-        self.add_node(name, NodeKind::Point, false, &position.0)
+    pub fn point(&mut self, name: &str, position: Vector3<S>) -> NodeId {
+        self.add_node(name, NodeKind::Point, false, &position.components())
     }
 
     /// A node of coordinates that the scene's own elements give a meaning to, with their rates.
@@ -100,14 +104,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         if let Some(ground) = self.ground {
             return ground;
         }
-        let q: Vec<S> = Vec3::zero().0.into_iter().chain(Quaternion::identity().0).collect();
+        let q: Vec<S> = Vector3::zeros().components().into_iter().chain(Quaternion::identity().0).collect();
         let ground = self.add_node("ground", NodeKind::Body, true, &q);
         self.ground = Some(ground);
         ground
     }
 
     /// Gives a node a velocity [m/s] and, if it is a body or a cable's node, an angular velocity in world components [rad/s].
-    pub fn set_velocity(&mut self, node: NodeId, velocity: Vec3<S>, omega_world: Vec3<S>) {
+    pub fn set_velocity(&mut self, node: NodeId, velocity: Vector3<S>, omega_world: Vector3<S>) {
         if let NodeKind::Coordinates(_) = self.model.nodes[node.0].kind {
             let name = &self.model.nodes[node.0].name;
             self.mistakes
@@ -115,7 +119,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let first = self.model.nodes[node.0].dofs.start;
-        for (place, v) in (first..).zip(velocity.0) {
+        for (place, v) in (first..).zip(velocity.components()) {
             self.numbers.v[place] = v;
         }
         let rates: Vec<S> = match self.model.nodes[node.0].kind {
@@ -125,7 +129,9 @@ impl<S: Scalar> MechanismBuilder<S> {
             }
             NodeKind::Natural | NodeKind::Slope => {
                 let own = &self.numbers.q[self.model.nodes[node.0].dofs.clone()][3..];
-                own.chunks_exact(3).flat_map(|vector| omega_world.cross(Vec3::from_slice(vector)).0).collect()
+                own.chunks_exact(3)
+                    .flat_map(|vector| omega_world.cross(&Vector3::first_three(vector)).components())
+                    .collect()
             }
             _ => Vec::new(),
         };
@@ -136,18 +142,18 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Initial angular velocity of a body in world components [rad/s].
-    pub fn angular_velocity(&self, node: NodeId) -> Vec3<S> {
+    pub fn angular_velocity(&self, node: NodeId) -> Vector3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         let (v, q) = (&self.numbers.v[dofs.clone()], &self.numbers.q[dofs.clone()]);
-        kind.anchor().map_or_else(Vec3::zero, |anchor| anchor.angular_velocity(v, q))
+        kind.anchor().map_or_else(Vector3::zeros, |anchor| anchor.angular_velocity(v, q))
     }
 
     /// Initial position of a node's frame [m]; that of the world where it has no place in space.
-    pub fn position(&self, node: NodeId) -> Vec3<S> {
+    pub fn position(&self, node: NodeId) -> Vector3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         match kind {
-            NodeKind::Coordinates(_) => Vec3::zero(),
-            _ => Vec3::from_slice(&self.numbers.q[dofs.start..]),
+            NodeKind::Coordinates(_) => Vector3::zeros(),
+            _ => Vector3::first_three(&self.numbers.q[dofs.start..]),
         }
     }
 
@@ -162,15 +168,15 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A world point [m] in the frame of a body; zero for other nodes, whose own position it is.
-    pub fn local_point(&self, node: NodeId, point: Vec3<S>) -> Vec3<S> {
+    pub fn local_point(&self, node: NodeId, point: Vector3<S>) -> Vector3<S> {
         if self.model.nodes[node.0].kind.has_axes() {
             return self.local_direction(node, point - self.position(node));
         }
-        Vec3::zero()
+        Vector3::zeros()
     }
 
     /// A world direction in the frame of a body.
-    pub fn local_direction(&self, node: NodeId, direction: Vec3<S>) -> Vec3<S> {
+    pub fn local_direction(&self, node: NodeId, direction: Vector3<S>) -> Vector3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         match kind {
             NodeKind::Natural => Frame::of(Anchor::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
@@ -199,15 +205,15 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A vector of length one along an axis or normal.
-    fn unit(&mut self, owner: &str, direction: Vec3<S>) -> Vec3<S> {
-        let length = direction.norm().value();
+    fn unit(&mut self, owner: &str, direction: Vector3<S>) -> Vector3<S> {
+        let length = direction.length().value();
         if length > 0.0 && length.is_finite() {
-            return direction.normalized();
+            return direction.unit();
         }
-        let components = direction.0.map(Scalar::value);
+        let components = direction.components().map(Scalar::value);
         self.mistakes
             .push(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"));
-        Vec3::from_f64([1.0, 0.0, 0.0])
+        Vector3::from_f64([1.0, 0.0, 0.0])
     }
 
     fn check_sizes(&mut self, name: &str, nodes: &[NodeId], dofs: usize, parameters: usize, given: usize) -> bool {
@@ -268,9 +274,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Inertia of a body, in Euler parameters or natural coordinates: mass [kg], mass centre in the body frame [m], tensor about it
     /// (xx, yy, zz, xy, xz, yz) [kg m2].
-    pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vec3<S>, inertia: [S; 6]) -> ElementId {
+    pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
         self.masses.push((node, mass, centre));
-        let p: Vec<S> = [mass].into_iter().chain(centre.0).chain(inertia).collect();
+        let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
         match self.body_anchor(name, node) {
             Anchor::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
             _ => self.add_element(name, &[node], RigidBody.into(), &p),
@@ -279,7 +285,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A mass [kg] at a point.
     pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
-        self.masses.push((node, mass, Vec3::zero()));
+        self.masses.push((node, mass, Vector3::zeros()));
         self.add_element(name, &[node], PointMass.into(), &[mass])
     }
 
@@ -316,8 +322,8 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Draws a line through world points with a node.
-    pub fn draw(&mut self, node: NodeId, points: &[Vec3<S>]) {
-        let corner = |&point: &Vec3<S>| (node, self.local_point(node, point).0.map(Scalar::value));
+    pub fn draw(&mut self, node: NodeId, points: &[Vector3<S>]) {
+        let corner = |&point: &Vector3<S>| (node, self.local_point(node, point).components().map(Scalar::value));
         let points = points.iter().map(corner).collect();
         self.drawings.push(Drawing { points });
     }

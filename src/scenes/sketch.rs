@@ -2,7 +2,7 @@ use super::builder::MechanismBuilder;
 use crate::assembly::{NodeId, NodeKind};
 use crate::elements::{Anchor, Parameter};
 use crate::functionals::Measured;
-use crate::scalar::Vec3;
+use crate::scalar::{SpatialVector, Vector3};
 use std::ops::Range;
 
 /// A point that moves with a node.
@@ -18,7 +18,7 @@ pub struct NodePoint {
 impl NodePoint {
     /// Its place in the world [m] at coordinates `q` of the whole mechanism.
     pub fn at(&self, q: &[f64]) -> [f64; 3] {
-        self.anchor.position(&q[self.dofs.clone()], Vec3(self.local)).0
+        self.anchor.position(&q[self.dofs.clone()], Vector3::from(self.local)).components()
     }
 }
 

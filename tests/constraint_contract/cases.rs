@@ -9,7 +9,7 @@ use costate::elements::joints::{
     RevoluteJoint, RigidLink, SphericalJoint, UniversalJoint,
 };
 use costate::elements::{Anchor, AnyConstraint, Constraint, TimeFunction};
-use costate::scalar::{Quaternion, Vec3};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
 use Anchor::{Body, Natural, Point, Slope};
@@ -19,7 +19,7 @@ use Anchor::{Body, Natural, Point, Slope};
 #[derive(Clone, Copy)]
 pub struct Placement {
     pub turn: Quaternion<f64>,
-    pub offset: Vec3<f64>,
+    pub offset: Vector3<f64>,
     /// Turn of a body between the two, seen from a, where there is one.
     pub pinion: Quaternion<f64>,
     /// Coordinates behind those of the bodies, as many as there are.
@@ -29,17 +29,17 @@ pub struct Placement {
 impl Default for Placement {
     fn default() -> Self {
         let together = Quaternion::identity();
-        Placement { turn: together, offset: Vec3::zero(), pinion: together, scalars: [0.0; 2] }
+        Placement { turn: together, offset: Vector3::zeros(), pinion: together, scalars: [0.0; 2] }
     }
 }
 
 impl Placement {
     /// Turned on by `angle` [rad] about `axis` of a; the points stay where they are.
-    pub fn turned(self, axis: Vec3<f64>, angle: f64) -> Placement {
+    pub fn turned(self, axis: Vector3<f64>, angle: f64) -> Placement {
         Placement { turn: Quaternion::about(axis, angle).times(self.turn), ..self }
     }
     /// Shifted by `by` [m] in the frame of a.
-    pub fn shifted(self, by: Vec3<f64>) -> Placement {
+    pub fn shifted(self, by: Vector3<f64>) -> Placement {
         Placement { offset: self.offset + by, ..self }
     }
     /// With the first of the scalars moved.
@@ -106,10 +106,10 @@ impl Case {
     }
 
     /// Coordinates of all nodes for a body a at `position` with the Euler parameters `turn`.
-    pub fn coordinates(&self, position: Vec3<f64>, turn: Quaternion<f64>, placed: Placement) -> Vec<f64> {
+    pub fn coordinates(&self, position: Vector3<f64>, turn: Quaternion<f64>, placed: Placement) -> Vec<f64> {
         let mut q = Vec::new();
         if let Some(&a) = self.nodes.first() {
-            q.extend(position.0);
+            q.extend(position.components());
             let mut point = position + placed.offset;
             let mut turn_b = placed.turn;
             let mut slope = AXIS;
@@ -119,15 +119,15 @@ impl Case {
                 turn_b = turn.times(placed.turn);
                 slope = turn_b.rotate(AXIS);
             } else if a == Slope {
-                q.extend(slope.0);
+                q.extend(slope.components());
                 slope = turn_b.rotate(AXIS);
             }
             if let [_, pinion, _] = self.nodes[..] {
                 q.extend(body_coordinates(pinion, position + turn.rotate(NORMAL_U), turn.times(placed.pinion)));
             }
             match self.nodes[1..].last() {
-                Some(Point) => q.extend(point.0),
-                Some(Slope) => q.extend(point.0.into_iter().chain(slope.0)),
+                Some(Point) => q.extend(point.components()),
+                Some(Slope) => q.extend(point.components().into_iter().chain(slope.components())),
                 Some(&body) => q.extend(body_coordinates(body, point - turn_b.rotate(POINT_B), turn_b)),
                 None => {}
             }
@@ -139,15 +139,15 @@ impl Case {
 
 pub const NOW: f64 = 0.3;
 pub const STEP: f64 = 1e-3;
-const POINT_A: Vec3<f64> = Vec3([0.3, -0.2, 0.5]);
-const POINT_B: Vec3<f64> = Vec3([-0.4, 0.1, 0.6]);
+const POINT_A: Vector3<f64> = Vector3::new(0.3, -0.2, 0.5);
+const POINT_B: Vector3<f64> = Vector3::new(-0.4, 0.1, 0.6);
 /// A right-handed triad of a; the first is the axis of hinges and drives.
-pub const AXIS: Vec3<f64> = Vec3([0.6, 0.0, 0.8]);
-pub const NORMAL_U: Vec3<f64> = Vec3([0.8, 0.0, -0.6]);
-pub const NORMAL_W: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
-const X: Vec3<f64> = Vec3([1.0, 0.0, 0.0]);
-const Y: Vec3<f64> = Vec3([0.0, 1.0, 0.0]);
-const Z: Vec3<f64> = Vec3([0.0, 0.0, 1.0]);
+pub const AXIS: Vector3<f64> = Vector3::new(0.6, 0.0, 0.8);
+pub const NORMAL_U: Vector3<f64> = Vector3::new(0.8, 0.0, -0.6);
+pub const NORMAL_W: Vector3<f64> = Vector3::new(0.0, 1.0, 0.0);
+const X: Vector3<f64> = Vector3::new(1.0, 0.0, 0.0);
+const Y: Vector3<f64> = Vector3::new(0.0, 1.0, 0.0);
+const Z: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
 const PAIRS: [[Anchor; 2]; 10] = [
     [Point, Point],
     [Point, Body],
@@ -178,14 +178,14 @@ pub fn drives() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
 
 #[rustfmt::skip]
 pub fn cases() -> Vec<Case> {
-    let points = [POINT_A.0, POINT_B.0].concat();
-    let skew = Quaternion::about(Vec3([0.36, 0.48, 0.8]), 0.9);
+    let points = [POINT_A.components(), POINT_B.components()].concat();
+    let skew = Quaternion::about(Vector3::new(0.36, 0.48, 0.8), 0.9);
     let together = Placement { turn: skew, ..Placement::default() };
     let hinged = Placement { turn: Quaternion::about(AXIS, 0.7), ..Placement::default() };
     let slid = hinged.shifted(AXIS * 1.3);
     let lying = hinged.shifted(NORMAL_U * 0.9 + NORMAL_W * -0.4);
-    let (across, along) = ([NORMAL_U.0, NORMAL_W.0].concat(), [NORMAL_U.0, NORMAL_W.0, AXIS.0].concat());
-    let angle = [AXIS.0, NORMAL_U.0, NORMAL_U.0].concat();
+    let (across, along) = ([NORMAL_U.components(), NORMAL_W.components()].concat(), [NORMAL_U.components(), NORMAL_W.components(), AXIS.components()].concat());
+    let angle = [AXIS.components(), NORMAL_U.components(), NORMAL_U.components()].concat();
     let (pitch, radius) = (0.35, 0.21);
     let screwed = Placement { turn: Quaternion::about(AXIS, 1.3 * TAU / pitch), ..slid };
     let rolled = Placement { offset: NORMAL_W * (radius * 2.9), pinion: Quaternion::about(AXIS, 2.9), ..together };
@@ -224,40 +224,40 @@ pub fn cases() -> Vec<Case> {
         Case::new(between("planar where the points meet", [a, b]), PlanarJoint { a, b }, &[a, b], &[&points[..], &along].concat(), hinged)
             .shows("tilt about u", &[2], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[1], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new(between("universal", [a, b]), UniversalJoint { a, b }, &[a, b], &[&points[..], &AXIS.0, &NORMAL_U.0].concat(), hinged)
+        Case::new(between("universal", [a, b]), UniversalJoint { a, b }, &[a, b], &[&points[..], &AXIS.components(), &NORMAL_U.components()].concat(), hinged)
             .shows("turn about the pin of a", &[], |placed| placed.turned(AXIS, 0.5))
             .shows("turn about the pin of b", &[], |placed| placed.turned(placed.turn.rotate(NORMAL_U), 0.5))
-            .shows("turn about neither", &[3], |placed| placed.turned(AXIS.cross(placed.turn.rotate(NORMAL_U)), STEP))
+            .shows("turn about neither", &[3], |placed| placed.turned(AXIS.cross(&placed.turn.rotate(NORMAL_U)), STEP))
             .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
-        Case::new(between("helical", [a, b]), HelicalJoint { a, b }, &[a, b], &[&points[..], &along, &NORMAL_U.0, &[pitch]].concat(), screwed)
+        Case::new(between("helical", [a, b]), HelicalJoint { a, b }, &[a, b], &[&points[..], &along, &NORMAL_U.components(), &[pitch]].concat(), screwed)
             .shows("six turns on", &[], |placed| placed.turned(AXIS, 6.0 * TAU).shifted(AXIS * (6.0 * 0.35)))
             .shows("shift along the axis", &[4], |placed| placed.shifted(AXIS * STEP))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP)),
-        Case::new(between("rack and pinion", [a, b]), RackAndPinion { nodes: [a, b, b] }, &[a, b, b], &[&points[..], &angle, &NORMAL_W.0, &[radius]].concat(), rolled)
+        Case::new(between("rack and pinion", [a, b]), RackAndPinion { nodes: [a, b, b] }, &[a, b, b], &[&points[..], &angle, &NORMAL_W.components(), &[radius]].concat(), rolled)
             .shows("turn and lift the rack", &[], |placed| placed.turned(NORMAL_U, 0.4).shifted(AXIS * 0.3))
             .shows("shift the rack", &[0], |placed| placed.shifted(NORMAL_W * STEP)),
         Case::new(between("angle coordinate", [a, b]), AngleCoordinate { a, b }, &[a, b], &angle, hinged.counted(0.7))
-            .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
+            .shows("any shift", &[], |placed| placed.shifted(Vector3::new(0.4, -0.7, 1.9)))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("count on", &[0], |placed| placed.counted(STEP)),
         ]);
     }
     for [a, b] in GUIDED {
         let relative = if b.has_axes() { &skew.0[..] } else { &[] };
-        let offset = POINT_A - if b.has_axes() { skew.rotate(POINT_B) } else { Vec3::zero() };
+        let offset = POINT_A - if b.has_axes() { skew.rotate(POINT_B) } else { Vector3::zeros() };
         let rows = if b.has_axes() { vec![3] } else { vec![] };
-        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink { a, b }, &[a, b], &[&offset.0, relative].concat(), together)
+        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink { a, b }, &[a, b], &[&offset.components(), relative].concat(), together)
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("turn about x with the node in place", &rows, |placed| {
                 let turned = placed.turned(X, STEP);
-                let point = if b.has_axes() { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vec3::zero() };
+                let point = if b.has_axes() { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vector3::zeros() };
                 turned.shifted(point)
             }));
         list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine { a, b }, &[a, b], &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
             .shows("any turn and shift along the line", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(AXIS))
             .shows("shift along u", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("shift along w", &[1], |placed| placed.shifted(NORMAL_W * STEP)));
-        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane { a, b }, &[a, b], &[&points[..], &AXIS.0].concat(), together.shifted(NORMAL_W))
+        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane { a, b }, &[a, b], &[&points[..], &AXIS.components()].concat(), together.shifted(NORMAL_W))
             .shows("any turn and slide", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(NORMAL_U))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
@@ -270,7 +270,7 @@ pub fn cases() -> Vec<Case> {
         let apart = Placement { offset: AXIS * length, ..together };
         list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[a, b], &[&points[..], &[length]].concat(), apart)
             .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
-            .shows("another direction", &[], |placed| Placement { offset: Vec3([-1.7, 0.0, 0.0]), ..placed })
+            .shows("another direction", &[], |placed| Placement { offset: Vector3::new(-1.7, 0.0, 0.0), ..placed })
             .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
     list.push(Case::new("cable corner", CableCorner, &[Slope, Slope], &[0.9], Placement::default().turned(NORMAL_W, 0.9))
@@ -278,17 +278,17 @@ pub fn cases() -> Vec<Case> {
         .shows("opened", &[3], |placed| placed.turned(NORMAL_W, STEP))
         .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)));
     for a in [Body, Natural] {
-        let slope = AXIS.0;
+        let slope = AXIS.components();
         list.extend([
-            Case::new(format!("cable clamped to {a:?}"), CableEnd { a, held: HeldSlope::Direction }, &[a, Slope], &[&POINT_A.0[..], &across].concat(), Placement::default())
+            Case::new(format!("cable clamped to {a:?}"), CableEnd { a, held: HeldSlope::Direction }, &[a, Slope], &[&POINT_A.components()[..], &across].concat(), Placement::default())
                 .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
                 .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
                 .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
                 .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
-            Case::new(format!("cable welded to {a:?}"), CableEnd { a, held: HeldSlope::Vector }, &[a, Slope], &[&POINT_A.0[..], &slope].concat(), Placement::default())
+            Case::new(format!("cable welded to {a:?}"), CableEnd { a, held: HeldSlope::Vector }, &[a, Slope], &[&POINT_A.components()[..], &slope].concat(), Placement::default())
                 .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
                 .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
-            Case::new(format!("cable on a hinge of {a:?}"), CableEnd { a, held: HeldSlope::Plane }, &[a, Slope], &[POINT_A.0, NORMAL_W.0].concat(), Placement::default())
+            Case::new(format!("cable on a hinge of {a:?}"), CableEnd { a, held: HeldSlope::Plane }, &[a, Slope], &[POINT_A.components(), NORMAL_W.components()].concat(), Placement::default())
                 .shows("turn about the hinge", &[], |placed| placed.turned(NORMAL_W, 0.7))
                 .shows("tilt", &[3], |placed| placed.turned(NORMAL_U, STEP))
                 .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)),
@@ -300,14 +300,14 @@ pub fn cases() -> Vec<Case> {
         let p = [&angle[..], &own].concat();
         for [a, b] in BODIES {
         list.push(Case::new(between(&format!("{of_time} rotation"), [a, b]), PrescribedRotation { a, b, angle: function.clone() }, &[a, b], &p, driven)
-            .shows("any shift", &[], |placed| placed.shifted(Vec3([0.4, -0.7, 1.9])))
+            .shows("any shift", &[], |placed| placed.shifted(Vector3::new(0.4, -0.7, 1.9)))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
         }
         for [a, b] in GUIDED {
             let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
             let drive = PrescribedTranslation { a, b, displacement: function.clone() };
-            list.push(Case::new(format!("{of_time} translation of {b:?} by {a:?}"), drive, &[a, b], &[&points[..], &AXIS.0, &own].concat(), slid)
+            list.push(Case::new(format!("{of_time} translation of {b:?} by {a:?}"), drive, &[a, b], &[&points[..], &AXIS.components(), &own].concat(), slid)
                 .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
                 .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))
                 .shows("shift along the axis", &[0], |placed| placed.shifted(AXIS * STEP)));

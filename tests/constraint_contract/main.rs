@@ -9,7 +9,7 @@ use costate::elements::Anchor::Body;
 use costate::elements::bodies::EulerParameterNorm;
 use costate::elements::joints::{PrescribedRotation, PrescribedTranslation};
 use costate::elements::{AnyConstraint, ConstraintIn, ReactingConstraintIn, State, TimeFunction};
-use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
+use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
 use std::f64::consts::TAU;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
@@ -243,13 +243,13 @@ fn lanes_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
 
 #[test]
 fn consistent_configuration_stays_consistent_when_moved_rigidly() {
-    let turn = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    let turn = Quaternion::about(Vector3::new(0.48, -0.6, 0.64), 1.1);
     for case in cases() {
         // a point has no frame, so what it sees is seen from the world
-        let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), turn, case.placed);
+        let q = case.coordinates(Vector3::new(0.9, -0.4, 0.2), turn, case.placed);
         let rows = case.constraint.equation_count();
         assert_close(&case.name, &value(&case, &q, &case.p, NOW), &vec![0.0; rows], 1e-14);
-        for (k, translation) in [Vec3([0.4, -1.3, 2.1]), Vec3([-7.0, 3.0, 0.5])].into_iter().enumerate() {
+        for (k, translation) in [Vector3::new(0.4, -1.3, 2.1), Vector3::new(-7.0, 3.0, 0.5)].into_iter().enumerate() {
             let rotation = Quaternion([0.5, -0.5, 0.7 - k as f64, 0.1]);
             // coordinates of no place stay as they are
             let (places, scalars) = q.split_at(q.len() - case.scalars);
@@ -264,7 +264,7 @@ fn rows_are_zero_exactly_where_the_joint_leaves_freedom() {
     for case in cases() {
         for Move { what, to, violated } in &case.moves {
             // body a in the axes of the world, so that shifts seen from a are rows of g
-            let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), Quaternion::identity(), *to);
+            let q = case.coordinates(Vector3::new(0.9, -0.4, 0.2), Quaternion::identity(), *to);
             for (row, g) in value(&case, &q, &case.p, NOW).into_iter().enumerate() {
                 // rows are lengths and angles, so that a small step away shows at its own size
                 let (size, limit) = if violated.contains(&row) { (STEP, 1e-2 * STEP) } else { (0.0, 1e-14) };
@@ -289,32 +289,32 @@ fn euler_parameters_of_another_length_violate_their_norm_whatever_the_rotation()
 fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
     let drive = PrescribedRotation { a: Body, b: Body, angle: TimeFunction::ConstantRate };
     let (offset, rate) = (0.2, 9.0);
-    let p = [&AXIS.0[..], &NORMAL_U.0, &NORMAL_U.0, &[offset, rate]].concat();
+    let p = [&AXIS.components()[..], &NORMAL_U.components(), &NORMAL_U.components(), &[offset, rate]].concat();
     let case = Case::new("driven", drive, &[Body, Body], &p, Placement::default());
-    let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    let of_a = Quaternion::about(Vector3::new(0.48, -0.6, 0.64), 1.1);
     // 4 seconds are almost 6 turns forwards, and as many backwards
     for k in -40..=40 {
         let t = f64::from(k) / 10.0;
         for off in [0.0, 1e-6, -0.5, 2.0, -3.1, 3.1] {
             let placed = case.placed.turned(AXIS, offset + rate * t + off);
-            let g = value(&case, &case.coordinates(Vec3::zero(), of_a, placed), &p, t);
+            let g = value(&case, &case.coordinates(Vector3::zeros(), of_a, placed), &p, t);
             assert_close(&format!("t = {t}"), &g, &[off], 1e-13);
         }
         let half_a_turn = case.placed.turned(AXIS, offset + rate * t + std::f64::consts::PI);
-        let g = value(&case, &case.coordinates(Vec3::zero(), of_a, half_a_turn), &p, t);
+        let g = value(&case, &case.coordinates(Vector3::zeros(), of_a, half_a_turn), &p, t);
         assert_close(&format!("half a turn off at t = {t}"), &[g[0].abs()], &[std::f64::consts::PI], 1e-13);
     }
 }
 
 /// For a joint that turns b about [`AXIS`] of a: what g[row] becomes when b stands `beyond` [rad] past where it should be.
 fn assert_counts_turns(case: &Case, row: usize, by: f64, place: impl Fn(f64) -> (Placement, f64)) {
-    let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    let of_a = Quaternion::about(Vector3::new(0.48, -0.6, 0.64), 1.1);
     // more than six turns both ways
     for k in -40..=40 {
         for beyond in [0.0, 1e-6, -0.5, 2.0, -3.1, 3.1] {
             let (placed, angle) = place(f64::from(k));
             let placed = placed.turned(AXIS, angle + beyond);
-            let g = value(case, &case.coordinates(Vec3::zero(), of_a, placed), &case.p, NOW);
+            let g = value(case, &case.coordinates(Vector3::zeros(), of_a, placed), &case.p, NOW);
             let mut expected = vec![0.0; g.len()];
             expected[row] = by * beyond;
             assert_close(&format!("{}: {angle} rad and {beyond}", case.name), &g, &expected, 1e-13);
@@ -347,24 +347,24 @@ fn a_rack_moves_by_the_radius_times_the_angle_of_its_pinion() {
         for beyond in [0.0, 1e-6, -0.5, 2.0, -3.1, 3.1] {
             let pinion = Quaternion::about(AXIS, angle + beyond);
             let placed = Placement { offset: NORMAL_W * (radius * angle), pinion, ..Placement::default() };
-            let g = value(&case, &case.coordinates(Vec3::zero(), pinion, placed), &case.p, NOW);
+            let g = value(&case, &case.coordinates(Vector3::zeros(), pinion, placed), &case.p, NOW);
             assert_close(&format!("{angle} rad and {beyond}"), &g, &[radius * beyond], 1e-13);
         }
     }
-    let q = case.coordinates(Vec3::zero(), Quaternion::identity(), case.placed);
+    let q = case.coordinates(Vector3::zeros(), Quaternion::identity(), case.placed);
     let r = reaction(&case, &q, &[3.0], &case.p, NOW);
-    assert_close("force on the rack", &r[14..17], &(NORMAL_W * -3.0).0, 1e-14);
+    assert_close("force on the rack", &r[14..17], &(NORMAL_W * -3.0).components(), 1e-14);
 }
 
 /// Rows of the slope seen from a, which no move of a rigid body shows one by one.
 #[test]
 fn a_weld_that_holds_the_vector_of_a_slope_sees_tilt_and_stretch() {
     let case = cases().into_iter().find(|case| case.name == "cable welded to Body").expect("listed");
-    let mut q = case.coordinates(Vec3::zero(), Quaternion::about(NORMAL_U, 0.8), case.placed);
+    let mut q = case.coordinates(Vector3::zeros(), Quaternion::about(NORMAL_U, 0.8), case.placed);
     let off = [0.3, -0.2, 0.1];
-    let slope = Quaternion::about(NORMAL_U, 0.8).rotate(AXIS + Vec3(off));
+    let slope = Quaternion::about(NORMAL_U, 0.8).rotate(AXIS + Vector3::from(off));
     let first = q.len() - 3;
-    q[first..].copy_from_slice(&slope.0);
+    q[first..].copy_from_slice(&slope.components());
     let g = value(&case, &q, &case.p, NOW);
     assert_close(&case.name, &g, &[&[0.0; 3][..], &off].concat(), 1e-14);
 }
@@ -379,18 +379,18 @@ fn force_on_b(case: &Case, q: &[f64], mu: &[f64]) -> [f64; 3] {
 #[test]
 fn multipliers_are_the_forces_that_the_joints_say() {
     for case in cases().iter().filter(|case| case.nodes.len() == 2 && case.scalars == 0) {
-        let q = case.coordinates(Vec3([0.9, -0.4, 0.2]), Quaternion::identity(), case.placed);
+        let q = case.coordinates(Vector3::new(0.9, -0.4, 0.2), Quaternion::identity(), case.placed);
         let force = |mu: &[f64]| force_on_b(case, &q, mu);
         if case.name.starts_with("distance") {
             // a tension of 3 N draws b towards a
-            assert_close(&case.name, &force(&[3.0]), &(AXIS * -3.0).0, 1e-14);
+            assert_close(&case.name, &force(&[3.0]), &(AXIS * -3.0).components(), 1e-14);
         } else if case.name.starts_with("spherical") {
             // the force of a on b is opposite to that of b on a
             assert_close(&case.name, &force(&[1.0, 2.0, 3.0]), &[-1.0, -2.0, -3.0], 1e-14);
         } else if case.name == "rigid link Body to Point" {
             assert_close(&case.name, &force(&[1.0, 2.0, 3.0]), &[-1.0, -2.0, -3.0], 1e-14);
         } else if case.name.contains("translation") || case.name.contains("in plane") {
-            assert_close(&case.name, &force(&[-3.0]), &(AXIS * 3.0).0, 1e-14);
+            assert_close(&case.name, &force(&[-3.0]), &(AXIS * 3.0).components(), 1e-14);
         } else if case.name.contains("rotation") && case.nodes == [Body, Body] {
             // the power of the driving moment 3 N m on b while b turns by 0.8 rad/s about the axis, a at rest
             let r = reaction(case, &q, &[-3.0], &case.p, NOW);

@@ -14,7 +14,7 @@ use costate::elements::joints::PrescribedTranslation;
 use costate::elements::{
     AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_momentum_rate, lagrangian_residual, wide,
 };
-use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, Taylor, Vec3};
+use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
 use std::sync::Arc;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
@@ -77,11 +77,11 @@ fn samples(case: &Case) -> Vec<Sample> {
         q.extend(random.vector(case.scalars));
         if case.neighbours && case.nodes[0] == Slope {
             // the second node of a cable about as far as its length, and the slope bent by about half a radian
-            let first = Vec3::from_slice(&q[3..]);
-            let bend = first.normalized().perpendiculars()[0] * (0.5 * first.norm());
+            let first = Vector3::first_three(&q[3..]);
+            let bend = first.unit().perpendiculars()[0] * (0.5 * first.length());
             for i in 0..3 {
-                q[9 + i] = first.0[i] + bend.0[i] + random.uniform(-0.05, 0.05);
-                q[6 + i] = q[i] + case.p[0] * (first.0[i] + 0.5 * bend.0[i]) + random.uniform(-0.01, 0.01);
+                q[9 + i] = first[i] + bend[i] + random.uniform(-0.05, 0.05);
+                q[6 + i] = q[i] + case.p[0] * (first[i] + 0.5 * bend[i]) + random.uniform(-0.01, 0.01);
             }
         } else if case.neighbours {
             let first: Vec<f64> = q[3..7].to_vec();
@@ -366,10 +366,10 @@ fn damper_between_points_takes_c_times_the_square_of_the_rate() {
             // positions along the motion: their rates need no formula of velocities
             let along: Vec<_> = sample.q.iter().zip(&sample.v).map(|(&re, &rate)| Dual { re, eps: [rate] }).collect();
             let (of_a, of_b) = along.split_at(a.dofs());
-            let ends = [&ends[..3], &ends[3..]].map(|point: &[f64]| Vec3::from_f64([point[0], point[1], point[2]]));
-            let between: Vec3<Dual<f64, 1>> = b.position(of_b, ends[1]) - a.position(of_a, ends[0]);
-            let length_rate = between.norm().eps[0];
-            let speed = Vec3(between.0.map(|x| x.eps[0])).norm();
+            let ends = [&ends[..3], &ends[3..]].map(|point: &[f64]| Vector3::from_f64([point[0], point[1], point[2]]));
+            let between: Vector3<Dual<f64, 1>> = b.position(of_b, ends[1]) - a.position(of_a, ends[0]);
+            let length_rate = between.length().eps[0];
+            let speed = between.map(|x| x.eps[0]).length();
             let line = power(&LineDamper { a, b }, &sample, &p);
             let vector = power(&VectorDamper { a, b }, &sample, &p);
             assert_close("line damper", &[line], &[-2.3 * length_rate * length_rate], 1e-12, 1.0);
@@ -380,8 +380,8 @@ fn damper_between_points_takes_c_times_the_square_of_the_rate() {
 
 #[test]
 fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular_velocity() {
-    let (direction, point) = (Vec3([0.3, -0.5, 0.7]), Vec3([0.2, 0.4, -0.1]));
-    let axis = Vec3([0.6, 0.0, 0.8]);
+    let (direction, point) = (Vector3::new(0.3, -0.5, 0.7), Vector3::new(0.2, 0.4, -0.1));
+    let axis = Vector3::new(0.6, 0.0, 0.8);
     for frame in FRAMES {
         let size = TimeFunction::Constant;
         let body = Case::new("load", AppliedTorque { on: Body, frame, size: size.clone() }, &[Body], &[0.3, -0.5, 0.7, 1.3]);
@@ -390,14 +390,14 @@ fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular
             let unit = Quaternion::about(axis, t);
             q[3..].copy_from_slice(&unit.0);
             v[3..].copy_from_slice(&unit.rate_of_body_velocity(axis * 0.9));
-            let in_world = |vector: Vec3<f64>| if frame == LoadFrame::Body { unit.rotate(vector) } else { vector };
-            let velocity = Vec3::from_slice(&v) + (axis * 0.9).cross(unit.rotate(point));
+            let in_world = |vector: Vector3<f64>| if frame == LoadFrame::Body { unit.rotate(vector) } else { vector };
+            let velocity = Vector3::first_three(&v) + (axis * 0.9).cross(&unit.rotate(point));
             let sample = Sample { a, v, q, t };
             let force = AppliedForce { on: Body, frame, size: size.clone() };
             let of_force = power(&force, &sample, &[0.3, -0.5, 0.7, 0.2, 0.4, -0.1, 1.3]);
-            assert_close("force", &[of_force], &[1.3 * in_world(direction).dot(velocity)], 1e-13, 1.0);
+            assert_close("force", &[of_force], &[1.3 * in_world(direction).dot(&velocity)], 1e-13, 1.0);
             let of_torque = power(&AppliedTorque { on: Body, frame, size: size.clone() }, &sample, &body.p);
-            assert_close("torque", &[of_torque], &[1.3 * 0.9 * in_world(direction).dot(axis)], 1e-13, 1.0);
+            assert_close("torque", &[of_torque], &[1.3 * 0.9 * in_world(direction).dot(&axis)], 1e-13, 1.0);
         }
     }
 }
@@ -407,11 +407,11 @@ fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
     let [stiffness, damping, rest] = [3.1, 0.7, 0.2];
     let [axis, reference_a, reference_b] = [[0.6, 0.0, 0.8], [0.8, 0.0, -0.6], [0.8, 0.0, -0.6]];
     let p = [&[stiffness, damping, rest][..], &axis, &reference_a, &reference_b].concat();
-    let axis = Vec3(axis);
+    let axis = Vector3::from(axis);
     let rate = -1.7;
     for angle in [-3.0, -1.2, 0.0, 0.4, 2.9] {
         // both bodies tumble together, b turns on about the axis: e_b = e_a about(axis, angle)
-        let (of_a, tumbling) = (Quaternion::about(Vec3([0.0, 1.0, 0.0]), 0.8), Vec3([0.5, -1.1, 0.3]));
+        let (of_a, tumbling) = (Quaternion::about(Vector3::new(0.0, 1.0, 0.0), 0.8), Vector3::new(0.5, -1.1, 0.3));
         let relative = Quaternion::about(axis, angle);
         let of_b = of_a.times(relative);
         let rate_a = of_a.rate_of_body_velocity(tumbling);
@@ -432,18 +432,19 @@ fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
 
 #[test]
 fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
-    let frame = Quaternion::about(Vec3([0.36, 0.48, 0.8]), 0.9);
+    let frame = Quaternion::about(Vector3::new(0.36, 0.48, 0.8), 0.9);
     let (along, about) = ([3.0, 5.0, 7.0], [2.0, 4.0, 6.0]);
     let point = [0.3, -0.2, 0.5];
     let p = [&along[..], &about, &[0.0; 6], &point, &[0.0; 3], &frame.0, &frame.0].concat();
-    let of_a = Quaternion::about(Vec3([0.48, -0.6, 0.64]), 1.1);
+    let of_a = Quaternion::about(Vector3::new(0.48, -0.6, 0.64), 1.1);
     for axis in 0..3 {
         let mut unit = [0.0; 3];
         unit[axis] = 1.0;
-        let axis_of_a = frame.rotate(Vec3(unit));
+        let axis_of_a = frame.rotate(Vector3::from(unit));
         for (shift, angle) in [(0.2, 0.0), (-0.1, 0.3), (0.0, -1.4)] {
-            let place = of_a.rotate(Vec3(point) + axis_of_a * shift);
-            let q = [&[0.0; 3][..], &of_a.0, &place.0, &of_a.times(Quaternion::about(axis_of_a, angle)).0].concat();
+            let place = of_a.rotate(Vector3::from(point) + axis_of_a * shift);
+            let q =
+                [&[0.0; 3][..], &of_a.0, &place.components(), &of_a.times(Quaternion::about(axis_of_a, angle)).0].concat();
             let bushing = Bushing { a: Body, b: Body };
             let [_, energy] = bushing.energy(&[0.0; 14], &q, &p);
             let turn = 2.0 * (0.5 * angle).sin();
@@ -451,7 +452,7 @@ fn a_bushing_pulls_along_and_turns_about_the_axes_of_its_frame() {
             assert_close("energy", &[energy], &[expected], 1e-13, 1.0);
             let mut r = vec![0.0; 14];
             bushing.add_residual(State { a: &[0.0; 14], v: &[0.0; 14], q: &q }, &p, 0.0, &mut r);
-            assert_close("pull", &r[7..10], &(of_a.rotate(axis_of_a) * (along[axis] * shift)).0, 1e-13, 1.0);
+            assert_close("pull", &r[7..10], &(of_a.rotate(axis_of_a) * (along[axis] * shift)).components(), 1e-13, 1.0);
         }
     }
 }
@@ -474,7 +475,7 @@ fn a_soft_drive_pulls_towards_its_moving_target() {
 
 #[test]
 fn rigid_motion_keeps_the_energies_and_carries_the_residual_along() {
-    let motion = RigidMotion { rotation: Quaternion([0.5, -0.5, 0.7, 0.1]), translation: Vec3([0.4, -1.3, 2.1]) };
+    let motion = RigidMotion { rotation: Quaternion([0.5, -0.5, 0.7, 0.1]), translation: Vector3::new(0.4, -1.3, 2.1) };
     for case in cases().iter().filter(|case| case.motion == Invariant && case.scalars == 0) {
         for sample in samples(case) {
             let q = motion.of_coordinates(&case.nodes, &sample.q);

@@ -2,7 +2,7 @@
 
 use super::Random;
 use costate::elements::Anchor;
-use costate::scalar::{Quaternion, Vec3};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
 /// Positions in [-1, 1) and, for bodies, Euler parameters or axes of the length that `norm` gives, for cables' nodes slopes of it.
 pub fn random_coordinates(nodes: &[Anchor], random: &mut Random, norm: impl Fn(&mut Random) -> f64) -> Vec<f64> {
@@ -23,7 +23,7 @@ pub fn random_coordinates(nodes: &[Anchor], random: &mut Random, norm: impl Fn(&
 pub struct RigidMotion {
     /// Of any length but zero.
     pub rotation: Quaternion<f64>,
-    pub translation: Vec3<f64>,
+    pub translation: Vector3<f64>,
 }
 
 impl RigidMotion {
@@ -32,7 +32,7 @@ impl RigidMotion {
         let mut moved = self.of_rates(nodes, q);
         let mut first = 0;
         for node in nodes {
-            (0..3).for_each(|i| moved[first + i] += self.translation.0[i]);
+            (0..3).for_each(|i| moved[first + i] += self.translation[i]);
             first += node.dofs();
         }
         moved
@@ -46,10 +46,11 @@ impl RigidMotion {
         for node in nodes {
             let rate = &rates[turned.len()..][..node.dofs()];
             if *node == Anchor::Body {
-                turned.extend(turn.rotate(Vec3::from_slice(rate)).0);
+                turned.extend(turn.rotate(Vector3::first_three(rate)).components());
                 turned.extend(turn.times(Quaternion::from_slice(&rate[3..])).0);
             } else {
-                turned.extend(rate.chunks_exact(3).flat_map(|vector| turn.rotate(Vec3::from_slice(vector)).0));
+                turned
+                    .extend(rate.chunks_exact(3).flat_map(|vector| turn.rotate(Vector3::first_three(vector)).components()));
             }
         }
         turned
@@ -57,11 +58,11 @@ impl RigidMotion {
 }
 
 /// Coordinates of a body's node at a place with the given rotation.
-pub fn body_coordinates(node: Anchor, position: Vec3<f64>, turn: Quaternion<f64>) -> Vec<f64> {
+pub fn body_coordinates(node: Anchor, position: Vector3<f64>, turn: Quaternion<f64>) -> Vec<f64> {
     let rotation = match node {
         Anchor::Body => turn.0.to_vec(),
-        Anchor::Natural => turn.columns().iter().flat_map(|axis| axis.0).collect(),
+        Anchor::Natural => turn.columns().iter().flat_map(|axis| axis.components()).collect(),
         Anchor::Point | Anchor::Slope => panic!("{node:?} is no body"),
     };
-    [&position.0[..], &rotation].concat()
+    [&position.components()[..], &rotation].concat()
 }

@@ -132,14 +132,14 @@ impl Scene for Member {
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [mass, rotary] = self.inertia.map(S::from);
         let section = Section::new(self.stiffness.map(S::from)).with_inertia(mass, [rotary; 2]);
-        let vector = |components: [f64; 3]| Vec3::<S>::from_f64(components);
+        let vector = |components: [f64; 3]| Vector3::<S>::from_f64(components);
         let mut line = match self.rest {
             Rest::Straight(length) => {
-                BeamLine::straight([Vec3::zero(), vector([length, 0.0, 0.0])], self.elements, vector([0.0, 1.0, 0.0]))
+                BeamLine::straight([Vector3::zeros(), vector([length, 0.0, 0.0])], self.elements, vector([0.0, 1.0, 0.0]))
             }
             Rest::Arc(radius, angle) => {
                 let centre = vector([0.0, radius, 0.0]);
-                BeamLine::arc(Vec3::zero(), centre, vector([0.0, 0.0, 1.0]), S::from(angle), self.elements)
+                BeamLine::arc(Vector3::zeros(), centre, vector([0.0, 0.0, 1.0]), S::from(angle), self.elements)
             }
         };
         if self.clamped {

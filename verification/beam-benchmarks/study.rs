@@ -229,12 +229,12 @@ fn invariance(report: &mut Report) -> Result<(), String> {
         let turn = Quaternion(std::array::from_fn(|_| random.next()));
         let norm = turn.norm_squared().sqrt();
         let turn = Quaternion(turn.0.map(|e| e / norm));
-        let shift = Vec3(std::array::from_fn(|_| random.next()));
+        let shift = Vector3::from(std::array::from_fn(|_| random.next()));
         let moved: Vec<f64> = q
             .chunks_exact(7)
             .flat_map(|node| {
-                let place = turn.rotate(Vec3::from_slice(node)) + shift;
-                place.0.into_iter().chain(turn.times(Quaternion::from_slice(&node[3..])).0)
+                let place = turn.rotate(Vector3::first_three(node)) + shift;
+                place.components().into_iter().chain(turn.times(Quaternion::from_slice(&node[3..])).0)
             })
             .collect();
         worst = worst.max((solved.energy(&moved) / energy - 1.0).abs());

@@ -5,7 +5,7 @@ use costate::elements::TimeFunction;
 use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{Material, Section};
 use costate::elements::forces::LoadFrame;
-use costate::scalar::{Scalar, Vec3};
+use costate::scalar::{Scalar, SpatialVector, Vector3};
 use costate::scenes::{BeamLine, BeamMember, MechanismBuilder};
 
 /// What is tested of the beam.
@@ -113,18 +113,18 @@ impl BeamSubject {
     pub fn add<S: Scalar>(
         &self,
         m: &mut MechanismBuilder<S>,
-        [shoulder, elbow]: [Vec3<S>; 2],
+        [shoulder, elbow]: [Vector3<S>; 2],
         numbers: &[S],
         function: &[S],
     ) -> BeamMember {
         let [width, height, young, poisson, density, x2, x3, damping, taper, twist, rest @ ..] = numbers else {
             unreachable!("{} numbers", DESIGN.len())
         };
-        let vector = |first: usize| Vec3::from_slice(&rest[first..]);
+        let vector = |first: usize| Vector3::first_three(&rest[first..]);
         let clamp = shoulder + vector(0);
         let bulge = vector(3);
         let point = |share: f64| clamp + (elbow - clamp) * S::from(share) + bulge * S::from(4.0 * share * (1.0 - share));
-        let points: Vec<Vec3<S>> = (0..=4).map(|i| point(0.25 * f64::from(i))).collect();
+        let points: Vec<Vector3<S>> = (0..=4).map(|i| point(0.25 * f64::from(i))).collect();
         let line = BeamLine::through(&points, vector(6)).twisted(*twist).clamped_start();
         let material = Material { young: *young, poisson: *poisson, density: *density };
         let section = |share: f64| {
@@ -140,10 +140,10 @@ impl BeamSubject {
         let load = rest[9];
         match self {
             BeamSubject::Load(frame, size) => {
-                m.distributed_load("load", &beam, (*frame, Vec3::from_f64([0.5, -0.3, 0.8])), size.clone(), function);
+                m.distributed_load("load", &beam, (*frame, Vector3::from_f64([0.5, -0.3, 0.8])), size.clone(), function);
             }
             BeamSubject::Design => {
-                let direction = (LoadFrame::Body, Vec3::from_f64([0.5, -0.3, 0.8]));
+                let direction = (LoadFrame::Body, Vector3::from_f64([0.5, -0.3, 0.8]));
                 m.distributed_load("load", &beam, direction, TimeFunction::ConstantRate, &[load, load]);
             }
             BeamSubject::Element(_) | BeamSubject::Weight(_) => {}

@@ -8,7 +8,7 @@ use costate::functionals::quantities::{
     Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure, TargetDistance, Velocity,
 };
 use costate::functionals::{LoadKind, Over};
-use costate::scalar::{Scalar, Vec3};
+use costate::scalar::{Scalar, SpatialVector, Vector3};
 use costate::scenes::{BeamMember, MechanismBuilder};
 
 /// A quantity of the library.
@@ -227,7 +227,7 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
                 m.functional(&name, "m/s", over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointLoad => {
-                let [direction, point] = [[0.4, -0.7, 0.5], [0.2, 0.1, -0.3]].map(|x| Vec3::<S>::from_f64(x) * sensor);
+                let [direction, point] = [[0.4, -0.7, 0.5], [0.2, 0.1, -0.3]].map(|x| Vector3::<S>::from_f64(x) * sensor);
                 let (on, load) = ((seen.shoulder, seen.arm), (LoadKind::Moment, LoadFrame::Body));
                 m.joint_load_functional(&name, over, on, load, direction, point);
             }

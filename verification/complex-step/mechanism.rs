@@ -5,7 +5,7 @@ use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::forces::{AppliedForce, AppliedTorque};
 use costate::elements::{Anchor, Constraint, joints};
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::MechanismBuilder;
 use std::ops::Range;
 
@@ -14,12 +14,12 @@ struct Host<'f, S> {
     both: [NodeId; 2],
     /// On the other side of the arm, with place and axis of its joint.
     third: NodeId,
-    other: (Vec3<S>, Vec3<S>),
-    elbow: Vec3<S>,
+    other: (Vector3<S>, Vector3<S>),
+    elbow: Vector3<S>,
     /// The elbow, or the place of a point mass.
-    held: Vec3<S>,
-    ends: [Vec3<S>; 2],
-    axis: Vec3<S>,
+    held: Vector3<S>,
+    ends: [Vector3<S>; 2],
+    axis: Vector3<S>,
     /// Parameters of the function of time.
     function: &'f [S],
 }
@@ -109,28 +109,28 @@ impl Case {
     /// The host mechanism with the subject, a beam by its numbers; returns the place of the subject's parameters.
     pub fn mechanism<S: Scalar>(&self, start: &[S], beam: &[S], m: &mut MechanismBuilder<S>) -> (Seen, Range<usize>) {
         use Subject::*;
-        let at = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
         let [turn, spin] = start else { unreachable!("two start variables") };
         let spin = &(if self.statics { S::zero() } else { *spin });
         // everything turns about the shoulder with `turn`, and every velocity grows with `spin`
-        let whole = Quaternion::about(at([1.0, 2.0, -1.0]).normalized(), *turn);
+        let whole = Quaternion::about(at([1.0, 2.0, -1.0]).unit(), *turn);
         let shoulder = at([0.1, -0.2, 0.3]);
         let place = |x: [f64; 3]| shoulder + whole.rotate(at(x));
         let elbow = place([0.6, 0.3, -0.5]);
         let omega = at([1.1, -0.7, 0.9]) * *spin;
-        let axis = whole.rotate(at([0.3, 1.0, 0.4])).normalized();
+        let axis = whole.rotate(at([0.3, 1.0, 0.4])).unit();
         // an angle about an axis needs a hinge that keeps it: a free link would pass poses without an angle
         let geared = matches!(self.kind(), RackAndPinion | JointAngle | Gear);
         let hinged = geared
             || matches!(self.kind(), TorsionSpringDamper | CoordinateSpringDamper)
             || matches!(&self.subject, Soft(joint) if matches!(**joint, Rotation(_)));
         let second_omega = if hinged { omega + axis * (*spin * 1.5) } else { at([-0.8, 0.6, 1.3]) * *spin };
-        let elbow_velocity = omega.cross(elbow - shoulder);
+        let elbow_velocity = omega.cross(&(elbow - shoulder));
 
         let ground = m.ground();
-        let arm_rotation = whole.times(Quaternion::about(at([2.0, -1.0, 2.0]).normalized(), S::from(0.7)));
+        let arm_rotation = whole.times(Quaternion::about(at([2.0, -1.0, 2.0]).unit(), S::from(0.7)));
         let arm = m.body("arm", place([0.3, 0.1, -0.2]), arm_rotation);
-        m.set_velocity(arm, omega.cross(m.position(arm) - shoulder), omega);
+        m.set_velocity(arm, omega.cross(&(m.position(arm) - shoulder)), omega);
         let inertia = [0.21, 0.17, 0.12, 0.02, -0.03, 0.015].map(S::from);
         m.rigid_body("arm", arm, S::from(1.3), at([0.05, -0.04, 0.07]), inertia);
         let shoulder_joint = m.spherical("shoulder", [ground, arm], shoulder);
@@ -138,7 +138,7 @@ impl Case {
         // a subject on one body needs no second one
         let alone = matches!(self.subject, RigidBody | GravityOnBody | Force(Anchor::Body, ..) | Torque(..) | Beam(_));
         let position = place([0.8, -0.2, -0.8]);
-        let velocity = elbow_velocity + second_omega.cross(position - elbow);
+        let velocity = elbow_velocity + second_omega.cross(&(position - elbow));
         let light = matches!(
             self.kind(),
             PointMass
@@ -154,11 +154,11 @@ impl Case {
             arm
         } else if light {
             let bob = m.point("bob", position);
-            m.set_velocity(bob, velocity, Vec3::zero());
+            m.set_velocity(bob, velocity, Vector3::zeros());
             m.point_mass("bob", bob, S::from(0.4));
             bob
         } else {
-            let rotation = whole.times(Quaternion::about(at([-1.0, 2.0, 2.0]).normalized(), S::from(-0.5)));
+            let rotation = whole.times(Quaternion::about(at([-1.0, 2.0, 2.0]).unit(), S::from(-0.5)));
             let link = m.body("link", position, rotation);
             m.set_velocity(link, velocity, second_omega);
             let inertia = [0.06, 0.09, 0.07, -0.01, 0.012, 0.008].map(S::from);
@@ -168,7 +168,7 @@ impl Case {
         // gears and racks have a third body, on the other side of the arm
         let third = geared.then(|| {
             let third = m.body("third", place([-0.3, 0.4, 0.2]), whole.times(arm_rotation));
-            m.set_velocity(third, omega.cross(m.position(third) - shoulder), omega);
+            m.set_velocity(third, omega.cross(&(m.position(third) - shoulder)), omega);
             let inertia = [0.05, 0.07, 0.06, 0.008, -0.01, 0.006].map(S::from);
             m.rigid_body("third", third, S::from(0.5), at([0.02, 0.03, -0.04]), inertia);
             third
@@ -179,7 +179,7 @@ impl Case {
                 let own = subject.add(m, [shoulder, elbow], beam, &f);
                 // as if it were stretched: nodes in between are slower than the elbow
                 for (i, &node) in own.nodes.iter().enumerate().skip(1) {
-                    m.set_velocity(node, elbow_velocity * S::from(0.25 * i as f64), Vec3::zero());
+                    m.set_velocity(node, elbow_velocity * S::from(0.25 * i as f64), Vector3::zeros());
                 }
                 m.revolute("elbow", [own.end(), arm], elbow, axis);
                 Some(own)

@@ -34,8 +34,8 @@ const COPIES: usize = 40;
 const EVALUATIONS: usize = 100;
 const MEASUREMENTS: usize = 15;
 
-const AXIS: Vec3<f64> = Vec3([0.0, 0.6, 0.8]);
-const POINT: Vec3<f64> = Vec3([0.4, 0.1, 0.2]);
+const AXIS: Vector3<f64> = Vector3::new(0.0, 0.6, 0.8);
+const POINT: Vector3<f64> = Vector3::new(0.4, 0.1, 0.2);
 
 fn section() -> Section<f64> {
     Section::new([1e6, 4e5, 4e5, 80.0, 100.0, 100.0]).with_inertia(1.2, [1e-4; 2])
@@ -44,7 +44,7 @@ fn section() -> Section<f64> {
 fn beam(m: &mut Builder, copy: usize, nodes: Nodes, section: &Section<f64>) {
     let points = nodes.map(|node| m.position(node));
     // the middle node is one of its own: the second body stays alone
-    let line = BeamLine::through(&points, Vec3([0.0, 0.0, 1.0])).from_node(nodes[0]).to_node(nodes[2]);
+    let line = BeamLine::through(&points, Vector3::new(0.0, 0.0, 1.0)).from_node(nodes[0]).to_node(nodes[2]);
     m.beam(&format!("beam {copy}"), line, section);
 }
 
@@ -53,7 +53,7 @@ const ITEMS: [(&str, Add); 18] = [
     ("beam, damped", |m, copy, nodes| beam(m, copy, nodes, &section().damped(1e-3))),
     ("beam, coupled and eccentric", |m, copy, nodes| beam(m, copy, nodes, &section().offset([0.02, 0.03]))),
     ("rigid body", |m, copy, [a, ..]| {
-        m.rigid_body(&format!("body {copy}"), a, 1.2, Vec3([0.1, 0.2, 0.3]), [1.0, 1.1, 1.2, 0.1, 0.2, 0.1]);
+        m.rigid_body(&format!("body {copy}"), a, 1.2, Vector3::new(0.1, 0.2, 0.3), [1.0, 1.1, 1.2, 0.1, 0.2, 0.1]);
     }),
     ("spherical", |m, copy, [a, b, _]| {
         m.spherical(&format!("joint {copy}"), [a, b], POINT);
@@ -62,7 +62,7 @@ const ITEMS: [(&str, Add); 18] = [
         m.revolute(&format!("joint {copy}"), [a, b], POINT, AXIS);
     }),
     ("universal", |m, copy, [a, b, _]| {
-        m.universal(&format!("joint {copy}"), [a, b], POINT, [AXIS, Vec3([1.0, 0.0, 0.0])]);
+        m.universal(&format!("joint {copy}"), [a, b], POINT, [AXIS, Vector3::new(1.0, 0.0, 0.0)]);
     }),
     ("cylindrical", |m, copy, [a, b, _]| {
         m.cylindrical(&format!("joint {copy}"), [a, b], POINT, AXIS);
@@ -103,7 +103,7 @@ const ITEMS: [(&str, Add); 18] = [
 fn model(add: Option<Add>, middle_nodes: bool) -> Result<Builder, String> {
     let mut m = Builder::default();
     for copy in 0..COPIES {
-        let at = |x: f64| Vec3([x, 0.01 * copy as f64, 0.0]);
+        let at = |x: f64| Vector3::new(x, 0.01 * copy as f64, 0.0);
         let nodes = [0.0, 0.5, 1.0].map(|x| m.body(&format!("node {copy}, {x}"), at(x), Quaternion::identity()));
         if let Some(add) = add {
             add(&mut m, copy, nodes);

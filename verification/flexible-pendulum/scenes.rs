@@ -40,16 +40,16 @@ impl Scene for Stiffened {
         Settings::new(self.run.0, self.run.1)
     }
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let vector = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let vector = |x: [f64; 3]| Vector3::<S>::from_f64(x);
         let (area, second) = (SIDE * SIDE, SIDE.powi(4) / 12.0);
         let (axial, bending, mass) = (YOUNG * area * self.stiffening, YOUNG * second, DENSITY * area);
-        let ends = [Vec3::zero(), vector([LENGTH, 0.0, 0.0])];
+        let ends = [Vector3::zeros(), vector([LENGTH, 0.0, 0.0])];
         let ground = m.ground();
         match self.formulation {
             Formulation::Cable => {
                 let section = CableSection::new(S::from(axial), S::from(bending), S::from(mass));
                 let cable = m.cable("pendulum", CableLine::straight(ends, self.elements), &section);
-                m.spherical("hinge", [ground, cable.start()], Vec3::zero());
+                m.spherical("hinge", [ground, cable.start()], Vector3::zeros());
             }
             Formulation::Beam => {
                 let stiffnesses = [axial, axial, axial, bending, bending, bending].map(S::from);
@@ -57,7 +57,7 @@ impl Scene for Stiffened {
                 let section = Section::new(stiffnesses).with_inertia(S::from(mass), [rotary; 2]);
                 let normal = vector([0.0, 0.0, 1.0]);
                 let beam = m.beam("pendulum", BeamLine::straight(ends, self.elements, normal), &section);
-                m.revolute("hinge", [ground, beam.start()], Vec3::zero(), normal);
+                m.revolute("hinge", [ground, beam.start()], Vector3::zeros(), normal);
             }
         }
         m.gravity(vector([0.0, -9.81, 0.0]));

@@ -1,6 +1,6 @@
 //! The exact motions: minimal coordinates, no constraint, and nothing of the library but its vectors.
 
-use costate::scalar::{Quaternion, Vec3};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
 /// What is compared at a time.
 pub struct Exact {
@@ -97,39 +97,39 @@ impl HeavyTop {
     }
 
     /// domega/dt from Euler's equation about the joint, body frame.
-    fn angular_acceleration(e: Quaternion<f64>, omega: Vec3<f64>) -> Vec3<f64> {
-        let arm = Vec3(Self::ARM);
+    fn angular_acceleration(e: Quaternion<f64>, omega: Vector3<f64>) -> Vector3<f64> {
+        let arm = Vector3::from(Self::ARM);
         // J_O = J + m (|c|^2 I - c c^T)
-        let about_joint = |x: Vec3<f64>| {
-            let own = Vec3([Self::INERTIA[0] * x.0[0], Self::INERTIA[1] * x.0[1], Self::INERTIA[2] * x.0[2]]);
-            own + (x * arm.dot(arm) - arm * arm.dot(x)) * Self::MASS
+        let about_joint = |x: Vector3<f64>| {
+            let own = Vector3::new(Self::INERTIA[0] * x[0], Self::INERTIA[1] * x[1], Self::INERTIA[2] * x[2]);
+            own + (x * arm.dot(&arm) - arm * arm.dot(&x)) * Self::MASS
         };
-        let moment = arm.cross(e.rotate_back(Vec3(Self::GRAVITY))) * Self::MASS - omega.cross(about_joint(omega));
+        let moment = arm.cross(&e.rotate_back(Vector3::from(Self::GRAVITY))) * Self::MASS - omega.cross(&about_joint(omega));
         // Cramer's rule with the columns of J_O
-        let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| about_joint(Vec3(unit)));
-        let determinant = a.dot(b.cross(c));
-        let components = [moment.dot(b.cross(c)), moment.dot(c.cross(a)), moment.dot(a.cross(b))];
-        Vec3(components.map(|x| x / determinant))
+        let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| about_joint(Vector3::from(unit)));
+        let determinant = a.dot(&b.cross(&c));
+        let components = [moment.dot(&b.cross(&c)), moment.dot(&c.cross(&a)), moment.dot(&a.cross(&b))];
+        Vector3::from(components.map(|x| x / determinant))
     }
 
     /// The motion at a time; the integral is that of the height of the mass centre.
     pub fn at(t: f64) -> Exact {
         let (e, w) = (Self::start().0, Self::OMEGA);
         let start = [e[0], e[1], e[2], e[3], w[0], w[1], w[2], 0.0];
-        let arm = Vec3(Self::ARM);
+        let arm = Vector3::from(Self::ARM);
         let y = integrate(start, t, |y| {
-            let (e, omega) = (Quaternion::from_slice(y), Vec3::from_slice(&y[4..]));
-            let (rate, acceleration) = (e.rate_of_body_velocity(omega), Self::angular_acceleration(e, omega).0);
-            let height = e.rotate(arm).0[2];
+            let (e, omega) = (Quaternion::from_slice(y), Vector3::first_three(&y[4..]));
+            let (rate, acceleration) = (e.rate_of_body_velocity(omega), Self::angular_acceleration(e, omega).components());
+            let height = e.rotate(arm)[2];
             [rate[0], rate[1], rate[2], rate[3], acceleration[0], acceleration[1], acceleration[2], height]
         });
-        let (e, omega) = (Quaternion::from_slice(&y), Vec3::from_slice(&y[4..]));
-        let swing = omega.cross(arm);
-        let acceleration = e.rotate(Self::angular_acceleration(e, omega).cross(arm) + omega.cross(swing));
+        let (e, omega) = (Quaternion::from_slice(&y), Vector3::first_three(&y[4..]));
+        let swing = omega.cross(&arm);
+        let acceleration = e.rotate(Self::angular_acceleration(e, omega).cross(&arm) + omega.cross(&swing));
         // the multipliers are the force on the ground: m g - m a
-        let mu = (Vec3(Self::GRAVITY) - acceleration) * Self::MASS;
-        let q = [e.rotate(arm).0.to_vec(), e.0.to_vec()].concat();
-        let v = [e.rotate(swing).0.to_vec(), e.rate_of_body_velocity(omega).to_vec()].concat();
-        Exact { q, v, mu: mu.0.to_vec(), integral: y[7] }
+        let mu = (Vector3::from(Self::GRAVITY) - acceleration) * Self::MASS;
+        let q = [e.rotate(arm).components().to_vec(), e.0.to_vec()].concat();
+        let v = [e.rotate(swing).components().to_vec(), e.rate_of_body_velocity(omega).to_vec()].concat();
+        Exact { q, v, mu: mu.components().to_vec(), integral: y[7] }
     }
 }

@@ -7,7 +7,7 @@ use costate::design::DesignVariable;
 use costate::functionals::Over;
 use costate::history::{Keep, Watch};
 use costate::integrators::{ConstraintLevel, Method, StepRecord, Table, tables};
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::built_in::Pendulum;
 use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::Analysis;
@@ -219,14 +219,14 @@ impl Scene for MovingPendulum {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [mass] = x else { return Err(format!("1 variable expected, {} given", x.len())) };
         let start = exact::pendulum(exact::TAKEN_OVER);
-        let vector = |x: &[f64]| Vec3::<S>::from_f64([x[0], x[1], x[2]]);
+        let vector = |x: &[f64]| Vector3::<S>::from_f64([x[0], x[1], x[2]]);
         let ground = m.ground();
         let bob = m.point("bob", vector(&start.q));
-        m.set_velocity(bob, vector(&start.v), Vec3::zero());
+        m.set_velocity(bob, vector(&start.v), Vector3::zeros());
         m.point_mass("bob", bob, *mass);
-        m.gravity(Vec3::from_f64([0.0, -9.81, 0.0]));
-        m.distance("rod", [ground, bob], [Vec3::zero(), vector(&start.q)]);
-        m.position_functional("height, integral", Over::Integral, bob, vector(&start.q), Vec3::from_f64([0.0, 1.0, 0.0]));
+        m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
+        m.distance("rod", [ground, bob], [Vector3::zeros(), vector(&start.q)]);
+        m.position_functional("height, integral", Over::Integral, bob, vector(&start.q), Vector3::from_f64([0.0, 1.0, 0.0]));
         Ok(())
     }
 }
@@ -244,15 +244,15 @@ impl Scene for HeavyTop {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [mass] = x else { return Err(format!("1 variable expected, {} given", x.len())) };
         let e = Quaternion(Self::start().0.map(S::from));
-        let (arm, omega) = (Vec3::from_f64(Self::ARM), Vec3::from_f64(Self::OMEGA));
+        let (arm, omega) = (Vector3::from_f64(Self::ARM), Vector3::from_f64(Self::OMEGA));
         let ground = m.ground();
         let top = m.body("top", e.rotate(arm), e);
-        m.set_velocity(top, e.rotate(omega.cross(arm)), e.rotate(omega));
+        m.set_velocity(top, e.rotate(omega.cross(&arm)), e.rotate(omega));
         let [xx, yy, zz] = Self::INERTIA.map(S::from);
-        m.rigid_body("top", top, *mass, Vec3::zero(), [xx, yy, zz, S::zero(), S::zero(), S::zero()]);
-        m.gravity(Vec3::from_f64(Self::GRAVITY));
-        m.spherical("tip", [ground, top], Vec3::zero());
-        let vertical = Vec3::from_f64([0.0, 0.0, 1.0]);
+        m.rigid_body("top", top, *mass, Vector3::zeros(), [xx, yy, zz, S::zero(), S::zero(), S::zero()]);
+        m.gravity(Vector3::from_f64(Self::GRAVITY));
+        m.spherical("tip", [ground, top], Vector3::zeros());
+        let vertical = Vector3::from_f64([0.0, 0.0, 1.0]);
         m.position_functional("height, integral", Over::Integral, top, e.rotate(arm), vertical);
         Ok(())
     }

@@ -5,7 +5,7 @@ use super::{end_state, place, prepare, watch, worse};
 use crate::verification::Report;
 use costate::history::Watch;
 use costate::integrators::{StepRecord, march};
-use costate::scalar::{Quaternion, Vec3};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::scenes::built_in::{FlyballGovernor, GearTrain, Screw, SpatialSliderCrank, UniversalShaft};
 use costate::scenes::{AnyScene, Prepared};
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ fn initial(scene: &dyn AnyScene, name: &str) -> Result<f64, String> {
 }
 
 /// Angular velocity in world components [rad/s].
-fn omega(q: &[f64], v: &[f64]) -> Vec3<f64> {
+fn omega(q: &[f64], v: &[f64]) -> Vector3<f64> {
     let e = Quaternion::from_slice(&q[3..]);
     e.rotate(e.g_times(Quaternion::from_slice(&v[3..])) * 2.0)
 }
@@ -33,11 +33,11 @@ fn vertical_momentum(prepared: &Prepared, q: &[f64], v: &[f64]) -> f64 {
         let (q, v) = (&q[dofs.clone()], &v[dofs]);
         let [mass, cx, cy, cz, xx, yy, zz, ..] = p[element.parameters.clone()] else { unreachable!() };
         let (e, omega) = (Quaternion::from_slice(&q[3..]), omega(q, v));
-        let arm = e.rotate(Vec3([cx, cy, cz]));
-        let velocity = Vec3::from_slice(v) + omega.cross(arm);
-        let [x, y, z] = e.rotate_back(omega).0;
-        let spin = e.rotate(Vec3([xx * x, yy * y, zz * z]));
-        sum += ((Vec3::from_slice(q) + arm).cross(velocity * mass) + spin).0[2];
+        let arm = e.rotate(Vector3::new(cx, cy, cz));
+        let velocity = Vector3::first_three(v) + omega.cross(&arm);
+        let [x, y, z] = e.rotate_back(omega).components();
+        let spin = e.rotate(Vector3::new(xx * x, yy * y, zz * z));
+        sum += ((Vector3::first_three(q) + arm).cross(&(velocity * mass)) + spin)[2];
     }
     sum
 }
@@ -57,7 +57,7 @@ pub fn flyball_governor(report: &mut Report) -> Result<(), String> {
     report.at_most("iftomm-a05/largest change of the angular momentum over 10 s, relative", change, 1e-9);
     let figures = |table: &str, steps: usize| -> Result<[f64; 2], String> {
         let [q, v] = end_state(&prepare(FlyballGovernor.as_ref(), table, 10.0, steps)?)?;
-        Ok([q[slider + 2], omega(&q[shaft..], &v[shaft..]).0[2]])
+        Ok([q[slider + 2], omega(&q[shaft..], &v[shaft..])[2]])
     };
     let (fine, coarse, other) = (figures("esdirk5", 20_000)?, figures("esdirk5", 10_000)?, figures("esdirk4", 20_000)?);
     for (k, what) in ["height of the slider at 10 s [m]", "rate of the shaft at 10 s [rad/s]"].into_iter().enumerate() {
@@ -83,7 +83,7 @@ pub fn spatial_slider_crank(report: &mut Report) -> Result<(), String> {
         let (sine, cosine) = (2.0 * q[crank + 4].atan2(q[crank + 3])).sin_cos();
         let (y, z) = (beside - length * sine, above + length * cosine);
         let x = (rod * rod - y * y - z * z).sqrt();
-        let rate = omega(&q[crank..], &v[crank..]).0[0];
+        let rate = omega(&q[crank..], &v[crank..])[0];
         let speed = (y * length * cosine + z * length * sine) * rate / x;
         place_error = worse(place_error, (q[slider] - x).abs());
         speed_error = worse(speed_error, (v[slider] - speed).abs());
@@ -128,7 +128,7 @@ pub fn universal_shaft(report: &mut Report) -> Result<(), String> {
         let apart = 2.0 * x.atan2(scalar) - exact;
         angle_error = worse(angle_error, (apart - TAU * (apart / TAU).round()).abs());
         let turning = omega(&step.q[output..], &step.v[output..]);
-        let along = turning.0[0] * cosine + turning.0[2] * sine;
+        let along = turning[0] * cosine + turning[2] * sine;
         rate_error = worse(rate_error, (along - ratio(input) * rate).abs());
         if let Some(stage) = step.stages.last() {
             let input = rate * stage.solve.t;
@@ -157,7 +157,7 @@ pub fn screw(report: &mut Report) -> Result<(), String> {
         place_error = worse(place_error, (q[nut + 2] - height).abs());
         let apart = 2.0 * q[nut + 6].atan2(q[nut + 3]) - TAU * height / pitch;
         angle_error = worse(angle_error, (apart - TAU * (apart / TAU).round()).abs());
-        rate_error = worse(rate_error, (omega(&q[nut..], &v[nut..]).0[2] - TAU * acceleration * t / pitch).abs());
+        rate_error = worse(rate_error, (omega(&q[nut..], &v[nut..])[2] - TAU * acceleration * t / pitch).abs());
         true
     })?;
     report.at_most("screw/height of the nut over 1.5 s, largest error [m]", place_error, 1e-9);

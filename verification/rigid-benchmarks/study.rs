@@ -5,7 +5,7 @@ mod mechanisms;
 use crate::verification::{Report, Study};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, RunError, StepRecord, march, table_by_name};
-use costate::scalar::{Quaternion, Vec3};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::scenes::built_in::{CarAxis, DoublePendulum, FiveBar, FreeBody, HeavyTop, Pendulum, TwoFourBar};
 use costate::scenes::{AnyScene, Prepared, Settings, Violation};
 
@@ -129,14 +129,14 @@ fn two_four_bar(report: &mut Report) -> Result<(), String> {
     let first = place(&prepared, "vertical 0")?;
     // B0 is one metre from A0 along the body's x axis
     let head = |q: &[f64]| {
-        let middle = Vec3::from_slice(&q[first..]);
-        middle + Quaternion::from_slice(&q[first + 3..]).rotate(Vec3([0.5, 0.0, 0.0]))
+        let middle = Vector3::first_three(&q[first..]);
+        middle + Quaternion::from_slice(&q[first + 3..]).rotate(Vector3::new(0.5, 0.0, 0.0))
     };
     let (mut before, mut after) = (0.0, 0.0);
     let mut singular_at = None;
     let (mut last, mut reached) = (1.0, 0.0);
     let ended = watch(&prepared, |step, t, q, _| {
-        let [x, y, _] = head(q).0;
+        let [x, y, _] = head(q).components();
         if singular_at.is_none() && y <= 0.0 {
             // linear between the ends of the step
             singular_at = Some(t - prepared.grid.times[1] * y / (y - last));
@@ -207,7 +207,7 @@ fn car_axis(report: &mut Report) -> Result<(), String> {
 }
 
 /// Angular velocity in the body frame: 2 G(e) de/dt [rad/s].
-fn body_omega(q: &[f64], v: &[f64]) -> Vec3<f64> {
+fn body_omega(q: &[f64], v: &[f64]) -> Vector3<f64> {
     Quaternion::from_slice(&q[3..]).g_times(Quaternion::from_slice(&v[3..])) * 2.0
 }
 
@@ -215,7 +215,7 @@ fn body_omega(q: &[f64], v: &[f64]) -> Vec3<f64> {
 fn free_body(report: &mut Report) -> Result<(), String> {
     let prepared = prepare(FreeBody.as_ref(), "sdirk4", 10.0, 10_000)?;
     let [q, v] = end_state(&prepared)?;
-    let omega = body_omega(&q, &v).0;
+    let omega = body_omega(&q, &v).components();
     let reference = [-0.921069998444332, 0.389397044115332, 0.974400660583082];
     for (i, (value, reference)) in omega.into_iter().zip(reference).enumerate() {
         report.compare(format!("free-body/omega {} at 10 s", i + 1), value, reference, 1e-10);
@@ -228,7 +228,7 @@ fn heavy_top(report: &mut Report) -> Result<(), String> {
     let prepared = prepare(HeavyTop.as_ref(), "sdirk4", 5.0, 10_000)?;
     let top = place(&prepared, "top")?;
     let [q, _] = end_state(&prepared)?;
-    let axis = Quaternion::from_slice(&q[top + 3..]).rotate(Vec3([0.0, 0.0, 1.0])).0;
+    let axis = Quaternion::from_slice(&q[top + 3..]).rotate(Vector3::new(0.0, 0.0, 1.0)).components();
     report.compare("heavy-top/cos theta at 5 s", axis[2], 0.86326281381065, 1e-10);
     report.compare("heavy-top/phi at 5 s", axis[1].atan2(axis[0]), 1.0767309147832, 1e-10);
     Ok(())

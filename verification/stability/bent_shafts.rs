@@ -3,7 +3,7 @@
 use costate::design::DesignVariable;
 use costate::elements::TimeFunction;
 use costate::functionals::Over;
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// Input along x, output at a right angle less `short` [rad]; the output is driven so far that the input turns by 1 rad.
@@ -28,17 +28,17 @@ impl Scene for BentShafts {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let zero = S::zero();
-        let axes = [[1.0, 0.0, 0.0], [self.short.sin(), 0.0, self.short.cos()]].map(Vec3::<S>::from_f64);
-        let y = Vec3::from_f64([0.0, 1.0, 0.0]);
+        let axes = [[1.0, 0.0, 0.0], [self.short.sin(), 0.0, self.short.cos()]].map(Vector3::<S>::from_f64);
+        let y = Vector3::from_f64([0.0, 1.0, 0.0]);
         let ground = m.ground();
         let shafts = [("input", -0.2), ("output", 0.2)].map(|(name, place)| {
             let axis = axes[usize::from(place > 0.0)];
             let node = m.body(name, axis * S::from(place), Quaternion::x_axis_to(axis));
-            m.rigid_body(name, node, S::from(3.0), Vec3::zero(), [x[0], S::from(0.04), S::from(0.04), zero, zero, zero]);
+            m.rigid_body(name, node, S::from(3.0), Vector3::zeros(), [x[0], S::from(0.04), S::from(0.04), zero, zero, zero]);
             m.revolute(&format!("bearing of the {name}"), [ground, node], axis * S::from(place), axis);
             node
         });
-        m.universal("universal joint", shafts, Vec3::zero(), [y, y.cross(axes[1])]);
+        m.universal("universal joint", shafts, Vector3::zeros(), [y, y.cross(&axes[1])]);
         let turn = (self.short.sin() * Self::INPUT.tan()).atan();
         let ramp = [0.0, turn, 0.0, 1.0].map(S::from);
         m.prescribed_rotation("drive", [ground, shafts[1]], axes[1], TimeFunction::SmoothRamp, &ramp);

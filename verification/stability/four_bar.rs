@@ -3,7 +3,7 @@
 use costate::design::DesignVariable;
 use costate::elements::TimeFunction;
 use costate::functionals::Over;
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A crank AB, a coupler BC and a rocker DC of round bars between two points of the ground; the crank can turn, the rocker swings.
@@ -38,7 +38,7 @@ impl FourBar {
     /// Angle of the rocker for an angle of the crank [rad].
     pub fn rocker_of_crank(crank: f64) -> f64 {
         let [_, _, rocker] = joints(crank, LENGTHS);
-        rocker.0[1].atan2(rocker.0[0] - LENGTHS[3])
+        rocker[1].atan2(rocker[0] - LENGTHS[3])
     }
 
     /// Angle of the crank beyond the dead point for an angle of the rocker [rad].
@@ -51,17 +51,17 @@ impl FourBar {
 }
 
 /// B, D and C for an angle of the crank; A is the origin.
-fn joints<S: Scalar>(crank: S, [a, b, c, d]: [S; 4]) -> [Vec3<S>; 3] {
+fn joints<S: Scalar>(crank: S, [a, b, c, d]: [S; 4]) -> [Vector3<S>; 3] {
     let (sine, cosine) = crank.sin_cos();
-    let tip = Vec3([a * cosine, a * sine, S::zero()]);
-    let bearing = Vec3([d, S::zero(), S::zero()]);
+    let tip = Vector3::new(a * cosine, a * sine, S::zero());
+    let bearing = Vector3::new(d, S::zero(), S::zero());
     // C on circles about B and D, on the upper side
     let between = bearing - tip;
-    let distance = between.norm();
+    let distance = between.length();
     let along = (distance * distance + b * b - c * c) / (distance * 2.0);
     let across = (b * b - along * along).sqrt();
     let direction = between * distance.recip();
-    let up = Vec3([-direction.0[1], direction.0[0], S::zero()]);
+    let up = Vector3::new(-direction[1], direction[0], S::zero());
     [tip, bearing, tip + direction * along + up * across]
 }
 
@@ -79,38 +79,44 @@ impl Scene for FourBar {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let lengths: [S; 4] = x.try_into().map_err(|_| format!("4 variables expected, {} given", x.len()))?;
         let [tip, bearing, end] = joints(S::from(self.crank), lengths);
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
         let rate = S::from(match self.drive {
             Drive::Crank(rate) | Drive::Flywheel(rate) => rate,
             Drive::Rocker(..) => 0.0,
         });
         // rates of coupler and rocker: both give C the same velocity
         let (coupler, rocker) = (end - tip, end - bearing);
-        let speed = hinge.cross(tip) * rate;
+        let speed = hinge.cross(&tip) * rate;
         let rates = [
             rate,
-            -speed.dot(rocker) / hinge.cross(coupler).dot(rocker),
-            speed.dot(coupler) / hinge.cross(rocker).dot(coupler),
+            -speed.dot(&rocker) / hinge.cross(&coupler).dot(&rocker),
+            speed.dot(&coupler) / hinge.cross(&rocker).dot(&coupler),
         ];
         let ground = m.ground();
-        let bars: Vec<_> = [("crank", Vec3::zero(), tip), ("coupler", tip, end), ("rocker", bearing, end)]
+        let bars: Vec<_> = [("crank", Vector3::zeros(), tip), ("coupler", tip, end), ("rocker", bearing, end)]
             .into_iter()
             .zip(rates)
             .map(|((name, from, to), rate)| {
                 let along = to - from;
-                let length = along.norm();
-                let node = m.body(name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.normalized()));
-                let start = if name == "coupler" { hinge.cross(tip) * rates[0] } else { Vec3::zero() };
-                m.set_velocity(node, start + hinge.cross(along) * (rate * 0.5), hinge * rate);
+                let length = along.length();
+                let node = m.body(name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.unit()));
+                let start = if name == "coupler" { hinge.cross(&tip) * rates[0] } else { Vector3::zeros() };
+                m.set_velocity(node, start + hinge.cross(&along) * (rate * 0.5), hinge * rate);
                 let mass = length * 2.0;
                 let lateral = mass * length * length / 12.0;
                 let wheel = if name == "crank" && matches!(self.drive, Drive::Flywheel(_)) { 0.05 } else { 0.0 };
                 let zero = S::zero();
-                m.rigid_body(name, node, mass, Vec3::zero(), [lateral * 0.01, lateral, lateral + wheel, zero, zero, zero]);
+                m.rigid_body(
+                    name,
+                    node,
+                    mass,
+                    Vector3::zeros(),
+                    [lateral * 0.01, lateral, lateral + wheel, zero, zero, zero],
+                );
                 node
             })
             .collect();
-        m.revolute("bearing of the crank", [ground, bars[0]], Vec3::zero(), hinge);
+        m.revolute("bearing of the crank", [ground, bars[0]], Vector3::zeros(), hinge);
         m.revolute("crank pin", [bars[0], bars[1]], tip, hinge);
         m.revolute("bearing of the rocker", [ground, bars[2]], bearing, hinge);
         m.revolute("rocker pin", [bars[1], bars[2]], end, hinge);
@@ -132,7 +138,7 @@ impl Scene for FourBar {
             Over::Terminal,
             bars[0],
             tip,
-            Vec3::from_f64([0.0, 1.0, 0.0]),
+            Vector3::from_f64([0.0, 1.0, 0.0]),
         );
         Ok(())
     }

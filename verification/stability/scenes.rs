@@ -2,7 +2,7 @@
 
 use costate::design::DesignVariable;
 use costate::functionals::Over;
-use costate::scalar::{Quaternion, Scalar, Vec3};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// How long a metre is and how heavy a kilogram, in the units of a scene.
@@ -61,7 +61,7 @@ impl Scene for Arm {
         let [length, mass, stiffness, spin] = x else { return Err(format!("4 variables expected, {} given", x.len())) };
         let Units { metre, .. } = self.0;
         let newton = self.0.newton();
-        let (right, up) = (Vec3([S::one(), S::zero(), S::zero()]), Vec3::from_f64([0.0, 0.0, 1.0]));
+        let (right, up) = (Vector3::new(S::one(), S::zero(), S::zero()), Vector3::from_f64([0.0, 0.0, 1.0]));
         let ground = m.ground();
         let mut bar = |name: &str, from: S, mass: S| {
             let centre = right * (from + *length * 0.5);
@@ -69,16 +69,16 @@ impl Scene for Arm {
             let across = mass * *length * *length / 12.0;
             let inertia = [across * 0.02, across, across, S::zero(), S::zero(), S::zero()];
             m.rigid_body(name, bar, mass, centre, inertia);
-            let omega = Vec3([S::zero(), -*spin, S::zero()]);
-            m.set_velocity(bar, Vec3([S::zero(), S::zero(), *spin * centre.0[0]]), omega);
+            let omega = Vector3::new(S::zero(), -*spin, S::zero());
+            m.set_velocity(bar, Vector3::new(S::zero(), S::zero(), *spin * centre[0]), omega);
             bar
         };
         let (upper, lower) = (bar("upper", S::zero(), *mass), bar("lower", *length, *mass * 0.5));
-        let hinge = m.revolute("hinge", [ground, upper], Vec3::zero(), Vec3::from_f64([0.0, 1.0, 0.0]));
+        let hinge = m.revolute("hinge", [ground, upper], Vector3::zeros(), Vector3::from_f64([0.0, 1.0, 0.0]));
         m.spherical("elbow", [upper, lower], right * *length);
         m.gravity(up * S::from(-9.81 * metre));
         let tip = right * (*length * 2.0);
-        let anchor = Vec3([*length, S::from(0.5 * metre), S::from(0.3 * metre)]);
+        let anchor = Vector3::new(*length, S::from(0.5 * metre), S::from(0.3 * metre));
         m.line_spring("spring", [ground, lower], [anchor, tip], *stiffness, S::from(0.2 * metre));
         m.position_functional("height at the end", Over::Terminal, lower, tip, up);
         // the sharpness is per unit of what is measured
@@ -118,18 +118,18 @@ impl Scene for UnequalMasses {
             return Err(format!("4 variables expected, {} given", x.len()));
         };
         let ground = m.ground();
-        let knee = Vec3([*first, S::zero(), S::zero()]);
-        let end = Vec3([*first, *second, S::zero()]);
+        let knee = Vector3::new(*first, S::zero(), S::zero());
+        let end = Vector3::new(*first, *second, S::zero());
         let (near, far) = (m.point("near", knee), m.point("far", end));
         m.point_mass("near", near, *first_mass);
         m.point_mass("far", far, *second_mass);
-        m.set_velocity(near, Vec3::from_f64([0.0, 0.0, 1.0]), Vec3::zero());
-        m.set_velocity(far, Vec3::from_f64([0.5, 0.0, 1.0]), Vec3::zero());
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
-        m.distance("upper rod", [ground, near], [Vec3::zero(), knee]);
+        m.set_velocity(near, Vector3::from_f64([0.0, 0.0, 1.0]), Vector3::zeros());
+        m.set_velocity(far, Vector3::from_f64([0.5, 0.0, 1.0]), Vector3::zeros());
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
+        m.distance("upper rod", [ground, near], [Vector3::zeros(), knee]);
         m.distance("lower rod", [near, far], [knee, end]);
-        m.position_functional("near at the end", Over::Terminal, near, knee, Vec3::from_f64([0.3, 0.5, 0.8]));
-        m.position_functional("far at the end", Over::Terminal, far, end, Vec3::from_f64([0.3, 0.5, 0.8]));
+        m.position_functional("near at the end", Over::Terminal, near, knee, Vector3::from_f64([0.3, 0.5, 0.8]));
+        m.position_functional("far at the end", Over::Terminal, far, end, Vector3::from_f64([0.3, 0.5, 0.8]));
         m.energy_functional("energy at the end", Over::Terminal);
         Ok(())
     }
@@ -153,16 +153,16 @@ impl Scene for NearlyParallelRods {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let ground = m.ground();
-        let place = Vec3([x[0], S::zero(), S::zero()]);
+        let place = Vector3::new(x[0], S::zero(), S::zero());
         let bob = m.point("bob", place);
         m.point_mass("bob", bob, S::one());
-        m.gravity(Vec3::from_f64([0.0, -9.81, 0.0]));
-        m.distance("rod", [ground, bob], [Vec3::zero(), place]);
+        m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
+        m.distance("rod", [ground, bob], [Vector3::zeros(), place]);
         if self.gap != 0.0 {
-            m.distance("second rod", [ground, bob], [Vec3::from_f64([0.0, 0.0, self.gap]), place]);
+            m.distance("second rod", [ground, bob], [Vector3::from_f64([0.0, 0.0, self.gap]), place]);
         }
-        m.position_functional("height at the end", Over::Terminal, bob, place, Vec3::from_f64([0.0, 1.0, 0.0]));
-        m.position_functional("out of the plane", Over::Terminal, bob, place, Vec3::from_f64([0.0, 0.0, 1.0]));
+        m.position_functional("height at the end", Over::Terminal, bob, place, Vector3::from_f64([0.0, 1.0, 0.0]));
+        m.position_functional("out of the plane", Over::Terminal, bob, place, Vector3::from_f64([0.0, 0.0, 1.0]));
         Ok(())
     }
 }

@@ -1,5 +1,5 @@
 use crate::elements::Constraint;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Axes u, v, w of a body in natural coordinates, of unit length and at right angles:
 /// g = ((u . u - 1) / 2, (v . v - 1) / 2, (w . w - 1) / 2, u . v, u . w, v . w) [-].
@@ -17,14 +17,14 @@ impl Constraint for OrthonormalAxes {
 
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
-        let [u, v, w] = [3, 6, 9].map(|first| Vec3::from_slice(&q[first..]));
+        let [u, v, w] = [3, 6, 9].map(|first| Vector3::first_three(&q[first..]));
         let half = S::from(0.5);
-        g[0] = (u.dot(u) - 1.0) * half;
-        g[1] = (v.dot(v) - 1.0) * half;
-        g[2] = (w.dot(w) - 1.0) * half;
-        g[3] = u.dot(v);
-        g[4] = u.dot(w);
-        g[5] = v.dot(w);
+        g[0] = (u.dot(&u) - 1.0) * half;
+        g[1] = (v.dot(&v) - 1.0) * half;
+        g[2] = (w.dot(&w) - 1.0) * half;
+        g[3] = u.dot(&v);
+        g[4] = u.dot(&w);
+        g[5] = v.dot(&w);
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], _p: &[S], _t: S, r: &mut [S]) {

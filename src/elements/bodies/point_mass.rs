@@ -1,5 +1,5 @@
 use crate::elements::{Element, Parameter, State};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A mass at a point node: R = m a [N], T = m v . v / 2.
 ///
@@ -17,8 +17,8 @@ impl Element for PointMass {
     }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
-        let velocity = Vec3::from_slice(v);
-        velocity.dot(velocity) * p[0] * 0.5
+        let velocity = Vector3::first_three(v);
+        velocity.dot(&velocity) * p[0] * 0.5
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {

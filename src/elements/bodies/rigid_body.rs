@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, ByPoints, Element, Parameter, State};
-use crate::scalar::{Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, rotation_gradient_transposed, tensor_times};
 
 /// A rigid body with position r of its frame and Euler parameters e.
 ///
@@ -40,14 +40,14 @@ impl Element for RigidBody {
 
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
-        let velocity = Anchor::Body.velocity(v, q, Vec3::from_slice(&p[1..]));
+        let velocity = Anchor::Body.velocity(v, q, Vector3::first_three(&p[1..]));
         let omega = Quaternion::from_slice(&q[3..]).g_times(Quaternion::from_slice(&v[3..])) * S::from(2.0);
-        (velocity.dot(velocity) * p[0] + omega.dot(tensor_times(&p[4..], omega))) * 0.5
+        (velocity.dot(&velocity) * p[0] + omega.dot(&tensor_times(&p[4..], omega))) * 0.5
     }
 
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let centre = Vec3::from_slice(&p[1..]);
+        let centre = Vector3::first_three(&p[1..]);
         let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
         let second = Quaternion::from_slice(&s.a[3..]);
         Anchor::Body.add_force(s.q, centre, Anchor::Body.acceleration(s, centre) * p[0], r);
@@ -65,7 +65,7 @@ impl Element for RigidBody {
 
     /// With v_c = r' + B e': (0, B'^T m v_c + B^T m B' e' + 4 G(e')^T J G(e) e'), and m B' e' for r.
     fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
-        let centre = Vec3::from_slice(&p[1..]);
+        let centre = Vector3::first_three(&p[1..]);
         let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
         Anchor::Body.add_force(q, centre, rate.rotate_rate(rate, centre) * p[0], r);
         let momentum = tensor_times(&p[4..], e.g_times(rate) * S::from(4.0));

@@ -4,8 +4,8 @@
 use super::RigidBody;
 use crate::elements::{Anchor, ByPoints, Element, PointWork, State, Wide};
 use crate::scalar::{
-    Job, Quaternion, Vec3, g_form, g_rows, rotation_form, rotation_gradient_transposed, rotation_rows, tensor_gradient,
-    tensor_times, tensor_times_rows, widest,
+    Job, Quaternion, SpatialVector, Vector3, g_form, g_rows, rotation_form, rotation_gradient_transposed, rotation_rows,
+    tensor_gradient, tensor_times, tensor_times_rows, widest,
 };
 
 const DOFS: usize = RigidBody::DOFS;
@@ -39,7 +39,7 @@ impl Job for Matrix<'_> {
     #[inline(always)]
     fn run(self) {
         let Matrix(s, [gamma, beta, alpha], p, matrix) = self;
-        let (mass, centre, tensor) = (p[0], Vec3::from_slice(&p[1..]), &p[4..]);
+        let (mass, centre, tensor) = (p[0], Vector3::first_three(&p[1..]), &p[4..]);
         let [e, rate, second] = turning(s);
         let force = Anchor::Body.acceleration(s, centre) * mass;
         let by_e = rotation_rows(e, centre);
@@ -80,10 +80,10 @@ fn add(target: &mut [f64], factor: f64, values: &[f64]) {
 /// Adds the gradient of lambda . R = w . m a_c + 4 delta . J G(e) e'' + 8 epsilon . J G(e) e', with w = lambda_r + B(e) lambda_e,
 /// delta = G(e) lambda_e, epsilon = G(e') lambda_e.
 fn add_products(s: State<f64>, p: &[f64], lambda: &[f64], gradient: &mut [f64]) {
-    let (mass, centre, tensor) = (p[0], Vec3::from_slice(&p[1..]), &p[4..]);
+    let (mass, centre, tensor) = (p[0], Vector3::first_three(&p[1..]), &p[4..]);
     let ([e, rate, second], turn) = (turning(s), Quaternion::from_slice(&lambda[3..]));
     let acceleration = Anchor::Body.acceleration(s, centre);
-    let w = Vec3::from_slice(lambda) + e.rotate_rate(turn, centre);
+    let w = Vector3::first_three(lambda) + e.rotate_rate(turn, centre);
     let (delta, epsilon) = (e.g_times(turn), rate.g_times(turn));
     let (swing, omega) = (e.g_times(second), e.g_times(rate));
     let [j_delta, j_epsilon, j_swing, j_omega] = [delta, epsilon, swing, omega].map(|x| tensor_times(tensor, x));
@@ -91,7 +91,7 @@ fn add_products(s: State<f64>, p: &[f64], lambda: &[f64], gradient: &mut [f64]) 
     let (of_a, rest) = gradient.split_at_mut(DOFS);
     let (of_v, rest) = rest.split_at_mut(DOFS);
     let (of_q, of_p) = rest.split_at_mut(DOFS);
-    add(of_a, mass, &w.0);
+    add(of_a, mass, &w.components());
     add(&mut of_a[3..], mass, &rotation_gradient_transposed(e, centre, w));
     add(&mut of_a[3..], 4.0, &e.g_transposed_times(j_delta));
     add(&mut of_v[3..], 2.0 * mass, &rotation_gradient_transposed(rate, centre, w));
@@ -106,9 +106,9 @@ fn add_products(s: State<f64>, p: &[f64], lambda: &[f64], gradient: &mut [f64]) 
         return;
     }
     // the other way round: R(e)^T = R of the opposite rotation
-    let back = |x: Quaternion<f64>, y: Quaternion<f64>, f: Vec3<f64>| x.conjugate().rotate_rate(y.conjugate(), f);
-    of_p[0] += w.dot(acceleration);
-    add(&mut of_p[1..4], mass, &(back(e, second, w) + back(rate, rate, w) + back(e, turn, acceleration)).0);
+    let back = |x: Quaternion<f64>, y: Quaternion<f64>, f: Vector3<f64>| x.conjugate().rotate_rate(y.conjugate(), f);
+    of_p[0] += w.dot(&acceleration);
+    add(&mut of_p[1..4], mass, &(back(e, second, w) + back(rate, rate, w) + back(e, turn, acceleration)).components());
     add(&mut of_p[4..], 4.0, &tensor_gradient(delta, swing));
     add(&mut of_p[4..], 8.0, &tensor_gradient(epsilon, omega));
 }

@@ -2,7 +2,7 @@ use super::beam_matrix::{add_inertia_matrix, add_strain_matrix};
 use super::beam_products::{add_inertia_products, add_strain_products};
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
 use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State, Wide, point_momentum_rate};
-use crate::scalar::{Dual, Quaternion, Scalar, Vec3, rotation_gradient_transposed, tensor_times};
+use crate::scalar::{Dual, Quaternion, Scalar, SpatialVector, Vector3, rotation_gradient_transposed, tensor_times};
 use std::ops::Range;
 
 /// Geometrically exact Timoshenko beam of three nodes with position r and Euler parameters e.
@@ -57,29 +57,29 @@ pub(super) const INERTIA: usize = 10;
 pub(super) struct Reference<S> {
     pub metric: S,
     /// Columns of Lambda.
-    pub axes: [Vec3<S>; 3],
+    pub axes: [Vector3<S>; 3],
 }
 
 impl<S: Scalar> Reference<S> {
     #[inline(always)]
     pub fn of(p: &[S]) -> Self {
-        let (tangent, second) = (Vec3::from_slice(&p[1..]), Vec3::from_slice(&p[4..]));
-        Reference { metric: p[0], axes: [tangent, second, tangent.cross(second)] }
+        let (tangent, second) = (Vector3::first_three(&p[1..]), Vector3::first_three(&p[4..]));
+        Reference { metric: p[0], axes: [tangent, second, tangent.cross(&second)] }
     }
     /// Lambda^T x.
     #[inline(always)]
-    pub fn components(&self, x: Vec3<S>) -> [S; 3] {
-        [self.axes[0].dot(x), self.axes[1].dot(x), self.axes[2].dot(x)]
+    pub fn components(&self, x: Vector3<S>) -> [S; 3] {
+        [self.axes[0].dot(&x), self.axes[1].dot(&x), self.axes[2].dot(&x)]
     }
     /// Lambda x.
     #[inline(always)]
-    pub fn combine(&self, x: [S; 3]) -> Vec3<S> {
+    pub fn combine(&self, x: [S; 3]) -> Vector3<S> {
         self.axes[0] * x[0] + self.axes[1] * x[1] + self.axes[2] * x[2]
     }
     /// Strains from h = (dr/dxi, e, de/dxi).
     #[inline(always)]
     fn strains(&self, h: &[S]) -> [S; STRAINS] {
-        let (slope, e, turn) = (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
+        let (slope, e, turn) = (Vector3::first_three(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
         let scale = (e.norm_squared() * self.metric).recip();
         let gamma = self.components(e.rotate_back(slope) * scale);
         let kappa = self.components(e.g_times(turn) * (scale + scale));
@@ -170,7 +170,7 @@ impl BeamField {
     #[inline(always)]
     fn add_internal<S: Scalar>(&self, h: &[S], p: &[S], stress: [S; STRAINS], r: &mut [S]) {
         let reference = Reference::of(p);
-        let (slope, e, turn) = (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
+        let (slope, e, turn) = (Vector3::first_three(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
         let inverse = e.norm_squared().recip();
         let [n1, n2, n3, m1, m2, m3] = stress;
         let force = reference.combine([n1, n2, n3]) * inverse;
@@ -180,10 +180,10 @@ impl BeamField {
         let by_force = rotation_gradient_transposed(e, force, slope);
         let by_moment = turn.g_transposed_times(moment);
         // the factor 1 / |e|^2 of both strains
-        let share = along_slope.dot(slope) + e.g_times(turn).dot(moment);
+        let share = along_slope.dot(&slope) + e.g_times(turn).dot(&moment);
         let shrink = share * (inverse + inverse);
         for i in 0..3 {
-            r[i] += along_slope.0[i];
+            r[i] += along_slope[i];
         }
         for i in 0..4 {
             r[3 + i] += by_force[i] - by_moment[i] - shrink * e.0[i];
@@ -255,13 +255,14 @@ impl Field for BeamField {
         if point < TYING_POINTS {
             return S::zero();
         }
-        let (velocity, e, rate) = (Vec3::from_slice(v), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&v[3..]));
+        let (velocity, e, rate) =
+            (Vector3::first_three(v), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&v[3..]));
         let inverse = e.norm_squared().recip();
         let omega = e.g_times(rate) * (inverse + inverse);
-        let mut twice = velocity.dot(velocity) * p[0] + omega.dot(tensor_times(&p[4..], omega));
+        let mut twice = velocity.dot(&velocity) * p[0] + omega.dot(&tensor_times(&p[4..], omega));
         if self.eccentric {
-            let swing = e.rotate(omega.cross(Vec3::from_slice(&p[1..]))) * inverse;
-            twice += velocity.dot(swing) * 2.0;
+            let swing = e.rotate(omega.cross(&Vector3::first_three(&p[1..]))) * inverse;
+            twice += velocity.dot(&swing) * 2.0;
         }
         twice * 0.5
     }
@@ -296,22 +297,22 @@ impl Field for BeamField {
         }
         let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
         let second = Quaternion::from_slice(&s.a[3..]);
-        let acceleration = Vec3::from_slice(s.a);
+        let acceleration = Vector3::first_three(s.a);
         let inverse = e.norm_squared().recip();
         let twice = inverse + inverse;
         let omega = e.g_times(rate) * twice;
         // |e| changes between nodes: d(1 / |e|^2)/dt
         let alpha = e.g_times(second) * twice - omega * (e.dot(rate) * twice);
         let mut force = acceleration * p[0];
-        let mut moment = tensor_times(&p[4..], alpha) + omega.cross(tensor_times(&p[4..], omega));
+        let mut moment = tensor_times(&p[4..], alpha) + omega.cross(&tensor_times(&p[4..], omega));
         if self.eccentric {
-            let arm = Vec3::from_slice(&p[1..]);
-            force += e.rotate(alpha.cross(arm) + omega.cross(omega.cross(arm))) * inverse;
-            moment += arm.cross(e.rotate_back(acceleration) * inverse);
+            let arm = Vector3::first_three(&p[1..]);
+            force += e.rotate(alpha.cross(&arm) + omega.cross(&omega.cross(&arm))) * inverse;
+            moment += arm.cross(&(e.rotate_back(acceleration) * inverse));
         }
         let turning = e.g_transposed_times(moment * twice);
         for i in 0..3 {
-            r[i] += force.0[i];
+            r[i] += force[i];
         }
         for i in 0..4 {
             r[3 + i] += turning[i];

@@ -1,6 +1,6 @@
 use super::shape::{AT_GAUSS_POINTS, NODES};
 use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State};
-use crate::scalar::{Quaternion, Scalar, Vec3, rotation_gradient_transposed};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, rotation_gradient_transposed};
 use std::ops::Range;
 
 /// Weight of a beam: V = -g . (m r + R s) at three Gauss points [J].
@@ -50,24 +50,24 @@ impl Field for BeamGravityField {
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
-        let mut moment = Vec3::from_slice(h) * p[0];
+        let mut moment = Vector3::first_three(h) * p[0];
         if self.eccentric {
             let e = Quaternion::from_slice(&h[3..]);
-            moment += e.rotate(Vec3::from_slice(&p[1..])) * e.norm_squared().recip();
+            moment += e.rotate(Vector3::first_three(&p[1..])) * e.norm_squared().recip();
         }
-        -moment.dot(Vec3::from_slice(&p[4..]))
+        -moment.dot(&Vector3::first_three(&p[4..]))
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, _point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let gravity = Vec3::from_slice(&p[4..]);
+        let gravity = Vector3::first_three(&p[4..]);
         for i in 0..3 {
-            r[i] -= gravity.0[i] * p[0];
+            r[i] -= gravity[i] * p[0];
         }
         if self.eccentric {
-            let (e, arm) = (Quaternion::from_slice(&s.q[3..]), Vec3::from_slice(&p[1..]));
+            let (e, arm) = (Quaternion::from_slice(&s.q[3..]), Vector3::first_three(&p[1..]));
             let inverse = e.norm_squared().recip();
             let turning = rotation_gradient_transposed(e, arm, gravity);
-            let shrink = e.rotate(arm).dot(gravity) * inverse * inverse * 2.0;
+            let shrink = e.rotate(arm).dot(&gravity) * inverse * inverse * 2.0;
             for i in 0..4 {
                 r[3 + i] += e.0[i] * shrink - turning[i] * inverse;
             }

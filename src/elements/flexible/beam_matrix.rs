@@ -4,10 +4,11 @@
 use super::beam::{BeamField, Reference, STRAINS};
 use crate::elements::Wide;
 use crate::scalar::{
-    Dual, Quaternion, RotationRows, Vec3, g_form, g_rows, rotation_form, rotation_rows, tensor_times, tensor_times_rows,
+    Dual, Quaternion, RotationRows, SpatialVector, Vector3, g_form, g_rows, rotation_form, rotation_rows, tensor_times,
+    tensor_times_rows,
 };
 
-type Vector = Vec3<f64>;
+type Vector = Vector3<f64>;
 
 /// d(R(e)^T s)/de: the same for the opposite rotation.
 #[inline(always)]
@@ -25,7 +26,7 @@ fn rotation_back_rows(e: Quaternion<f64>, s: Vector) -> RotationRows {
 /// x times each column.
 #[inline(always)]
 fn cross_rows(x: Vector, [first, second, third]: &RotationRows) -> RotationRows {
-    let [a, b, c] = x.0;
+    let [a, b, c] = x.components();
     let mut rows = [[0.0; 4]; 3];
     for k in 0..4 {
         rows[0][k] = b * third[k] - c * second[k];
@@ -54,7 +55,7 @@ fn sum_of_rows<const TERMS: usize>(factors: [f64; TERMS], terms: [&RotationRows;
 fn add_outer(rows: &mut RotationRows, factor: f64, x: Vector, y: &[f64; 4]) {
     for l in 0..3 {
         for k in 0..4 {
-            rows[l][k] += factor * x.0[l] * y[k];
+            rows[l][k] += factor * x[l] * y[k];
         }
     }
 }
@@ -93,12 +94,12 @@ fn gradient_rows(
     for l in 0..3 {
         for k in 0..3 {
             // the rows of R^T are the columns of R
-            rows[l].slopes.0[k] = scale * columns[l].0[k];
+            rows[l].slopes.0[k] = scale * columns[l][k];
         }
         for k in 0..4 {
-            rows[l].values.0[TURN + k] = scale * by_e[l][k] + d_scale[k] * back.0[l];
+            rows[l].values.0[TURN + k] = scale * by_e[l][k] + d_scale[k] * back[l];
             rows[3 + l].slopes.0[TURN + k] = twice * g_e[l][k];
-            rows[3 + l].values.0[TURN + k] = d_scale[k] * turned.0[l] - twice * g_d[l][k];
+            rows[3 + l].values.0[TURN + k] = d_scale[k] * turned[l] - twice * g_d[l][k];
         }
     }
     rows
@@ -108,7 +109,7 @@ fn gradient_rows(
 #[inline(always)]
 fn add_components(reference: &Reference<f64>, factor: f64, rows: &[Column; STRAINS], strains: &mut [Column; STRAINS]) {
     for (i, axis) in reference.axes.iter().enumerate() {
-        let [a, b, c] = axis.0.map(|axis| factor * axis);
+        let [a, b, c] = axis.components().map(|axis| factor * axis);
         for first in [0, 3] {
             for (factor, row) in [a, b, c].into_iter().zip(&rows[first..]) {
                 strains[first + i].add(factor, row);
@@ -133,7 +134,7 @@ pub(super) fn add_strain_matrix(
 ) {
     let reference = Reference::of(p);
     let (stiffness, damping) = beam.stiffness_and_damping(p);
-    let split = |h: &[f64]| (Vec3::from_slice(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
+    let split = |h: &[f64]| (Vector3::first_three(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
     let (x, e, d) = split(h);
     let inverse = 1.0 / e.dot(e);
     let scale = inverse / reference.metric;
@@ -163,7 +164,7 @@ pub(super) fn add_strain_matrix(
         }
         let mut moving = [Dual::<f64, 1>::default(); 4];
         (0..4).for_each(|k| moving[k] = Dual { re: e.0[k], eps: [e_rate.0[k]] });
-        let columns_rate = Quaternion(moving).columns().map(|column| Vec3(column.0.map(|entry| entry.eps[0])));
+        let columns_rate = Quaternion(moving).columns().map(|column| column.map(|entry| entry.eps[0]));
         let (g_e_rate, g_d_rate) = (g_rows(e_rate), g_rows(d_rate));
         let by_e_rate = sum_of_rows([1.0, 1.0], [&rotation_back_rows(e, x_rate), &rotation_back_rows(e_rate, x)]);
         let back_rate = e.rotate_back(x_rate) + rows_times(&by_e, e_rate);
@@ -188,13 +189,13 @@ pub(super) fn add_strain_matrix(
     let own = alpha * inverse;
     let shrink = 2.0 * own * inverse;
     let (of_e, of_d) = (d.g_transposed_times(mu), e.g_transposed_times(mu));
-    let w = pulled.dot(x) + turned.dot(mu);
+    let w = pulled.dot(&x) + turned.dot(&mu);
     // dw/dh, and e, as columns
     let (mut gradient, mut unit) = (Column::ZERO, Wide::default());
-    gradient.slopes.0[..TURN].copy_from_slice(&pulled.0);
+    gradient.slopes.0[..TURN].copy_from_slice(&pulled.components());
     for k in 0..4 {
         gradient.slopes.0[TURN + k] = 2.0 * of_d[k];
-        gradient.values.0[TURN + k] = x.0[0] * by_nu[0][k] + x.0[1] * by_nu[1][k] + x.0[2] * by_nu[2][k] - 2.0 * of_e[k];
+        gradient.values.0[TURN + k] = x[0] * by_nu[0][k] + x[1] * by_nu[1][k] + x[2] * by_nu[2][k] - 2.0 * of_e[k];
         unit.0[TURN + k] = e.0[k];
     }
     let second = rotation_form(nu, x);
@@ -254,7 +255,7 @@ fn add_to(target: &mut [Wide; 2], column: &Column) {
 /// RotationRows times a quaternion.
 #[inline(always)]
 fn rows_times(rows: &RotationRows, e: Quaternion<f64>) -> Vector {
-    Vec3([rows[0], rows[1], rows[2]].map(|row| Quaternion(row).dot(e)))
+    Vector3::from([rows[0], rows[1], rows[2]].map(|row| Quaternion(row).dot(e)))
 }
 
 /// J C times rows.
@@ -302,7 +303,7 @@ pub(super) fn add_inertia_matrix(
     let spin = swing - omega * along;
     let tensor = &p[4..];
     let momentum = tensor_times(tensor, omega);
-    let mut moment = tensor_times(tensor, spin) + omega.cross(momentum);
+    let mut moment = tensor_times(tensor, spin) + omega.cross(&momentum);
 
     // along e_k: 1 / |e|^2 shrinks by this factor
     let shrink = e.0.map(|e| alpha * twice * e);
@@ -325,23 +326,23 @@ pub(super) fn add_inertia_matrix(
         column.0[k] += gamma * p[0];
     }
     if beam.eccentric {
-        let (arm, acceleration) = (Vec3::from_slice(&p[1..]), Vec3::from_slice(a));
+        let (arm, acceleration) = (Vector3::first_three(&p[1..]), Vector3::first_three(a));
         let columns = e.columns();
         let back = e.rotate_back(acceleration) * inverse;
-        moment += arm.cross(back);
+        moment += arm.cross(&back);
         let mut d_back = rotation_back_rows(e, acceleration);
         d_back.iter_mut().flatten().for_each(|entry| *entry *= alpha * inverse);
         add_outer(&mut d_back, -1.0, back, &shrink);
         d_moment = sum_of_rows([1.0; 2], [&d_moment, &cross_rows(arm, &d_back)]);
         for (k, column) in of_place.iter_mut().enumerate() {
-            let row = Vec3([columns[0].0[k], columns[1].0[k], columns[2].0[k]]);
-            let lever = arm.cross(row) * (gamma * twice * inverse);
+            let row = Vector3::new(columns[0][k], columns[1][k], columns[2][k]);
+            let lever = arm.cross(&row) * (gamma * twice * inverse);
             for i in 0..4 {
-                column.0[3 + i] += g[0][i] * lever.0[0] + g[1][i] * lever.0[1] + g[2][i] * lever.0[2];
+                column.0[3 + i] += g[0][i] * lever[0] + g[1][i] * lever[1] + g[2][i] * lever[2];
             }
         }
-        let turning = omega.cross(arm);
-        let z = spin.cross(arm) + omega.cross(turning);
+        let turning = omega.cross(&arm);
+        let z = spin.cross(&arm) + omega.cross(&turning);
         let d_turning = cross_rows(-arm, &d_omega);
         let d_z = sum_of_rows(
             [1.0; 3],
@@ -350,8 +351,8 @@ pub(super) fn add_inertia_matrix(
         let (force, by_z) = (e.rotate(z), rotation_rows(e, z));
         for (k, column) in of_turn.iter_mut().enumerate() {
             for i in 0..3 {
-                let turned = columns[0].0[i] * d_z[0][k] + columns[1].0[i] * d_z[1][k] + columns[2].0[i] * d_z[2][k];
-                column.0[i] += inverse * (turned + alpha * by_z[i][k] - shrink[k] * force.0[i]);
+                let turned = columns[0][i] * d_z[0][k] + columns[1][i] * d_z[1][k] + columns[2][i] * d_z[2][k];
+                column.0[i] += inverse * (turned + alpha * by_z[i][k] - shrink[k] * force[i]);
             }
         }
     }

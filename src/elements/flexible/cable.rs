@@ -2,7 +2,7 @@ use super::cable_derivatives::CableDerivatives;
 use super::cable_inertia::mass_matrix;
 use super::hermite::{COMPONENTS, CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
 use crate::elements::{ByPoints, Element, Parameter, State};
-use crate::scalar::{Dual, Scalar, Vec3};
+use crate::scalar::{Dual, Scalar, SpatialVector, Vector3};
 
 /// Cable-beam of two nodes with position r and slope r_x = dr/dx, in space, without torsion and shear: absolute nodal coordinates
 /// with the exact curvature, inertia and weight.
@@ -57,19 +57,19 @@ pub(super) fn elastic_parameters() -> Vec<Parameter> {
 
 /// eps.
 #[inline(always)]
-pub fn green_strain<S: Scalar>(first: Vec3<S>) -> S {
-    (first.dot(first) - 1.0) * 0.5
+pub fn green_strain<S: Scalar>(first: Vector3<S>) -> S {
+    (first.dot(&first) - 1.0) * 0.5
 }
 
 /// kappa^2 [1/m2].
 #[inline(always)]
-pub fn square_of_curvature<S: Scalar>(first: Vec3<S>, second: Vec3<S>) -> S {
-    let (normal, square) = (first.cross(second), first.dot(first));
-    normal.dot(normal) / (square * square * square)
+pub fn square_of_curvature<S: Scalar>(first: Vector3<S>, second: Vector3<S>) -> S {
+    let (normal, square) = (first.cross(&second), first.dot(&first));
+    normal.dot(&normal) / (square * square * square)
 }
 
 /// What the line's derivatives are made of: the chord (r_2 - r_1) / l and the slopes at both ends.
-pub(super) type Line<S> = [Vec3<S>; 3];
+pub(super) type Line<S> = [Vector3<S>; 3];
 
 /// Weights of chord and slopes in r_x and in l r_xx at each Gauss point.
 pub(super) const WEIGHTS: [[[f64; 3]; 2]; 3] = {
@@ -88,27 +88,27 @@ pub(super) const WEIGHTS: [[[f64; 3]; 2]; 3] = {
 /// Chord and slopes of coordinates or their rates, from the inverse of the length.
 #[inline(always)]
 pub(super) fn line<S: Scalar>(q: &[S], inverse: S) -> Line<S> {
-    let vector = |place: usize| Vec3::from_slice(&q[3 * place..]);
+    let vector = |place: usize| Vector3::first_three(&q[3 * place..]);
     [(vector(2) - vector(0)) * inverse, vector(1), vector(3)]
 }
 
 /// r_x and r_xx at a Gauss point.
 #[inline(always)]
-pub(super) fn derivatives<S: Scalar>(line: &Line<S>, point: usize, inverse: S) -> [Vec3<S>; 2] {
+pub(super) fn derivatives<S: Scalar>(line: &Line<S>, point: usize, inverse: S) -> [Vector3<S>; 2] {
     let [chord, first, second] = *line;
-    let sum = |i: usize, [a, b, c]: [f64; 3]| chord.0[i] * a + first.0[i] * b + second.0[i] * c;
-    let vector = |weights: [f64; 3]| Vec3([sum(0, weights), sum(1, weights), sum(2, weights)]);
+    let sum = |i: usize, [a, b, c]: [f64; 3]| chord[i] * a + first[i] * b + second[i] * c;
+    let vector = |weights: [f64; 3]| Vector3::new(sum(0, weights), sum(1, weights), sum(2, weights));
     [vector(WEIGHTS[point][0]), vector(WEIGHTS[point][1]) * inverse]
 }
 
 /// Adds what forces conjugate to r_x and r_xx at a Gauss point do to the line.
 #[inline(always)]
-fn add_conjugate<S: Scalar>([of_first, of_second]: [Vec3<S>; 2], point: usize, inverse: S, line: &mut Line<S>) {
+fn add_conjugate<S: Scalar>([of_first, of_second]: [Vector3<S>; 2], point: usize, inverse: S, line: &mut Line<S>) {
     let of_second = of_second * inverse;
     for (place, line) in line.iter_mut().enumerate() {
         let [a, b] = [WEIGHTS[point][0][place], WEIGHTS[point][1][place]];
         for i in 0..3 {
-            line.0[i] += of_first.0[i] * a + of_second.0[i] * b;
+            line[i] += of_first[i] * a + of_second[i] * b;
         }
     }
 }
@@ -117,11 +117,11 @@ fn add_conjugate<S: Scalar>([of_first, of_second]: [Vec3<S>; 2], point: usize, i
 #[inline(always)]
 fn add_line<S: Scalar>(line: &Line<S>, inverse: S, r: &mut [S]) {
     for i in 0..3 {
-        let chord = line[0].0[i] * inverse;
+        let chord = line[0][i] * inverse;
         r[i] -= chord;
-        r[3 + i] += line[1].0[i];
+        r[3 + i] += line[1][i];
         r[6 + i] += chord;
-        r[9 + i] += line[2].0[i];
+        r[9 + i] += line[2][i];
     }
 }
 
@@ -146,24 +146,24 @@ impl Cable {
     /// Adds to the line's forces what damping does at a Gauss point of weight `weight` [m]: with a and b for r_x and r_xx, B^T of the
     /// stresses above.
     #[inline(always)]
-    fn damp<S: Scalar>([a, b]: [Vec3<S>; 2], [a_rate, b_rate]: [Vec3<S>; 2], p: &[S], weight: S) -> [Vec3<S>; 2] {
-        let moving = |x: Vec3<S>, rate: Vec3<S>| -> Vec3<Dual<S, 1>> {
-            Vec3([0, 1, 2].map(|i| Dual { re: x.0[i], eps: [rate.0[i]] }))
+    fn damp<S: Scalar>([a, b]: [Vector3<S>; 2], [a_rate, b_rate]: [Vector3<S>; 2], p: &[S], weight: S) -> [Vector3<S>; 2] {
+        let moving = |x: Vector3<S>, rate: Vector3<S>| -> Vector3<Dual<S, 1>> {
+            Vector3::from([0, 1, 2].map(|i| Dual { re: x[i], eps: [rate[i]] }))
         };
         let (first, second) = (moving(a, a_rate), moving(b, b_rate));
-        let square = first.dot(first);
+        let square = first.dot(&first);
         let scale = (square * square.sqrt()).recip();
-        let curvature = first.cross(second) * scale;
-        let (k, k_rate) = (Vec3(curvature.0.map(|x| x.re)), Vec3(curvature.0.map(|x| x.eps[0])));
+        let curvature = first.cross(&second) * scale;
+        let (k, k_rate) = (curvature.map(|x| x.re), curvature.map(|x| x.eps[0]));
         let inverse = p[LENGTH].recip();
         let limit = (inverse * STRAIGHT) * (inverse * STRAIGHT);
-        let direct = (k * k.dot(k_rate) + k_rate * limit) * (k.dot(k) + limit).recip();
+        let direct = (k * k.dot(&k_rate) + k_rate * limit) * (k.dot(&k) + limit).recip();
         let share = p[DAMPING] * weight;
-        let (tension, moment) = (a.dot(a_rate) * p[AXIAL] * share, direct * (p[BENDING] * share));
+        let (tension, moment) = (a.dot(&a_rate) * p[AXIAL] * share, direct * (p[BENDING] * share));
         // m . k is linear in b: m . (a x b) / |a|^3
         let scale = scale.re;
-        let along = moment.dot(k) * 3.0 / a.dot(a);
-        [a * tension + b.cross(moment) * scale - a * along, moment.cross(a) * scale]
+        let along = moment.dot(&k) * 3.0 / a.dot(&a);
+        [a * tension + b.cross(&moment) * scale - a * along, moment.cross(&a) * scale]
     }
 }
 
@@ -184,11 +184,11 @@ impl Element for Cable {
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let matrix = mass_matrix(&[p[LENGTH], p[MASS]]);
-        let vector = |place: usize| Vec3::from_slice(&v[3 * place..]);
+        let vector = |place: usize| Vector3::first_three(&v[3 * place..]);
         let mut twice = S::zero();
         for i in 0..4 {
             for j in 0..4 {
-                twice += matrix[i][j] * vector(i).dot(vector(j));
+                twice += matrix[i][j] * vector(i).dot(&vector(j));
             }
         }
         twice * 0.5
@@ -205,16 +205,16 @@ impl Element for Cable {
             energy += twice * p[LENGTH] * (0.5 * THREE_WEIGHTS[point]);
         }
         // the integral of r: that of a cubic
-        let vector = |place: usize| Vec3::from_slice(&q[3 * place..]);
+        let vector = |place: usize| Vector3::first_three(&q[3 * place..]);
         let middle = (vector(0) + vector(2)) * S::from(0.5) + (vector(1) - vector(3)) * (p[LENGTH] / 12.0);
-        energy - p[LENGTH] * p[MASS] * middle.dot(Vec3::from_slice(&p[GRAVITY..]))
+        energy - p[LENGTH] * p[MASS] * middle.dot(&Vector3::first_three(&p[GRAVITY..]))
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
         if !self.damped {
             return;
         }
         let inverse = p[LENGTH].recip();
-        let (own, rate, mut against) = (line(q, inverse), line(v, inverse), [Vec3::zero(); 3]);
+        let (own, rate, mut against) = (line(q, inverse), line(v, inverse), [Vector3::zeros(); 3]);
         for point in 0..3 {
             let [at, rates] = [&own, &rate].map(|line| derivatives(line, point, inverse));
             let damping = Self::damp(at, rates, p, p[LENGTH] * -THREE_WEIGHTS[point]);
@@ -226,18 +226,18 @@ impl Element for Cable {
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let inverse = p[LENGTH].recip();
         let own = line(s.q, inverse);
-        let mut forces = [Vec3::zero(); 3];
+        let mut forces = [Vector3::zeros(); 3];
         for point in 0..3 {
             let [a, b] = derivatives(&own, point, inverse);
             let weight = p[LENGTH] * THREE_WEIGHTS[point];
-            let (square, normal) = (a.dot(a), a.cross(b));
+            let (square, normal) = (a.dot(&a), a.cross(&b));
             let shrink = square.recip();
             let cube = shrink * shrink * shrink;
             let (axial, bending) = (weight * p[AXIAL] * green_strain(a), weight * p[BENDING] * cube);
             // gradients of |a x b|^2 / 2: b x n and n x a
-            let along = normal.dot(normal) * shrink * 3.0;
-            let of_first = a * axial + (b.cross(normal) - a * along) * bending;
-            add_conjugate([of_first, normal.cross(a) * bending], point, inverse, &mut forces);
+            let along = normal.dot(&normal) * shrink * 3.0;
+            let of_first = a * axial + (b.cross(&normal) - a * along) * bending;
+            add_conjugate([of_first, normal.cross(&a) * bending], point, inverse, &mut forces);
             if self.damped {
                 let rates = derivatives(&line(s.v, inverse), point, inverse);
                 add_conjugate(Self::damp([a, b], rates, p, weight), point, inverse, &mut forces);

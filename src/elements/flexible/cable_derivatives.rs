@@ -5,7 +5,7 @@ use super::cable::{AXIAL, BENDING, Cable, LENGTH, Line, MASS, WEIGHTS, derivativ
 use super::cable_inertia::mass_matrix;
 use super::hermite::{COMPONENTS, NODES, THREE_WEIGHTS};
 use crate::elements::{ByPoints, Element, PointWork, State, Wide};
-use crate::scalar::{Job, Lanes, Vec3, widest};
+use crate::scalar::{Job, Lanes, Vector3, widest};
 
 /// Derivatives of a [`Cable`] without damping.
 pub(super) struct CableDerivatives;
@@ -16,10 +16,10 @@ type Block = [[f64; 3]; 3];
 
 /// Adds factor u v^T.
 #[inline(always)]
-fn add_product(block: &mut Block, factor: f64, u: Vec3<f64>, v: Vec3<f64>) {
+fn add_product(block: &mut Block, factor: f64, u: Vector3<f64>, v: Vector3<f64>) {
     for i in 0..3 {
         for j in 0..3 {
-            block[i][j] += factor * u.0[i] * v.0[j];
+            block[i][j] += factor * u[i] * v[j];
         }
     }
 }
@@ -28,8 +28,8 @@ fn add_product(block: &mut Block, factor: f64, u: Vec3<f64>, v: Vec3<f64>) {
 ///
 /// With s = a . a, d = a . b, t = b . b: eps = (s - 1) / 2 and kappa^2 = t / s^2 - d^2 / s^3.
 #[inline(always)]
-fn second_derivatives(a: Vec3<f64>, b: Vec3<f64>, axial: f64, bending: f64) -> [Block; 3] {
-    let (s, d, t) = (a.dot(a), a.dot(b), b.dot(b));
+fn second_derivatives(a: Vector3<f64>, b: Vector3<f64>, axial: f64, bending: f64) -> [Block; 3] {
+    let (s, d, t) = (a.dot(&a), a.dot(&b), b.dot(&b));
     let inverse = 1.0 / s;
     let cube = inverse * inverse * inverse;
     // of EI/2 kappa^2 towards s, d, t

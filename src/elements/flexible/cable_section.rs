@@ -1,6 +1,6 @@
 use super::cable::{green_strain, square_of_curvature};
 use super::section::{Material, Shape};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Which strains a cable's energy is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,10 +14,10 @@ pub enum CableStrain {
 
 impl CableStrain {
     /// Axial strain [-] and curvature [1/m] from r_x, r_xx, the vector between the nodes, and the length of the element.
-    pub fn of<S: Scalar>(self, first: Vec3<S>, second: Vec3<S>, chord: Vec3<S>, length: S) -> [S; 2] {
+    pub fn of<S: Scalar>(self, first: Vector3<S>, second: Vector3<S>, chord: Vector3<S>, length: S) -> [S; 2] {
         match self {
             CableStrain::Exact => [green_strain(first), square_of_curvature(first, second).sqrt()],
-            CableStrain::Small => [chord.norm() / length - 1.0, second.norm()],
+            CableStrain::Small => [chord.length() / length - 1.0, second.length()],
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::shape::{AT_GAUSS_POINTS, NODES};
 use crate::elements::forces::LoadFrame;
 use crate::elements::{Field, Flexible, Interpolation, Parameter, TimeFunction};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
 /// A force for each length of a beam's reference line, d f(t) [N/m], at three Gauss points.
@@ -56,14 +56,14 @@ impl Field for DistributedLoadField {
     }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _point: usize, _v: &[S], h: &[S], p: &[S], t: S, force: &mut [S]) {
-        let mut direction = Vec3::from_slice(&p[1..]);
+        let mut direction = Vector3::first_three(&p[1..]);
         if self.frame == LoadFrame::Body {
             let e = Quaternion::from_slice(&h[3..]);
             direction = e.rotate(direction) * e.norm_squared().recip();
         }
         let size = self.size.value(t, &p[GEOMETRY..]) * p[0];
         for i in 0..3 {
-            force[i] += direction.0[i] * size;
+            force[i] += direction[i] * size;
         }
     }
     #[inline(always)]

@@ -1,7 +1,7 @@
 use super::cable::elastic_parameters;
 use super::hermite::{BENDING_AT_TWO, CHORD, COMPONENTS, NODES};
 use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
 /// The cable of [`Cable`](super::Cable) for small strains:
@@ -22,9 +22,9 @@ pub type SmallStrainCable = Flexible<SmallStrainCableField>;
 
 /// r_xx from the shares of positions and slopes.
 #[inline(always)]
-fn second_derivative<S: Scalar>(h: &[S], length: S) -> Vec3<S> {
+fn second_derivative<S: Scalar>(h: &[S], length: S) -> Vector3<S> {
     let inverse = length.recip();
-    (Vec3::from_slice(h) * inverse + Vec3::from_slice(&h[3..])) * inverse
+    (Vector3::first_three(h) * inverse + Vector3::first_three(&h[3..])) * inverse
 }
 
 impl Field for SmallStrainCableField {
@@ -46,25 +46,25 @@ impl Field for SmallStrainCableField {
     #[inline(always)]
     fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
         if point == 0 {
-            let strain = Vec3::from_slice(h).norm() / p[0] - 1.0;
+            let strain = Vector3::first_three(h).length() / p[0] - 1.0;
             return strain * strain * p[0] * p[1] * 0.5;
         }
         let curvature = second_derivative(h, p[0]);
-        curvature.dot(curvature) * p[0] * p[2] * 0.25
+        curvature.dot(&curvature) * p[0] * p[2] * 0.25
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         if point == 0 {
-            let chord = Vec3::from_slice(s.q);
-            let tension = (p[0].recip() - chord.norm().recip()) * p[1];
+            let chord = Vector3::first_three(s.q);
+            let tension = (p[0].recip() - chord.length().recip()) * p[1];
             for i in 0..3 {
-                r[i] += chord.0[i] * tension;
+                r[i] += chord[i] * tension;
             }
             return;
         }
         let curvature = second_derivative(s.q, p[0]);
         for i in 0..3 {
-            let moment = curvature.0[i] * p[2] * 0.5;
+            let moment = curvature[i] * p[2] * 0.5;
             r[i] += moment / p[0];
             r[3 + i] += moment;
         }

@@ -1,6 +1,6 @@
 use super::LoadFrame;
 use crate::elements::{Anchor, Element, Frame, Parameter, State, TimeFunction, load_residual};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A force F = d f(t) [N] at a point of a body or at a point mass.
 ///
@@ -40,11 +40,11 @@ impl Element for AppliedForce {
     }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        let mut direction = Vec3::from_slice(p);
+        let mut direction = Vector3::first_three(p);
         if self.frame == LoadFrame::Body && self.on.has_axes() {
             direction = Frame::of(self.on, q).direction(p);
         }
-        self.on.add_force(q, Vec3::from_slice(&p[3..]), direction * self.size.value(t, &p[6..]), force);
+        self.on.add_force(q, Vector3::first_three(&p[3..]), direction * self.size.value(t, &p[6..]), force);
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {

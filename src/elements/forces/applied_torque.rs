@@ -1,6 +1,6 @@
 use super::LoadFrame;
 use crate::elements::{Anchor, Element, Frame, Parameter, State, TimeFunction, load_residual};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A torque M = d f(t) [N m] on a rigid body.
 ///
@@ -31,7 +31,7 @@ impl Element for AppliedTorque {
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         let axis = match self.frame {
-            LoadFrame::World => Vec3::from_slice(p),
+            LoadFrame::World => Vector3::first_three(p),
             LoadFrame::Body => Frame::of(self.on, q).direction(p),
         };
         self.on.add_moment(q, axis * self.size.value(t, &p[3..]), force);

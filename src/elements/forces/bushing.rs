@@ -1,7 +1,7 @@
 use super::Soft;
 use crate::elements::joints::{POINTS, PairGradient, add_relative_turn, gap};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
 ///
@@ -43,25 +43,26 @@ impl Constraint for Displacement {
         if self.ends == [Anchor::Body; 2] {
             let frame = |e: &[S], own: &[S]| Quaternion::from_slice(e).times(Quaternion::from_slice(own));
             let (fa, fb) = (frame(&q[3..], &p[6..]), frame(&q[10..], &p[10..]));
-            g[..3].copy_from_slice(&fa.rotate_back(gap(self.ends, q, p)).0);
-            g[3..].copy_from_slice(&(fa.conjugate().times(fb).parts().1 * S::from(2.0)).0);
+            g[..3].copy_from_slice(&fa.rotate_back(gap(self.ends, q, p)).components());
+            g[3..].copy_from_slice(&(fa.conjugate().times(fb).parts().1 * S::from(2.0)).components());
             return;
         }
         let [a, b] = Frame::pair(self.ends, q);
-        let own = |frame: &Frame<S>, e: &[S]| Quaternion::from_slice(e).columns().map(|axis| frame.direction(&axis.0));
+        let own =
+            |frame: &Frame<S>, e: &[S]| Quaternion::from_slice(e).columns().map(|axis| frame.direction(&axis.components()));
         let (fa, fb) = (own(&a, &p[6..]), own(&b, &p[10..]));
         let between = b.point(&p[3..]) - a.point(p);
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            g[i] = fa[i].dot(between);
-            g[3 + i] = (fa[k].dot(fb[j]) - fa[j].dot(fb[k])) * S::from(0.5);
+            g[i] = fa[i].dot(&between);
+            g[3 + i] = (fa[k].dot(&fb[j]) - fa[j].dot(&fb[k])) * S::from(0.5);
         }
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new(self.ends, q);
         let [own_a, own_b] = [6, 10].map(|first| Quaternion::from_slice(&p[first..]));
-        let (force, moment) = (Vec3::from_slice(mu), Vec3::from_slice(&mu[3..]));
+        let (force, moment) = (Vector3::first_three(mu), Vector3::first_three(&mu[3..]));
         towards.add_component(p, own_a.rotate(force));
         if self.ends == [Anchor::Body; 2] {
             add_relative_turn([&q[3..], &q[10..]], [own_a, own_b.conjugate()], moment, r);
@@ -69,7 +70,7 @@ impl Constraint for Displacement {
             let (of_a, half) = (own_a.columns(), S::from(0.5));
             for (j, axis) in own_b.columns().into_iter().enumerate() {
                 let (i, k) = ((j + 2) % 3, (j + 1) % 3);
-                towards.add_product((of_a[k] * moment.0[i] - of_a[i] * moment.0[k]) * half, axis);
+                towards.add_product((of_a[k] * moment[i] - of_a[i] * moment[k]) * half, axis);
             }
         }
         towards.write(q, r);

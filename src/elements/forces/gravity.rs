@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Element, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Weight of a body or point mass: V = -m g . x_c [J].
 ///
@@ -34,12 +34,12 @@ impl Element for Gravity {
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        let position = self.on.position(q, Vec3::from_slice(&p[4..]));
-        -(position.dot(Vec3::from_slice(&p[1..])) * p[0])
+        let position = self.on.position(q, Vector3::first_three(&p[4..]));
+        -(position.dot(&Vector3::first_three(&p[1..])) * p[0])
     }
     // written out because every body in every scene pays for it; the contract test holds it against the potential
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: crate::elements::State<S>, p: &[S], _t: S, r: &mut [S]) {
-        self.on.add_force(s.q, Vec3::from_slice(&p[4..]), Vec3::from_slice(&p[1..]) * -p[0], r);
+        self.on.add_force(s.q, Vector3::first_three(&p[4..]), Vector3::first_three(&p[1..]) * -p[0], r);
     }
 }

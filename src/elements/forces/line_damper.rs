@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Element, Parameter, State};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A damper along the line between two points: tension c dl/dt [N], l = |x_b - x_a|.
 ///
@@ -32,9 +32,9 @@ pub(super) fn add_damping<S: Scalar>(
     q: &[S],
     p: &[S],
     force: &mut [S],
-    direct: impl Fn(Vec3<S>, Vec3<S>) -> Vec3<S>,
+    direct: impl Fn(Vector3<S>, Vector3<S>) -> Vector3<S>,
 ) {
-    let (point_a, point_b) = (Vec3::from_slice(&p[1..]), Vec3::from_slice(&p[4..]));
+    let (point_a, point_b) = (Vector3::first_three(&p[1..]), Vector3::first_three(&p[4..]));
     let split = a.dofs();
     let ((qa, qb), (va, vb)) = (q.split_at(split), v.split_at(split));
     let between = b.position(qb, point_b) - a.position(qa, point_a);
@@ -47,8 +47,8 @@ pub(super) fn add_damping<S: Scalar>(
 
 /// The part of a velocity along a line.
 #[inline(always)]
-fn along<S: Scalar>(line: Vec3<S>, velocity: Vec3<S>) -> Vec3<S> {
-    line * (line.dot(velocity) / line.dot(line))
+fn along<S: Scalar>(line: Vector3<S>, velocity: Vector3<S>) -> Vector3<S> {
+    line * (line.dot(&velocity) / line.dot(&line))
 }
 
 impl Element for LineDamper {

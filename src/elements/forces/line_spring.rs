@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Element, Parameter, State};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A spring along the line between two points: V = k (l - l0)^2 / 2 [J], l = |x_b - x_a|.
 ///
@@ -34,18 +34,18 @@ impl Element for LineSpring {
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let (qa, qb) = q.split_at(self.a.dofs());
-        let from = self.a.position(qa, Vec3::from_slice(&p[2..]));
-        let to = self.b.position(qb, Vec3::from_slice(&p[5..]));
-        let stretch = (to - from).norm() - p[1];
+        let from = self.a.position(qa, Vector3::first_three(&p[2..]));
+        let to = self.b.position(qb, Vector3::first_three(&p[5..]));
+        let stretch = (to - from).length() - p[1];
         stretch * stretch * p[0] * 0.5
     }
     #[inline(always)]
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let split = self.a.dofs();
         let (qa, qb) = s.q.split_at(split);
-        let (point_a, point_b) = (Vec3::from_slice(&p[2..]), Vec3::from_slice(&p[5..]));
+        let (point_a, point_b) = (Vector3::first_three(&p[2..]), Vector3::first_three(&p[5..]));
         let between = self.b.position(qb, point_b) - self.a.position(qa, point_a);
-        let length = between.norm();
+        let length = between.length();
         let tension = between * (p[0] * (length - p[1]) / length);
         let (force_a, force_b) = r.split_at_mut(split);
         self.a.add_force(qa, point_a, -tension, force_a);

@@ -1,7 +1,7 @@
 use super::Soft;
 use crate::elements::joints::{POINTS, PairGradient, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt [N], s = n_a . (x_b - x_a).
 ///
@@ -43,7 +43,7 @@ impl Constraint for Slide {
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(&p[1..], Vec3::from_slice(&p[7..]) * mu[0]);
+        towards.add_component(&p[1..], Vector3::first_three(&p[7..]) * mu[0]);
         towards.write(q, r);
     }
 }

@@ -57,7 +57,7 @@ impl Element for TorsionSpringDamper {
         let split = self.a.dofs();
         let ((qa, qb), (va, vb)) = (q.split_at(split), v.split_at(split));
         let axis = Frame::of(self.a, qa).direction(&p[3..]);
-        let rate = axis.dot(self.b.angular_velocity(vb, qb) - self.a.angular_velocity(va, qa));
+        let rate = axis.dot(&(self.b.angular_velocity(vb, qb) - self.a.angular_velocity(va, qa)));
         let moment = axis * (rate * p[1]);
         let (force_a, force_b) = force.split_at_mut(split);
         self.a.add_moment(qa, moment, force_a);

@@ -1,6 +1,6 @@
 use super::{ANGLE, PairGradient, angle_between};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 [rad].
 ///
@@ -35,7 +35,7 @@ impl Constraint for AngleCoordinate {
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_angle([p, &p[3..], &p[6..]].map(Vec3::from_slice), mu[0]);
+        towards.add_angle([p, &p[3..], &p[6..]].map(Vector3::first_three), mu[0]);
         towards.write(q, r);
         r[self.a.dofs() + self.b.dofs()] -= mu[0];
     }

@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Two cables welded to each other at an angle: one place, and the angle phi between the slopes r_x.
 ///
@@ -22,25 +22,25 @@ impl Constraint for CableCorner {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let (a, b) = q.split_at(Anchor::Slope.dofs());
-        g[..3].copy_from_slice(&(Vec3::from_slice(b) - Vec3::from_slice(a)).0);
-        let [slope_a, slope_b] = [a, b].map(|node| Vec3::from_slice(&node[3..]).normalized());
+        g[..3].copy_from_slice(&(Vector3::first_three(b) - Vector3::first_three(a)).components());
+        let [slope_a, slope_b] = [a, b].map(|node| Vector3::first_three(&node[3..]).unit());
         let (sine, cosine) = p[0].sin_cos();
-        g[3] = (cosine - slope_a.dot(slope_b)) / sine;
+        g[3] = (cosine - slope_a.dot(&slope_b)) / sine;
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let n = Anchor::Slope.dofs();
-        let slopes = [3, n + 3].map(|first| Vec3::from_slice(&q[first..]));
-        let inverses = slopes.map(|slope| slope.norm().recip());
+        let slopes = [3, n + 3].map(|first| Vector3::first_three(&q[first..]));
+        let inverses = slopes.map(|slope| slope.length().recip());
         let units = [slopes[0] * inverses[0], slopes[1] * inverses[1]];
-        let cosine = units[0].dot(units[1]);
+        let cosine = units[0].dot(&units[1]);
         let moment = mu[3] / p[0].sin();
         for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
             // d(a . b)/dr_x for unit vectors a, b along the slopes
             let turning = (units[1 - k] - units[k] * cosine) * (-(moment * inverses[k]));
             for i in 0..3 {
                 r[n * k + i] += mu[i] * sign;
-                r[n * k + 3 + i] += turning.0[i];
+                r[n * k + 3 + i] += turning[i];
             }
         }
     }

@@ -1,6 +1,6 @@
 use super::{PairGradient, combination, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// What a body holds of the slope r_x of a cable's node, beside its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,10 +57,10 @@ impl Constraint for CableEnd {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let (frame, end) = (Frame::of(self.a, q), &q[self.a.dofs()..]);
-        g[..3].copy_from_slice(&(Vec3::from_slice(end) - frame.point(p)).0);
-        let slope = Vec3::from_slice(&end[3..]);
+        g[..3].copy_from_slice(&(Vector3::first_three(end) - frame.point(p)).components());
+        let slope = Vector3::first_three(&end[3..]);
         if self.held == HeldSlope::Vector {
-            g[3..].copy_from_slice(&(frame.seen(slope) - Vec3::from_slice(&p[3..])).0);
+            g[3..].copy_from_slice(&(frame.seen(slope) - Vector3::first_three(&p[3..])).components());
         } else {
             components(&frame, &p[3..], slope, &mut g[3..]);
         }
@@ -69,17 +69,17 @@ impl Constraint for CableEnd {
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, Anchor::Slope], q);
         let (zero, end) = (S::zero(), self.a.dofs() + 3);
-        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vec3::from_slice(mu));
+        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vector3::first_three(mu));
         let along = match self.held {
             HeldSlope::Direction => combination(&p[3..], &mu[3..]),
-            HeldSlope::Vector => Vec3::from_slice(&mu[3..]),
-            HeldSlope::Plane => Vec3::from_slice(&p[3..]) * mu[3],
+            HeldSlope::Vector => Vector3::first_three(&mu[3..]),
+            HeldSlope::Plane => Vector3::first_three(&p[3..]) * mu[3],
         };
-        towards.add_direction_of_a(along, Vec3::from_slice(&q[end..]));
+        towards.add_direction_of_a(along, Vector3::first_three(&q[end..]));
         let force = towards.of_a(along);
         towards.write(q, r);
         for i in 0..3 {
-            r[end + i] += force.0[i];
+            r[end + i] += force[i];
         }
     }
 }

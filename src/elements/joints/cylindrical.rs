@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, combination, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A slider that may turn: the point of b stays on an axis of a [m], and the axis of b parallel to it [-].
 ///
@@ -39,7 +39,7 @@ impl Constraint for CylindricalJoint {
         let mut towards = PairGradient::new([self.a, self.b], q);
         let (normal, normal_to_axis) = (combination(&p[6..], mu), combination(&p[6..], &mu[2..]));
         towards.add_component(p, normal);
-        towards.add_product(normal_to_axis, Vec3::from_slice(&p[12..]));
+        towards.add_product(normal_to_axis, Vector3::first_three(&p[12..]));
         towards.write(q, r);
     }
 }

@@ -30,7 +30,7 @@ impl Constraint for DistanceJoint {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let between = gap([self.a, self.b], q, p);
-        g[0] = (between.dot(between) - p[6] * p[6]) / (p[6] * 2.0);
+        g[0] = (between.dot(&between) - p[6] * p[6]) / (p[6] * 2.0);
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {

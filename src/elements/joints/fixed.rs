@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, RELATIVE_ROTATION, gap, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Two bodies welded together: points held together [m], and twice the vector part of the remaining rotation is zero [rad].
 ///
@@ -29,14 +29,14 @@ impl Constraint for FixedJoint {
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g[..3].copy_from_slice(&gap([self.a, self.b], q, p).0);
-        g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[6..]).0);
+        g[..3].copy_from_slice(&gap([self.a, self.b], q, p).components());
+        g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[6..]).components());
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_gap(p, Vec3::from_slice(mu));
-        towards.add_remaining_rotation(&p[6..], Vec3::from_slice(&mu[3..]), q, r);
+        towards.add_gap(p, Vector3::first_three(mu));
+        towards.add_remaining_rotation(&p[6..], Vector3::first_three(&mu[3..]), q, r);
         towards.write(q, r);
     }
 }

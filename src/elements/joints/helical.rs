@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, angle_beyond, combination, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
 /// A screw: like a cylindrical joint, and b advances along the axis of a by the pitch with every turn [m].
@@ -37,22 +37,22 @@ impl Constraint for HelicalJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
         let pitch = p[18];
-        let axis_of_a = Vec3::from_slice(&p[6..]).cross(Vec3::from_slice(&p[9..]));
+        let axis_of_a = Vector3::first_three(&p[6..]).cross(&Vector3::first_three(&p[9..]));
         let between = b.point(&p[3..]) - a.point(p);
         components(&a, &p[6..12], between, &mut g[..2]);
         components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..4]);
-        let turn = a.seen(between).dot(axis_of_a) * TAU / pitch;
-        g[4] = angle_beyond([&a, &b], [&axis_of_a.0, &p[6..], &p[15..]], turn) * pitch / TAU;
+        let turn = a.seen(between).dot(&axis_of_a) * TAU / pitch;
+        g[4] = angle_beyond([&a, &b], [&axis_of_a.components(), &p[6..], &p[15..]], turn) * pitch / TAU;
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        let (u, w, pitch) = (Vec3::from_slice(&p[6..]), Vec3::from_slice(&p[9..]), p[18]);
-        let axis = u.cross(w);
+        let (u, w, pitch) = (Vector3::first_three(&p[6..]), Vector3::first_three(&p[9..]), p[18]);
+        let axis = u.cross(&w);
         // the part of the turn belongs to the component along the axis
         towards.add_component(p, combination(&p[6..], mu) - axis * mu[4]);
-        towards.add_product(combination(&p[6..], &mu[2..]), Vec3::from_slice(&p[12..]));
-        towards.add_angle([axis, u, Vec3::from_slice(&p[15..])], mu[4] * pitch / TAU);
+        towards.add_product(combination(&p[6..], &mu[2..]), Vector3::first_three(&p[12..]));
+        towards.add_angle([axis, u, Vector3::first_three(&p[15..])], mu[4] * pitch / TAU);
         towards.write(q, r);
     }
 }

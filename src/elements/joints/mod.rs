@@ -47,7 +47,7 @@ pub(crate) use pair_gradient::{PairGradient, add_relative_turn};
 
 use super::erased::compiled_here;
 use super::{Anchor, AnyConstraint, Frame, Nonholonomic, Parameter};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
 compiled_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
@@ -86,39 +86,39 @@ pub(crate) fn vectors(names: &[&str]) -> Vec<Parameter> {
 }
 
 /// x_b - x_a for the points of the first six parameters [m].
-pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vec3<S> {
+pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vector3<S> {
     let (qa, qb) = q.split_at(a.dofs());
-    b.position(qb, Vec3::from_slice(&p[3..])) - a.position(qa, Vec3::from_slice(p))
+    b.position(qb, Vector3::first_three(&p[3..])) - a.position(qa, Vector3::first_three(p))
 }
 
 /// The gradient of force . (x_b - x_a): the force at b, its opposite at a.
 #[inline(always)]
-fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vec3<S>, r: &mut [S]) {
+fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vector3<S>, r: &mut [S]) {
     let (qa, qb) = q.split_at(a.dofs());
     let (ra, rb) = r.split_at_mut(a.dofs());
-    a.add_force(qa, Vec3::from_slice(p), -force, ra);
-    b.add_force(qb, Vec3::from_slice(&p[3..]), force, rb);
+    a.add_force(qa, Vector3::first_three(p), -force, ra);
+    b.add_force(qb, Vector3::first_three(&p[3..]), force, rb);
 }
 
 /// v_1 c_1 + v_2 c_2 for two vectors, one after the other.
 #[inline(always)]
-fn combination<S: Scalar>(vectors: &[S], coefficients: &[S]) -> Vec3<S> {
-    Vec3::from_slice(vectors) * coefficients[0] + Vec3::from_slice(&vectors[3..]) * coefficients[1]
+fn combination<S: Scalar>(vectors: &[S], coefficients: &[S]) -> Vector3<S> {
+    Vector3::first_three(vectors) * coefficients[0] + Vector3::first_three(&vectors[3..]) * coefficients[1]
 }
 
 /// Components of a world vector along vectors of body a, which `vectors` gives in its frame, one after the other.
 #[inline(always)]
-pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vec3<S>, g: &mut [S]) {
+pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vector3<S>, g: &mut [S]) {
     let seen_from_a = a.seen(world);
     for (g, vector) in g.iter_mut().zip(vectors.chunks_exact(3)) {
-        *g = seen_from_a.dot(Vec3::from_slice(vector));
+        *g = seen_from_a.dot(&Vector3::first_three(vector));
     }
 }
 
 /// For small angles the rotation that b has beyond `relative`, in the frame of a [rad]: 2 vec(e_a* e_b e_ab*) between Euler parameters,
 /// otherwise (c_1 x d_1 + c_2 x d_2 + c_3 x d_3) / 2 with the axes d_k of b seen from a, and where they should be, c_k = R(e_ab) e_k.
 #[inline(always)]
-fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> Vec3<S> {
+fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> Vector3<S> {
     let relative = Quaternion::from_slice(relative);
     if ends == [Anchor::Body; 2] {
         let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
@@ -126,7 +126,7 @@ fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> 
     }
     let [a, b] = Frame::pair(ends, q);
     let (wanted, own) = (relative.columns(), b.axes);
-    let beyond = |k: usize| wanted[k].cross(a.seen(own[k]));
+    let beyond = |k: usize| wanted[k].cross(&a.seen(own[k]));
     (beyond(0) + beyond(1) + beyond(2)) * S::from(0.5)
 }
 
@@ -134,9 +134,9 @@ fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> 
 /// are vectors of a, the other mark is one of b.
 #[inline(always)]
 fn angle_beyond<S: Scalar>([a, b]: [&Frame<S>; 2], [axis, from, to]: [&[S]; 3], turn: S) -> S {
-    let (axis, from) = (Vec3::from_slice(axis), Vec3::from_slice(from));
+    let (axis, from) = (Vector3::first_three(axis), Vector3::first_three(from));
     let seen_from_a = a.seen(b.direction(to));
-    let beyond = axis.cross(from).dot(seen_from_a).atan2(from.dot(seen_from_a)) - turn;
+    let beyond = axis.cross(&from).dot(&seen_from_a).atan2(from.dot(&seen_from_a)) - turn;
     beyond - (beyond.value() / TAU).round() * TAU
 }
 

@@ -1,5 +1,5 @@
 use crate::elements::{Anchor, Frame};
-use crate::scalar::{Quaternion, Scalar, Vec3, combine_columns};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns};
 
 /// The gradient of a sum of scalar products between two bodies towards their coordinates, gathered towards their frames first: what
 /// mu . g of most joints is made of.
@@ -14,62 +14,62 @@ impl<S: Scalar> PairGradient<S> {
     /// Of an empty sum.
     #[inline(always)]
     pub fn new(ends: [Anchor; 2], q: &[S]) -> Self {
-        let zero = Frame { origin: Vec3::zero(), axes: [Vec3::zero(); 3] };
+        let zero = Frame { origin: Vector3::zeros(), axes: [Vector3::zeros(); 3] };
         PairGradient { ends, frames: Frame::pair(ends, q), towards: [zero; 2] }
     }
 
     /// R_a n in the world.
     #[inline(always)]
-    pub fn of_a(&self, vector: Vec3<S>) -> Vec3<S> {
+    pub fn of_a(&self, vector: Vector3<S>) -> Vector3<S> {
         combine_columns(&self.frames[0].axes, vector)
     }
 
     /// R_b d in the world.
     #[inline(always)]
-    pub fn of_b(&self, vector: Vec3<S>) -> Vec3<S> {
+    pub fn of_b(&self, vector: Vector3<S>) -> Vector3<S> {
         combine_columns(&self.frames[1].axes, vector)
     }
 
     /// R_b d in the frame of a.
     #[inline(always)]
-    pub fn seen_from_a(&self, vector: Vec3<S>) -> Vec3<S> {
+    pub fn seen_from_a(&self, vector: Vector3<S>) -> Vector3<S> {
         self.frames[0].seen(self.of_b(vector))
     }
 
     /// World position of a point of a body [m]; a node without axes has no other point than itself.
     #[inline(always)]
-    fn point(&self, body: usize, s: &[S]) -> Vec3<S> {
+    fn point(&self, body: usize, s: &[S]) -> Vector3<S> {
         let frame = &self.frames[body];
         if self.ends[body].has_axes() { frame.point(s) } else { frame.origin }
     }
 
     /// x_b - x_a for the points of the first six parameters [m].
     #[inline(always)]
-    pub fn gap(&self, points: &[S]) -> Vec3<S> {
+    pub fn gap(&self, points: &[S]) -> Vector3<S> {
         self.point(1, &points[3..]) - self.point(0, points)
     }
 
     /// Adds f . R s of a body for a vector f of the world.
     #[inline(always)]
-    fn add_direction(&mut self, body: usize, s: Vec3<S>, f: Vec3<S>) {
+    fn add_direction(&mut self, body: usize, s: Vector3<S>, f: Vector3<S>) {
         let axes = &mut self.towards[body].axes;
         for k in 0..3 {
-            axes[k] += f * s.0[k];
+            axes[k] += f * s[k];
         }
     }
 
     /// Adds f . (x_b - x_a) for a vector f of the world.
     #[inline(always)]
-    pub fn add_gap(&mut self, points: &[S], f: Vec3<S>) {
+    pub fn add_gap(&mut self, points: &[S], f: Vector3<S>) {
         self.towards[0].origin += -f;
         self.towards[1].origin += f;
-        self.add_direction(0, Vec3::from_slice(points), -f);
-        self.add_direction(1, Vec3::from_slice(&points[3..]), f);
+        self.add_direction(0, Vector3::first_three(points), -f);
+        self.add_direction(1, Vector3::first_three(&points[3..]), f);
     }
 
     /// Adds (R_a n) . (x_b - x_a).
     #[inline(always)]
-    pub fn add_component(&mut self, points: &[S], n: Vec3<S>) {
+    pub fn add_component(&mut self, points: &[S], n: Vector3<S>) {
         let (along, gap) = (self.of_a(n), self.gap(points));
         self.add_gap(points, along);
         self.add_direction(0, n, gap);
@@ -77,7 +77,7 @@ impl<S: Scalar> PairGradient<S> {
 
     /// Adds (R_b d) . (x_b - x_a).
     #[inline(always)]
-    pub fn add_component_of_b(&mut self, points: &[S], d: Vec3<S>) {
+    pub fn add_component_of_b(&mut self, points: &[S], d: Vector3<S>) {
         let (along, gap) = (self.of_b(d), self.gap(points));
         self.add_gap(points, along);
         self.add_direction(1, d, gap);
@@ -85,7 +85,7 @@ impl<S: Scalar> PairGradient<S> {
 
     /// Adds (R_a n) . (R_b d).
     #[inline(always)]
-    pub fn add_product(&mut self, n: Vec3<S>, d: Vec3<S>) {
+    pub fn add_product(&mut self, n: Vector3<S>, d: Vector3<S>) {
         let (of_a, of_b) = (self.of_a(n), self.of_b(d));
         self.add_direction(0, n, of_b);
         self.add_direction(1, d, of_a);
@@ -93,14 +93,14 @@ impl<S: Scalar> PairGradient<S> {
 
     /// Adds (R_a n) . w for a vector w of the world.
     #[inline(always)]
-    pub fn add_direction_of_a(&mut self, n: Vec3<S>, w: Vec3<S>) {
+    pub fn add_direction_of_a(&mut self, n: Vector3<S>, w: Vector3<S>) {
         self.add_direction(0, n, w);
     }
 
     /// Adds moment . w with the rotation w that b has beyond `relative`, as [`remaining_rotation`](super::remaining_rotation) writes it; what
     /// belongs to Euler parameters goes to `r`.
     #[inline(always)]
-    pub fn add_remaining_rotation(&mut self, relative: &[S], moment: Vec3<S>, q: &[S], r: &mut [S]) {
+    pub fn add_remaining_rotation(&mut self, relative: &[S], moment: Vector3<S>, q: &[S], r: &mut [S]) {
         let relative = Quaternion::from_slice(relative);
         if self.ends == [Anchor::Body; 2] {
             return add_relative_turn([&q[3..], &q[10..]], [Quaternion::identity(), relative], moment, r);
@@ -110,7 +110,7 @@ impl<S: Scalar> PairGradient<S> {
             let mut unit = [S::zero(); 3];
             unit[k] = S::one();
             // moment . (c x R_a^T d) = (R_a (moment x c)) . d
-            self.add_product(moment.cross(wanted) * half, Vec3(unit));
+            self.add_product(moment.cross(&wanted) * half, Vector3::from(unit));
         }
     }
 
@@ -118,10 +118,10 @@ impl<S: Scalar> PairGradient<S> {
     ///
     /// With y = R_a^T R_b to, m = axis x from: angle = atan2(m . y, from . y).
     #[inline(always)]
-    pub fn add_angle(&mut self, [axis, from, to]: [Vec3<S>; 3], moment: S) {
+    pub fn add_angle(&mut self, [axis, from, to]: [Vector3<S>; 3], moment: S) {
         let y = self.seen_from_a(to);
-        let across = axis.cross(from);
-        let (sine, cosine) = (across.dot(y), from.dot(y));
+        let across = axis.cross(&from);
+        let (sine, cosine) = (across.dot(&y), from.dot(&y));
         let scale = moment / (sine * sine + cosine * cosine);
         self.add_product(across * (cosine * scale) - from * (sine * scale), to);
     }
@@ -144,7 +144,7 @@ impl<S: Scalar> PairGradient<S> {
 pub(crate) fn add_relative_turn<S: Scalar>(
     [ea, eb]: [&[S]; 2],
     [own_a, own_b]: [Quaternion<S>; 2],
-    moment: Vec3<S>,
+    moment: Vector3<S>,
     r: &mut [S],
 ) {
     let fa = Quaternion::from_slice(ea).times(own_a);

@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A point of b in a plane of a: g = n_a . (x_b - x_a) [m]. The multiplier is minus the force on b along the normal [N].
 ///
@@ -33,7 +33,7 @@ impl Constraint for PointInPlane {
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(p, Vec3::from_slice(&p[6..]) * mu[0]);
+        towards.add_component(p, Vector3::first_three(&p[6..]) * mu[0]);
         towards.write(q, r);
     }
 }

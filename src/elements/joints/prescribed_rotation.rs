@@ -1,6 +1,6 @@
 use super::{ANGLE, PairGradient, angle_between};
 use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 [rad].
 ///
@@ -38,7 +38,7 @@ impl Constraint for PrescribedRotation {
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_angle([p, &p[3..], &p[6..]].map(Vec3::from_slice), mu[0]);
+        towards.add_angle([p, &p[3..], &p[6..]].map(Vector3::first_three), mu[0]);
         towards.write(q, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {

@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, RELATIVE_ROTATION, combination, components, remaining_rotation, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A slider without rotation: the point of b stays on a line of a [m], and twice the vector part of the remaining rotation is
 /// zero [rad].
@@ -33,13 +33,13 @@ impl Constraint for PrismaticJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
-        g[2..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[12..]).0);
+        g[2..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[12..]).components());
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
         towards.add_component(p, combination(&p[6..], mu));
-        towards.add_remaining_rotation(&p[12..], Vec3::from_slice(&mu[2..]), q, r);
+        towards.add_remaining_rotation(&p[12..], Vector3::first_three(&mu[2..]), q, r);
         towards.write(q, r);
     }
 }

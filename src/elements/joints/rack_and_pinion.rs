@@ -1,6 +1,6 @@
 use super::{ANGLE, POINTS, angle_between, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A rack that rolls on a pinion, both on a common carrier: r theta - s = 0 [m].
 ///
@@ -37,8 +37,8 @@ impl Constraint for RackAndPinion {
         let [carrier, pinion, rack] = self.nodes;
         let behind = carrier.dofs() + pinion.dofs();
         let (frame, radius) = (Frame::of(carrier, q), p[18]);
-        let between = rack.position(&q[behind..], Vec3::from_slice(&p[3..])) - frame.point(p);
-        let path = frame.direction(&p[15..]).dot(between);
+        let between = rack.position(&q[behind..], Vector3::first_three(&p[3..])) - frame.point(p);
+        let path = frame.direction(&p[15..]).dot(&between);
         g[0] = angle_between([carrier, pinion], q, &p[6..], path / radius) * radius;
     }
 }

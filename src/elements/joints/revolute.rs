@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, combination, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A hinge between two bodies: points held together [m] and the axis of b at right angles to two vectors of a [-].
 ///
@@ -32,15 +32,15 @@ impl Constraint for RevoluteJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
         let axis = b.direction(&p[12..]);
-        g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).0);
-        g[3] = a.direction(&p[6..]).dot(axis);
-        g[4] = a.direction(&p[9..]).dot(axis);
+        g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
+        g[3] = a.direction(&p[6..]).dot(&axis);
+        g[4] = a.direction(&p[9..]).dot(&axis);
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_gap(p, Vec3::from_slice(mu));
-        towards.add_product(combination(&p[6..], &mu[3..]), Vec3::from_slice(&p[12..]));
+        towards.add_gap(p, Vector3::first_three(mu));
+        towards.add_product(combination(&p[6..], &mu[3..]), Vector3::first_three(&p[12..]));
         towards.write(q, r);
     }
 }

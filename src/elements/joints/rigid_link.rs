@@ -1,6 +1,6 @@
 use super::{PairGradient, RELATIVE_ROTATION, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A rigid connection between two nodes: b keeps its place in the frame of a [m] and, if it is a body, its orientation [rad].
 ///
@@ -37,18 +37,18 @@ impl Constraint for RigidLink {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let carried = Frame::of(self.a, q).point(p);
-        g[..3].copy_from_slice(&(Vec3::from_slice(&q[self.a.dofs()..]) - carried).0);
+        g[..3].copy_from_slice(&(Vector3::first_three(&q[self.a.dofs()..]) - carried).components());
         if self.b.has_axes() {
-            g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).0);
+            g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).components());
         }
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
         let zero = S::zero();
-        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vec3::from_slice(mu));
+        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vector3::first_three(mu));
         if self.b.has_axes() {
-            towards.add_remaining_rotation(&p[3..], Vec3::from_slice(&mu[3..]), q, r);
+            towards.add_remaining_rotation(&p[3..], Vector3::first_three(&mu[3..]), q, r);
         }
         towards.write(q, r);
     }

@@ -1,19 +1,19 @@
 use crate::elements::{Anchor, Constraint, Frame, NonholonomicConstraint, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Velocity of the material point of a body that is at the world point `place` now [m/s]: v + omega x (place - r).
 #[inline(always)]
-fn velocity_at<S: Scalar>(body: Anchor, v: &[S], q: &[S], place: Vec3<S>) -> Vec3<S> {
-    Vec3::from_slice(v) + body.angular_velocity(v, q).cross(place - Vec3::from_slice(q))
+fn velocity_at<S: Scalar>(body: Anchor, v: &[S], q: &[S], place: Vector3<S>) -> Vector3<S> {
+    Vector3::first_three(v) + body.angular_velocity(v, q).cross(&(place - Vector3::first_three(q)))
 }
 
 /// The sliding velocity of b on a plane of a at their point of contact, along two directions u and w of the plane.
 #[inline(always)]
-fn sliding<S: Scalar>([a, b]: [Anchor; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2], contact: Vec3<S>, h: &mut [S]) {
+fn sliding<S: Scalar>([a, b]: [Anchor; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2], contact: Vector3<S>, h: &mut [S]) {
     let split = a.dofs();
     let velocity = velocity_at(b, &v[split..], &q[split..], contact) - velocity_at(a, v, q, contact);
     let frame = Frame::of(a, q);
-    (h[0], h[1]) = (frame.direction(u).dot(velocity), frame.direction(w).dot(velocity));
+    (h[0], h[1]) = (frame.direction(u).dot(&velocity), frame.direction(w).dot(&velocity));
 }
 
 const fn new(name: &'static str, unit: &'static str) -> Parameter {
@@ -81,10 +81,10 @@ const DISC: [Parameter; 10] = [
 
 /// Centre of the disc, and the vector from it to the lowest point of its edge: -r (n - (n . b) b) / |n - (n . b) b|.
 #[inline(always)]
-fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vec3<S>, Vec3<S>) {
+fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vector3<S>, Vector3<S>) {
     let (axis, normal) = (b.direction(&p[3..]), a.direction(&p[6..]));
-    let up = normal - axis * normal.dot(axis);
-    (b.point(p), up * (-p[9] / up.norm()))
+    let up = normal - axis * normal.dot(&axis);
+    (b.point(p), up * (-p[9] / up.length()))
 }
 
 /// The edge of a thin disc b touches a plane of a: g = n . (x_c + c - x_a) [m] with the vector c from the centre to the lowest point.
@@ -114,7 +114,7 @@ impl Constraint for DiscOnPlane {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
         let (centre, lowest) = disc([a, b], p);
-        g[0] = a.direction(&p[6..]).dot(centre + lowest - a.point(&p[10..]));
+        g[0] = a.direction(&p[6..]).dot(&(centre + lowest - a.point(&p[10..])));
     }
 }
 

@@ -1,6 +1,6 @@
 use super::{POINTS, add_pair, gap};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Two points held together: g = x_b - x_a [m]. The multipliers are the force of b on a, in world components [N].
 ///
@@ -25,10 +25,10 @@ impl Constraint for SphericalJoint {
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        g.copy_from_slice(&gap([self.a, self.b], q, p).0);
+        g.copy_from_slice(&gap([self.a, self.b], q, p).components());
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        add_pair([self.a, self.b], q, p, Vec3::from_slice(mu), r);
+        add_pair([self.a, self.b], q, p, Vector3::first_three(mu), r);
     }
 }

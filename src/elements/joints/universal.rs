@@ -1,6 +1,6 @@
 use super::{POINTS, PairGradient, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A universal (Cardan, Hooke) joint: points held together [m] and the two pins of the cross at right angles [-].
 ///
@@ -31,14 +31,14 @@ impl Constraint for UniversalJoint {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
-        g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).0);
+        g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         components(&a, &p[6..9], b.direction(&p[9..]), &mut g[3..]);
     }
     #[inline(always)]
     fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
         let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_gap(p, Vec3::from_slice(mu));
-        towards.add_product(Vec3::from_slice(&p[6..]) * mu[3], Vec3::from_slice(&p[9..]));
+        towards.add_gap(p, Vector3::first_three(mu));
+        towards.add_product(Vector3::first_three(&p[6..]) * mu[3], Vector3::first_three(&p[9..]));
         towards.write(q, r);
     }
 }

@@ -1,6 +1,6 @@
 use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Deflection of a cable's node b seen from its node a, across the tangent there: (n x t) . (r_b - r_a) [m] with t = r_x / |r_x| at a.
 ///
@@ -17,8 +17,8 @@ impl Quantity for CableDeflection {
         2 * Anchor::Slope.dofs()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        let slope = Vec3::from_slice(&s.q[3..]);
-        let across = Vec3::from_slice(p).cross(slope);
-        across.dot(Vec3::from_slice(&s.q[6..]) - Vec3::from_slice(s.q)) / slope.norm()
+        let slope = Vector3::first_three(&s.q[3..]);
+        let across = Vector3::first_three(p).cross(&slope);
+        across.dot(&(Vector3::first_three(&s.q[6..]) - Vector3::first_three(s.q))) / slope.length()
     }
 }

@@ -2,7 +2,7 @@ use crate::elements::flexible::CableStrain;
 use crate::elements::flexible::hermite::{COMPONENTS, NODES, curvatures, slopes};
 use crate::elements::{Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// What is read in a section of a cable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,11 +32,11 @@ pub struct CableQuantity {
 /// eps and kappa at a place of an element.
 pub(super) fn strains<S: Scalar>(strain: CableStrain, q: &[S], xi: f64, length: S) -> [S; 2] {
     let combined = |weights: [f64; 4]| {
-        let vector = |i: usize| Vec3::from_slice(&q[3 * i..]) * S::from(weights[i]);
+        let vector = |i: usize| Vector3::first_three(&q[3 * i..]) * S::from(weights[i]);
         (vector(0) + vector(2)) * length.recip() + vector(1) + vector(3)
     };
     let (first, second) = (combined(slopes(xi)), combined(curvatures(xi)) * length.recip());
-    let chord = Vec3::from_slice(&q[COMPONENTS..]) - Vec3::from_slice(q);
+    let chord = Vector3::first_three(&q[COMPONENTS..]) - Vector3::first_three(q);
     strain.of(first, second, chord, length)
 }
 

@@ -1,7 +1,7 @@
 use crate::elements::joints::{POINTS, gap};
 use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, SpatialVector};
 
 /// Distance of two points: |x_b - x_a| [m]; where they meet its derivative is taken as zero.
 ///
@@ -23,6 +23,6 @@ impl Quantity for Distance {
         [false, false, true]
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        gap([self.a, self.b], s.q, p).norm()
+        gap([self.a, self.b], s.q, p).length()
     }
 }

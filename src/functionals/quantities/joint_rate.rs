@@ -22,6 +22,6 @@ impl Quantity for JointRate {
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let split = self.a.dofs();
         let relative = self.b.angular_velocity(&s.v[split..], &s.q[split..]) - self.a.angular_velocity(s.v, s.q);
-        Frame::of(self.a, s.q).direction(p).dot(relative)
+        Frame::of(self.a, s.q).direction(p).dot(&relative)
     }
 }

@@ -1,7 +1,7 @@
 use super::POINT_AND_DIRECTION;
 use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Position of a point along a direction: d . x [m].
 ///
@@ -19,6 +19,6 @@ impl Quantity for Position {
         self.of.dofs()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        self.of.position(s.q, Vec3::from_slice(p)).dot(Vec3::from_slice(&p[3..]))
+        self.of.position(s.q, Vector3::first_three(p)).dot(&Vector3::first_three(&p[3..]))
     }
 }

@@ -1,6 +1,6 @@
 use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Squared distance of a point from a target: |x - x*|^2 [m2].
 ///
@@ -25,7 +25,7 @@ impl Quantity for TargetDistance {
         self.of.dofs()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
-        let miss = self.of.position(s.q, Vec3::from_slice(p)) - Vec3::from_slice(&p[3..]);
-        miss.dot(miss)
+        let miss = self.of.position(s.q, Vector3::first_three(p)) - Vector3::first_three(&p[3..]);
+        miss.dot(&miss)
     }
 }

@@ -8,15 +8,15 @@ use crate::elements::forces::LoadFrame;
 use crate::elements::{Flexible, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// The reference line of a beam at t = 0, in the world, by the places of its nodes: both ends and one in the middle of each element.
 #[derive(Clone, Debug)]
 pub struct BeamLine<S> {
     /// Nodes [m]: an odd number.
-    points: Vec<Vec3<S>>,
+    points: Vec<Vector3<S>>,
     /// At each node, a direction that with the tangent spans the plane of axes 1 and 2 of the section.
-    second_axes: Vec<Vec3<S>>,
+    second_axes: Vec<Vector3<S>>,
     ends: [End; 2],
 }
 
@@ -33,12 +33,12 @@ enum End {
 
 impl<S: Scalar> BeamLine<S> {
     /// A line through given points, two for each element and one; `second_axis` is turned at right angles to the line.
-    pub fn through(points: &[Vec3<S>], second_axis: Vec3<S>) -> Self {
+    pub fn through(points: &[Vector3<S>], second_axis: Vector3<S>) -> Self {
         BeamLine { points: points.to_vec(), second_axes: vec![second_axis; points.len()], ends: [End::Free; 2] }
     }
 
     /// A straight line of equal elements.
-    pub fn straight([from, to]: [Vec3<S>; 2], elements: usize, second_axis: Vec3<S>) -> Self {
+    pub fn straight([from, to]: [Vector3<S>; 2], elements: usize, second_axis: Vector3<S>) -> Self {
         let last = (2 * elements).max(1);
         let point = |i: usize| from + (to - from) * S::from(i as f64 / last as f64);
         Self::through(&(0..=last).map(point).collect::<Vec<_>>(), second_axis)
@@ -46,7 +46,7 @@ impl<S: Scalar> BeamLine<S> {
 
     /// An arc of a circle of equal elements, from a point by `angle` [rad] about the unit vector `axis` through `centre`; section axis 2
     /// along `axis`.
-    pub fn arc(from: Vec3<S>, centre: Vec3<S>, axis: Vec3<S>, angle: S, elements: usize) -> Self {
+    pub fn arc(from: Vector3<S>, centre: Vector3<S>, axis: Vector3<S>, angle: S, elements: usize) -> Self {
         let last = (2 * elements).max(1);
         let turned = |i: usize| Quaternion::about(axis, angle * (i as f64 / last as f64)).rotate(from - centre);
         Self::through(&(0..=last).map(|i| centre + turned(i)).collect::<Vec<_>>(), axis)
@@ -118,19 +118,19 @@ impl BeamMember {
 }
 
 /// Unit tangent, `second` at right angles to it, and the axis that completes them.
-fn triad<S: Scalar>(tangent: Vec3<S>, second: Vec3<S>) -> [Vec3<S>; 3] {
-    let tangent = tangent.normalized();
-    let second = (second - tangent * tangent.dot(second)).normalized();
-    [tangent, second, tangent.cross(second)]
+fn triad<S: Scalar>(tangent: Vector3<S>, second: Vector3<S>) -> [Vector3<S>; 3] {
+    let tangent = tangent.unit();
+    let second = (second - tangent * tangent.dot(&second)).unit();
+    [tangent, second, tangent.cross(&second)]
 }
 
 /// Metric and section axes of an element of the reference at xi.
-fn reference<S: Scalar>(points: &[Vec3<S>], axes: &[Vec3<S>], xi: f64) -> (S, [Vec3<S>; 3]) {
-    let combine = |vectors: &[Vec3<S>], weights: [f64; 3]| {
-        vectors.iter().zip(weights).fold(Vec3::zero(), |sum, (&vector, weight)| sum + vector * S::from(weight))
+fn reference<S: Scalar>(points: &[Vector3<S>], axes: &[Vector3<S>], xi: f64) -> (S, [Vector3<S>; 3]) {
+    let combine = |vectors: &[Vector3<S>], weights: [f64; 3]| {
+        vectors.iter().zip(weights).fold(Vector3::zeros(), |sum, (&vector, weight)| sum + vector * S::from(weight))
     };
     let slope = combine(points, slopes(xi));
-    (slope.norm(), triad(slope, combine(axes, values(xi))))
+    (slope.length(), triad(slope, combine(axes, values(xi))))
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
@@ -153,7 +153,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         for (i, &point) in line.points.iter().enumerate() {
             let end = [(0, line.ends[0]), (count - 1, line.ends[1])].into_iter().find(|(place, _)| *place == i);
             let fixed = matches!(end, Some((_, End::Clamped)));
-            let q: Vec<S> = point.0.into_iter().chain(rotation.0).collect();
+            let q: Vec<S> = point.components().into_iter().chain(rotation.0).collect();
             member.nodes.push(match end {
                 Some((_, End::Node(node))) => node,
                 _ => self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
@@ -162,7 +162,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         if !sound {
             // what the scene adds to this beam still finds its ends
             if member.nodes.is_empty() {
-                member.nodes.push(self.body(&format!("{name}, node 1"), Vec3::zero(), rotation));
+                member.nodes.push(self.body(&format!("{name}, node 1"), Vector3::zeros(), rotation));
             }
             return member;
         }
@@ -177,7 +177,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let [tangent, second, _] = axes.map(|axis| rotation.rotate_back(axis));
                 let own = section(share(xi));
                 p.push(metric);
-                p.extend(tangent.0.into_iter().chain(second.0));
+                p.extend(tangent.components().into_iter().chain(second.components()));
                 p.extend((0..STRAINS).map(|i| own.stiffness[i][i]));
                 if field.coupled {
                     (0..STRAINS).for_each(|i| p.extend_from_slice(&own.stiffness[i][i + 1..]));
@@ -216,7 +216,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let (points, axes) = (&line.points[range.clone()], &line.second_axes[range]);
             for xi in TWO.into_iter().chain(THREE) {
                 let (metric, [_, second, _]) = reference(points, axes, xi);
-                if !(metric.value() > 0.0) || second.0.iter().any(|x| !x.value().is_finite()) {
+                if !(metric.value() > 0.0) || second.iter().any(|x| !x.value().is_finite()) {
                     self.mistakes.push(format!(
                         "\"{name}\", element {}: its points coincide, or axis 2 of the section lies along the line; \
                          give points that lie apart and another second axis",
@@ -226,7 +226,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
         }
-        let length = (0..count - 1).fold(0.0, |sum, i| sum + (line.points[i + 1] - line.points[i]).norm().value());
+        let length = (0..count - 1).fold(0.0, |sum, i| sum + (line.points[i + 1] - line.points[i]).length().value());
         let mut rotations = Vec::new();
         for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
             let End::Node(node) = end else { continue };
@@ -238,7 +238,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 ));
                 continue;
             }
-            let gap = (self.position(node) - point).norm().value();
+            let gap = (self.position(node) - point).length().value();
             if gap > 1e-9 * length {
                 self.mistakes.push(format!(
                     "\"{name}\" ends {gap:.3e} m from its node \"{}\": a beam ends in the origin of a body's frame; \
@@ -277,10 +277,10 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Weight of the beams added so far.
-    pub(super) fn beam_gravity(&mut self, gravity: Vec3<S>) {
+    pub(super) fn beam_gravity(&mut self, gravity: Vector3<S>) {
         for (name, nodes, inertia, eccentric) in std::mem::take(&mut self.heavy_beams) {
             let points = inertia.chunks_exact(inertia.len() / THREE.len());
-            let p: Vec<S> = points.flat_map(|own| own[..4].iter().copied().chain(gravity.0)).collect();
+            let p: Vec<S> = points.flat_map(|own| own[..4].iter().copied().chain(gravity.components())).collect();
             let weight = Flexible(BeamGravityField { eccentric });
             self.add_element(&format!("weight of {name}"), &nodes, weight.into(), &p);
         }
@@ -292,7 +292,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         &mut self,
         name: &str,
         beam: &BeamMember,
-        (frame, direction): (LoadFrame, Vec3<S>),
+        (frame, direction): (LoadFrame, Vector3<S>),
         size: TimeFunction,
         values: &[S],
     ) {
@@ -303,10 +303,12 @@ impl<S: Scalar> MechanismBuilder<S> {
             let points = nodes.map(|node| self.position(node));
             let mut p = Vec::new();
             for (xi, weight) in THREE.into_iter().zip(THREE_WEIGHTS) {
-                let slope =
-                    points.iter().zip(slopes(xi)).fold(Vec3::zero(), |sum, (&point, slope)| sum + point * S::from(slope));
-                p.push(slope.norm() * weight);
-                p.extend(direction.0);
+                let slope = points
+                    .iter()
+                    .zip(slopes(xi))
+                    .fold(Vector3::zeros(), |sum, (&point, slope)| sum + point * S::from(slope));
+                p.push(slope.length() * weight);
+                p.extend(direction.components());
                 p.extend_from_slice(values);
             }
             let load = Flexible(DistributedLoadField { frame, size: size.clone() });
@@ -315,9 +317,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].
-    pub fn set_rigid_motion(&mut self, nodes: &[NodeId], point: Vec3<S>, velocity: Vec3<S>, omega: Vec3<S>) {
+    pub fn set_rigid_motion(&mut self, nodes: &[NodeId], point: Vector3<S>, velocity: Vector3<S>, omega: Vector3<S>) {
         for &node in nodes.iter().filter(|node| !self.model.nodes[node.0].fixed).collect::<Vec<_>>() {
-            self.set_velocity(node, velocity + omega.cross(self.position(node) - point), omega);
+            self.set_velocity(node, velocity + omega.cross(&(self.position(node) - point)), omega);
         }
     }
 
@@ -395,13 +397,12 @@ impl<S: Scalar> MechanismBuilder<S> {
 }
 
 /// Mass, first moment and inertia about the reference line of a section, for each length, in the frame of the given axes.
-fn section_inertia<S: Scalar>(section: &Section<S>, axes: [Vec3<S>; 3]) -> [S; 10] {
+fn section_inertia<S: Scalar>(section: &Section<S>, axes: [Vector3<S>; 3]) -> [S; 10] {
     let [about_2, about_3, product] = section.inertia;
     let first = (axes[1] * section.centre[0] + axes[2] * section.centre[1]) * section.mass;
     // the tensor in section axes: its entry 23 is minus the product
     let own = [(0, 0, about_2 + about_3), (1, 1, about_2), (2, 2, about_3), (1, 2, -product), (2, 1, -product)];
-    let entry =
-        |i: usize, j: usize| own.iter().fold(S::zero(), |sum, &(k, l, value)| sum + axes[k].0[i] * axes[l].0[j] * value);
-    let [x, y, z] = first.0;
+    let entry = |i: usize, j: usize| own.iter().fold(S::zero(), |sum, &(k, l, value)| sum + axes[k][i] * axes[l][j] * value);
+    let [x, y, z] = first.components();
     [section.mass, x, y, z, entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)]
 }

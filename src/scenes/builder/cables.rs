@@ -9,13 +9,13 @@ use crate::elements::flexible::{
 use crate::elements::joints::{CableCorner, CableEnd, HeldSlope};
 use crate::functionals::Over;
 use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A straight cable at t = 0, in the world, as long as in its reference.
 #[derive(Clone, Copy, Debug)]
 pub struct CableLine<S> {
     /// Both ends [m].
-    points: [Vec3<S>; 2],
+    points: [Vector3<S>; 2],
     elements: usize,
     ends: [CableLineEnd; 2],
 }
@@ -41,7 +41,7 @@ enum CableLineEnd {
 
 impl<S: Scalar> CableLine<S> {
     /// A line of equal elements.
-    pub fn straight(points: [Vec3<S>; 2], elements: usize) -> Self {
+    pub fn straight(points: [Vector3<S>; 2], elements: usize) -> Self {
         CableLine { points, elements, ends: [CableLineEnd::Free; 2] }
     }
     /// Goes on from the end of another cable, in the same direction.
@@ -96,7 +96,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A cable along a line: see [`CableSection`].
     pub fn cable(&mut self, name: &str, line: CableLine<S>, section: &CableSection<S>) -> CableMember {
         let CableLine { points: [from, to], elements, ends } = line;
-        let whole = (to - from).norm();
+        let whole = (to - from).length();
         let mut member = CableMember { nodes: Vec::new(), elements: Vec::new(), strain: section.strain, name: name.into() };
         let sound = elements > 0 && whole.value() > 0.0 && whole.value().is_finite();
         if !sound {
@@ -110,11 +110,11 @@ impl<S: Scalar> MechanismBuilder<S> {
                 "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
             ));
         }
-        let direction = if sound { (to - from) * whole.recip() } else { Vec3::from_f64([1.0, 0.0, 0.0]) };
+        let direction = if sound { (to - from) * whole.recip() } else { Vector3::from_f64([1.0, 0.0, 0.0]) };
         for i in 0..=elements {
             let end = if i == 0 { Some(ends[0]) } else { (i == elements).then_some(ends[1]) };
             let point = from + (to - from) * S::from(i as f64 / elements.max(1) as f64);
-            let q: Vec<S> = point.0.into_iter().chain(direction.0).collect();
+            let q: Vec<S> = point.components().into_iter().chain(direction.components()).collect();
             member.nodes.push(match end {
                 Some(CableLineEnd::Node(node)) => {
                     self.check_continued(name, node, point, direction, whole);
@@ -158,7 +158,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A node in which two cables meet holds one slope.
-    fn check_continued(&mut self, name: &str, node: NodeId, point: Vec3<S>, direction: Vec3<S>, length: S) {
+    fn check_continued(&mut self, name: &str, node: NodeId, point: Vector3<S>, direction: Vector3<S>, length: S) {
         let own = &self.model.nodes[node.0];
         if own.kind != NodeKind::Slope {
             self.mistakes.push(format!(
@@ -168,8 +168,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let q = &self.numbers.q[own.dofs.clone()];
-        let gap = (Vec3::from_slice(q) - point).norm().value();
-        let turned = (Vec3::from_slice(&q[3..]) - direction).norm().value();
+        let gap = (Vector3::first_three(q) - point).length().value();
+        let turned = (Vector3::first_three(&q[3..]) - direction).length().value();
         if gap > 1e-9 * length.value() || turned > 1e-9 {
             self.mistakes.push(format!(
                 "\"{name}\" meets its node \"{}\" at a distance of {gap:.3e} m and with a slope that differs by {turned:.3e}; \
@@ -180,17 +180,17 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Weight of the cables added so far.
-    pub(super) fn cable_gravity(&mut self, gravity: Vec3<S>) {
+    pub(super) fn cable_gravity(&mut self, gravity: Vector3<S>) {
         for heavy in std::mem::take(&mut self.heavy_cables) {
             match heavy {
                 HeavyCable::Own(id) => {
                     // an element that was refused has been reported already
                     let Some(element) = self.model.elements.get(id.0) else { continue };
                     let first = element.parameters.start + GRAVITY;
-                    self.numbers.p[first..first + 3].copy_from_slice(&gravity.0);
+                    self.numbers.p[first..first + 3].copy_from_slice(&gravity.components());
                 }
                 HeavyCable::Apart(name, nodes, inertia) => {
-                    let p = [&inertia[..], &gravity.0].concat();
+                    let p = [&inertia[..], &gravity.components()].concat();
                     self.add_element(&format!("weight of {name}"), &nodes, CableGravity.into(), &p);
                 }
             }
@@ -203,9 +203,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn cable_weld(&mut self, name: &str, nodes: [NodeId; 2], held: HeldSlope) -> ConstraintId {
         let Some((a, slope)) = self.cable_end(name, nodes) else { return ConstraintId(usize::MAX) };
         let own = match held {
-            HeldSlope::Vector => self.local_direction(nodes[0], slope).0.to_vec(),
+            HeldSlope::Vector => self.local_direction(nodes[0], slope).components().to_vec(),
             HeldSlope::Direction => {
-                slope.normalized().perpendiculars().map(|normal| self.local_direction(nodes[0], normal).0).concat()
+                slope.unit().perpendiculars().map(|normal| self.local_direction(nodes[0], normal).components()).concat()
             }
             HeldSlope::Plane => {
                 self.mistakes
@@ -213,22 +213,26 @@ impl<S: Scalar> MechanismBuilder<S> {
                 return ConstraintId(usize::MAX);
             }
         };
-        let p = [&self.local_point(nodes[0], self.position(nodes[1])).0[..], &own].concat();
+        let p = [&self.local_point(nodes[0], self.position(nodes[1])).components()[..], &own].concat();
         self.add_constraint(name, &nodes, CableEnd { a, held }.into(), &p)
     }
 
     /// A cable's node on a hinge of a body about a world axis, which must be at right angles to the cable: nodes (body, cable's node).
-    pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vec3<S>) -> ConstraintId {
+    pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> ConstraintId {
         let axis = self.unit(name, axis);
         let Some((a, slope)) = self.cable_end(name, nodes) else { return ConstraintId(usize::MAX) };
-        let cosine = axis.dot(slope.normalized()).value();
+        let cosine = axis.dot(&slope.unit()).value();
         if cosine.abs() > 1e-9 {
             let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
             self.mistakes.push(format!(
                 "the axis of \"{name}\" is at {angle:.6} degrees to the cable; it must be at 90: a cable cannot be told to turn about itself"
             ));
         }
-        let p = [self.local_point(nodes[0], self.position(nodes[1])).0, self.local_direction(nodes[0], axis).0].concat();
+        let p = [
+            self.local_point(nodes[0], self.position(nodes[1])).components(),
+            self.local_direction(nodes[0], axis).components(),
+        ]
+        .concat();
         self.add_constraint(name, &nodes, CableEnd { a, held: HeldSlope::Plane }.into(), &p)
     }
 
@@ -243,8 +247,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             ));
             return ConstraintId(usize::MAX);
         }
-        let [a, b] = nodes.map(|node| Vec3::from_slice(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..]));
-        let angle = a.cross(b).norm().atan2(a.dot(b));
+        let [a, b] = nodes.map(|node| Vector3::first_three(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..]));
+        let angle = a.cross(&b).length().atan2(a.dot(&b));
         if angle.sin().value() < 1e-3 {
             let degrees = angle.value().to_degrees();
             self.mistakes.push(format!(
@@ -256,7 +260,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// The body and the slope at the start.
-    fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::Anchor, Vec3<S>)> {
+    fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::Anchor, Vector3<S>)> {
         let a = self.body_anchor(name, body);
         let own = &self.model.nodes[node.0];
         if own.kind != NodeKind::Slope {
@@ -266,7 +270,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             ));
             return None;
         }
-        Some((a, Vec3::from_slice(&self.numbers.q[own.dofs.start + 3..])))
+        Some((a, Vector3::first_three(&self.numbers.q[own.dofs.start + 3..])))
     }
 
     /// A functional of a strain of a cable at a share of its length, from 0 to 1.
@@ -360,8 +364,8 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal [m]: nodes (tangent,
     /// deflected).
-    pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vec3<S>) {
+    pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vector3<S>) {
         let normal = self.unit(name, normal);
-        self.add_functional(name, "m", over, (&nodes, &[]), CableDeflection.into(), &normal.0);
+        self.add_functional(name, "m", over, (&nodes, &[]), CableDeflection.into(), &normal.components());
     }
 }

@@ -7,15 +7,15 @@ use crate::elements::forces::{
     Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, Soft, TorsionSpringDamper,
     VectorDamper,
 };
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Weight for every mass added so far: g [m/s2].
-    pub fn gravity(&mut self, gravity: Vec3<S>) {
+    pub fn gravity(&mut self, gravity: Vector3<S>) {
         for (node, mass, centre) in std::mem::take(&mut self.masses) {
             let name = format!("weight of {}", self.model.nodes[node.0].name);
             let on = self.anchor(&name, node);
-            let p: Vec<S> = [mass].into_iter().chain(gravity.0).chain(centre.0).collect();
+            let p: Vec<S> = [mass].into_iter().chain(gravity.components()).chain(centre.components()).collect();
             self.add_element(&name, &[node], Gravity { on }.into(), &p);
         }
         self.beam_gravity(gravity);
@@ -27,7 +27,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
-        ends: [Vec3<S>; 2],
+        ends: [Vector3<S>; 2],
         stiffness: S,
         rest_length: S,
     ) -> ElementId {
@@ -37,26 +37,26 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A damper along the line between world points of two nodes [N s/m].
-    pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
+    pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = [vec![damping], self.points_between(nodes, ends)].concat();
         self.add_element(name, &nodes, LineDamper { a, b }.into(), &p)
     }
 
     /// A damper on the whole relative velocity of world points of two nodes [N s/m].
-    pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vec3<S>; 2], damping: S) -> ElementId {
+    pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = [vec![damping], self.points_between(nodes, ends)].concat();
         self.add_element(name, &nodes, VectorDamper { a, b }.into(), &p)
     }
 
     /// Axis and reference directions of an angle between two bodies that is zero at the start.
-    pub(super) fn angle_frame(&mut self, name: &str, [a, b]: [NodeId; 2], axis: Vec3<S>) -> Vec<S> {
+    pub(super) fn angle_frame(&mut self, name: &str, [a, b]: [NodeId; 2], axis: Vector3<S>) -> Vec<S> {
         let axis = self.unit(name, axis);
         let [reference, _] = axis.perpendiculars();
         [self.local_direction(a, axis), self.local_direction(a, reference), self.local_direction(b, reference)]
             .into_iter()
-            .flat_map(|vector| vector.0)
+            .flat_map(|vector| vector.components())
             .collect()
     }
 
@@ -65,7 +65,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
-        axis: Vec3<S>,
+        axis: Vector3<S>,
         [stiffness, damping, rest_angle]: [S; 3],
     ) -> ElementId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
@@ -78,13 +78,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
-        [origin, point]: [Vec3<S>; 2],
-        axis: Vec3<S>,
+        [origin, point]: [Vector3<S>; 2],
+        axis: Vector3<S>,
         coefficients: [S; 3],
     ) -> ElementId {
         let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let axis = self.unit(name, axis);
-        let axis = self.local_direction(nodes[0], axis).0;
+        let axis = self.local_direction(nodes[0], axis).components();
         let p = [&coefficients[..], &self.points_between(nodes, [origin, point]), &axis].concat();
         self.add_element(name, &nodes, SlideSpringDamper { a, b }.into(), &p)
     }
@@ -106,7 +106,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
-        point: Vec3<S>,
+        point: Vector3<S>,
         axes: Quaternion<S>,
         [stiffness, damping]: [[S; 6]; 2],
     ) -> ElementId {

@@ -4,7 +4,7 @@ use super::MechanismBuilder;
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::forces::LoadFrame;
 use crate::functionals::{Functional, JointLoad, LoadKind, Measured, Over};
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of the force [N] or moment [N m] with which a joint or driver acts on one of its nodes, along a world direction
@@ -15,8 +15,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         over: Over,
         (joint, on): (ConstraintId, NodeId),
         (kind, frame): (LoadKind, LoadFrame),
-        direction: Vec3<S>,
-        point: Vec3<S>,
+        direction: Vector3<S>,
+        point: Vector3<S>,
     ) {
         // a joint that was refused has been reported already
         let Some(constraint) = self.model.constraints.get(joint.0) else { return };
@@ -37,7 +37,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         };
         let turns = body && frame == LoadFrame::Body;
         let direction = if turns { self.local_direction(on, direction) } else { direction };
-        let p = [direction.0, self.local_point(on, point).0].concat();
+        let p = [direction.components(), self.local_point(on, point).components()].concat();
         let parameters = self.model.add_parameters(p.len());
         self.numbers.p.extend(p);
         let measured = Measured::Load { joint, parameters, load: JointLoad { kind, frame, node, on: anchor } };

@@ -2,7 +2,7 @@ use crate::design::DesignVariable;
 use crate::elements::forces::{AppliedTorque, LoadFrame};
 use crate::elements::{Anchor, TimeFunction};
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// Andrews' squeezing mechanism of rigid bodies: a crank driven by a torque, three loops that meet in one pin, and a spring.
@@ -58,22 +58,22 @@ impl Scene for Andrews {
         let [torque, stiffness, rest_length, one, two, five, seven, mass_of_3, inertia_of_1] = x else {
             return Err(format!("9 variables expected, {} given", x.len()));
         };
-        let at = |x: f64, y: f64| Vec3::from_f64([x, y, 0.0]);
+        let at = |x: f64, y: f64| Vector3::from_f64([x, y, 0.0]);
         let direction = |body: usize| at(Self::DIRECTIONS[body].cos(), Self::DIRECTIONS[body].sin());
         let (o, a, b) = (at(0.0, 0.0), at(-0.06934, -0.00227), at(-0.03635, 0.03273));
         let crank = direction(0) * *one;
         let pin = crank + direction(1) * *two;
         let (left, right) = (a + direction(4) * *five, a + direction(6) * *seven);
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
         let ground = m.ground();
         // ends of each body, its mass centre along and across from the first end (K4, K6: from the second), mass and inertia about it
-        let mut link = |name: &str, [from, to]: [Vec3<S>; 2], [along, across]: [f64; 2], mass: S, inertia: S| {
-            let direction = (to - from).normalized();
+        let mut link = |name: &str, [from, to]: [Vector3<S>; 2], [along, across]: [f64; 2], mass: S, inertia: S| {
+            let direction = (to - from).unit();
             let start = if along < 0.0 { to } else { from };
-            let centre = start + direction * S::from(along) + hinge.cross(direction) * S::from(across);
+            let centre = start + direction * S::from(along) + hinge.cross(&direction) * S::from(across);
             let node = m.body(name, centre, Quaternion::x_axis_to(direction));
             // only the last moment of inertia matters in the plane
-            m.rigid_body(name, node, mass, Vec3::zero(), [inertia, inertia, inertia, S::zero(), S::zero(), S::zero()]);
+            m.rigid_body(name, node, mass, Vector3::zeros(), [inertia, inertia, inertia, S::zero(), S::zero(), S::zero()]);
             m.draw(node, &[from, to]);
             node
         };
@@ -99,15 +99,15 @@ impl Scene for Andrews {
         ] {
             m.revolute(name, nodes, point, hinge);
         }
-        let along = (pin - b).normalized();
-        let eye = b + along * of(0.018) + hinge.cross(along) * of(0.02);
+        let along = (pin - b).unit();
+        let eye = b + along * of(0.018) + hinge.cross(&along) * of(0.02);
         let post = at(0.014, 0.072);
         m.line_spring("spring", [ground, k3], [post, eye], *stiffness, *rest_length);
         m.draw(k3, &[pin, eye, b]);
         let drive = AppliedTorque { on: Anchor::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
         m.element("drive", &[k1], drive, &[S::zero(), S::zero(), S::one(), *torque]);
 
-        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vec3::from_f64);
+        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from_f64);
         m.position_functional("x of the pin at the end", Over::Terminal, k2, pin, x);
         m.position_functional("y of the crank pin at the end", Over::Terminal, k1, crank, y);
         m.target_functional("distance of the pin from its start, integral", Over::Integral, k2, pin, pin);

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// Bricard's mechanism (IFToMM benchmark A04): five uniform rods along the edges of a cube, six hinges, let go from rest.
@@ -32,24 +32,24 @@ impl Scene for Bricard {
         let [length, section, mass, gravity] = x else {
             return Err(format!("4 variables expected, {} given", x.len()));
         };
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::<S>::from_f64);
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::<S>::from_f64);
         let [x, y, z] = axes;
         let corners =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [1.0, -1.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]]
-                .map(|corner| Vec3::<S>::from_f64(corner) * *length);
+                .map(|corner| Vector3::<S>::from_f64(corner) * *length);
         let ground = m.ground();
         let mut before = ground;
         for (rod, axis) in [y, z, x, y, z].into_iter().enumerate() {
             let (from, to) = (corners[rod], corners[rod + 1]);
             let name = format!("rod {}", rod + 1);
-            let node = m.body(&name, (from + to) * S::from(0.5), Quaternion::x_axis_to((to - from).normalized()));
+            let node = m.body(&name, (from + to) * S::from(0.5), Quaternion::x_axis_to((to - from).unit()));
             let (axial, lateral) = (*section * *section / 6.0, (*length * *length + *section * *section) / 12.0);
             let zero = S::zero();
             m.rigid_body(
                 &name,
                 node,
                 *mass,
-                Vec3::zero(),
+                Vector3::zeros(),
                 [*mass * axial, *mass * lateral, *mass * lateral, zero, zero, zero],
             );
             m.revolute(&format!("hinge {}", rod + 1), [before, node], from, axis);

@@ -1,7 +1,7 @@
 use crate::design::DesignVariable;
 use crate::elements::{Constraint, Element, Parameter};
 use crate::functionals::Over;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// The car axis of the Test Set for IVP Solvers: a rigid axis on two springs, its right wheel on a bumpy road.
@@ -40,7 +40,7 @@ impl Scene for CarAxis {
         let eps = S::from(0.01);
         let mass = *mass * eps * eps * 0.5;
         let height = S::from(0.5);
-        let at = |x: S, y: S| Vec3([x, y, S::zero()]);
+        let at = |x: S, y: S| Vector3::new(x, y, S::zero());
         let (start_left, start_right) = (at(S::zero(), height), at(*length, height));
         let ground = m.ground();
         let left = m.point("left", start_left);
@@ -48,22 +48,22 @@ impl Scene for CarAxis {
         // dg/dt = 0 at t = 0: L xl' + r w yl = 0, and the axis is level
         let velocity = at(-*bump * *frequency * height / *length, S::zero());
         for (name, node) in [("left", left), ("right", right)] {
-            m.set_velocity(node, velocity, Vec3::zero());
+            m.set_velocity(node, velocity, Vector3::zeros());
             m.point_mass(name, node, mass);
         }
-        m.gravity(Vec3::from_f64([0.0, -1.0, 0.0]));
-        m.line_spring("left spring", [ground, left], [Vec3::zero(), start_left], S::one(), *rest_length);
+        m.gravity(Vector3::from_f64([0.0, -1.0, 0.0]));
+        m.line_spring("left spring", [ground, left], [Vector3::zeros(), start_left], S::one(), *rest_length);
         let road = [*bump, *frequency, *length];
         m.element("right spring", &[right], RoadSpring, &[&[S::one(), *rest_length], &road[..]].concat());
         m.constraint("upright", &[left], AcrossRoad, &road);
         let axis = m.distance("axis", [left, right], [start_left, start_right]);
 
-        let y = Vec3::from_f64([0.0, 1.0, 0.0]);
+        let y = Vector3::from_f64([0.0, 1.0, 0.0]);
         m.target_functional("travel of the left end, integral", Over::Integral, left, start_left, start_left);
         m.position_functional("height of the right end, integral", Over::Integral, right, start_right, y);
         m.position_functional("height of the right end at the end", Over::Terminal, right, start_right, y);
         m.reaction_functional("axis force, integral", Over::Integral, axis, &[S::one()]);
-        m.draw(ground, &[Vec3::zero(), at(*length, S::zero())]);
+        m.draw(ground, &[Vector3::zeros(), at(*length, S::zero())]);
         Ok(())
     }
 }
@@ -73,9 +73,9 @@ const ROAD: [Parameter; 3] =
     [Parameter::non_negative("bump height", "m"), Parameter::new("frequency", "rad/s"), Parameter::positive("length", "m")];
 
 /// (xb, yb): y = r sin(w t), x = sqrt(L^2 - y^2) [m].
-fn road_point<S: Scalar>(road: &[S], t: S) -> Vec3<S> {
+fn road_point<S: Scalar>(road: &[S], t: S) -> Vector3<S> {
     let y = road[0] * (road[1] * t).sin();
-    Vec3([(road[2] * road[2] - y * y).sqrt(), y, S::zero()])
+    Vector3::new((road[2] * road[2] - y * y).sqrt(), y, S::zero())
 }
 
 /// A spring from the road point to a point node: F = -k (l - l0) d / l [N], d = x - x_b(t), l = |d|.
@@ -93,10 +93,10 @@ impl Element for RoadSpring {
         own.into_iter().chain(ROAD).collect()
     }
     fn add_force<S: Scalar>(&self, _v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        let along = Vec3::from_slice(q) - road_point(&p[2..], t);
-        let length = along.norm();
+        let along = Vector3::first_three(q) - road_point(&p[2..], t);
+        let length = along.length();
         let pull = along * (p[0] * (p[1] - length) / length);
-        for (force, pull) in force.iter_mut().zip(pull.0) {
+        for (force, pull) in force.iter_mut().zip(pull.components()) {
             *force += pull;
         }
     }
@@ -111,6 +111,6 @@ impl Constraint for AcrossRoad {
     const PARAMETERS: &'static [Parameter] = &ROAD;
 
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
-        g[0] = road_point(p, t).dot(Vec3::from_slice(q)) / p[2];
+        g[0] = road_point(p, t).dot(&Vector3::first_three(q)) / p[2];
     }
 }

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A chain of bars with spherical joints, held at one end, turning about the vertical while it falls.
@@ -105,8 +105,8 @@ impl Scene for Chain {
         if x.len() != expected || self.bodies == 0 {
             return Err(format!("{expected} variables expected for {} bars, {} given", self.bodies, x.len()));
         }
-        let along = |bars: f64| Vec3([S::from(LENGTH * bars), S::zero(), S::zero()]);
-        let about_vertical = Vec3::from_f64([0.0, 0.0, TIP_SPEED / (LENGTH * self.bodies as f64)]);
+        let along = |bars: f64| Vector3::new(S::from(LENGTH * bars), S::zero(), S::zero());
+        let about_vertical = Vector3::from_f64([0.0, 0.0, TIP_SPEED / (LENGTH * self.bodies as f64)]);
         let ground = m.ground();
         let mut before = ground;
         for i in 0..self.bodies {
@@ -114,18 +114,18 @@ impl Scene for Chain {
             let position = along(i as f64 + 0.5);
             let bar = m.body(&name, position, Quaternion::identity());
             // the joints lie on the bars' own axes, about which each may turn as it likes
-            let own = Vec3::from_f64([if i % 2 == 0 { 3.0 } else { -3.0 }, 0.0, 0.0]);
-            m.set_velocity(bar, about_vertical.cross(position), about_vertical + own);
+            let own = Vector3::from_f64([if i % 2 == 0 { 3.0 } else { -3.0 }, 0.0, 0.0]);
+            m.set_velocity(bar, about_vertical.cross(&position), about_vertical + own);
             let [mass, cx, cy, cz, inertia @ ..] = match self.variables {
                 ChainVariables::Common => bar_inertia(x[0]),
                 ChainVariables::Separate => std::array::from_fn(|k| x[10 * i + k]),
             };
-            m.rigid_body(&name, bar, mass, Vec3([cx, cy, cz]), inertia);
+            m.rigid_body(&name, bar, mass, Vector3::new(cx, cy, cz), inertia);
             m.spherical(&format!("joint {}", i + 1), [before, bar], along(i as f64));
             m.draw(bar, &[along(i as f64), along(i as f64 + 1.0)]);
             before = bar;
         }
-        m.gravity(Vec3::from_f64([0.0, 0.0, -9.81]));
+        m.gravity(Vector3::from_f64([0.0, 0.0, -9.81]));
         let tip = along(self.bodies as f64);
         m.target_functional("distance of the tip from its start, integral", Over::Integral, before, tip, tip);
         m.energy_functional("energy, integral", Over::Integral);

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, OptimizationProblem, Scene, Settings};
 
 /// A planar five-bar mechanism of four rigid bodies with two spring-dampers at its tip.
@@ -34,25 +34,25 @@ impl Scene for FiveBar {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [l01, l02, k1, k2, c] = x else { return Err(format!("5 variables expected, {} given", x.len())) };
-        let at = |x: f64, y: f64| Vec3::from_f64([x, y, 0.0]);
+        let at = |x: f64, y: f64| Vector3::from_f64([x, y, 0.0]);
         let points = [at(-0.5, 0.0), at(-1.0, 1.0), at(0.0, 2.0), at(1.0, 1.0), at(0.5, 0.0)];
         let ground = m.ground();
         let mut bars = Vec::new();
         for (i, mass) in [1.0, 1.5, 1.5, 1.0].into_iter().enumerate() {
             let (from, to) = (points[i], points[i + 1]);
             let along = to - from;
-            let (mass, length) = (S::from(mass), along.norm());
+            let (mass, length) = (S::from(mass), along.length());
             let name = format!("bar {}", i + 1);
-            let bar = m.body(&name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.normalized()));
+            let bar = m.body(&name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.unit()));
             let lateral = mass * length * length / 12.0;
             // a slender bar: next to no inertia about its own axis, which never turns in the plane
             let axial = lateral * 1e-3;
-            m.rigid_body(&name, bar, mass, Vec3::zero(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
+            m.rigid_body(&name, bar, mass, Vector3::zeros(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
             m.draw(bar, &[from, to]);
             bars.push(bar);
         }
         m.gravity(at(0.0, -9.81));
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
         for (name, nodes, point) in [
             ("A", [ground, bars[0]], points[0]),
             ("P1", [bars[0], bars[1]], points[1]),

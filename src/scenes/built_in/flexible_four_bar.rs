@@ -3,7 +3,7 @@ use crate::elements::TimeFunction;
 use crate::elements::flexible::{STRAINS, Section};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
 
 /// The flexible four-bar mechanism of Bauchau et al. (2016): three square steel bars, the hinge at C tilted by 5 degrees, the crank
@@ -59,23 +59,23 @@ impl Scene for FlexibleFourBar {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [thick, thin, tilt, ab, bc, cd] = x else { return Err(format!("6 variables expected, {} given", x.len())) };
-        let at = |x: S, y: S| Vec3([x, y, S::zero()]);
+        let at = |x: S, y: S| Vector3::new(x, y, S::zero());
         let zero = S::zero();
         let (a, b, c, d) = (at(zero, zero), at(zero, *ab), at(*bc, *ab), at(*bc, *ab - *cd));
         let ground = m.ground();
         let (thick, thin) = (scaled(THICK, *thick / 0.016), scaled(THIN, *thin / 0.008));
-        let mut bar = |name: &str, ends: [Vec3<S>; 2], elements: usize, section: &Section<S>| {
-            let across = Vec3::from_f64([0.0, 0.0, 1.0]).cross(ends[1] - ends[0]);
+        let mut bar = |name: &str, ends: [Vector3<S>; 2], elements: usize, section: &Section<S>| {
+            let across = Vector3::from_f64([0.0, 0.0, 1.0]).cross(&(ends[1] - ends[0]));
             m.beam(name, BeamLine::straight(ends, elements, across), section)
         };
         let first = bar("AB", [a, b], self.elements[0], &thick);
         let second = bar("BC", [b, c], self.elements[1], &thick);
         let third = bar("CD", [c, d], self.elements[2], &thin);
-        let gravity = Vec3::from_f64([0.0, 0.0, -9.81]);
+        let gravity = Vector3::from_f64([0.0, 0.0, -9.81]);
         m.gravity(gravity);
 
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
-        let tilted = Vec3([tilt.sin(), zero, tilt.cos()]);
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
+        let tilted = Vector3::new(tilt.sin(), zero, tilt.cos());
         m.revolute("A", [ground, first.start()], a, hinge);
         m.revolute("B", [first.end(), second.start()], b, hinge);
         m.revolute("C", [second.end(), third.start()], c, tilted);
@@ -84,9 +84,9 @@ impl Scene for FlexibleFourBar {
         m.prescribed_rotation("crank", [ground, first.start()], hinge, TimeFunction::ConstantRate, &[zero, rate]);
 
         let speed = at(-(rate * *ab), zero);
-        m.set_rigid_motion(&first.nodes, a, Vec3::zero(), hinge * rate);
-        m.set_rigid_motion(&second.nodes, b, speed, Vec3::zero());
-        m.set_rigid_motion(&third.nodes, d, Vec3::zero(), hinge * (rate * *ab / *cd));
+        m.set_rigid_motion(&first.nodes, a, Vector3::zeros(), hinge * rate);
+        m.set_rigid_motion(&second.nodes, b, speed, Vector3::zeros());
+        m.set_rigid_motion(&third.nodes, d, Vector3::zeros(), hinge * (rate * *ab / *cd));
 
         let peak = |sharpness| Over::SmoothMaximum { sharpness, normalized: true };
         m.section_functional("largest moment at mid-span of AB", peak(0.2), &first, 0.5, SectionMeasure::Force(4));

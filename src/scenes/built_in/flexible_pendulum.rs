@@ -2,7 +2,7 @@ use crate::design::DesignVariable;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{CableLine, MechanismBuilder, Scene, Settings};
 
 /// A soft pendulum of square section in absolute nodal coordinates, released from rest along x.
@@ -42,19 +42,25 @@ impl Scene for FlexiblePendulum {
         let [height, density, young] = x else {
             return Err(format!("3 variables expected, {} given", x.len()));
         };
-        let point = |x: f64, y: f64, z: f64| Vec3::<S>::from_f64([x, y, z]);
+        let point = |x: f64, y: f64, z: f64| Vector3::<S>::from_f64([x, y, z]);
         let poisson = S::from(0.3);
         let material = Material { young: *young, poisson, density: *density };
         let section = CableSection::of(material, Shape::rectangle(*height, *height, poisson));
         let ground = m.ground();
-        let line = CableLine::straight([Vec3::zero(), point(1.2, 0.0, 0.0)], self.elements);
+        let line = CableLine::straight([Vector3::zeros(), point(1.2, 0.0, 0.0)], self.elements);
         let pendulum = m.cable("pendulum", line, &section);
-        m.spherical("hinge", [ground, pendulum.start()], Vec3::zero());
+        m.spherical("hinge", [ground, pendulum.start()], Vector3::zeros());
         m.gravity(point(0.0, -9.81, 0.0));
         let (normal, ends) = (point(0.0, 0.0, 1.0), [pendulum.start(), pendulum.end()]);
         m.cable_deflection_functional("deflection of the tip at the end", Over::Terminal, ends, normal);
         m.cable_deflection_functional("deflection of the tip, integral", Over::Integral, ends, normal);
-        m.position_functional("height of the tip at the end", Over::Terminal, ends[1], Vec3::zero(), point(0.0, 1.0, 0.0));
+        m.position_functional(
+            "height of the tip at the end",
+            Over::Terminal,
+            ends[1],
+            Vector3::zeros(),
+            point(0.0, 1.0, 0.0),
+        );
         m.cable_stress_functional(
             "stress at the edge in the middle",
             Over::Terminal,

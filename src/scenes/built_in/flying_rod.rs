@@ -5,7 +5,7 @@ use crate::elements::flexible::Section;
 use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
 
 /// The flying flexible rod of Simo & Vu-Quoc (1988): a free rod of 10 m, pushed and turned at its lower end in space.
@@ -39,7 +39,7 @@ impl Scene for FlyingRod {
         };
         let section =
             Section::new([*axial, *axial, *axial, *bending, *bending, *bending]).with_inertia(*mass, [*inertia; 2]);
-        let point = |x: f64, y: f64, z: f64| Vec3::<S>::from_f64([x, y, z]);
+        let point = |x: f64, y: f64, z: f64| Vector3::<S>::from_f64([x, y, z]);
         let (lower, upper) = (point(6.0, 0.0, 0.0), point(0.0, 8.0, 0.0));
         let rod = m.beam("rod", BeamLine::straight([lower, upper], 10, point(0.0, 0.0, 1.0)), &section);
         let pulse = TimeFunction::lines(vec![0.0, 2.5, 5.0])?;

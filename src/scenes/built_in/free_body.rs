@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A body with three different principal inertias turning freely, close enough to its middle axis to tumble.
@@ -29,11 +29,11 @@ impl Scene for FreeBody {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [i1, i2, i3, w1, w2, w3, arm] = x else { return Err(format!("7 variables expected, {} given", x.len())) };
-        let body = m.body("body", Vec3::zero(), Quaternion::identity());
+        let body = m.body("body", Vector3::zeros(), Quaternion::identity());
         // body and world frame agree at the start
-        m.set_velocity(body, Vec3::zero(), Vec3([*w1, *w2, *w3]));
-        m.rigid_body("body", body, S::one(), Vec3::zero(), [*i1, *i2, *i3, S::zero(), S::zero(), S::zero()]);
-        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::from_f64);
+        m.set_velocity(body, Vector3::zeros(), Vector3::new(*w1, *w2, *w3));
+        m.rigid_body("body", body, S::one(), Vector3::zeros(), [*i1, *i2, *i3, S::zero(), S::zero(), S::zero()]);
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from_f64);
         for axis in [x, y, z] {
             m.draw(body, &[axis * -*arm, axis * *arm]);
         }

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A falling rack drives a pinion, and a gear on the pinion's shaft a second wheel.
@@ -32,16 +32,16 @@ impl Scene for GearTrain {
         let [mass, radius, first, second, shaft_inertia, flywheel_inertia] = x else {
             return Err(format!("6 variables expected, {} given", x.len()));
         };
-        let [x, y, axis] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::<S>::from_f64);
+        let [x, y, axis] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::<S>::from_f64);
         let zero = S::zero();
         let ground = m.ground();
-        let mut wheel = |name: &str, centre: Vec3<S>, radii: [S; 2], inertia: S| {
+        let mut wheel = |name: &str, centre: Vector3<S>, radii: [S; 2], inertia: S| {
             let node = m.body(name, centre, Quaternion::identity());
             let across = inertia * 0.5;
-            m.rigid_body(name, node, S::one(), Vec3::zero(), [across, across, inertia, zero, zero, zero]);
+            m.rigid_body(name, node, S::one(), Vector3::zeros(), [across, across, inertia, zero, zero, zero]);
             m.revolute(&format!("bearing of the {name}"), [ground, node], centre, axis);
             for radius in radii {
-                let rim: Vec<Vec3<S>> = (0..=24)
+                let rim: Vec<Vector3<S>> = (0..=24)
                     .map(|i| (f64::from(i) / 24.0 * std::f64::consts::TAU).sin_cos())
                     .map(|(sine, cosine)| centre + (x * S::from(cosine) + y * S::from(sine)) * radius)
                     .collect();
@@ -51,16 +51,16 @@ impl Scene for GearTrain {
             let angle = m.joint_angle(&format!("angle of the {name}"), [ground, node], axis);
             (node, angle)
         };
-        let (pinion, turned) = wheel("pinion", Vec3::zero(), [*radius, *first], *shaft_inertia);
+        let (pinion, turned) = wheel("pinion", Vector3::zeros(), [*radius, *first], *shaft_inertia);
         let (flywheel, answered) = wheel("flywheel", x * (*first + *second), [*second, *second], *flywheel_inertia);
         m.gear("gears", [turned, answered], [*first, *second]);
 
         let contact = x * -*radius;
         let rack = m.body("rack", contact, Quaternion::identity());
         let small = *mass * 1e-3;
-        m.rigid_body("rack", rack, *mass, Vec3::zero(), [small, small, small, zero, zero, zero]);
+        m.rigid_body("rack", rack, *mass, Vector3::zeros(), [small, small, small, zero, zero, zero]);
         m.prismatic("guide", [ground, rack], contact, y);
-        m.rack_and_pinion("mesh", [ground, pinion, rack], [Vec3::zero(), contact], axis);
+        m.rack_and_pinion("mesh", [ground, pinion, rack], [Vector3::zeros(), contact], axis);
         m.draw(rack, &[contact - y * S::from(0.1), contact + y * S::from(0.4)]);
         m.gravity(y * S::from(-9.81));
 

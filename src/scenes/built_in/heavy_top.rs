@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A symmetric top whose tip stands on a spherical joint, released tilted with nothing but its own spin.
@@ -36,17 +36,17 @@ impl Scene for HeavyTop {
         };
         let ground = m.ground();
         let (sine, cosine) = tilt.sin_cos();
-        let axis = Vec3([sine, S::zero(), cosine]);
+        let axis = Vector3::new(sine, S::zero(), cosine);
         let centre = axis * *distance;
-        let top = m.body("top", centre, Quaternion::about(Vec3::from_f64([0.0, 1.0, 0.0]), *tilt));
-        m.set_velocity(top, Vec3::zero(), axis * *spin);
+        let top = m.body("top", centre, Quaternion::about(Vector3::from_f64([0.0, 1.0, 0.0]), *tilt));
+        m.set_velocity(top, Vector3::zeros(), axis * *spin);
         let inertia = [*lateral, *lateral, *axial, S::zero(), S::zero(), S::zero()];
-        m.rigid_body("top", top, *mass, Vec3::zero(), inertia);
-        m.gravity(Vec3([S::zero(), S::zero(), -*gravity]));
-        let tip = m.spherical("tip", [ground, top], Vec3::zero());
-        m.draw(top, &[Vec3::zero(), centre * S::from(2.0)]);
+        m.rigid_body("top", top, *mass, Vector3::zeros(), inertia);
+        m.gravity(Vector3::new(S::zero(), S::zero(), -*gravity));
+        let tip = m.spherical("tip", [ground, top], Vector3::zeros());
+        m.draw(top, &[Vector3::zeros(), centre * S::from(2.0)]);
 
-        let [x, z] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::from_f64);
+        let [x, z] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from_f64);
         m.position_functional("height of the mass centre, integral", Over::Integral, top, centre, z);
         m.position_functional("x of the mass centre at the end", Over::Terminal, top, centre, x);
         m.reaction_functional("vertical force of the tip, integral", Over::Integral, tip, &[0.0, 0.0, 1.0].map(S::from));

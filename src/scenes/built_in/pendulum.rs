@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A point mass on a massless rod, released from rest with the rod horizontal (IFToMM benchmark A01).
@@ -26,14 +26,14 @@ impl Scene for Pendulum {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [mass, length, gravity] = x else { return Err(format!("3 variables expected, {} given", x.len())) };
         let ground = m.ground();
-        let start = Vec3([-*length, S::zero(), S::zero()]);
+        let start = Vector3::new(-*length, S::zero(), S::zero());
         let bob = m.point("bob", start);
         m.point_mass("bob", bob, *mass);
-        m.gravity(Vec3([S::zero(), -*gravity, S::zero()]));
-        let rod = m.distance("rod", [ground, bob], [Vec3::zero(), start]);
-        m.draw(ground, &[Vec3::zero()]);
-        m.position_functional("height, integral", Over::Integral, bob, start, Vec3::from_f64([0.0, 1.0, 0.0]));
-        m.position_functional("x at the end", Over::Terminal, bob, start, Vec3::from_f64([1.0, 0.0, 0.0]));
+        m.gravity(Vector3::new(S::zero(), -*gravity, S::zero()));
+        let rod = m.distance("rod", [ground, bob], [Vector3::zeros(), start]);
+        m.draw(ground, &[Vector3::zeros()]);
+        m.position_functional("height, integral", Over::Integral, bob, start, Vector3::from_f64([0.0, 1.0, 0.0]));
+        m.position_functional("x at the end", Over::Terminal, bob, start, Vector3::from_f64([1.0, 0.0, 0.0]));
         m.reaction_functional("rod force, integral", Over::Integral, rod, &[S::one()]);
         Ok(())
     }

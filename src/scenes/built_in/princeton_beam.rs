@@ -4,7 +4,7 @@ use crate::elements::forces::{AppliedForce, LoadFrame};
 use crate::elements::{Anchor, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
 
 /// The Princeton beam experiment (Dowell & Traybar 1975; Bauchau et al. 2016), middle load: a flat cantilever of aluminium with a weight at
@@ -48,14 +48,15 @@ impl Scene for PrincetonBeam {
         };
         let number = |value: f64| S::from(value);
         let section = Section::new([number(2.84191e6), number(6.40131e5), number(9.03881e5), *torsion, *stiff, *soft]);
-        let axis = |i: usize| Vec3::<S>(std::array::from_fn(|k| S::from(f64::from(u8::from(k == i)))));
+        let axis = |i: usize| Vector3::<S>::from(std::array::from_fn(|k| S::from(f64::from(u8::from(k == i)))));
         let tip = axis(0) * *length;
-        let beam = m.beam("beam", BeamLine::straight([Vec3::zero(), tip], self.elements, axis(1)).clamped_start(), &section);
+        let beam =
+            m.beam("beam", BeamLine::straight([Vector3::zeros(), tip], self.elements, axis(1)).clamped_start(), &section);
         let (sine, cosine) = angle.sin_cos();
         let direction = axis(1) * sine + axis(2) * cosine;
         let pull = AppliedForce { on: Anchor::Body, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
         let zero = S::zero();
-        m.element("weight", &[beam.end()], pull, &[direction.0, [zero; 3], [zero, *load, zero]].concat()[..8]);
+        m.element("weight", &[beam.end()], pull, &[direction.components(), [zero; 3], [zero, *load, zero]].concat()[..8]);
         m.position_functional("soft displacement of the tip", Over::Terminal, beam.end(), tip, axis(1));
         m.position_functional("stiff displacement of the tip", Over::Terminal, beam.end(), tip, axis(2));
         for (name, component) in [("torsion", 3), ("moment of the stiff plane", 4), ("moment of the soft plane", 5)] {

@@ -4,7 +4,7 @@ use crate::elements::forces::{AppliedForce, LoadFrame};
 use crate::elements::{Anchor, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
 
 /// The right-angle cantilever of Simo & Vu-Quoc (1988): two arms of 10 m, clamped at one end, pushed out of their plane at the elbow.
@@ -47,17 +47,17 @@ impl Scene for RightAngleCantilever {
         let axial = S::from(1e6);
         let section =
             Section::new([axial, axial, axial, *torsion, *bending, *bending]).with_inertia(*mass, [S::from(10.0); 2]);
-        let point = |x: f64, y: f64, z: f64| Vec3::<S>::from_f64([x, y, z]);
+        let point = |x: f64, y: f64, z: f64| Vector3::<S>::from_f64([x, y, z]);
         let (elbow, out) = (point(10.0, 0.0, 0.0), point(0.0, 0.0, 1.0));
         let tip = elbow + point(0.0, 1.0, 0.0) * *length;
-        let line = BeamLine::straight([Vec3::zero(), elbow], self.elements, out).clamped_start();
+        let line = BeamLine::straight([Vector3::zeros(), elbow], self.elements, out).clamped_start();
         let first = m.beam("first arm", line, &section);
         let line = BeamLine::straight([elbow, tip], self.elements, out).from_node(first.end());
         let second = m.beam("second arm", line, &section);
         let pulse = TimeFunction::lines(vec![0.0, 1.0, 2.0])?;
         let push = AppliedForce { on: Anchor::Body, frame: LoadFrame::World, size: pulse };
         let zero = S::zero();
-        m.element("push", &[first.end()], push, &[out.0, [zero; 3], [zero, *force, zero]].concat());
+        m.element("push", &[first.end()], push, &[out.components(), [zero; 3], [zero, *force, zero]].concat());
         m.position_functional("z of the tip", Over::Terminal, second.end(), tip, out);
         let peak = Over::SmoothMaximum { sharpness: 5.0, normalized: true };
         m.position_functional("largest z of the elbow", peak, first.end(), elbow, out);

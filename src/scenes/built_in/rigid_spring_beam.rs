@@ -2,7 +2,7 @@ use crate::design::DesignVariable;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{CableLine, Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
 
 /// A rigid bar A B in natural coordinates and a beam C D of one element, both on spherical joints to the ground at A and D, with a spring
@@ -48,25 +48,25 @@ impl Scene for RigidSpringBeam {
         let [x_d, y_d, z_d, stiffness, mass] = x else {
             return Err(format!("5 variables expected, {} given", x.len()));
         };
-        let point = |x: f64, y: f64| Vec3::<S>::from_f64([x, y, 0.0]);
-        let (a, b, c, d) = (point(0.0, 0.0), point(0.5, 0.0), point(0.8, 0.2), Vec3([*x_d, *y_d, *z_d]));
+        let point = |x: f64, y: f64| Vector3::<S>::from_f64([x, y, 0.0]);
+        let (a, b, c, d) = (point(0.0, 0.0), point(0.5, 0.0), point(0.8, 0.2), Vector3::new(*x_d, *y_d, *z_d));
         let ground = m.ground();
         let bar = m.natural_body("bar", (a + b) * S::from(0.5), Quaternion::identity());
-        let (radius, length) = (0.5 * WIDTH, (b - a).norm());
+        let (radius, length) = (0.5 * WIDTH, (b - a).length());
         let (axial, across) = (*mass * (0.5 * radius * radius), *mass * (length * length + 3.0 * radius * radius) / 12.0);
-        m.rigid_body("bar", bar, *mass, Vec3::zero(), [axial, across, across, S::zero(), S::zero(), S::zero()]);
+        m.rigid_body("bar", bar, *mass, Vector3::zeros(), [axial, across, across, S::zero(), S::zero(), S::zero()]);
         let material = Material { young: S::from(7e10), poisson: S::from(0.3), density: S::from(3700.0) };
         let section = CableSection::of(material, Shape::rectangle(S::from(WIDTH), S::from(WIDTH), material.poisson));
         let beam = m.cable("beam", CableLine::straight([c, d], 1), &section.small_strains());
-        m.set_rigid_motion(&beam.nodes, d, Vec3::zero(), Vec3::from_f64([0.0, 0.0, -5.0]));
+        m.set_rigid_motion(&beam.nodes, d, Vector3::zeros(), Vector3::from_f64([0.0, 0.0, -5.0]));
         m.spherical("A", [ground, bar], a);
         m.spherical("D", [ground, beam.end()], d);
-        m.line_spring("spring", [bar, beam.start()], [b, c], *stiffness, (c - b).norm());
+        m.line_spring("spring", [bar, beam.start()], [b, c], *stiffness, (c - b).length());
         m.gravity(point(0.0, -9.81));
         m.draw(bar, &[a, b]);
         m.target_functional(OBJECTIVE, Over::Integral, bar, b, b);
-        m.distance_functional(LENGTH, Over::Initial, [beam.start(), beam.end()], [Vec3::zero(); 2]);
-        m.position_functional("height of C at the end", Over::Terminal, beam.start(), Vec3::zero(), point(0.0, 1.0));
+        m.distance_functional(LENGTH, Over::Initial, [beam.start(), beam.end()], [Vector3::zeros(); 2]);
+        m.position_functional("height of C at the end", Over::Terminal, beam.start(), Vector3::zeros(), point(0.0, 1.0));
         Ok(())
     }
 }

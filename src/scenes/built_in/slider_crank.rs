@@ -1,7 +1,7 @@
 use crate::design::DesignVariable;
 use crate::elements::TimeFunction;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
 use std::f64::consts::TAU;
 
@@ -41,21 +41,21 @@ impl Scene for SliderCrank {
         let [crank_length, rod_length, slider_mass, stiffness, rest_length, turns] = x else {
             return Err(format!("6 variables expected, {} given", x.len()));
         };
-        let at = |x: S, y: S| Vec3([x, y, S::zero()]);
+        let at = |x: S, y: S| Vector3::new(x, y, S::zero());
         // the crank starts upright
-        let (pin, foot) = (at(S::zero(), *crank_length), Vec3::zero());
+        let (pin, foot) = (at(S::zero(), *crank_length), Vector3::zeros());
         let reach = (*rod_length * *rod_length - *crank_length * *crank_length).sqrt();
         let end = at(reach, S::zero());
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
         let ground = m.ground();
-        let mut bar = |name: &str, from: Vec3<S>, to: Vec3<S>| {
+        let mut bar = |name: &str, from: Vector3<S>, to: Vector3<S>| {
             let along = to - from;
-            let length = along.norm();
+            let length = along.length();
             let mass = length * 2.0;
-            let node = m.body(name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.normalized()));
+            let node = m.body(name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.unit()));
             let lateral = mass * length * length / 12.0;
             let axial = lateral * 1e-2;
-            m.rigid_body(name, node, mass, Vec3::zero(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
+            m.rigid_body(name, node, mass, Vector3::zeros(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
             m.draw(node, &[from, to]);
             node
         };
@@ -63,22 +63,22 @@ impl Scene for SliderCrank {
         let rod = bar("rod", pin, end);
         let slider = m.point("slider", end);
         m.point_mass("slider", slider, *slider_mass);
-        m.gravity(Vec3::from_f64([0.0, -9.81, 0.0]));
+        m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
 
         m.revolute("bearing", [ground, crank], foot, hinge);
         m.revolute("pin", [crank, rod], pin, hinge);
         m.spherical("wrist", [rod, slider], end);
         // the hinges already keep the slider in the plane
-        let up = Vec3::from_f64([0.0, 1.0, 0.0]);
+        let up = Vector3::from_f64([0.0, 1.0, 0.0]);
         let height = (TimeFunction::Constant, [S::zero()]);
-        m.prescribed_translation("guide", [ground, slider], [Vec3::zero(), end], up, height.0, &height.1);
+        m.prescribed_translation("guide", [ground, slider], [Vector3::zeros(), end], up, height.0, &height.1);
         let angle = [S::zero(), *turns * TAU, S::zero(), S::from(2.0)];
         let drive = m.prescribed_rotation("drive", [ground, crank], hinge, TimeFunction::SmoothRamp, &angle);
         // out of the slider's reach
         let wall = at(*crank_length + *rod_length + *rest_length * 0.5, S::zero());
         m.line_spring("spring", [ground, slider], [wall, end], *stiffness, *rest_length);
 
-        let along = Vec3::from_f64([1.0, 0.0, 0.0]);
+        let along = Vector3::from_f64([1.0, 0.0, 0.0]);
         m.position_functional("x of the slider, integral", Over::Integral, slider, end, along);
         m.reaction_functional("driving moment, integral", Over::Integral, drive, &[S::one()]);
         let largest = Over::SmoothMaximum { sharpness: 0.5, normalized: true };

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// A spatial slider-crank (IFToMM benchmark, after Haug): the crank turns about x beside and above the line on which the slider moves.
@@ -43,37 +43,37 @@ impl Scene for SpatialSliderCrank {
             return Err(format!("5 variables expected, {} given", x.len()));
         };
         let zero = S::zero();
-        let [x, up] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::<S>::from_f64);
-        let bearing = Vec3::<S>::from_f64(Self::BEARING);
+        let [x, up] = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Vector3::<S>::from_f64);
+        let bearing = Vector3::<S>::from_f64(Self::BEARING);
         let pin = bearing + up * *crank_length;
-        let [_, y, z] = pin.0;
+        let [_, y, z] = pin.components();
         let end = x * (*rod_length * *rod_length - y * y - z * z).sqrt();
         let along = end - pin;
-        let cross = x.cross(along);
+        let cross = x.cross(&along);
 
         // the rod's rates: its ends move with crank and slider, and the pin of its cross stays at right angles to the guide
         let omega = x * *rate;
-        let of_pin = omega.cross(pin - bearing);
-        let of_end = x * (along.dot(of_pin) / along.0[0]);
-        let lateral = along.cross(of_end - of_pin) * along.dot(along).recip();
-        let normal = cross.cross(x);
-        let turning = lateral - along * (lateral.dot(normal) / along.dot(normal));
+        let of_pin = omega.cross(&(pin - bearing));
+        let of_end = x * (along.dot(&of_pin) / along[0]);
+        let lateral = along.cross(&(of_end - of_pin)) * along.dot(&along).recip();
+        let normal = cross.cross(&x);
+        let turning = lateral - along * (lateral.dot(&normal) / along.dot(&normal));
 
         let ground = m.ground();
         let half = S::from(0.5);
         let crank = m.body("crank", (bearing + pin) * half, Quaternion::identity());
         m.set_velocity(crank, of_pin * half, omega);
         let moments = [1e-4, 1e-4, 1e-5, 0.0, 0.0, 0.0].map(S::from);
-        m.rigid_body("crank", crank, S::from(0.12), Vec3::zero(), moments);
-        let rod = m.body("rod", (pin + end) * half, Quaternion::x_axis_to(along.normalized()));
+        m.rigid_body("crank", crank, S::from(0.12), Vector3::zeros(), moments);
+        let rod = m.body("rod", (pin + end) * half, Quaternion::x_axis_to(along.unit()));
         m.set_velocity(rod, (of_pin + of_end) * half, turning);
         // as published for 0.5 kg
         let (axial, lateral) = (*rod_mass * (4e-4 / 0.5), *rod_mass * (4e-3 / 0.5));
-        m.rigid_body("rod", rod, *rod_mass, Vec3::zero(), [axial, lateral, lateral, zero, zero, zero]);
+        m.rigid_body("rod", rod, *rod_mass, Vector3::zeros(), [axial, lateral, lateral, zero, zero, zero]);
         let slider = m.body("slider", end, Quaternion::identity());
-        m.set_velocity(slider, of_end, Vec3::zero());
+        m.set_velocity(slider, of_end, Vector3::zeros());
         let cube = S::from(1e-4);
-        m.rigid_body("slider", slider, *slider_mass, Vec3::zero(), [cube, cube, cube, zero, zero, zero]);
+        m.rigid_body("slider", slider, *slider_mass, Vector3::zeros(), [cube, cube, cube, zero, zero, zero]);
         m.gravity(up * S::from(-9.81));
         m.revolute("bearing", [ground, crank], bearing, x);
         m.spherical("crank pin", [crank, rod], pin);

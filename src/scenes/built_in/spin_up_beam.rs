@@ -3,7 +3,7 @@ use crate::elements::TimeFunction;
 use crate::elements::flexible::Section;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
 use std::f64::consts::PI;
 
@@ -51,17 +51,17 @@ impl Scene for SpinUpBeam {
         let shear = S::from(1e7);
         let section =
             Section::new([*axial, shear, shear, *bending, *bending, *bending]).with_inertia(*mass, [S::from(6e-4); 2]);
-        let (x_axis, y_axis) = (Vec3::from_f64([1.0, 0.0, 0.0]), Vec3::from_f64([0.0, 1.0, 0.0]));
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let (x_axis, y_axis) = (Vector3::from_f64([1.0, 0.0, 0.0]), Vector3::from_f64([0.0, 1.0, 0.0]));
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
         let tip = x_axis * *length;
         let ground = m.ground();
-        let beam = m.beam("beam", BeamLine::straight([Vec3::zero(), tip], 8, y_axis), &section);
-        m.revolute("hinge", [ground, beam.start()], Vec3::zero(), hinge);
+        let beam = m.beam("beam", BeamLine::straight([Vector3::zeros(), tip], 8, y_axis), &section);
+        m.revolute("hinge", [ground, beam.start()], Vector3::zeros(), hinge);
         // one knot every 0.1 s: the spline is within 1e-7 rad of the function
         let times: Vec<f64> = (0..=200).map(|i| 0.1 * f64::from(i)).collect();
         let angles: Vec<S> = times.iter().map(|&t| S::from(angle(t))).collect();
         m.prescribed_rotation("spin-up", [ground, beam.start()], hinge, TimeFunction::table(times)?, &angles);
-        m.target_functional("squared distance of the tip from the hinge", Over::Terminal, beam.end(), tip, Vec3::zero());
+        m.target_functional("squared distance of the tip from the hinge", Over::Terminal, beam.end(), tip, Vector3::zeros());
         m.section_functional("axial force at the hinge", Over::Terminal, &beam, 0.0, SectionMeasure::Force(0));
         let peak = Over::SmoothMaximum { sharpness: 1e-3, normalized: true };
         m.section_functional("largest moment at the hinge", peak, &beam, 0.0, SectionMeasure::Force(5));

@@ -4,7 +4,7 @@ use crate::elements::TimeFunction;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{CableLine, CableMember, Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
 use std::f64::consts::TAU;
 
@@ -123,9 +123,9 @@ impl Suspension {
 
 /// What the pieces of one wheel move like at the start: the wheel's centre and turn, and the turn of both wishbones.
 struct Motion<S> {
-    velocity: Vec3<S>,
-    omega: Vec3<S>,
-    wishbones: [Vec3<S>; 2],
+    velocity: Vector3<S>,
+    omega: Vector3<S>,
+    wishbones: [Vector3<S>; 2],
 }
 
 /// Motion of wishbones about their joints at a chassis at rest that lets the wheel's centre rise with a speed.
@@ -133,24 +133,24 @@ struct Motion<S> {
 /// Wishbone k turns with phi_k about the line of its joints at the chassis. The joints of the wheel keep their distance, which gives the ratio of
 /// phi_1 and phi_2; the wheel turns with them, and about their line as the tie rod says.
 fn motion<S: Scalar>(
-    hinges: [[Vec3<S>; 2]; 2],
-    joints: [Vec3<S>; 2],
-    tie: [Vec3<S>; 2],
-    centre: Vec3<S>,
+    hinges: [[Vector3<S>; 2]; 2],
+    joints: [Vector3<S>; 2],
+    tie: [Vector3<S>; 2],
+    centre: Vector3<S>,
     rise: S,
 ) -> Motion<S> {
-    let axes = hinges.map(|[first, second]| (second - first).normalized());
-    let unit: [Vec3<S>; 2] = std::array::from_fn(|k| axes[k].cross(joints[k] - hinges[k][0]));
+    let axes = hinges.map(|[first, second]| (second - first).unit());
+    let unit: [Vector3<S>; 2] = std::array::from_fn(|k| axes[k].cross(&(joints[k] - hinges[k][0])));
     let line = joints[0] - joints[1];
-    let ratio = line.dot(unit[0]) / line.dot(unit[1]);
+    let ratio = line.dot(&unit[0]) / line.dot(&unit[1]);
     let speeds = [unit[0], unit[1] * ratio];
-    let inverse = line.dot(line).recip();
-    let across = line.cross(speeds[0] - speeds[1]) * inverse;
+    let inverse = line.dot(&line).recip();
+    let across = line.cross(&(speeds[0] - speeds[1])) * inverse;
     let (rod, arm) = (tie[1] - tie[0], tie[1] - joints[0]);
-    let about = -(rod.dot(speeds[0] + across.cross(arm)) / rod.dot(line.cross(arm)));
+    let about = -(rod.dot(&(speeds[0] + across.cross(&arm))) / rod.dot(&line.cross(&arm)));
     let omega = across + line * about;
-    let velocity = speeds[0] + omega.cross(centre - joints[0]);
-    let factor = rise / velocity.0[2];
+    let velocity = speeds[0] + omega.cross(&(centre - joints[0]));
+    let factor = rise / velocity[2];
     Motion { velocity: velocity * factor, omega: omega * factor, wishbones: [axes[0] * factor, axes[1] * (ratio * factor)] }
 }
 
@@ -200,7 +200,7 @@ impl Scene for Suspension {
         if x.len() != 60 {
             return Err(format!("60 variables expected, {} given", x.len()));
         }
-        let at = |x: [f64; 3]| Vec3::<S>::from_f64(x);
+        let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
         let solid = |moments: [f64; 3]| {
             let [a, b, c] = moments.map(S::from);
             [a, b, c, S::zero(), S::zero(), S::zero()]
@@ -208,7 +208,7 @@ impl Scene for Suspension {
         let centre = at([0.243, 0.0, 0.365]);
         let (chassis, ground) = (m.natural_body("chassis", centre, Quaternion::identity()), m.ground());
         let cuboid = [[1.2, 0.5], [2.0, 0.5], [2.0, 1.2]].map(|[a, b]: [f64; 2]| 300.0 / 12.0 * (a * a + b * b));
-        m.rigid_body("chassis", chassis, S::from(300.0), Vec3::zero(), solid(cuboid));
+        m.rigid_body("chassis", chassis, S::from(300.0), Vector3::zeros(), solid(cuboid));
         let material = Material { young: S::from(STEEL[0]), poisson: S::from(0.3), density: S::from(STEEL[1]) };
         let [diameter, wall] = TUBE.map(S::from);
         let section = CableSection::of(material, Shape::tube(diameter, wall, material.poisson));
@@ -217,7 +217,7 @@ impl Scene for Suspension {
         let mut beams = Vec::new();
         for (k, (corner, side)) in CORNERS.into_iter().enumerate() {
             let of = |what: &str| format!("{what}, {} {}", if side > 0.0 { "right" } else { "left" }, corner.name);
-            let points: [Vec3<S>; 4] = std::array::from_fn(|place| Vec3::from_slice(&x[12 * k + 3 * place..]));
+            let points: [Vector3<S>; 4] = std::array::from_fn(|place| Vector3::first_three(&x[12 * k + 3 * place..]));
             let [wheel_x, wheel_y, wheel_z] = corner.wheel;
             let inside = |distance: f64, x: f64, z: f64| at([x, side * (wheel_y - distance), z]);
             let hub = inside(0.0, wheel_x, wheel_z);
@@ -232,7 +232,7 @@ impl Scene for Suspension {
             let wheel = m.natural_body(&of("wheel"), hub, Quaternion::identity());
             let (radius, width) = (0.3, 0.2);
             let (about, across) = (10.0 * radius * radius, 20.0 / 12.0 * (3.0 * radius * radius + width * width));
-            m.rigid_body(&of("wheel"), wheel, S::from(20.0), Vec3::zero(), solid([across, about, across]));
+            m.rigid_body(&of("wheel"), wheel, S::from(20.0), Vector3::zeros(), solid([across, about, across]));
             m.set_velocity(wheel, motion.velocity, motion.omega);
             m.draw(wheel, &[joints[1], joints[0], hub, joints[1]]);
 
@@ -244,7 +244,7 @@ impl Scene for Suspension {
                         CableLine::straight([from, joints[level]], self.elements),
                         &section,
                     );
-                    m.set_rigid_motion(&tube.nodes, from, Vec3::zero(), motion.wishbones[level]);
+                    m.set_rigid_motion(&tube.nodes, from, Vector3::zeros(), motion.wishbones[level]);
                     m.spherical(&format!("joint {beam}"), [chassis, tube.start()], from);
                     tube
                 });
@@ -256,9 +256,9 @@ impl Scene for Suspension {
             m.distance(&of("tie rod"), [chassis, wheel], tie);
             let foot = inside(INSIDE, wheel_x, 0.0);
             let mut head = inside(INSIDE + LEAN, wheel_x, 0.0);
-            head.0[2] = x[48 + k];
+            head[2] = x[48 + k];
             let between: ([NodeId; 2], _) = ([wheel, chassis], [foot, head]);
-            m.line_spring(&of("spring"), between.0, between.1, x[52 + k], (head - foot).norm());
+            m.line_spring(&of("spring"), between.0, between.1, x[52 + k], (head - foot).length());
             m.line_damper(&of("damper"), between.0, between.1, x[56 + k]);
             let wave = [S::zero(), S::from(amplitude), S::from(TAU * frequency), S::zero()];
             m.prescribed_translation(&of("road"), [ground, wheel], [hub; 2], up, TimeFunction::Sine, &wave);
@@ -279,7 +279,7 @@ impl Scene for Suspension {
         }
         for (number, beam) in (1..).zip(&beams) {
             let ends = [beam.start(), beam.end()];
-            m.distance_functional(&length_name(number), Over::Initial, ends, [Vec3::zero(); 2]);
+            m.distance_functional(&length_name(number), Over::Initial, ends, [Vector3::zeros(); 2]);
         }
         Ok(())
     }

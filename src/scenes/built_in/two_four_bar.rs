@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// Two four-bar linkages side by side (IFToMM benchmark A02 with N = 2): three vertical and two horizontal uniform links.
@@ -33,22 +33,22 @@ impl Scene for TwoFourBar {
         let [height, width, vertical_mass, horizontal_mass, speed] = x else {
             return Err(format!("5 variables expected, {} given", x.len()));
         };
-        let at = |column: usize, y: S| Vec3([*width * column as f64, y, S::zero()]);
-        let hinge = Vec3::from_f64([0.0, 0.0, 1.0]);
+        let at = |column: usize, y: S| Vector3::new(*width * column as f64, y, S::zero());
+        let hinge = Vector3::from_f64([0.0, 0.0, 1.0]);
         let ground = m.ground();
-        let mut link = |name: String, from: Vec3<S>, to: Vec3<S>, mass: S, velocity: Vec3<S>, omega: Vec3<S>| {
+        let mut link = |name: String, from: Vector3<S>, to: Vector3<S>, mass: S, velocity: Vector3<S>, omega: Vector3<S>| {
             let along = to - from;
-            let length = along.norm();
-            let node = m.body(&name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.normalized()));
+            let length = along.length();
+            let node = m.body(&name, (from + to) * S::from(0.5), Quaternion::x_axis_to(along.unit()));
             m.set_velocity(node, velocity, omega);
             let lateral = mass * length * length / 12.0;
             // a slender link: next to no inertia about its own axis, which never turns in the plane
             let axial = lateral * 1e-3;
-            m.rigid_body(&name, node, mass, Vec3::zero(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
+            m.rigid_body(&name, node, mass, Vector3::zeros(), [axial, lateral, lateral, S::zero(), S::zero(), S::zero()]);
             m.draw(node, &[from, to]);
             node
         };
-        let along_x = |speed: S| Vec3([speed, S::zero(), S::zero()]);
+        let along_x = |speed: S| Vector3::new(speed, S::zero(), S::zero());
         let omega = hinge * (-*speed / *height);
         let verticals: Vec<_> = (0..3)
             .map(|i| {
@@ -59,10 +59,10 @@ impl Scene for TwoFourBar {
         let horizontals: Vec<_> = (0..2)
             .map(|i| {
                 let (from, to) = (at(i, *height), at(i + 1, *height));
-                link(format!("horizontal {i}"), from, to, *horizontal_mass, along_x(*speed), Vec3::zero())
+                link(format!("horizontal {i}"), from, to, *horizontal_mass, along_x(*speed), Vector3::zeros())
             })
             .collect();
-        m.gravity(Vec3::from_f64([0.0, -9.81, 0.0]));
+        m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
         for (i, &vertical) in verticals.iter().enumerate() {
             m.revolute(&format!("A{i}"), [ground, vertical], at(i, S::zero()), hinge);
         }
@@ -71,7 +71,7 @@ impl Scene for TwoFourBar {
             m.revolute(&format!("B{} left", i + 1), [horizontal, verticals[i + 1]], at(i + 1, *height), hinge);
         }
         let head = at(0, *height);
-        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vec3::from_f64);
+        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from_f64);
         m.position_functional("x of B0 at the end", Over::Terminal, verticals[0], head, x);
         m.position_functional("y of B0, integral", Over::Integral, verticals[0], head, y);
         m.energy_functional("energy at the end", Over::Terminal);

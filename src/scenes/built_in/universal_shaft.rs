@@ -2,7 +2,7 @@ use crate::design::DesignVariable;
 use crate::elements::forces::{AppliedTorque, LoadFrame};
 use crate::elements::{Anchor, TimeFunction};
 use crate::functionals::Over;
-use crate::scalar::{Quaternion, Scalar, Vec3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// Two shafts at an angle with a universal joint between them: the input turns evenly, the output does not.
@@ -33,8 +33,8 @@ impl Scene for UniversalShaft {
         let [bend, rate, inertia, brake] = x else { return Err(format!("4 variables expected, {} given", x.len())) };
         let (sine, cosine) = bend.sin_cos();
         let zero = S::zero();
-        let axes = [Vec3([S::one(), zero, zero]), Vec3([cosine, zero, sine])];
-        let y = Vec3::from_f64([0.0, 1.0, 0.0]);
+        let axes = [Vector3::new(S::one(), zero, zero), Vector3::new(cosine, zero, sine)];
+        let y = Vector3::from_f64([0.0, 1.0, 0.0]);
         let ground = m.ground();
         // the output is slowest at the start
         let rates = [*rate, *rate * cosine];
@@ -42,19 +42,25 @@ impl Scene for UniversalShaft {
         for (i, (name, from, to)) in [("input", -0.4, 0.0), ("output", 0.0, 0.4)].into_iter().enumerate() {
             let [from, to, middle] = [from, to, 0.5 * (from + to)].map(|place| axes[i] * S::from(place));
             let node = m.body(name, middle, Quaternion::x_axis_to(axes[i]));
-            m.set_velocity(node, Vec3::zero(), axes[i] * rates[i]);
+            m.set_velocity(node, Vector3::zeros(), axes[i] * rates[i]);
             let axial = if i == 0 { S::from(0.01) } else { *inertia };
-            m.rigid_body(name, node, S::from(3.0), Vec3::zero(), [axial, S::from(0.04), S::from(0.04), zero, zero, zero]);
+            m.rigid_body(
+                name,
+                node,
+                S::from(3.0),
+                Vector3::zeros(),
+                [axial, S::from(0.04), S::from(0.04), zero, zero, zero],
+            );
             m.revolute(&format!("bearing of the {name}"), [ground, node], middle, axes[i]);
-            let arm = (if i == 0 { y } else { y.cross(axes[1]) }) * S::from(0.08);
+            let arm = (if i == 0 { y } else { y.cross(&axes[1]) }) * S::from(0.08);
             // a flange and the fork
             let flange = if i == 0 { from } else { to };
-            m.draw(node, &[flange - arm, flange + arm, flange, Vec3::zero()]);
+            m.draw(node, &[flange - arm, flange + arm, flange, Vector3::zeros()]);
             m.draw(node, &[-arm, arm]);
             shafts.push(node);
         }
         let [input, output] = [shafts[0], shafts[1]];
-        m.universal("universal joint", [input, output], Vec3::zero(), [y, y.cross(axes[1])]);
+        m.universal("universal joint", [input, output], Vector3::zeros(), [y, y.cross(&axes[1])]);
         let drive =
             m.prescribed_rotation("drive", [ground, input], axes[0], TimeFunction::ConstantRate, &[S::zero(), *rate]);
         let braking = AppliedTorque { on: Anchor::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };

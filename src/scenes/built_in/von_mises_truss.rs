@@ -2,7 +2,7 @@ use crate::design::DesignVariable;
 use crate::elements::forces::{AppliedForce, LoadFrame};
 use crate::elements::{Anchor, TimeFunction};
 use crate::functionals::Over;
-use crate::scalar::{Scalar, Vec3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
 
 /// Two springs that lean against each other under a load that grows until they snap through.
@@ -36,18 +36,18 @@ impl Scene for VonMisesTruss {
             return Err(format!("5 variables expected, {} given", x.len()));
         };
         let ground = m.ground();
-        let (place, up) = (Vec3([S::zero(), S::zero(), *rise]), Vec3::from_f64([0.0, 0.0, 1.0]));
+        let (place, up) = (Vector3::new(S::zero(), S::zero(), *rise), Vector3::from_f64([0.0, 0.0, 1.0]));
         let apex = m.point("apex", place);
         m.point_mass("apex", apex, *mass);
         for (name, side) in [("left", -1.0), ("right", 1.0)] {
-            let foot = Vec3([*half_span * side, S::zero(), S::zero()]);
-            m.line_spring(name, [ground, apex], [foot, place], *stiffness, (place - foot).norm());
+            let foot = Vector3::new(*half_span * side, S::zero(), S::zero());
+            m.line_spring(name, [ground, apex], [foot, place], *stiffness, (place - foot).length());
         }
         let guide = m.point_on_line("guide", [ground, apex], place, up);
         let force = AppliedForce { on: Anchor::Point, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
-        let p = [&(-up).0[..], &Vec3::zero().0, &[S::zero(), *load]].concat();
+        let p = [&(-up).components()[..], &Vector3::zeros().components(), &[S::zero(), *load]].concat();
         m.element("load", &[apex], force, &p);
-        m.draw(ground, &[Vec3([-*half_span, S::zero(), S::zero()]), Vec3([*half_span, S::zero(), S::zero()])]);
+        m.draw(ground, &[Vector3::new(-*half_span, S::zero(), S::zero()), Vector3::new(*half_span, S::zero(), S::zero())]);
         m.position_functional("height", Over::Terminal, apex, place, up);
         m.position_functional("height, integral", Over::Integral, apex, place, up);
         m.energy_functional("energy", Over::Terminal);
