@@ -9,7 +9,7 @@ use costate::functionals::quantities::SectionMeasure;
 use costate::history::Watch;
 use costate::integrators::{StepRecord, march, table_named};
 use costate::prelude::*;
-use costate::scalar::Complex;
+use costate::scalar::{COMPLEX_STEP, Complex64};
 use costate::scenes::built_in::{FlexibleFourBar, FlyingRod, PrincetonBeam, RightAngleCantilever, SpinUpBeam};
 use costate::scenes::{AnyScene, BeamLine, BeamMember};
 use costate::sensitivity::largest_difference;
@@ -257,12 +257,12 @@ fn invariants(prepared: &Prepared, q: &[f64], v: &[f64]) -> [f64; 7] {
             own_v.extend_from_slice(&v[dofs]);
         }
         let own_p = &p[element.parameters.clone()];
-        let lift = |x: &[f64]| -> Vec<Complex> { x.iter().map(|&x| Complex::from(x)).collect() };
+        let lift = |x: &[f64]| -> Vec<Complex64> { x.iter().map(|&x| Complex64::from(x)).collect() };
         let (complex_q, complex_p) = (lift(&own_q), lift(own_p));
         for (total, direction) in totals.iter_mut().zip(&rigid) {
-            let moved: Vec<Complex> =
-                own_v.iter().zip(direction).map(|(&v, &d)| Complex::new(v, d * Complex::STEP)).collect();
-            *total += ElementIn::energy(&*element.physics, &moved, &complex_q, &complex_p)[0].im / Complex::STEP;
+            let moved: Vec<Complex64> =
+                own_v.iter().zip(direction).map(|(&v, &d)| Complex64::new(v, d * COMPLEX_STEP)).collect();
+            *total += ElementIn::energy(&*element.physics, &moved, &complex_q, &complex_p)[0].im / COMPLEX_STEP;
         }
         totals[6] += ElementIn::energy(&*element.physics, &own_v, &own_q, own_p).iter().sum::<f64>();
     }

@@ -7,7 +7,7 @@ use costate::elements::joints::{RollingDisc, RollingSphere};
 use costate::elements::{Anchor, AnyConstraint, ConstraintIn, Nonholonomic, State, TimeFunction};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
-use costate::scalar::{Complex, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
+use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
 use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 use support::Random;
@@ -118,23 +118,23 @@ fn rows_and_reactions_follow_from_h() {
         ("sphere", Box::new(Nonholonomic(RollingSphere { a: Anchor::Body, b: Anchor::Body })), 13),
         ("disc", Box::new(Nonholonomic(RollingDisc { a: Anchor::Body, b: Anchor::Body })), 16),
     ];
-    let complex = |x: &[f64]| x.iter().map(|&x| Complex::from(x)).collect::<Vec<_>>();
+    let complex = |x: &[f64]| x.iter().map(|&x| Complex64::from(x)).collect::<Vec<_>>();
     let stepped = |x: &[f64], place: usize| {
         let mut x = complex(x);
-        x[place].im = Complex::STEP;
+        x[place].im = COMPLEX_STEP;
         x
     };
     for (name, constraint, parameters) in &constraints {
         for _ in 0..6 {
             let [a, v, q] = [(); 3].map(|()| random.vector(14));
             let p: Vec<f64> = (0..*parameters).map(|_| random.uniform(0.3, 1.3)).collect();
-            let h = |a: &[Complex], v: &[Complex], q: &[Complex]| {
+            let h = |a: &[Complex64], v: &[Complex64], q: &[Complex64]| {
                 let mut g = [Taylor::default(); 2];
                 let state = State { a, v, q };
-                ConstraintIn::<Complex>::derivatives(&**constraint, state, &complex(&p), 0.2.into(), 1.0, &mut g);
+                ConstraintIn::<Complex64>::derivatives(&**constraint, state, &complex(&p), 0.2.into(), 1.0, &mut g);
                 g
             };
-            let derivative = |x: Complex| x.im / Complex::STEP;
+            let derivative = |x: Complex64| x.im / COMPLEX_STEP;
             let (mut rates, mut accelerations) = ([Taylor::default(); 28], [Taylor::default(); 28]);
             let state = State { a: &a, v: &v, q: &q };
             constraint.rows(state, &p, 0.2, false, &mut rates);

@@ -3,7 +3,7 @@
 //! The chain (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar is one reverse sweep over the recorded map, whatever the
 //! number of variables.
 
-use crate::scalar::{Complex, Lanes, Rev, Scalar, Tape};
+use crate::scalar::{Complex64, Lanes, Rev, Scalar, Tape};
 
 /// A named number that may be changed by design.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub trait DesignMap {
     /// In real numbers.
     fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String>;
     /// With a complex step.
-    fn complex(&self, x: &[Complex]) -> Result<ModelNumbers<Complex>, String>;
+    fn complex(&self, x: &[Complex64]) -> Result<ModelNumbers<Complex64>, String>;
     /// With derivative lanes.
     fn lanes(&self, x: &[Lanes]) -> Result<ModelNumbers<Lanes>, String>;
     /// Recorded for the reverse sweep.

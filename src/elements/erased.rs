@@ -1,6 +1,6 @@
 use super::{ByPoints, Constraint, Element, Parameter, State};
 use crate::scalar::{
-    Complex, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
+    Complex64, Curved, Direction, Job, LANES, Lanes, Recordable, Rev, Reverse, Scalar, Taylor, add_gradient, curvature,
 };
 use smallvec::SmallVec;
 
@@ -43,7 +43,7 @@ impl RunScalar for f64 {
     }
     view_erased!();
 }
-impl RunScalar for Complex {
+impl RunScalar for Complex64 {
     const PARTS: usize = 1;
     fn part(&self, _index: usize) -> f64 {
         self.im
@@ -97,7 +97,7 @@ pub trait ElementIn<S> {
 }
 
 /// An element with its type erased; every [`Element`] is one.
-pub trait AnyElement: ElementIn<f64> + ElementIn<Complex> + ElementIn<Lanes> + ElementIn<Rev> + Send + Sync {
+pub trait AnyElement: ElementIn<f64> + ElementIn<Complex64> + ElementIn<Lanes> + ElementIn<Rev> + Send + Sync {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Its parameters.
@@ -198,7 +198,7 @@ pub trait ReactingConstraintIn<S>: ConstraintIn<S> {
 
 /// A constraint with its type erased; every [`Constraint`] is one.
 pub trait AnyConstraint:
-    ReactingConstraintIn<f64> + ReactingConstraintIn<Complex> + ReactingConstraintIn<Lanes> + Send + Sync
+    ReactingConstraintIn<f64> + ReactingConstraintIn<Complex64> + ReactingConstraintIn<Lanes> + Send + Sync
 {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;

@@ -1,5 +1,5 @@
 use crate::elements::{Parameter, RunScalar, State};
-use crate::scalar::{Complex, Lanes, Scalar};
+use crate::scalar::{Complex64, Lanes, Scalar};
 
 /// A number at one time, from the states of some nodes and the multipliers of some constraints.
 pub trait Quantity: Send + Sync + 'static {
@@ -27,7 +27,7 @@ pub trait QuantityIn<S> {
 }
 
 /// A quantity with its type erased; every [`Quantity`] is one.
-pub trait AnyQuantity: QuantityIn<f64> + QuantityIn<Complex> + QuantityIn<Lanes> + Send + Sync {
+pub trait AnyQuantity: QuantityIn<f64> + QuantityIn<Complex64> + QuantityIn<Lanes> + Send + Sync {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Its parameters.
@@ -69,4 +69,4 @@ macro_rules! view_quantity {
         }
     )*};
 }
-view_quantity!(f64, Complex, Lanes);
+view_quantity!(f64, Complex64, Lanes);

@@ -10,7 +10,7 @@ use super::newton::Newton;
 use super::{Counters, RunError, StartPlan, Systems};
 use crate::assembly::{Equations, Level, Model, NodeId, Residual, Shift, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
-use crate::scalar::Complex;
+use crate::scalar::{COMPLEX_STEP, Complex64};
 
 /// How far and how closely a path is followed.
 #[derive(Clone, Debug, PartialEq)]
@@ -394,31 +394,31 @@ impl Passed {
 /// Derivatives of residual with reactions, and of constraints, by the load factor: by a complex step of time.
 fn load_rates(problem: &Problem<f64>, q: &[f64], mu: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
     let Problem { model, p, .. } = problem;
-    let complex = |values: &[f64]| values.iter().map(|&value| Complex::from(value)).collect::<Vec<_>>();
+    let complex = |values: &[f64]| values.iter().map(|&value| Complex64::from(value)).collect::<Vec<_>>();
     let (q, mu, p) = (complex(q), complex(mu), complex(p));
-    let time = Complex::new(t, Complex::STEP);
+    let time = Complex64::new(t, COMPLEX_STEP);
     let (mut force, mut gaps) = (vec![0.0; model.dofs], vec![0.0; model.equations]);
     let dofs = |nodes: &[NodeId]| nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect::<Vec<_>>();
-    let mut add = |dofs: &[usize], own: &[Complex]| {
-        dofs.iter().zip(own).for_each(|(&dof, own)| force[dof] += own.im / Complex::STEP);
+    let mut add = |dofs: &[usize], own: &[Complex64]| {
+        dofs.iter().zip(own).for_each(|(&dof, own)| force[dof] += own.im / COMPLEX_STEP);
     };
     for element in &model.elements {
         let dofs = dofs(&element.nodes);
-        let own: Vec<Complex> = dofs.iter().map(|&dof| q[dof]).collect();
+        let own: Vec<Complex64> = dofs.iter().map(|&dof| q[dof]).collect();
         let (still, mut r) = (complex(&vec![0.0; own.len()]), complex(&vec![0.0; own.len()]));
         let state = State { a: &still, v: &still, q: &own };
-        Complex::element(&*element.physics).add_residual(state, &p[element.parameters.clone()], time, &mut r);
+        Complex64::element(&*element.physics).add_residual(state, &p[element.parameters.clone()], time, &mut r);
         add(&dofs, &r);
     }
     for joint in &model.constraints {
         let dofs = dofs(&joint.nodes);
-        let own: Vec<Complex> = dofs.iter().map(|&dof| q[dof]).collect();
-        let (physics, p) = (Complex::constraint(&*joint.physics), &p[joint.parameters.clone()]);
+        let own: Vec<Complex64> = dofs.iter().map(|&dof| q[dof]).collect();
+        let (physics, p) = (Complex64::constraint(&*joint.physics), &p[joint.parameters.clone()]);
         let (mut r, mut g) = (complex(&vec![0.0; own.len()]), complex(&vec![0.0; joint.equations.len()]));
         physics.add_reaction(&own, &mu[joint.equations.clone()], p, time, &mut r);
         add(&dofs, &r);
         physics.value(&own, p, time, &mut g);
-        gaps[joint.equations.clone()].iter_mut().zip(&g).for_each(|(gap, g)| *gap = g.im / Complex::STEP);
+        gaps[joint.equations.clone()].iter_mut().zip(&g).for_each(|(gap, g)| *gap = g.im / COMPLEX_STEP);
     }
     (force, gaps)
 }

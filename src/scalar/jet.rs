@@ -103,16 +103,11 @@ pub(crate) fn powf<S: Scalar>(x: S, exponent: f64) -> Jet<S> {
     [x.powf(exponent), power(exponent, exponent - 1.0), power(exponent * (exponent - 1.0), exponent - 2.0)]
 }
 
-/// The elementary functions of [`Scalar`](super::Scalar) for a type with `fn chain(self, Jet<Inner>) -> Self` and an inner scalar
-/// `self.$inner`.
+/// The elementary functions of [`Scalar`](super::Scalar) for a type with `fn chain(self, Jet<Inner>) -> Self` and an inner
+/// scalar `self.$inner`: all of them, or powers and those that are named.
 macro_rules! functions_by_chain {
     ($inner:ident: $($name:ident),*) => {
         $(#[inline] fn $name(self) -> Self { self.chain($crate::scalar::jet::$name(self.$inner)) })*
-        #[inline(always)]
-        fn sin_cos(self) -> (Self, Self) {
-            let (s, c) = self.$inner.sin_cos();
-            (self.chain([s, c, -s]), self.chain([c, -s, -c]))
-        }
         #[inline]
         fn powi(self, exponent: i32) -> Self { self.chain($crate::scalar::jet::powi(self.$inner, exponent)) }
         #[inline]
@@ -120,6 +115,11 @@ macro_rules! functions_by_chain {
     };
     ($inner:ident) => {
         $crate::scalar::jet::functions_by_chain!($inner: sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+        #[inline(always)]
+        fn sin_cos(self) -> (Self, Self) {
+            let (s, c) = self.$inner.sin_cos();
+            (self.chain([s, c, -s]), self.chain([c, -s, -c]))
+        }
     };
 }
 pub(crate) use functions_by_chain;

@@ -5,17 +5,17 @@
 //! | type | carries | used for |
 //! |---|---|---|
 //! | `f64` | value | simulation |
-//! | [`Complex`] | value and one complex perturbation | complex-step verification |
+//! | [`Complex64`] | value and one complex perturbation | complex-step verification |
 //! | [`Dual<S, N>`](Dual) | value and N directional derivatives | Jacobians, tangent runs |
 //! | [`Taylor<S>`](Taylor) | value, first and second derivative in one direction | time derivatives of constraints |
 //! | [`Reverse<S>`](Reverse) | value and a place on a tape | reactions A^T mu, adjoint products, the chain to design variables |
 //!
-//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex` and eight dual lanes
+//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex64` and eight dual lanes
 //! ([`Rev`] is the first). A sixth, [`Curved`], is a tape with second derivatives for the Jacobian of reactions.
-//! Branches look at [`Scalar::value`] only, so every type takes the same path through a formula. Vectors are
-//! those of nalgebra, with [`SpatialVector`] beside them. The scalars are our own
+//! Branches look at [`Scalar::value`] only, so every type takes the same path through a formula. Complex numbers are
+//! those of num-complex and vectors those of nalgebra, with [`SpatialVector`] beside them. The other types are our own
 //! because two needs exclude the usual crates: a constraint's second time derivative inside a complex-step run is a
-//! `Taylor<Complex>`, and functions whose derivative is infinite at the point of evaluation (`sqrt` at 0) must not
+//! `Taylor<Complex64>`, and functions whose derivative is infinite at the point of evaluation (`sqrt` at 0) must not
 //! turn a vanishing perturbation into NaN.
 
 mod complex;
@@ -29,7 +29,7 @@ mod taylor;
 mod vector;
 mod wide;
 
-pub use complex::Complex;
+pub use complex::COMPLEX_STEP;
 pub use curved::{Curved, Direction, curvature};
 pub use dual::Dual;
 pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gradients};
@@ -40,6 +40,7 @@ pub use vector::SpatialVector;
 pub(crate) use wide::{Job, widest};
 
 pub use nalgebra::{Matrix3, Vector3};
+pub use num_complex::Complex64;
 
 use num_traits::{One, Zero};
 
@@ -56,7 +57,7 @@ pub type Lanes = Dual<f64, LANES>;
 /// A number with which elements, constraints and functionals are evaluated.
 ///
 /// Laws, held by `tests/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for bit
-/// where the function is elementary; derivative parts
+/// where the function is elementary (but for quotients of complex numbers, which round otherwise); derivative parts
 /// follow the chain rule; a zero derivative part stays zero where the derivative of the function is infinite.
 pub trait Scalar:
     Copy

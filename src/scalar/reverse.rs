@@ -1,4 +1,4 @@
-use super::{Complex, Lanes, Scalar};
+use super::{Complex64, Lanes, Scalar};
 use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -73,7 +73,7 @@ macro_rules! recordable {
         }
     )*};
 }
-recordable!(f64, true; Complex, false; Lanes, false);
+recordable!(f64, true; Complex64, false; Lanes, false);
 
 impl<S: Recordable> Records<S> {
     #[inline(always)]

@@ -9,7 +9,7 @@ use crate::integrators::{
     StepControl, Systems, TimeGrid, table_by_name, table_named,
 };
 use crate::linalg::{Factorization, SolverPlan};
-use crate::scalar::{Complex, Lanes, Rev, Scalar};
+use crate::scalar::{Complex64, Lanes, Rev, Scalar};
 use crate::sensitivity::Analysis;
 
 /// Defaults of a scene's runs.
@@ -229,7 +229,7 @@ impl DesignMap for Prepared<'_> {
     fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         self.same_topology(self.scene.build_real(x))
     }
-    fn complex(&self, x: &[Complex]) -> Result<ModelNumbers<Complex>, String> {
+    fn complex(&self, x: &[Complex64]) -> Result<ModelNumbers<Complex64>, String> {
         self.same_topology(self.scene.build_complex(x))
     }
     fn lanes(&self, x: &[Lanes]) -> Result<ModelNumbers<Lanes>, String> {

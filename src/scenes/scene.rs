@@ -2,7 +2,7 @@ use super::builder::MechanismBuilder;
 use super::optimization_problem::OptimizationProblem;
 use super::prepared::Settings;
 use crate::design::DesignVariable;
-use crate::scalar::{Complex, Lanes, Rev, Scalar};
+use crate::scalar::{Complex64, Lanes, Rev, Scalar};
 
 /// A mechanism as a function of its design variables, written once for every number type.
 ///
@@ -44,7 +44,7 @@ pub trait AnyScene: Sync {
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// With a complex step.
-    fn build_complex(&self, x: &[Complex]) -> Result<MechanismBuilder<Complex>, String>;
+    fn build_complex(&self, x: &[Complex64]) -> Result<MechanismBuilder<Complex64>, String>;
     /// With derivative lanes.
     fn build_lanes(&self, x: &[Lanes]) -> Result<MechanismBuilder<Lanes>, String>;
     /// Recorded.
@@ -76,7 +76,7 @@ impl<T: Scene + Sync> AnyScene for T {
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)
     }
-    fn build_complex(&self, x: &[Complex]) -> Result<MechanismBuilder<Complex>, String> {
+    fn build_complex(&self, x: &[Complex64]) -> Result<MechanismBuilder<Complex64>, String> {
         built(self, x)
     }
     fn build_lanes(&self, x: &[Lanes]) -> Result<MechanismBuilder<Lanes>, String> {

@@ -7,7 +7,7 @@ use crate::integrators::{
     Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
     StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
 };
-use crate::scalar::{Complex, LANES, Lanes};
+use crate::scalar::{COMPLEX_STEP, Complex64, LANES, Lanes};
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
 #[derive(Clone, Copy)]
@@ -64,7 +64,7 @@ pub struct Gradient {
 pub(super) trait Perturbed: FunctionalScalar {
     fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String>;
 }
-impl Perturbed for Complex {
+impl Perturbed for Complex64 {
     fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String> {
         map.complex(x)
     }
@@ -86,10 +86,10 @@ pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Lanes>, usi
 }
 
 /// A design with a complex step along one of its variables at a time.
-pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex>> {
+pub(super) fn complex_designs(x: &[f64]) -> impl Iterator<Item = Vec<Complex64>> {
     (0..x.len()).map(|variable| {
-        let mut perturbed: Vec<Complex> = x.iter().map(|&x| Complex::from(x)).collect();
-        perturbed[variable].im = Complex::STEP;
+        let mut perturbed: Vec<Complex64> = x.iter().map(|&x| Complex64::from(x)).collect();
+        perturbed[variable].im = COMPLEX_STEP;
         perturbed
     })
 }
@@ -231,7 +231,7 @@ impl<'m> Analysis<'m> {
             let (values, counters) = self.perturbed_values(&perturbed, forward)?;
             gradient.counters += counters;
             for (row, value) in gradient.rows.iter_mut().zip(values) {
-                row.push(value.im / Complex::STEP);
+                row.push(value.im / COMPLEX_STEP);
             }
         }
         Ok(gradient)

@@ -5,7 +5,7 @@ use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::functionals::{Functional, FunctionalScalar, Sample};
 use crate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord};
-use crate::scalar::Complex;
+use crate::scalar::COMPLEX_STEP;
 
 /// What functionals measure, with its derivatives, at the start and at the end of each step; what they make of it over time is left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,7 +50,7 @@ impl Analysis<'_> {
             let (measured, counters) = self.measured_over_time(&perturbed, forward, &mut course.times)?;
             for (functional, measured) in measured.iter().enumerate() {
                 course.values[functional] = measured.iter().map(|value| value.re).collect();
-                course.derivatives[functional].push(measured.iter().map(|value| value.im / Complex::STEP).collect());
+                course.derivatives[functional].push(measured.iter().map(|value| value.im / COMPLEX_STEP).collect());
             }
             course.counters += counters;
         }

@@ -9,7 +9,7 @@ use costate::elements::Anchor::Body;
 use costate::elements::bodies::EulerParameterNorm;
 use costate::elements::joints::{PrescribedRotation, PrescribedTranslation};
 use costate::elements::{AnyConstraint, ConstraintIn, ReactingConstraintIn, State, TimeFunction};
-use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
+use costate::scalar::{COMPLEX_STEP, Complex64, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
 use std::f64::consts::TAU;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
@@ -75,7 +75,7 @@ fn samples(case: &Case) -> Vec<Sample> {
     (0..12).map(sample).collect()
 }
 
-fn complex(real: &[f64]) -> Vec<Complex> {
+fn complex(real: &[f64]) -> Vec<Complex64> {
     real.iter().map(|&x| x.into()).collect()
 }
 
@@ -117,7 +117,7 @@ fn every_parameter_is_read_unless_the_topology_ignores_it() {
             let moves = samples(&case).iter().any(|sample| {
                 // exactly as many entries as the list of parameters has: reading one more would panic here
                 let mut p = complex(&case.p);
-                p[k].im = Complex::STEP;
+                p[k].im = COMPLEX_STEP;
                 value(&case, &complex(&sample.q), &p, sample.t.into()).iter().any(|g| g.im != 0.0)
             });
             let ignored = case.ignored.iter().any(|start| parameter.name.starts_with(start));
@@ -132,15 +132,15 @@ fn derivatives_equal_complex_steps_along_the_motion() {
         for sample in samples(&case) {
             for t_rate in [0.0, 1.0] {
                 let g = derivatives(&case, sample.state(), &case.p, sample.t, t_rate);
-                let along = |x: &[f64], rate: &[f64]| -> Vec<Complex> {
-                    x.iter().zip(rate).map(|(&x, &rate)| Complex::new(x, rate * Complex::STEP)).collect()
+                let along = |x: &[f64], rate: &[f64]| -> Vec<Complex64> {
+                    x.iter().zip(rate).map(|(&x, &rate)| Complex64::new(x, rate * COMPLEX_STEP)).collect()
                 };
                 let (q, v) = (along(&sample.q, &sample.v), along(&sample.v, &sample.a));
-                let (a, p, t) = (complex(&sample.a), complex(&case.p), Complex::new(sample.t, t_rate * Complex::STEP));
+                let (a, p, t) = (complex(&sample.a), complex(&case.p), Complex64::new(sample.t, t_rate * COMPLEX_STEP));
                 let stepped = value(&case, &q, &p, t);
                 let stepped_rate = derivatives(&case, State { a: &a, v: &v, q: &q }, &p, t, t_rate);
                 let of = |part: fn(&Taylor<f64>) -> f64| g.iter().map(part).collect::<Vec<_>>();
-                let part = |x: &Complex| x.im / Complex::STEP;
+                let part = |x: &Complex64| x.im / COMPLEX_STEP;
                 assert_close(&case.name, &of(|g| g.value), &value(&case, &sample.q, &case.p, sample.t), 1e-15);
                 assert_close(&case.name, &of(|g| g.first), &stepped.iter().map(part).collect::<Vec<_>>(), 1e-12);
                 let second: Vec<_> = stepped_rate.iter().map(|g| part(&g.first)).collect();
@@ -186,9 +186,9 @@ fn reaction_is_the_transposed_gradient_times_the_multipliers() {
             let gradient_times_mu: Vec<f64> = (0..sample.q.len())
                 .map(|column| {
                     let mut q = complex(&sample.q);
-                    q[column].im = Complex::STEP;
+                    q[column].im = COMPLEX_STEP;
                     let g = value(&case, &q, &complex(&case.p), sample.t.into());
-                    g.iter().zip(&sample.mu).map(|(g, mu)| g.im / Complex::STEP * mu).sum()
+                    g.iter().zip(&sample.mu).map(|(g, mu)| g.im / COMPLEX_STEP * mu).sum()
                 })
                 .collect();
             let r = reaction(&case, &sample.q, &sample.mu, &case.p, sample.t);
@@ -230,8 +230,8 @@ fn lanes_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
                 let by_lanes = everything(&case, &seeded);
                 for lane in 0..lanes {
                     let mut stepped = complex(&at);
-                    stepped[first + lane].im = Complex::STEP;
-                    let by_step: Vec<_> = everything(&case, &stepped).iter().map(|x| x.im / Complex::STEP).collect();
+                    stepped[first + lane].im = COMPLEX_STEP;
+                    let by_step: Vec<_> = everything(&case, &stepped).iter().map(|x| x.im / COMPLEX_STEP).collect();
                     let column: Vec<_> = by_lanes.iter().map(|x| x.eps[lane]).collect();
                     let place = format!("{}, derivative to entry {} of (a, v, q, mu, p, t)", case.name, first + lane);
                     assert_close(&place, &column, &by_step, 1e-12);
@@ -422,13 +422,13 @@ fn rows_are_the_gradients_of_all_levels() {
             case.constraint.rows(sample.state(), &case.p, sample.t, true, &mut rows);
             for column in 0..n {
                 let mut q = complex(&sample.q);
-                q[column].im = Complex::STEP;
+                q[column].im = COMPLEX_STEP;
                 let (a, v) = (complex(&sample.a), complex(&sample.v));
                 let state = State { a: &a, v: &v, q: &q };
                 let g = derivatives(&case, state, &complex(&case.p), sample.t.into(), 1.0);
                 for (row, g) in g.iter().enumerate() {
                     let own = rows[row * n + column];
-                    let expected = [g.value.im, g.first.im, g.second.im].map(|im| im / Complex::STEP);
+                    let expected = [g.value.im, g.first.im, g.second.im].map(|im| im / COMPLEX_STEP);
                     assert_close(&case.name, &[own.value, own.first, own.second], &expected, 1e-12);
                 }
             }
@@ -440,7 +440,7 @@ fn rows_are_the_gradients_of_all_levels() {
 fn constraints_depend_on_time_unless_they_say_that_they_are_steady() {
     for case in cases() {
         let depends = samples(&case).iter().any(|sample| {
-            let t = Complex::new(sample.t, Complex::STEP);
+            let t = Complex64::new(sample.t, COMPLEX_STEP);
             value(&case, &complex(&sample.q), &complex(&case.p), t).iter().any(|g| g.im != 0.0)
         });
         // a drive may hold still
@@ -458,7 +458,7 @@ fn separable_constraints_couple_no_two_nodes() {
             let first = case.nodes.first().map_or(1, |node| node.dofs());
             for column in 0..sample.q.len() {
                 let mut q = complex(&sample.q);
-                q[column].im = Complex::STEP;
+                q[column].im = COMPLEX_STEP;
                 let r = reaction(case, &q, &complex(&sample.mu), &complex(&case.p), sample.t.into());
                 let other = if column < first { &r[first..] } else { &r[..first] };
                 assert!(other.iter().all(|r| r.im == 0.0), "{}: coordinate {column} moves {other:?}", case.name);

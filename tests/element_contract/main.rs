@@ -14,7 +14,7 @@ use costate::elements::joints::PrescribedTranslation;
 use costate::elements::{
     AnyElement, Element, ElementIn, PointWork, State, TimeFunction, lagrangian_momentum_rate, lagrangian_residual, wide,
 };
-use costate::scalar::{Complex, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
+use costate::scalar::{COMPLEX_STEP, Complex64, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
 use std::sync::Arc;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
@@ -141,9 +141,9 @@ fn columns_by_lanes(case: &Case, at: &[f64]) -> Vec<Vec<f64>> {
 }
 
 fn column_by_complex_step(case: &Case, at: &[f64], column: usize) -> Vec<f64> {
-    let mut stepped: Vec<Complex> = at.iter().map(|&x| x.into()).collect();
-    stepped[column].im = Complex::STEP;
-    residual(case, &stepped).iter().map(|r| r.im / Complex::STEP).collect()
+    let mut stepped: Vec<Complex64> = at.iter().map(|&x| x.into()).collect();
+    stepped[column].im = COMPLEX_STEP;
+    residual(case, &stepped).iter().map(|r| r.im / COMPLEX_STEP).collect()
 }
 
 fn column_by_differences(case: &Case, at: &[f64], column: usize) -> Vec<f64> {
@@ -296,7 +296,7 @@ fn value_is_the_same_in_every_number_type() {
         for sample in samples(&case) {
             let at = inputs(&case, &sample);
             let real = residual(&case, &at);
-            let complex = residual(&case, &at.iter().map(|&x| Complex::from(x)).collect::<Vec<_>>());
+            let complex = residual(&case, &at.iter().map(|&x| Complex64::from(x)).collect::<Vec<_>>());
             let lanes = residual(&case, &at.iter().map(|&x| Lanes::from(x)).collect::<Vec<_>>());
             assert_close(&case.name, &real, &complex.iter().map(|r| r.re).collect::<Vec<_>>(), 1e-14, 1.0);
             assert_close(&case.name, &real, &lanes.iter().map(|r| r.re).collect::<Vec<_>>(), 1e-14, 1.0);
