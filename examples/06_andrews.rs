@@ -36,7 +36,6 @@ pub const PUBLISHED: [f64; 7] = [
 ];
 
 /// (along + i across) exp(i angle).
-#[inline(always)]
 pub fn arm<S: Scalar>(angle: S, along: S, across: S) -> [S; 2] {
     let (sine, cosine) = angle.sin_cos();
     [along * cosine - across * sine, along * sine + across * cosine]
@@ -46,13 +45,11 @@ pub fn arm<S: Scalar>(angle: S, along: S, across: S) -> [S; 2] {
 pub struct SevenBodies;
 impl Element for SevenBodies {
     const DOFS: usize = 7;
-    const ENERGIES: bool = true;
     fn parameters(&self) -> Vec<Parameter> {
         let inertia = (1..=7).map(|i| Parameter::named(format!("J{i}"), "kg m2"));
         let rest = ["c2", "c4", "c6", "xb - xc", "yb - yc", "sc", "sd", "stiffness", "rest length", "torque"];
         inertia.chain(rest.map(|name| Parameter::new(name, "SI"))).collect()
     }
-    #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let rates = [v[0], v[0] + v[1], v[2], v[4] + v[3], v[4], v[6] + v[5], v[6]];
         let mut alone = S::zero();
@@ -62,13 +59,11 @@ impl Element for SevenBodies {
         let [w1, w2, _, w4, w5, w6, w7] = rates;
         alone + p[7] * q[1].cos() * w1 * w2 + p[8] * q[3].sin() * w5 * w4 + p[9] * q[5].sin() * w7 * w6
     }
-    #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let [x, y] = arm(q[2], p[13], -p[12]);
         let stretch = ((p[10] + x) * (p[10] + x) + (p[11] + y) * (p[11] + y)).sqrt() - p[15];
         p[14] * stretch * stretch * 0.5
     }
-    #[inline(always)]
     fn add_force<S: Scalar>(&self, _v: &[S], _q: &[S], p: &[S], _t: S, force: &mut [S]) {
         force[0] += p[16];
     }
@@ -82,7 +77,6 @@ impl Constraint for Closure {
     fn parameters(&self) -> Vec<Parameter> {
         NUMBERS[14..25].iter().map(|&(name, _, unit)| Parameter::new(name, unit)).collect()
     }
-    #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let [rr, d, ss, e, zt, zf, u, xa, ya, xb, yb] = *p else { unreachable!() };
         let zero = S::zero();

@@ -4,11 +4,12 @@
 //! The way of the data, and the order of the modules: each uses only those before it.
 //!
 //! ```text
-//! scalar        number types: real, complex step, dual lanes, Taylor, reverse
+//! scalar        number types: real, complex step, dual, recorded
+//! program       recorded formulas and what is made of them: derivatives, structure, fast execution
 //! design        design variables x, the map x -> p, q0, v0 and its transpose
 //! elements      residuals R(a, v, q, p, t), constraints g(q, p, t)
-//! assembly      numbering, residual, Jacobian, transposed products
 //! linalg        factor, solve, solve transposed
+//! assembly      numbering, residual, Jacobian, transposed products
 //! integrators   start, stages, projections, step by step through time
 //! history       states kept for the way back
 //! functionals   f of the motion
@@ -42,13 +43,15 @@
 
 pub mod scalar;
 
+pub mod program;
+
 pub mod design;
 
 pub mod elements;
 
-pub mod assembly;
-
 pub mod linalg;
+
+pub mod assembly;
 
 pub mod integrators;
 
@@ -63,6 +66,8 @@ pub mod scenes;
 pub mod optimize;
 
 pub mod io;
+
+pub mod testing;
 
 /// What a file with a user's own element or scene needs.
 pub mod prelude {

@@ -4,7 +4,7 @@ use costate::assembly::NodeId;
 use costate::elements::flexible::shape::TWO;
 use costate::elements::flexible::{STRAINS, Section};
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
-use costate::elements::{ElementIn, Field, Flexible, Interpolation};
+use costate::elements::{Field, Flexible, Interpolation};
 use costate::functionals::quantities::SectionMeasure;
 use costate::history::Watch;
 use costate::integrators::{StepRecord, march, table_named};
@@ -262,9 +262,9 @@ fn invariants(prepared: &Prepared, q: &[f64], v: &[f64]) -> [f64; 7] {
         for (total, direction) in totals.iter_mut().zip(&rigid) {
             let moved: Vec<Complex64> =
                 own_v.iter().zip(direction).map(|(&v, &d)| Complex64::new(v, d * COMPLEX_STEP)).collect();
-            *total += ElementIn::energy(&*element.physics, &moved, &complex_q, &complex_p)[0].im / COMPLEX_STEP;
+            *total += element.physics.energies_at(&moved, &complex_q, &complex_p)[0].im / COMPLEX_STEP;
         }
-        totals[6] += ElementIn::energy(&*element.physics, &own_v, &own_q, own_p).iter().sum::<f64>();
+        totals[6] += element.physics.energies_at(&own_v, &own_q, own_p)[..2].iter().sum::<f64>();
     }
     totals
 }
@@ -505,7 +505,6 @@ impl Field for Cable {
     const NODES: usize = 2;
     const COMPONENTS: usize = 3;
     const POINTS: &'static [&'static [Interpolation]] = &[&[difference(0), difference(1), difference(2)]];
-    const ENERGIES: bool = true;
     fn parameters(&self) -> Vec<Parameter> {
         vec![Parameter::non_negative("EA", "N"), Parameter::positive("length", "m")]
     }

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 13] = [
     "scalar",
+    "program",
     "design",
     "elements",
-    "assembly",
     "linalg",
+    "assembly",
     "integrators",
     "history",
     "functionals",

@@ -1,5 +1,6 @@
 //! Optimizers on problems with published optima, and scenes optimized by their gradients.
 
+use costate::elements::RunScalar;
 use costate::integrators::RunError;
 use costate::io::{read_csv, write_csv};
 use costate::optimize::{
@@ -7,7 +8,7 @@ use costate::optimize::{
     Sqp, Stopping, Values, Watcher, minimize, optimizers,
 };
 use costate::prelude::*;
-use costate::scalar::Lanes;
+use costate::scalar::Tangents;
 use costate::scenes::built_in::{FiveBar, SliderCrank};
 use costate::scenes::{AnyScene, Sense};
 use std::cell::Cell;
@@ -15,7 +16,7 @@ use std::cell::Cell;
 /// f and c of a problem, in real numbers and with derivatives along up to eight variables.
 struct Functions {
     real: fn(&[f64]) -> (f64, Vec<f64>),
-    lanes: fn(&[Lanes]) -> (Lanes, Vec<Lanes>),
+    tangents: fn(&[Tangents]) -> (Tangents, Vec<Tangents>),
 }
 
 /// A test problem of Hock & Schittkowski (1981), Lecture Notes in Economics and Mathematical Systems 187; c <= 0 where they write
@@ -45,10 +46,10 @@ impl NonlinearProgram for HockSchittkowski {
         Ok(Values { objective, constraints })
     }
     fn gradients(&mut self, x: &[f64]) -> Result<Gradients, NoValue> {
-        let mut seeded: Vec<Lanes> = x.iter().map(|&x| Lanes::constant(x)).collect();
-        (0..x.len()).for_each(|i| seeded[i].eps[i] = 1.0);
-        let (f, c) = (self.functions.lanes)(&seeded);
-        let row = |value: &Lanes| value.eps[..x.len()].to_vec();
+        let mut seeded: Vec<Tangents> = x.iter().map(|&x| x.into()).collect();
+        (0..x.len()).for_each(|i| seeded[i].add_to_part(i, 1.0));
+        let (f, c) = (self.functions.tangents)(&seeded);
+        let row = |value: &Tangents| (0..x.len()).map(|i| value.part(i)).collect::<Vec<f64>>();
         Ok(Gradients { objective: row(&f), constraints: c.iter().map(row).collect() })
     }
 }
@@ -59,7 +60,7 @@ macro_rules! problem {
         fn functions<S: Scalar>($x: &[S]) -> (S, Vec<S>) {
             ($f, vec![$($c),*])
         }
-        let functions = Functions { real: functions::<f64>, lanes: functions::<Lanes> };
+        let functions = Functions { real: functions::<f64>, tangents: functions::<Tangents> };
         let (start, bounds) = ($start.to_vec(), $bounds);
         HockSchittkowski {
             number: $number, start, bounds, functions, equalities: $equalities, inequalities: $inequalities, optimum: $optimum,

@@ -17,9 +17,9 @@ impl Element for Oscillator {
     const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m")];
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        let load = if self.jump.is_some_and(|jump| t.value() >= jump) { 1.0 } else { 0.0 };
-        let inside = if s.q[0].value().abs() > self.wall { f64::NAN } else { 1.0 };
-        r[0] += (s.a[0] + p[0] * s.q[0] - S::from(load)) * inside;
+        let load = self.jump.map_or(S::zero(), |jump| t.less(S::from(jump)).select(S::zero(), S::one()));
+        let inside = S::from(self.wall).less(s.q[0].abs()).select(S::from(f64::NAN), S::one());
+        r[0] += (s.a[0] + p[0] * s.q[0] - load) * inside;
     }
     fn kinks(&self, _p: &[f64]) -> Vec<f64> {
         self.jump.filter(|_| self.declared).into_iter().collect()

@@ -1,5 +1,23 @@
-use super::{Term, Variational};
-use crate::scalar::{Scalar, Taylor};
+use super::Variational;
+use crate::scalar::Scalar;
+
+/// A number with its first and second derivative along a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates<S> {
+    /// The number.
+    pub value: S,
+    /// First derivative.
+    pub first: S,
+    /// Second derivative.
+    pub second: S,
+}
+
+impl<S: Scalar> Rates<S> {
+    /// Zeros.
+    pub fn zero() -> Self {
+        Rates { value: S::zero(), first: S::zero(), second: S::zero() }
+    }
+}
 
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,17 +77,6 @@ impl Equations {
         let residual = Shift::new(if first { 2.0 } else { 1.0 }, h, alpha * h * h);
         let constraint = Shift::new(0.0, 0.0, h * h);
         Equations { residual, constraint, level: Level::Position, metric: false, variational: Some(step) }
-    }
-
-    /// How the unknown moves an R that is linear: the impulse of a linear element is that of its own shift.
-    pub(crate) fn linear_shift(&self) -> Shift {
-        let Some(step) = self.variational else { return self.residual };
-        let Shift { beta, alpha, .. } = self.residual;
-        let add = |sum: Shift, term: Term| {
-            let (gamma, rate) = (term.weight * term.a * beta, term.weight * term.v * beta);
-            Shift::new(sum.gamma + gamma, sum.beta + rate, sum.alpha + term.weight * alpha)
-        };
-        step.now().terms().into_iter().fold(Shift::new(0.0, 0.0, 0.0), add)
     }
 
     /// True where R, or what takes its place, at the base point is subtracted.
@@ -152,7 +159,7 @@ impl Equations {
 
     /// Scaled rows of the one or two sets of constraints towards an unknown x that moves one coordinate, and towards y, from the
     /// entry of A and its derivatives along the motion.
-    pub(crate) fn row_entries(&self, a: Taylor<f64>) -> [[f64; 2]; 2] {
+    pub(crate) fn row_entries(&self, a: Rates<f64>) -> [[f64; 2]; 2] {
         let Shift { gamma, beta, alpha } = self.constraint;
         match self.level {
             Level::Position => [[a.value, 0.0], [0.0; 2]],
@@ -164,19 +171,9 @@ impl Equations {
 
     /// Weights of A and of its first and second derivative along the motion in the first of these.
     pub(crate) fn row_weights(&self) -> [f64; 3] {
-        let weight = |a: Taylor<f64>| self.row_entries(a)[0][0];
+        let weight = |a: Rates<f64>| self.row_entries(a)[0][0];
         [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
-            .map(|(value, first, second)| weight(Taylor::new(value, first, second)))
-    }
-
-    /// The same for a nonholonomic constraint, from B and its companions.
-    pub(crate) fn nonholonomic_entries(&self, b: Taylor<f64>) -> [[f64; 2]; 2] {
-        let Shift { beta, alpha, .. } = self.constraint;
-        match self.nonholonomic(false) {
-            None => [[0.0; 2]; 2],
-            Some((Level::Acceleration, _)) => self.row_entries(b),
-            Some(_) => [[b.value + alpha / beta * b.first, 0.0], [alpha / beta * b.first, 0.0]],
-        }
+            .map(|(value, first, second)| weight(Rates { value, first, second }))
     }
 
     /// Factors that give the constraint rows (first set, second set) the scale of A x.
@@ -192,7 +189,7 @@ impl Equations {
 }
 
 /// Accelerations, velocities and coordinates of the whole model.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct VectorsAvq<S> {
     /// Accelerations.
     pub a: Vec<S>,
@@ -230,7 +227,7 @@ impl<S: Scalar> VectorsAvq<S> {
 }
 
 /// Unknowns of one system, node-local multipliers included.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Unknowns<S> {
     /// Accelerations (or scaled increments of a projection).
     pub x: Vec<S>,
@@ -246,9 +243,22 @@ pub struct Unknowns<S> {
     pub local_eta: Vec<S>,
 }
 
-/// Copies field by field, into the memory that is there.
+/// A record that is empty at first, whatever its numbers are.
+macro_rules! empty_fields {
+    ($record:ident { $($field:ident),* $(,)? }) => {
+        impl<S> Default for $record<S> {
+            fn default() -> Self {
+                $record { $($field: Default::default()),* }
+            }
+        }
+    };
+}
+pub(crate) use empty_fields;
+
+/// Empty at first, and copied field by field, into the memory that is there.
 macro_rules! clone_fields {
     ($record:ident { $($field:ident),* }) => {
+        $crate::assembly::empty_fields!($record { $($field),* });
         impl<S: Clone> Clone for $record<S> {
             fn clone(&self) -> Self {
                 $record { $($field: self.$field.clone()),* }

@@ -1,46 +1,25 @@
-use super::blocks::{Assembly, BlockWork, Constants, constants};
-use super::numbering::{Contributor, NOWHERE, System};
-use super::{Equations, Level, Residual, Unknowns, VectorsAvq};
+use super::batches::{BatchWork, Lane, run_parts};
+use super::constraint_programs::{self, Asked};
+use super::element_programs::{self, Force};
+use super::numbering::{Contributor, NOWHERE, Part, System};
+use super::reduction::NodeReduction;
+use super::{Equations, Level, Residual, Shift, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
-use rayon::prelude::*;
-use std::ops::Range;
-
-/// Fewer parts than this are differentiated on one thread.
-const PARALLEL_JACOBIANS: usize = 64;
+use smallvec::SmallVec;
 
 /// The matrix of one system at one point, with the bases along which the unknowns of each node move.
 ///
-/// Columns come from dual numbers seeded along the bases with (gamma, beta, alpha): J N_R without forming J.
+/// Programs of elements and constraints give N_L^T J N_R of each without J.
 pub struct Jacobian {
     /// Values in the order of the system's pattern.
     pub values: Vec<f64>,
     bases: Vec<Bases>,
-    blocks: Vec<Vec<f64>>,
     point: Point,
     /// Coordinates of one node combined with their rates.
     combined: Vec<f64>,
-    work: BlockWork,
-    works: Vec<BlockWork>,
-    /// dR/da, dR/dv, dR/dq of elements where these are constant.
-    constants: Vec<Option<Constants>>,
-    /// Blocks of elements evaluated so far.
+    work: BatchWork<f64>,
+    /// Elements evaluated so far.
     pub evaluated: usize,
-}
-
-/// Pieces into which many blocks are divided, whatever the number of threads.
-const PIECES: usize = 32;
-
-/// Computes blocks with any number of threads, each piece with its own workspace.
-fn in_pieces(
-    blocks: &mut [Vec<f64>],
-    works: &mut Vec<BlockWork>,
-    compute: impl Fn(&mut BlockWork, (usize, &mut Vec<f64>)) + Sync,
-) {
-    let each = blocks.len().div_ceil(PIECES);
-    works.resize_with(PIECES, BlockWork::default);
-    blocks.par_chunks_mut(each).zip(works).enumerate().for_each(|(piece, (blocks, work))| {
-        blocks.iter_mut().enumerate().for_each(|(index, block)| compute(work, (piece * each + index, block)));
-    });
 }
 
 /// Real numbers at which the matrix is assembled.
@@ -90,6 +69,21 @@ pub(super) struct Bases {
     pub right: Vec<f64>,
     /// Number of coordinates at the front that are reduced columns themselves, in both.
     pub plain: usize,
+    /// What both are made of where the other coordinates turn rigidly.
+    scaled: [SmallVec<[f64; 9]>; 2],
+}
+
+impl Bases {
+    /// Writes the numbers that a program makes the bases of.
+    fn write(&self, reduction: NodeReduction, place: usize, lane: &mut Lane<f64>) -> usize {
+        let [left, right] = match reduction {
+            NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => return place,
+            NodeReduction::Turning { .. } => [&self.scaled[0][..], &self.scaled[1]],
+            NodeReduction::Dense { .. } => [&self.left[..], &self.right],
+        };
+        let place = lane.copy(place, left);
+        lane.copy(place, right)
+    }
 }
 
 /// How a reduced column of one node moves its coordinates.
@@ -120,37 +114,6 @@ impl NodeSeeds<'_> {
         (row(dof), if self.stabilized { row(dof + self.dofs) } else { 0.0 })
     }
 
-    /// Whether rate corrections y stand behind the coordinates x.
-    pub fn stabilized(&self) -> bool {
-        self.stabilized
-    }
-
-    /// Writes row `row` of N_R, (x, then y), for some columns.
-    #[inline]
-    pub fn write_row(&self, row: usize, columns: Range<usize>, target: &mut [f64]) {
-        if self.right.is_empty() {
-            if columns.contains(&row) {
-                target[row - columns.start] = 1.0;
-            }
-        } else {
-            let own = &self.right[row * self.columns..(row + 1) * self.columns];
-            let count = columns.len();
-            target[..count].copy_from_slice(&own[columns]);
-        }
-    }
-
-    /// Adds `factor` times row `row` of N_R, (x, then y).
-    #[inline]
-    pub fn add_row(&self, row: usize, factor: f64, target: &mut [f64]) {
-        if self.right.is_empty() || row < self.plain {
-            // a node that is held has no columns
-            target.iter_mut().skip(row).take(1).for_each(|target| *target += factor);
-        } else {
-            let own = &self.right[row * self.columns + self.plain..(row + 1) * self.columns];
-            target[self.plain..].iter_mut().zip(own).for_each(|(target, entry)| *target += factor * entry);
-        }
-    }
-
     /// (d x, d y) of coordinate `dof` for column `column`.
     #[inline]
     pub fn direction(&self, dof: usize, column: usize) -> (f64, f64) {
@@ -167,20 +130,12 @@ impl NodeSeeds<'_> {
 impl Jacobian {
     /// Storage for a system.
     pub fn new(system: &System) -> Self {
-        let storage =
-            |list: &[Contributor]| -> Vec<Vec<f64>> { list.iter().map(|c| vec![0.0; c.positions.len()]).collect() };
-        let mut blocks = storage(&system.element_blocks);
-        blocks.extend(storage(&system.constraint_blocks));
-        blocks.extend(system.node_blocks.iter().map(|(_, c)| vec![0.0; c.positions.len()]));
         Jacobian {
             values: vec![0.0; system.pattern.rows.len()],
             bases: vec![Bases::default(); system.nodes.len()],
-            blocks,
             point: Point::default(),
             combined: Vec::new(),
-            work: BlockWork::default(),
-            works: Vec::new(),
-            constants: Vec::new(),
+            work: BatchWork::default(),
             evaluated: 0,
         }
     }
@@ -198,57 +153,178 @@ impl Jacobian {
         let mut point = std::mem::take(&mut self.point);
         point.set(residual, unknowns);
         self.set_bases(system, equations, &point);
-
-        let (bases, blocks) = (&self.bases, &mut self.blocks);
-        let assembly = Assembly { system, equations, bases, point: &point, p, t };
-        if self.constants.is_empty() {
-            self.constants = (0..system.element_blocks.len()).map(|index| constants(system, index, p)).collect();
-            self.evaluated += 3 * self.constants.iter().flatten().count();
-        }
-        let constants = &self.constants;
-        self.evaluated += constants.iter().filter(|constant| constant.is_none()).count();
-        let (element_blocks, rest) = blocks.split_at_mut(system.element_blocks.len());
-        let (constraint_blocks, node_blocks) = rest.split_at_mut(system.constraint_blocks.len());
-        let element = |work: &mut BlockWork, (index, block): (usize, &mut Vec<f64>)| match &constants[index] {
-            Some(matrices) if matrices.iter().all(Vec::is_empty) => {}
-            Some(matrices) => {
-                block.fill(0.0);
-                assembly.constant_element(work, index, matrices, block);
-            }
-            None => assembly.element(work, index, block),
-        };
-        if element_blocks.len() < PARALLEL_JACOBIANS {
-            element_blocks.iter_mut().enumerate().for_each(|job| element(&mut self.work, job));
-        } else {
-            in_pieces(element_blocks, &mut self.works, element);
-        }
-        let joint = |work: &mut BlockWork, (index, block): (usize, &mut Vec<f64>)| assembly.constraint(work, index, block);
-        if constraint_blocks.len() < PARALLEL_JACOBIANS {
-            constraint_blocks.iter_mut().enumerate().for_each(|job| joint(&mut self.work, job));
-        } else {
-            in_pieces(constraint_blocks, &mut self.works, joint);
-        }
-        for ((node, _), block) in system.node_blocks.iter().zip(node_blocks) {
-            assembly.node(&mut self.work, *node, block);
+        self.values.fill(0.0);
+        self.add_elements(system, equations, &point, p, t);
+        self.add_constraints(system, equations, &point, p, t);
+        for (node, places) in &system.node_blocks {
+            self.add_node(system, equations, (*node, places), &point.unknowns);
         }
         self.point = point;
+    }
 
-        self.values.fill(0.0);
-        let contributors = system.element_blocks.iter().chain(&system.constraint_blocks);
-        let contributors = contributors.chain(system.node_blocks.iter().map(|(_, c)| c)).zip(&self.blocks).enumerate();
-        let is_zero = |index: usize| matches!(self.constants.get(index), Some(Some(all)) if all.iter().all(Vec::is_empty));
-        for (_, (contributor, block)) in contributors.filter(|(index, _)| !is_zero(*index)) {
-            for (&position, &value) in contributor.positions.iter().zip(block) {
-                if position != NOWHERE {
-                    self.values[position] += value;
-                }
+    fn add_elements(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
+        let (force, weights) = match equations.variational {
+            None => (Force::Residual, [0.0; 2]),
+            Some(step) => (Force::Impulse, step.now().weights()),
+        };
+        let (shift, moves) = numbers_of(equations.residual);
+        for batch in system.element_batches(force) {
+            let layout = batch.layout;
+            let program = element_programs::matrix(&batch.formula, layout, &batch.nodes, system.options.stabilized, moves);
+            self.evaluated += batch.parts.len();
+            if program.outputs() == 0 {
+                continue;
             }
+            let Jacobian { values, bases, work, .. } = self;
+            let part = |index: usize| &system.element_parts[batch.parts[index]];
+            run_parts(
+                &program,
+                batch.parts.len(),
+                work,
+                |index, lane| {
+                    let part = part(index);
+                    let mut place = 0;
+                    for own in [&point.at.a, &point.at.v, &point.at.q] {
+                        place = lane.copy_segments(place, part, own);
+                    }
+                    place = lane.copy(place, &p[part.parameters.clone()]);
+                    lane.set(place, t);
+                    if force == Force::Impulse {
+                        lane.copy(layout.weights(), &weights);
+                    }
+                    place = lane.copy(layout.extra(), &shift);
+                    write_bases(bases, part, &batch.nodes, place, lane);
+                },
+                |index, results| {
+                    let places = &system.element_blocks[batch.parts[index]];
+                    add_entries(places, program.labels(), results.iter(), values);
+                },
+            );
         }
     }
 
-    /// Constant matrices of an element, once a matrix has been assembled.
-    pub(super) fn constants_of(&self, element: usize) -> Option<&Constants> {
-        self.constants.get(element)?.as_ref()
+    fn add_constraints(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
+        if equations.variational.is_none() {
+            return self.add_constraints_at(system, (equations, [true; 2], 1.0), point, p, t);
+        }
+        let time = equations.constraint_time(t);
+        self.add_constraints_at(system, (equations, [true, false], 1.0), point, p, time);
+        let factor = equations.variational.map_or(1.0, |step| step.reaction());
+        self.add_constraints_at(system, (equations, [false, true], factor), point, p, equations.reaction_time(t));
+    }
+
+    /// Equations, reactions (with a factor), or both at one point.
+    fn add_constraints_at(
+        &mut self,
+        system: &System,
+        (equations, [with_equations, with_reactions], factor): (&Equations, [bool; 2], f64),
+        point: &Point,
+        p: &[f64],
+        t: f64,
+    ) {
+        let (shift, mut moves) = numbers_of(equations.constraint);
+        let mut at = &point.constraint_at;
+        if !with_equations {
+            // a reaction at the start of a step does not move
+            (moves, at) = ([false; 3], &point.reaction_at);
+        }
+        for batch in system.constraint_batches() {
+            let physics = system.constraint_of(batch);
+            let (mut asked, scales) = Asked::at(equations, physics.is_nonholonomic());
+            let stabilized = asked.stabilized();
+            asked.reactions = with_reactions;
+            if !with_equations {
+                asked.equations = [None; 2];
+            }
+            // behind those of residuals
+            let code = asked.short_code(moves) | 1 << 31;
+            let program = batch.programs.get(code, || constraint_programs::matrix(physics, asked, &batch.nodes, moves));
+            if program.outputs() == 0 {
+                continue;
+            }
+            let Jacobian { values, bases, work, .. } = self;
+            let (layout, unknowns) = (batch.layout, &point.unknowns);
+            let part = |index: usize| &system.constraint_parts[batch.parts[index]];
+            run_parts(
+                &program,
+                batch.parts.len(),
+                work,
+                |index, lane| {
+                    let part = part(index);
+                    let rows = system.equations_of(batch.parts[index]);
+                    let mut place = lane.copy_segments(0, part, &at.v);
+                    place = lane.copy_segments(place, part, &at.q);
+                    place = lane.copy(place, &p[part.parameters.clone()]);
+                    lane.set(place, t);
+                    place = lane.copy_segments(place + 1, part, &at.a);
+                    place = lane.copy(place, &unknowns.mu[rows.clone()]);
+                    if stabilized {
+                        lane.copy(place, &unknowns.eta[rows]);
+                    }
+                    place = lane.copy(layout.scales(), &scales);
+                    place = lane.copy(place, &shift);
+                    write_bases(bases, part, &batch.nodes, place, lane);
+                },
+                |index, results| {
+                    let places = &system.constraint_blocks[batch.parts[index]];
+                    add_entries(places, program.labels(), results.iter().map(|entry| entry * factor), values);
+                },
+            );
+        }
+    }
+
+    /// Adds the curvature of the reaction inside a node, and the identity of its rate corrections.
+    fn add_node(
+        &mut self,
+        system: &System,
+        equations: &Equations,
+        (node, places): (usize, &Contributor),
+        unknowns: &Unknowns<f64>,
+    ) {
+        let (values, bases) = (&mut self.values, &self.bases);
+        let seeds = node_seeds(system, bases, node);
+        let (size, dofs) = (seeds.columns, seeds.dofs);
+        let stabilized = system.options.stabilized;
+        let rows = if stabilized { size / 2 } else { size };
+        let left = |dof: usize, row: usize| {
+            let left = &bases[node].left;
+            if left.is_empty() { f64::from(u8::from(dof == row)) } else { left[dof * rows + row] }
+        };
+        let mut add = |row: usize, column: usize, value: f64| {
+            let place = places.positions[row + column * size];
+            if value != 0.0 && place != NOWHERE {
+                values[place] += value;
+            }
+        };
+        let local = system.nodes[node].local.map(|index| &system.locals[index]);
+        // a reaction at the start of a step does not move
+        if let Some(local) = local.filter(|_| equations.variational.is_none()) {
+            let alpha = equations.constraint.alpha;
+            let sets = [(&unknowns.local_mu, 0, alpha), (&unknowns.local_eta, rows, -alpha)];
+            for (multipliers, first, factor) in sets.into_iter().take(if stabilized { 2 } else { 1 }) {
+                let mu = &multipliers[local.equations.clone()];
+                for (equation, i, j, second) in local.form.second_derivatives() {
+                    let weight = factor * mu[equation] * second;
+                    for column in 0..size {
+                        let (dx, dy) = seeds.direction(j, column);
+                        let along = weight * (dx + dy);
+                        if along != 0.0 {
+                            (0..rows).for_each(|row| add(first + row, column, left(i, row) * along));
+                        }
+                    }
+                }
+            }
+        }
+        if stabilized {
+            for dof in 0..dofs {
+                for column in 0..size {
+                    let (_, dy) = seeds.direction(dof, column);
+                    if dy != 0.0 {
+                        (0..rows).for_each(|row| add(rows + row, column, left(dof, row) * dy));
+                    }
+                }
+            }
+        }
     }
 
     fn set_bases(&mut self, system: &System, equations: &Equations, point: &Point) {
@@ -260,14 +336,20 @@ impl Jacobian {
             let reaction_q = &reaction_at.q[dofs.clone()];
             let stabilized = equations.level == Level::Stabilized;
             if let Some(turning) = local.form.turning().filter(|_| !stabilized) {
-                turning.basis(reaction_q, &mut bases.left);
+                let free = q.len() - turning.coordinates();
                 // rows are linear in the coordinates: at this level those of a combination of them and their rates
                 let [by_value, by_rate, by_second] = equations.row_weights();
                 self.combined.clear();
-                let moving = q.iter().zip(v.iter().zip(a));
+                let moving = q.iter().zip(v.iter().zip(a)).skip(free);
                 self.combined.extend(moving.map(|(q, (v, a))| by_value * q + by_rate * v + by_second * a));
-                turning.basis(&self.combined, &mut bases.right);
-                bases.plain = q.len() - turning.coordinates();
+                let Bases { left, right, scaled: [of_left, of_right], plain } = bases;
+                for (own, given, basis) in [(of_left, &reaction_q[free..], left), (of_right, &self.combined[..], right)] {
+                    own.clear();
+                    own.extend_from_slice(given);
+                    turning.scale(own);
+                    turning.write_basis(free, own, basis);
+                }
+                *plain = free;
                 continue;
             }
             let reaction = super::local::reaction_rows(local, reaction_q);
@@ -433,5 +515,29 @@ pub(super) fn node_seeds<'a>(system: &System, bases: &'a [Bases], node: usize) -
         right: &bases[node].right,
         plain: bases[node].plain,
         stabilized: system.options.stabilized,
+    }
+}
+
+/// Coefficients of a shift, and which of them are not zero.
+fn numbers_of(Shift { gamma, beta, alpha }: Shift) -> ([f64; 3], [bool; 3]) {
+    let all = [gamma, beta, alpha];
+    (all, all.map(|coefficient| coefficient != 0.0))
+}
+
+/// Writes the numbers of the bases of a part's nodes.
+fn write_bases(bases: &[Bases], part: &Part, nodes: &[NodeReduction], mut place: usize, lane: &mut Lane<f64>) {
+    for (&node, &reduction) in part.nodes.iter().zip(nodes) {
+        place = bases[node].write(reduction, place, lane);
+    }
+}
+
+/// Adds entries of a block to their places in the matrix.
+#[inline(always)]
+fn add_entries(places: &Contributor, labels: &[u32], entries: impl Iterator<Item = f64>, values: &mut [f64]) {
+    for (&label, entry) in labels.iter().zip(entries) {
+        // equations that are left out have none
+        if let Some(value) = values.get_mut(places.positions[label as usize]) {
+            *value += entry;
+        }
     }
 }

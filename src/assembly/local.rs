@@ -7,9 +7,9 @@
 use super::numbering::{Local, System};
 use super::quadratic::UnitLength;
 use super::residual::{LocalVec, select};
-use super::{Equations, Level, Shift, Unknowns, VectorsAvq};
+use super::{Equations, Level, Rates, Shift, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
-use crate::scalar::{Scalar, Taylor};
+use crate::scalar::Scalar;
 use smallvec::SmallVec;
 
 /// Rows A (equations by coordinates, row-major) of a node's own constraint.
@@ -72,7 +72,7 @@ pub(super) fn equation_rows(local: &Local, equations: &Equations, node: State<f6
     let stabilized = equations.level == Level::Stabilized;
     let columns = if stabilized { 2 * n } else { n };
     let count = local.equations.len();
-    let mut gradients: SmallVec<[Taylor<f64>; 16]> = SmallVec::from_elem(Taylor::default(), count * n);
+    let mut gradients: SmallVec<[Rates<f64>; 16]> = SmallVec::from_elem(Rates::zero(), count * n);
     local.form.moving_rows(node, &mut gradients);
     let mut rows: LocalVec<f64> = SmallVec::from_elem(0.0, columns * if stabilized { 2 * count } else { count });
     for (place, &gradient) in gradients.iter().enumerate() {
@@ -124,7 +124,7 @@ pub(super) fn restore<S: RunScalar>(
             for (q, &y) in q.iter_mut().zip(unknowns.y.get(dofs.clone()).unwrap_or_default()) {
                 *q += y * equations.constraint.alpha;
             }
-            let mut g: SmallVec<[Taylor<S>; 6]> = SmallVec::from_elem(Taylor::default(), count);
+            let mut g: SmallVec<[Rates<S>; 6]> = SmallVec::from_elem(Rates::zero(), count);
             let state = State { a, v, q };
             local.form.derivatives(state, &mut g);
             let mut residual: LocalVec<S> = g.iter().map(|&g| select(equations.level, g).0 * scales[0]).collect();
@@ -195,7 +195,7 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
                 *own = base + x * factor;
             }
         }
-        let mut g: SmallVec<[Taylor<S>; 6]> = SmallVec::from_elem(Taylor::default(), local.equations.len());
+        let mut g: SmallVec<[Rates<S>; 6]> = SmallVec::from_elem(Rates::zero(), local.equations.len());
         local.form.derivatives(State { a: &a, v: &v, q: &q }, &mut g);
         let terms = local.form.size_of_terms(equations.level, State { a: &a, v: &v, q: &q });
         for (equation, &g) in g.iter().enumerate() {

@@ -11,7 +11,9 @@
 //! which is a Runge-Kutta stage, an initial acceleration or a projection, depending on the shifts (see
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
-mod blocks;
+mod batches;
+mod constraint_programs;
+mod element_programs;
 mod equations;
 mod jacobian;
 mod local;
@@ -19,16 +21,15 @@ mod model;
 mod numbering;
 mod products;
 mod quadratic;
+mod reduction;
 mod residual;
-mod sparse_pattern;
 mod variational;
 
-pub(crate) use equations::clone_fields;
-pub use equations::{Equations, Level, Shift, Unknowns, VectorsAvq};
+pub use equations::{Equations, Level, Rates, Shift, Unknowns, VectorsAvq};
+pub(crate) use equations::{clone_fields, empty_fields};
 pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 pub use numbering::{System, SystemOptions};
-pub use products::{Adjoints, ProductBars, ProductPoint};
+pub use products::{Adjoints, ConstraintPart, ProductBars, ProductPoint, Products};
 pub use residual::Residual;
-pub use sparse_pattern::SparsePattern;
-pub use variational::{Impulse, Term, Variational};
+pub use variational::{Impulse, Variational};

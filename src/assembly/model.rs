@@ -1,5 +1,5 @@
 use crate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
-use crate::elements::{Anchor, AnyConstraint, AnyElement};
+use crate::elements::{Anchor, AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics};
 use std::ops::Range;
 
 /// A node of the model.
@@ -53,10 +53,10 @@ impl NodeKind {
     }
 
     /// The constraint inside the node, if it has one.
-    pub fn local_constraint(self) -> Option<Box<dyn AnyConstraint>> {
+    pub fn local_constraint(self) -> Option<ConstraintPhysics> {
         match self {
-            NodeKind::Body => Some(Box::new(EulerParameterNorm)),
-            NodeKind::Natural => Some(Box::new(OrthonormalAxes)),
+            NodeKind::Body => Some(ConstraintPhysics::new(Box::new(EulerParameterNorm))),
+            NodeKind::Natural => Some(ConstraintPhysics::new(Box::new(OrthonormalAxes))),
             _ => None,
         }
     }
@@ -85,7 +85,7 @@ pub struct Node {
 }
 
 /// An element or constraint with its name, nodes and parameters.
-pub struct Attached<T: ?Sized> {
+pub struct Attached<P> {
     /// Name for messages and output.
     pub name: String,
     /// The nodes, in the order in which it sees their coordinates.
@@ -95,7 +95,7 @@ pub struct Attached<T: ?Sized> {
     /// Place of its equations in mu; empty for elements.
     pub equations: Range<usize>,
     /// The physics.
-    pub physics: Box<T>,
+    pub physics: P,
 }
 
 /// The topology of a mechanism: nodes, elements and constraints, without any physical number.
@@ -104,9 +104,9 @@ pub struct Model {
     /// Nodes, in the order of their coordinates.
     pub nodes: Vec<Node>,
     /// Bodies, springs, loads.
-    pub elements: Vec<Attached<dyn AnyElement>>,
+    pub elements: Vec<Attached<ElementPhysics>>,
     /// Joints and drivers.
-    pub constraints: Vec<Attached<dyn AnyConstraint>>,
+    pub constraints: Vec<Attached<ConstraintPhysics>>,
     /// Length of q.
     pub dofs: usize,
     /// Length of mu.
@@ -133,14 +133,16 @@ impl Model {
 
     /// Adds an element; the caller has checked the number of coordinates.
     pub fn add_element(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyElement>) -> ElementId {
-        let parameters = self.add_parameters(physics.parameter_list().len());
+        let physics = ElementPhysics::new(physics);
+        let parameters = self.add_parameters(physics.parameter_count());
         self.elements.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
         ElementId(self.elements.len() - 1)
     }
 
     /// Adds a constraint; the caller has checked the number of coordinates.
     pub fn add_constraint(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyConstraint>) -> ConstraintId {
-        let parameters = self.add_parameters(physics.parameter_list().len());
+        let physics = ConstraintPhysics::new(physics);
+        let parameters = self.add_parameters(physics.parameter_count());
         let equations = self.equations..self.equations + physics.equation_count();
         self.equations = equations.end;
         self.constraints.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations, physics });

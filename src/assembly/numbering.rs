@@ -1,10 +1,13 @@
+use super::Jacobian;
+use super::batches::{ConstraintBatch, ElementBatch};
+use super::element_programs::Force;
 use super::model::{Model, NodeId};
 use super::quadratic::Quadratic;
-use super::{Jacobian, SparsePattern};
-use crate::elements::AnyConstraint;
+use crate::elements::ConstraintPhysics;
+use crate::linalg::SparsePattern;
 use smallvec::SmallVec;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Choices that fix the unknowns of a [`System`].
 #[derive(Clone, Debug, Default)]
@@ -21,14 +24,14 @@ pub struct SystemOptions {
 pub(super) struct Local {
     pub node: usize,
     pub equations: Range<usize>,
-    pub physics: Box<dyn AnyConstraint>,
+    pub physics: ConstraintPhysics,
     /// Its closed form.
     pub form: Quadratic,
 }
 
 /// A constraint whose multipliers are unknowns of the matrix.
 pub(super) struct GlobalConstraint<'s> {
-    pub physics: &'s dyn AnyConstraint,
+    pub physics: &'s ConstraintPhysics,
     pub equations: Range<usize>,
 }
 
@@ -47,8 +50,6 @@ pub(super) struct Part {
     pub segments: SmallVec<[Range<usize>; 3]>,
     /// Number of coordinates.
     pub dofs: usize,
-    /// Reduced columns: node (in the order of `segments`) and its column, one after the other.
-    pub columns: SmallVec<[(usize, usize); 18]>,
     /// Nodes of the model.
     pub nodes: SmallVec<[usize; 3]>,
     /// Parameters.
@@ -56,17 +57,26 @@ pub(super) struct Part {
 }
 
 impl Part {
-    fn new(model: &Model, unknowns: &[NodeUnknowns], ids: &[NodeId], parameters: Range<usize>) -> Self {
+    fn new(model: &Model, ids: &[NodeId], parameters: Range<usize>) -> Self {
         let segments: SmallVec<[Range<usize>; 3]> = ids.iter().map(|id| model.nodes[id.0].dofs.clone()).collect();
-        let columns_of =
-            |(place, id): (usize, &NodeId)| (0..unknowns[id.0].columns.len()).map(move |column| (place, column));
         Part {
             dofs: segments.iter().map(ExactSizeIterator::len).sum(),
-            columns: ids.iter().enumerate().flat_map(columns_of).collect(),
             nodes: ids.iter().map(|id| id.0).collect(),
             segments,
             parameters,
         }
+    }
+
+    /// Place in the model's vectors of one of its coordinates.
+    #[inline(always)]
+    pub fn dof(&self, mut place: usize) -> usize {
+        for segment in &self.segments {
+            if place < segment.len() {
+                return segment.start + place;
+            }
+            place -= segment.len();
+        }
+        usize::MAX
     }
 }
 
@@ -94,12 +104,13 @@ pub struct System<'m> {
     pub(super) element_parts: Vec<Part>,
     /// Joints and drivers, then the constraints inside nodes where these are not eliminated.
     pub(super) constraint_parts: Vec<Part>,
-    /// Nodes one by one.
-    pub(super) node_parts: Vec<Part>,
     pub(super) element_blocks: Vec<Contributor>,
     pub(super) constraint_blocks: Vec<Contributor>,
     /// Nodes with an eliminated constraint, or all of them at the stabilized level.
     pub(super) node_blocks: Vec<(usize, Contributor)>,
+    /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
+    batches: [OnceLock<Vec<ElementBatch>>; 2],
+    constraint_batches: OnceLock<Vec<ConstraintBatch>>,
 }
 
 impl<'m> System<'m> {
@@ -120,7 +131,7 @@ impl<'m> System<'m> {
                         free -= equations.len();
                         unknowns.local = Some(locals.len());
                     }
-                    locals.push(Local { node: index, equations, form: Quadratic::of(&*physics), physics });
+                    locals.push(Local { node: index, equations, form: Quadratic::of(&physics), physics });
                 }
                 columns += copies * free;
                 unknowns.columns.end = columns;
@@ -160,10 +171,12 @@ impl<'m> System<'m> {
         let mut constraints = Vec::new();
         for constraint in &model.constraints {
             let own = node_columns(&constraint.nodes);
-            let nodes = if constraint.physics.is_separable() {
-                constraint.nodes.iter().flat_map(|id| nodes[id.0].columns.clone().map(|_| Some(id.0))).collect()
-            } else {
-                vec![None; own.len()]
+            let nodes = match constraint
+                .physics
+                .is_separable(&constraint.nodes.iter().map(|id| model.nodes[id.0].dofs.len()).collect::<Vec<_>>())
+            {
+                true => constraint.nodes.iter().flat_map(|id| nodes[id.0].columns.clone().map(|_| Some(id.0))).collect(),
+                false => vec![None; own.len()],
             };
             let unknowns = with_multipliers(own, constraint.equations.clone());
             constraints.push(Coupled { unknowns, nodes, diagonal: constraint.physics.is_nonholonomic() });
@@ -198,16 +211,14 @@ impl<'m> System<'m> {
         };
         let (element_blocks, constraint_blocks) = (place(elements), place(constraints));
         let node_blocks = block_nodes.into_iter().zip(place(node_blocks)).collect();
-        let part = |ids: &[NodeId], parameters: &Range<usize>| Part::new(model, &nodes, ids, parameters.clone());
+        let part = |ids: &[NodeId], parameters: &Range<usize>| Part::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
         let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[NodeId(local.node)], &(0..0)));
         let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
-        let node_parts = (0..nodes.len()).map(|node| part(&[NodeId(node)], &(0..0))).collect();
         System {
             model,
             element_parts,
             constraint_parts,
-            node_parts,
             nodes,
             locals,
             local_equations,
@@ -218,6 +229,29 @@ impl<'m> System<'m> {
             node_blocks,
             pattern: Arc::new(pattern),
             options,
+            batches: [const { OnceLock::new() }; 2],
+            constraint_batches: OnceLock::new(),
+        }
+    }
+
+    /// Elements that are evaluated side by side.
+    pub(super) fn element_batches(&self, force: Force) -> &[ElementBatch] {
+        self.batches[force as usize].get_or_init(|| self.sort_elements(force))
+    }
+
+    /// Constraints that are evaluated side by side.
+    pub(super) fn constraint_batches(&self) -> &[ConstraintBatch] {
+        self.constraint_batches.get_or_init(|| self.sort_constraints())
+    }
+
+    /// Places of the multipliers of a constraint.
+    pub(super) fn equations_of(&self, part: usize) -> Range<usize> {
+        match self.model.constraints.get(part) {
+            Some(joint) => joint.equations.clone(),
+            None => {
+                let own = &self.locals[part - self.model.constraints.len()].equations;
+                own.start + self.model.equations..own.end + self.model.equations
+            }
         }
     }
 
@@ -229,12 +263,12 @@ impl<'m> System<'m> {
     /// One of the global constraints.
     pub(super) fn global_constraint(&self, index: usize) -> Option<GlobalConstraint<'_>> {
         if let Some(joint) = self.model.constraints.get(index) {
-            return Some(GlobalConstraint { physics: &*joint.physics, equations: joint.equations.clone() });
+            return Some(GlobalConstraint { physics: &joint.physics, equations: joint.equations.clone() });
         }
         let local = self.locals.get(index - self.model.constraints.len())?;
         let shift = self.model.equations;
         Some(GlobalConstraint {
-            physics: &*local.physics,
+            physics: &local.physics,
             equations: local.equations.start + shift..local.equations.end + shift,
         })
     }

@@ -1,10 +1,12 @@
-use super::blocks::load;
-use super::numbering::{GlobalConstraint, Part, System};
-use super::residual::{Local3, LocalVec, select, write_level};
-use super::{Equations, Impulse, Jacobian, Level, Unknowns, VectorsAvq};
-use crate::elements::{ElementIn, PointWork, RunScalar, State};
-use crate::scalar::{Direction, LANES, Lanes, Rev, Taylor, add_gradients};
-use smallvec::SmallVec;
+use super::batches::{BatchWork, run_parts};
+use super::constraint_programs::{self, Asked};
+use super::element_programs::{self, Force};
+use super::numbering::{Part, System};
+use super::residual::LocalVec;
+use super::{Equations, Impulse, Level, Rates, Unknowns, VectorsAvq};
+use crate::elements::State;
+use crate::program::ProgramCache;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Adjoint variables of one system: one number for each row of F, Y, G, and of the equations inside nodes.
@@ -36,15 +38,13 @@ impl Adjoints {
     }
 }
 
-/// Where products are taken: point, parameters, time, and which parameters' derivatives are asked for.
+/// Where products are taken.
 #[derive(Clone, Copy)]
 pub struct ProductPoint<'p> {
     /// (a, v, q).
     pub at: &'p VectorsAvq<f64>,
     /// Parameters.
     pub p: &'p [f64],
-    /// Parameters that depend on a design variable; the others get no derivative.
-    pub active: &'p [bool],
     /// Time [s].
     pub t: f64,
 }
@@ -57,444 +57,226 @@ pub struct ProductBars<'b> {
     pub p: &'b mut [f64],
 }
 
-/// Which of a joint's adjoints are not all zero.
-#[derive(Clone, Copy)]
-struct Weighing {
-    equations: bool,
-    reactions: bool,
+/// What part of the constraints products are taken of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConstraintPart {
+    /// Equations and reactions, which are taken at the same point.
+    Both,
+    /// Equations alone.
+    Equations,
+    /// Reactions alone, with a factor.
+    Reactions(f64),
 }
 
-/// Numbers of one part, reused from part to part.
-#[derive(Default)]
-struct Work {
-    state: Local3<f64>,
-    /// One row for each functional.
-    weights: Vec<f64>,
-    gradients: Vec<f64>,
-    results: Vec<Rev>,
-    rows: Vec<Taylor<f64>>,
-    reaction_rows: Vec<f64>,
-    directions: Vec<Direction>,
-    curvature: Vec<Direction>,
-    multipliers: Vec<f64>,
-    /// (a, v, q), parameters, reaction, multipliers.
-    lanes: [Vec<Lanes>; 6],
-    points: PointWork,
+/// Parts of a batch with the same parameters that are asked for.
+struct Selection {
+    /// Number of the batch.
+    batch: usize,
+    /// Which parameters.
+    asked: Vec<bool>,
+    /// Parts.
+    parts: Vec<usize>,
+    programs: ProgramCache,
 }
 
-/// Copies the numbers of a part's coordinates.
-fn pick(part: &Part, values: &[f64], target: &mut Vec<f64>) {
-    for segment in &part.segments {
-        target.extend_from_slice(&values[segment.clone()]);
-    }
-}
-
-fn add_to(part: &Part, local: &[f64], values: &mut [f64]) {
-    let mut first = 0;
-    for segment in &part.segments {
-        for (value, l) in values[segment.clone()].iter_mut().zip(&local[first..]) {
-            *value += l;
+fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[Part], active: &[bool]) -> Vec<Selection> {
+    let mut selections: Vec<Selection> = Vec::new();
+    for (batch, parts) in parts.enumerate() {
+        let mut places: HashMap<&[bool], usize> = HashMap::new();
+        for &part in parts {
+            let asked = &active[all[part].parameters.clone()];
+            let place = *places.entry(asked).or_insert_with(|| {
+                selections.push(Selection { batch, asked: asked.to_vec(), parts: Vec::new(), programs: ProgramCache::default() });
+                selections.len() - 1
+            });
+            selections[place].parts.push(part);
         }
-        first += segment.len();
     }
+    selections
 }
 
-/// Arguments of R up to which it is differentiated in lanes instead of recorded.
-const FEW: usize = 5 * LANES;
-
-fn add_gradient_rows(part: &Part, gradients: &[f64], variables: usize, bars: &mut [ProductBars]) {
-    let n = part.dofs;
-    for (bar, gradient) in bars.iter_mut().zip(gradients.chunks_exact(variables)) {
-        add_to(part, gradient, &mut bar.at.a);
-        add_to(part, &gradient[n..], &mut bar.at.v);
-        add_to(part, &gradient[2 * n..], &mut bar.at.q);
-        bar.p[part.parameters.clone()].iter_mut().zip(&gradient[3 * n..]).for_each(|(bar, g)| *bar += g);
-    }
+/// Products of adjoint variables with the derivatives of elements and constraints.
+pub struct Products {
+    /// Residuals, impulses.
+    elements: [Option<Vec<Selection>>; 2],
+    constraints: Option<Vec<Selection>>,
+    active: Vec<bool>,
+    work: BatchWork<f64>,
+    chosen: Vec<usize>,
 }
 
-impl System<'_> {
-    /// Adds `sign` times the gradient of lambda . R(a, v, q, p, t) for every functional: R is recorded once for all of them; that of
-    /// linear elements towards (a, v, q) is known from an assembled matrix.
-    pub fn add_element_products(
-        &self,
-        jacobian: &Jacobian,
+impl Products {
+    /// For parameters that depend on a design variable; the others get no derivative.
+    pub fn new(active: &[bool]) -> Self {
+        let (work, chosen) = (BatchWork::default(), Vec::new());
+        Products { elements: [None, None], constraints: None, active: active.to_vec(), work, chosen }
+    }
+
+    /// Adds `sign` times the gradient of lambda . R(a, v, q, p, t), or of lambda . (w_P P + w_F F) for an impulse, for every functional.
+    pub fn add_elements(
+        &mut self,
+        system: &System,
         adjoints: &[Adjoints],
-        sign: f64,
-        point: ProductPoint,
+        (impulse, sign): (Option<Impulse>, f64),
+        ProductPoint { at, p, t }: ProductPoint,
         bars: &mut [ProductBars],
     ) {
-        let mut work = Work::default();
-        let ProductPoint { at, p, active, t } = point;
-        for (index, (element, part)) in self.model.elements.iter().zip(&self.element_parts).enumerate() {
-            let n = part.dofs;
-            work.weights.clear();
-            for adjoint in adjoints {
-                pick(part, &adjoint.f, &mut work.weights);
-            }
-            if work.weights.iter().all(|&w| w == 0.0) {
-                continue;
-            }
-            work.weights.iter_mut().for_each(|weight| *weight *= sign);
-            let own = part.parameters.clone();
-            let with_parameters = active[own.clone()].contains(&true);
-            let variables = 3 * n + if with_parameters { own.len() } else { 0 };
-            work.gradients.clear();
-            work.gradients.resize(variables * adjoints.len(), 0.0);
-            let known = jacobian.constants_of(index).filter(|_| element.physics.points().is_none());
-            if let Some(matrices) = known {
-                let rows = work.weights.chunks_exact(n).zip(work.gradients.chunks_exact_mut(variables));
-                for (weights, gradient) in rows {
-                    for (matrix, gradient) in matrices.iter().zip(gradient.chunks_exact_mut(n)) {
-                        for (row, weight) in matrix.chunks_exact(n).zip(weights) {
-                            gradient.iter_mut().zip(row).for_each(|(target, entry)| *target += weight * entry);
+        let (force, weights) = match impulse {
+            None => (Force::Residual, [0.0; 2]),
+            Some(impulse) => (Force::Impulse, impulse.weights()),
+        };
+        let batches = system.element_batches(force);
+        let Products { elements, active, work, chosen, .. } = self;
+        let selections = elements[force as usize].get_or_insert_with(|| {
+            select(batches.iter().map(|batch| batch.parts.as_slice()), &system.element_parts, active)
+        });
+        for Selection { batch, asked, parts, programs } in selections {
+            let (batch, n) = (&batches[*batch], batches[*batch].layout.n);
+            let layout = batch.layout;
+            let program = programs.get(0, || element_programs::products(&batch.formula, layout, asked));
+            for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+                chosen.clear();
+                let weighs = |part: &&usize| any(&system.element_parts[**part], &adjoint.f);
+                chosen.extend(parts.iter().filter(weighs));
+                let part = |index: usize| &system.element_parts[chosen[index]];
+                run_parts(
+                    &program,
+                    chosen.len(),
+                    work,
+                    |index, lane| {
+                        let part = part(index);
+                        let mut place = 0;
+                        for own in [&at.a, &at.v, &at.q] {
+                            place = lane.copy_segments(place, part, own);
                         }
-                    }
-                }
+                        place = lane.copy(place, &p[part.parameters.clone()]);
+                        lane.set(place, t);
+                        if force == Force::Impulse {
+                            lane.copy(layout.weights(), &weights);
+                        }
+                        lane.copy_segments(layout.extra(), part, &adjoint.f);
+                    },
+                    |index, results| {
+                        let part = part(index);
+                        for (&label, own) in program.labels().iter().zip(results.iter()) {
+                            let label = label as usize;
+                            let target = match label / n {
+                                0 => &mut bar.at.a[part.dof(label)],
+                                1 => &mut bar.at.v[part.dof(label - n)],
+                                2 => &mut bar.at.q[part.dof(label - 2 * n)],
+                                _ => &mut bar.p[part.parameters.start + label - layout.p()],
+                            };
+                            *target += sign * own;
+                        }
+                    },
+                );
             }
-            if let Some(points) = element.physics.points() {
-                let s = work.state.state(part, at);
-                points.pull_back(s, &p[own], t, &work.weights, &mut work.points, &mut work.gradients);
-                add_gradient_rows(part, &work.gradients, variables, bars);
-                continue;
-            }
-            if variables <= FEW || known.is_some() {
-                let first = if known.is_some() { 3 * n } else { 0 };
-                self.add_element_lanes(index, part, with_parameters, first..variables, point, &mut work);
-                add_gradient_rows(part, &work.gradients, variables, bars);
-                continue;
-            }
-            work.results.clear();
-            work.results.resize(n, Rev::default());
-            let State { a, v, q } = work.state.state(part, at);
-            let numbers = &p[own.clone()];
-            let varied = if with_parameters { numbers } else { &[] };
-            let physics: &dyn ElementIn<Rev> = &*element.physics;
-            let record = |x: &[Rev], r: &mut [Rev]| {
-                let (a, rest) = x.split_at(n);
-                let (v, rest) = rest.split_at(n);
-                let (q, p) = rest.split_at(n);
-                let state = State { a, v, q };
-                if with_parameters {
-                    physics.add_residual(state, p, Rev::from(t), r);
-                } else {
-                    physics.add_residual(state, &constants(numbers), Rev::from(t), r);
-                }
-            };
-            let rows = work.weights.chunks_exact(n).zip(work.gradients.chunks_exact_mut(variables));
-            let values = [a, v, q, varied].into_iter().flatten().copied();
-            add_gradients(values, record, &mut work.results, rows);
-            add_gradient_rows(part, &work.gradients, variables, bars);
-        }
-    }
-
-    /// Adds `sign` times the gradient of lambda . (w_P P + w_F F) at (v, q) for every functional.
-    pub fn add_impulse_products(
-        &self,
-        jacobian: &Jacobian,
-        adjoints: &[Adjoints],
-        (impulse, sign): (Impulse, f64),
-        point: ProductPoint,
-        bars: &mut [ProductBars],
-    ) {
-        let ProductPoint { at: VectorsAvq { v, q, .. }, p, active, t } = point;
-        for term in impulse.terms() {
-            let scaled = |factor: f64| v.iter().map(|v| factor * v).collect();
-            let at = VectorsAvq { a: scaled(term.a), v: scaled(term.v), q: q.clone() };
-            let mut own = vec![VectorsAvq::zeros(q.len()); bars.len()];
-            let targets = own.iter_mut().zip(&mut *bars);
-            let mut targets: Vec<ProductBars> = targets.map(|(at, bar)| ProductBars { at, p: &mut *bar.p }).collect();
-            let there = ProductPoint { at: &at, p, active, t };
-            self.add_element_products(jacobian, adjoints, sign * term.weight, there, &mut targets);
-            drop(targets);
-            for (bar, own) in bars.iter_mut().zip(&own) {
-                let VectorsAvq { v, q, .. } = &mut *bar.at;
-                v.iter_mut().zip(own.a.iter().zip(&own.v)).for_each(|(v, (of_a, of_v))| *v += term.a * of_a + term.v * of_v);
-                q.iter_mut().zip(&own.q).for_each(|(q, own)| *q += own);
-            }
-        }
-        if impulse.force != 0.0 {
-            self.add_momentum_rate_products(adjoints, sign * impulse.force, point, bars);
-        }
-    }
-
-    /// Adds `factor` times the gradient of lambda . (dP/dq) v, eight arguments at a time.
-    fn add_momentum_rate_products(&self, adjoints: &[Adjoints], factor: f64, point: ProductPoint, bars: &mut [ProductBars]) {
-        let mut work = Work::default();
-        for (element, part) in self.model.elements.iter().zip(&self.element_parts) {
-            if element.physics.has_constant_mass() {
-                continue;
-            }
-            let n = part.dofs;
-            let Work { state, lanes: [_, v, q, p, r, _], weights, gradients, .. } = &mut work;
-            weights.clear();
-            adjoints.iter().for_each(|adjoint| pick(part, &adjoint.f, weights));
-            let own = state.state(part, point.at);
-            load(v, own.v);
-            load(q, own.q);
-            load(p, &point.p[part.parameters.clone()]);
-            let with_parameters = point.active[part.parameters.clone()].contains(&true);
-            let variables = 3 * n + if with_parameters { p.len() } else { 0 };
-            gradients.clear();
-            gradients.resize(variables * adjoints.len(), 0.0);
-            // nothing depends on accelerations
-            for first in (n..variables).step_by(LANES) {
-                let width = LANES.min(variables - first);
-                for (argument, lane) in v.iter_mut().chain(&mut *q).chain(&mut *p).skip(first - n).zip(0..width) {
-                    argument.eps[lane] = 1.0;
-                }
-                r.clear();
-                r.resize(n, Lanes::default());
-                Lanes::element(&*element.physics).add_momentum_rate(v, q, p, r);
-                for (weights, gradient) in weights.chunks_exact(n).zip(gradients.chunks_exact_mut(variables)) {
-                    for (r, weight) in r.iter().zip(weights) {
-                        let targets = gradient[first..first + width].iter_mut();
-                        targets.zip(r.eps).for_each(|(target, r)| *target += factor * weight * r);
-                    }
-                }
-                let arguments = v.iter_mut().chain(&mut *q).chain(&mut *p).skip(first - n);
-                arguments.take(width).for_each(|argument| argument.eps = [0.0; LANES]);
-            }
-            add_gradient_rows(part, gradients, variables, bars);
-        }
-    }
-
-    /// Gradients of weights . R by differentiating R along eight of its arguments at a time: shared by all functionals, and for few
-    /// arguments faster than a recording.
-    fn add_element_lanes(
-        &self,
-        index: usize,
-        part: &Part,
-        with_parameters: bool,
-        varied: Range<usize>,
-        point: ProductPoint,
-        work: &mut Work,
-    ) {
-        if varied.is_empty() {
-            return;
-        }
-        let (n, variables) = (part.dofs, varied.end);
-        let Work { state, lanes: [a, v, q, p, r, _], weights, gradients, .. } = work;
-        let own = state.state(part, point.at);
-        load(a, own.a);
-        load(v, own.v);
-        load(q, own.q);
-        load(p, &point.p[part.parameters.clone()]);
-        let count = if with_parameters { p.len() } else { 0 };
-        let physics = Lanes::element(&*self.model.elements[index].physics);
-        for first in varied.step_by(LANES) {
-            let width = LANES.min(variables - first);
-            let arguments = a.iter_mut().chain(&mut *v).chain(&mut *q).chain(p.iter_mut().take(count));
-            for (argument, lane) in arguments.skip(first).zip(0..width) {
-                argument.eps[lane] = 1.0;
-            }
-            r.clear();
-            r.resize(n, Lanes::default());
-            physics.add_residual(State { a, v, q }, p, Lanes::from(point.t), r);
-            for (weights, gradient) in weights.chunks_exact(n).zip(gradients.chunks_exact_mut(variables)) {
-                for (r, weight) in r.iter().zip(weights) {
-                    gradient[first..first + width].iter_mut().zip(r.eps).for_each(|(target, r)| *target += weight * r);
-                }
-            }
-            let arguments = a.iter_mut().chain(&mut *v).chain(&mut *q).chain(p.iter_mut().take(count));
-            arguments.skip(first).take(width).for_each(|argument| argument.eps = [0.0; LANES]);
         }
     }
 
     /// Adds the gradient of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G of all joints, for every functional.
-    pub fn add_constraint_products(
-        &self,
-        equations: &Equations,
+    pub fn add_constraints(
+        &mut self,
+        system: &System,
+        (equations, which): (&Equations, ConstraintPart),
         adjoints: &[Adjoints],
         unknowns: &Unknowns<f64>,
-        point: ProductPoint,
+        ProductPoint { at, p, t }: ProductPoint,
         bars: &mut [ProductBars],
     ) {
-        let mut work = Work::default();
-        for (joint, part) in self.global_constraints().zip(&self.constraint_parts) {
-            // equations and reactions of a variational step act at different points: at each the adjoints of the others are zero
-            let weigh =
-                |values: &[f64], places: Range<usize>| values.get(places).unwrap_or_default().iter().any(|&own| own != 0.0);
-            let equations_weigh = |own: &Adjoints| [&own.g, &own.g_second].iter().any(|g| weigh(g, joint.equations.clone()));
-            let reaction_weighs =
-                |own: &Adjoints| part.segments.iter().any(|s| weigh(&own.f, s.clone()) || weigh(&own.y, s.clone()));
-            let weighing = Weighing {
-                equations: adjoints.iter().any(equations_weigh),
-                reactions: adjoints.iter().any(reaction_weighs),
-            };
-            if weighing.equations {
-                self.add_row_products(&joint, part, equations, adjoints, point, bars, &mut work);
-            }
-            if weighing.reactions {
-                let sets = [(&unknowns.mu, false), (&unknowns.eta, true)];
-                let stabilized = equations.level == Level::Stabilized;
-                for (multipliers, second) in sets.into_iter().take(1 + usize::from(stabilized)) {
-                    let multipliers = &multipliers[joint.equations.clone()];
-                    self.add_curvature_products(&joint, part, multipliers, second, adjoints, point, bars, &mut work);
+        let batches = system.constraint_batches();
+        let Products { constraints, active, work, chosen, .. } = self;
+        let selections = constraints.get_or_insert_with(|| {
+            select(batches.iter().map(|batch| batch.parts.as_slice()), &system.constraint_parts, active)
+        });
+        for Selection { batch, asked: parameters, parts, programs } in selections {
+            let batch = &batches[*batch];
+            let (physics, layout) = (system.constraint_of(batch), batch.layout);
+            let (mut asked, scales) = Asked::at(equations, physics.is_nonholonomic());
+            let stabilized = asked.stabilized();
+            let mut factor = 1.0;
+            match which {
+                ConstraintPart::Both => {}
+                ConstraintPart::Equations => asked.reactions = false,
+                ConstraintPart::Reactions(own) => {
+                    factor = own;
+                    asked.equations = [None; 2];
                 }
             }
-            if (weighing.equations || weighing.reactions) && point.active[part.parameters.clone()].contains(&true) {
-                self.add_parameter_products(&joint, part, equations, (adjoints, weighing), unknowns, point, bars, &mut work);
+            let code = asked.short_code([false; 3]);
+            let program = programs.get(code, || constraint_programs::products(physics, asked, parameters));
+            for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+                chosen.clear();
+                chosen.extend(parts.iter().filter(|&&index| {
+                    let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
+                    let nonzero = |values: &[f64]| values.iter().any(|&value| value != 0.0);
+                    let equations = nonzero(&adjoint.g[rows.clone()]) || adjoint.g_second.get(rows).is_some_and(nonzero);
+                    (asked.reactions && (any(part, &adjoint.f) || any(part, &adjoint.y)))
+                        || (asked.equations[0].is_some() && equations)
+                }));
+                let part = |index: usize| &system.constraint_parts[chosen[index]];
+                let (n, count) = (layout.n, layout.equations);
+                run_parts(
+                    &program,
+                    chosen.len(),
+                    work,
+                    |index, lane| {
+                        let part = part(index);
+                        let rows = system.equations_of(chosen[index]);
+                        let mut place = lane.copy_segments(0, part, &at.v);
+                        place = lane.copy_segments(place, part, &at.q);
+                        place = lane.copy(place, &p[part.parameters.clone()]);
+                        lane.set(place, t);
+                        place = lane.copy_segments(place + 1, part, &at.a);
+                        place = lane.copy(place, &unknowns.mu[rows.clone()]);
+                        if stabilized {
+                            lane.copy(place, &unknowns.eta[rows.clone()]);
+                        }
+                        place = lane.copy(layout.scales(), &scales);
+                        if asked.reactions {
+                            place = lane.copy_segments(place, part, &adjoint.f);
+                            if stabilized {
+                                place = lane.copy_segments(place, part, &adjoint.y);
+                            }
+                        }
+                        if asked.equations[0].is_some() {
+                            place = lane.copy(place, &adjoint.g[rows.clone()]);
+                        }
+                        if asked.equations[1].is_some() {
+                            lane.copy(place, &adjoint.g_second[rows]);
+                        }
+                    },
+                    |index, results| {
+                        let part = part(index);
+                        for (&label, own) in program.labels().iter().zip(results.iter()) {
+                            let label = label as usize;
+                            let target = if label < n {
+                                &mut bar.at.v[part.dof(label)]
+                            } else if label < 2 * n {
+                                &mut bar.at.q[part.dof(label - n)]
+                            } else if label < layout.t() {
+                                &mut bar.p[part.parameters.start + label - layout.p()]
+                            } else {
+                                &mut bar.at.a[part.dof(label - layout.a())]
+                            };
+                            *target += factor * own;
+                        }
+                    },
+                );
+                debug_assert!(count > 0);
             }
         }
     }
+}
 
-    /// The part lambda_G . G towards (a, v, q), from the rows along the motion.
-    #[allow(clippy::too_many_arguments)]
-    fn add_row_products(
-        &self,
-        joint: &GlobalConstraint,
-        part: &Part,
-        equations: &Equations,
-        adjoints: &[Adjoints],
-        point: ProductPoint,
-        bars: &mut [ProductBars],
-        work: &mut Work,
-    ) {
-        let Work { state, rows, reaction_rows, .. } = work;
-        let (count, own) = (joint.equations.len(), state.state(part, point.at));
-        rows.clear();
-        rows.resize(count * part.dofs, Taylor::default());
-        let nonholonomic = joint.physics.is_nonholonomic();
-        let wanted = if nonholonomic { equations.nonholonomic(false) } else { Some((equations.level, 1.0)) };
-        let Some((level, _)) = wanted else { return };
-        let p = &point.p[part.parameters.clone()];
-        if level == Level::Position && !nonholonomic {
-            // nothing moves
-            reaction_rows.clear();
-            reaction_rows.resize(count * part.dofs, 0.0);
-            joint.physics.gradients((own.q, p, point.t), reaction_rows);
-            rows.iter_mut().zip(&*reaction_rows).for_each(|(row, &a)| row.value = a);
-        } else {
-            joint.physics.rows(own, p, point.t, level == Level::Acceleration, rows);
-        }
-        let scales = match wanted {
-            Some((_, scale)) if nonholonomic => [scale, 0.0],
-            _ => equations.row_scales(),
-        };
-        for (adjoint, bar) in adjoints.iter().zip(bars) {
-            for (row, equation) in rows.chunks_exact(part.dofs).zip(joint.equations.clone()) {
-                let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
-                add_row(level, row, [adjoint.g[equation] * scales[0], second * scales[1]], &part.segments, bar.at);
-            }
-        }
-    }
+/// Whether any number of a part's coordinates is not zero.
+fn any(part: &Part, values: &[f64]) -> bool {
+    part.segments.iter().any(|dofs| values.get(dofs.clone()).is_some_and(|own| own.iter().any(|&value| value != 0.0)))
+}
 
-    /// The part lambda . A^T mu towards q: the curvature of mu . g along the lambdas of up to eight functionals at once.
-    #[allow(clippy::too_many_arguments)]
-    fn add_curvature_products(
-        &self,
-        joint: &GlobalConstraint,
-        part: &Part,
-        multipliers: &[f64],
-        second: bool,
-        adjoints: &[Adjoints],
-        point: ProductPoint,
-        bars: &mut [ProductBars],
-        work: &mut Work,
-    ) {
-        if multipliers.iter().all(|&mu| mu == 0.0) {
-            return;
-        }
-        let Work { state, directions, curvature, weights, multipliers: signed, .. } = work;
-        let n = part.dofs;
-        let groups = adjoints.len().div_ceil(LANES);
-        directions.clear();
-        directions.resize(groups * n, [0.0; LANES]);
-        curvature.clear();
-        curvature.resize(groups * n, [0.0; LANES]);
-        for (k, adjoint) in adjoints.iter().enumerate() {
-            weights.clear();
-            pick(part, if second { &adjoint.y } else { &adjoint.f }, weights);
-            for (direction, weight) in directions[k / LANES * n..].iter_mut().zip(&*weights) {
-                direction[k % LANES] = *weight;
-            }
-        }
-        signed.clear();
-        signed.extend(multipliers.iter().map(|&m| if second { -m } else { m }));
-        let q = state.state(part, point.at).q;
-        let at = (q, &point.p[part.parameters.clone()], point.t);
-        joint.physics.pull_back(at, signed, directions, curvature);
-        for (k, bar) in bars.iter_mut().enumerate() {
-            weights.clear();
-            weights.extend(curvature[k / LANES * n..].iter().take(n).map(|product| product[k % LANES]));
-            add_to(part, weights, &mut bar.at.q);
-        }
-    }
-
-    /// Everything towards the joint's own parameters, eight at a time and for all functionals together.
-    #[allow(clippy::too_many_arguments)]
-    fn add_parameter_products(
-        &self,
-        joint: &GlobalConstraint,
-        part: &Part,
-        equations: &Equations,
-        (adjoints, weighing): (&[Adjoints], Weighing),
-        unknowns: &Unknowns<f64>,
-        point: ProductPoint,
-        bars: &mut [ProductBars],
-        work: &mut Work,
-    ) {
-        let Work { state, lanes, .. } = work;
-        let own = state.state(part, point.at);
-        let [a, v, q, p, r, multipliers] = lanes;
-        load(a, own.a);
-        load(v, own.v);
-        load(q, own.q);
-        load(p, &point.p[part.parameters.clone()]);
-        let physics = Lanes::constraint(joint.physics);
-        let time = Lanes::from(point.t);
-        let nonholonomic = joint.physics.is_nonholonomic();
-        let (level, scales) = match equations.nonholonomic(false).filter(|_| nonholonomic) {
-            Some((level, scale)) => (level, [scale, 0.0]),
-            None if nonholonomic => (Level::Position, [0.0; 2]),
-            None => (equations.level, equations.row_scales()),
-        };
-        let mut g: SmallVec<[Taylor<Lanes>; 6]> = SmallVec::from_elem(Taylor::default(), joint.equations.len());
-        let stabilized = equations.level == Level::Stabilized;
-        let parameters = part.parameters.clone();
-        let asked: SmallVec<[usize; 32]> = (0..p.len()).filter(|&index| point.active[parameters.start + index]).collect();
-        for asked in asked.chunks(LANES) {
-            for (lane, &index) in asked.iter().enumerate() {
-                p[index].eps[lane] = 1.0;
-            }
-            if weighing.equations {
-                write_level(physics, level, State { a, v, q }, p, time, &mut g);
-            }
-            for (adjoint, bar) in adjoints.iter().zip(&mut *bars).filter(|_| weighing.equations) {
-                let mut sums = [0.0; LANES];
-                for (equation, g) in joint.equations.clone().zip(&g) {
-                    let (value, rate) = select(level, *g);
-                    let second = adjoint.g_second.get(equation).copied().unwrap_or(0.0);
-                    let weights = [adjoint.g[equation] * scales[0], second * scales[1]];
-                    for (sum, (value, rate)) in sums.iter_mut().zip(value.eps.iter().zip(rate.eps)) {
-                        *sum += weights[0] * value + weights[1] * rate;
-                    }
-                }
-                asked.iter().zip(sums).for_each(|(index, sum)| bar.p[parameters.start + index] += sum);
-            }
-            let sets = [(&unknowns.mu, false, 1.0), (&unknowns.eta, true, -1.0)];
-            let sets = sets.into_iter().take(1 + usize::from(stabilized)).filter(|_| weighing.reactions);
-            for (all, second, sign) in sets {
-                load(multipliers, &all[joint.equations.clone()]);
-                r.clear();
-                r.resize(part.dofs, Lanes::default());
-                physics.add_reaction(q, multipliers, p, time, r);
-                for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
-                    let lambda = if second { &adjoint.y } else { &adjoint.f };
-                    let mut sums = [0.0; LANES];
-                    for (dof, r) in part.segments.iter().cloned().flatten().zip(&*r) {
-                        sums.iter_mut().zip(r.eps).for_each(|(sum, r)| *sum += sign * lambda[dof] * r);
-                    }
-                    asked.iter().zip(sums).for_each(|(index, sum)| bar.p[parameters.start + index] += sum);
-                }
-            }
-            for (lane, &index) in asked.iter().enumerate() {
-                p[index].eps[lane] = 0.0;
-            }
-        }
-    }
-
-    /// The same for constraints inside nodes, in closed form: reactions, or with `with_equations` their equations' adjoints.
+impl System<'_> {
+    /// Adds the gradient of what the adjoints of constraints inside nodes weigh, in closed form: reactions, or with `with_equations` their
+    /// equations.
     pub fn add_local_products(
         &self,
         with_equations: bool,
@@ -517,7 +299,7 @@ impl System<'_> {
                 continue;
             }
             rows.clear();
-            rows.resize(own.len() * dofs.len(), Taylor::default());
+            rows.resize(own.len() * dofs.len(), Rates::zero());
             let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
             local.form.moving_rows(state, &mut rows);
             for (row, equation) in rows.chunks_exact(dofs.len()).zip(own) {
@@ -561,7 +343,7 @@ impl System<'_> {
 /// Adds the scaled weights of the one or two equations of a level times their gradients, given the row A along the motion.
 fn add_row(
     level: Level,
-    row: &[Taylor<f64>],
+    row: &[Rates<f64>],
     [first, second]: [f64; 2],
     segments: &[Range<usize>],
     bar: &mut VectorsAvq<f64>,
@@ -587,8 +369,4 @@ fn add_row(
             }
         }
     }
-}
-
-fn constants(values: &[f64]) -> LocalVec<Rev> {
-    values.iter().map(|&value| Rev::from(value)).collect()
 }

@@ -1,6 +1,8 @@
-use super::Level;
-use crate::elements::{AnyConstraint, State};
-use crate::scalar::{LANES, Scalar, Taylor};
+use super::reduction::Turning;
+use super::{Level, Rates};
+use crate::elements::{ConstraintPhysics, State};
+use crate::program::Node;
+use crate::scalar::Scalar;
 
 /// A constraint inside a node in closed form: g_k = c_k + b_k . q + q . H_k q / 2.
 ///
@@ -14,59 +16,6 @@ pub(super) struct Quadratic {
     second: Vec<(usize, usize, usize, f64)>,
     unit_length: Option<UnitLength>,
     turning: Option<Turning>,
-}
-
-/// Coordinates at the end of a node that turn rigidly: the directions in which the constraints let them move are known, and change
-/// smoothly with the pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Turning {
-    /// Four Euler parameters.
-    Euler,
-    /// Three axes.
-    Axes,
-}
-
-impl Turning {
-    /// Number of coordinates.
-    pub fn coordinates(self) -> usize {
-        match self {
-            Turning::Euler => 4,
-            Turning::Axes => 9,
-        }
-    }
-
-    /// Writes the basis (row-major) of the vectors at right angles to the rows H x of a node: x is a pose or any other combination of
-    /// coordinates and rates. Columns are the coordinates before the turning ones, then turns about three axes, of unit length where x
-    /// is a pose.
-    pub fn basis(self, x: &[f64], basis: &mut Vec<f64>) {
-        let first = x.len() - self.coordinates();
-        let columns = first + 3;
-        basis.clear();
-        basis.resize(x.len() * columns, 0.0);
-        (0..first).for_each(|i| basis[i * columns + i] = 1.0);
-        let turning = &x[first..];
-        let square = turning.iter().fold(0.0, |sum, x| sum + x * x);
-        let mut write = |i: usize, own: [f64; 3]| {
-            let start = (first + i) * columns + first;
-            basis[start..start + 3].copy_from_slice(&own);
-        };
-        match *turning {
-            [e0, e1, e2, e3] => {
-                let scale = 1.0 / square.sqrt();
-                let rows = [[-e1, -e2, -e3], [e0, -e3, e2], [e3, e0, -e1], [-e2, e1, e0]];
-                rows.into_iter().enumerate().for_each(|(i, row)| write(i, row.map(|e| scale * e)));
-            }
-            _ => {
-                // of three axes of length 1 every turn moves two
-                let scale = (1.5 / square).sqrt();
-                for (axis, own) in turning.chunks_exact(3).enumerate() {
-                    let [x, y, z] = [own[0], own[1], own[2]].map(|x| scale * x);
-                    let rows = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
-                    rows.into_iter().enumerate().for_each(|(i, row)| write(3 * axis + i, row));
-                }
-            }
-        }
-    }
 }
 
 /// The one equation (x . x) h / 2 + c = 0 of four coordinates in a row: Euler parameters.
@@ -85,41 +34,40 @@ impl Quadratic {
     ///
     /// # Panics
     /// If it is not quadratic: a mistake in the list of node kinds.
-    pub fn of(physics: &dyn AnyConstraint) -> Self {
+    pub fn of(physics: &ConstraintPhysics) -> Self {
         let (n, count) = (physics.dof_count(), physics.equation_count());
-        let origin = vec![0.0; n];
-        let value = |q: &[f64]| {
-            let mut g = vec![0.0; count];
-            crate::elements::ConstraintIn::<f64>::value(physics, q, &[], 0.0, &mut g);
-            g
-        };
-        let (linear, second) = (Vec::new(), Vec::new());
-        let mut quadratic = Quadratic { constant: value(&origin), linear, second, unit_length: None, turning: None };
-        let mut directions = vec![[0.0; LANES]; n.div_ceil(LANES) * n];
-        for dof in 0..n {
-            directions[dof / LANES * n + dof][dof % LANES] = 1.0;
-        }
-        let mut gradients = vec![0.0; count * n];
-        physics.gradients((&origin, &[], 0.0), &mut gradients);
-        for equation in 0..count {
-            let mut unit = vec![0.0; count];
-            unit[equation] = 1.0;
-            let mut products = vec![[0.0; LANES]; directions.len()];
-            physics.curvature((&origin, &[], 0.0), &unit, &directions, &mut products);
-            let linear = gradients[equation * n..].iter().take(n).enumerate();
-            quadratic.linear.extend(linear.filter(|(_, b)| **b != 0.0).map(|(dof, &b)| (equation, dof, b)));
-            for row in 0..n {
-                let entry = |column: usize| products[column / LANES * n + row][column % LANES];
-                let own = (0..n).map(|column| (equation, row, column, entry(column)));
-                quadratic.second.extend(own.filter(|(.., h)| *h != 0.0));
+        // derivatives with respect to the coordinates alone, whatever they are: constants
+        let (constants, gradients, second) = physics.formula().inspect(|graph, outputs| {
+            let q: Vec<Node> = (0..n).map(|dof| graph.input(n + dof)).collect();
+            let (zero, one) = (graph.zero(), graph.constant(1.0));
+            let at_origin: Vec<(Node, Node)> = q.iter().map(|&q| (q, zero)).collect();
+            let constants = graph.substitute(outputs, &at_origin);
+            let (mut gradients, mut second) = (Vec::new(), Vec::new());
+            for &output in outputs {
+                let gradient = graph.reverse(&[output], &[one], &q);
+                for &entry in &gradient {
+                    second.extend(graph.reverse(&[entry], &[one], &q));
+                }
+                gradients.extend(graph.substitute(&gradient, &at_origin));
             }
-        }
+            [constants, gradients, second]
+                .map(|nodes| {
+                    let value = |node: &Node| graph.constant_of(*node);
+                    nodes
+                        .iter()
+                        .map(|node| value(node).expect("constraints inside nodes are quadratic"))
+                        .collect::<Vec<f64>>()
+                })
+                .into()
+        });
+        let places = |index: usize| (index / (n * n), index / n % n, index % n);
+        let nonzero = |(_, value): &(usize, &f64)| **value != 0.0;
+        let linear = gradients.iter().enumerate().filter(nonzero).map(|(place, &b)| (place / n, place % n, b)).collect();
+        let entry = |(index, &h): (usize, &f64)| (places(index).0, places(index).1, places(index).2, h);
+        let second = second.iter().enumerate().filter(nonzero).map(entry).collect();
+        debug_assert_eq!(gradients.len(), count * n);
+        let mut quadratic = Quadratic { constant: constants, linear, second, unit_length: None, turning: None };
         let probe: Vec<f64> = (0..n).map(|i| 0.3 + 0.7 * (i as f64 * 1.7).sin()).collect();
-        let mut g = vec![Taylor::default(); count];
-        let still = vec![0.0; n];
-        quadratic.derivatives(State { a: &still, v: &still, q: &probe }, &mut g);
-        let exact = value(&probe).iter().zip(&g).all(|(g, own)| (g - own.value).abs() < 1e-13);
-        assert!(exact, "constraints inside nodes are quadratic");
         quadratic.unit_length = quadratic.as_unit_length();
         quadratic.turning =
             [Turning::Euler, Turning::Axes].into_iter().find(|turning| quadratic.is_free_in(*turning, &probe));
@@ -133,7 +81,9 @@ impl Quadratic {
             return false;
         }
         let (mut basis, mut rows) = (Vec::new(), vec![0.0; count * n]);
-        turning.basis(probe, &mut basis);
+        let mut scaled = probe[n - turning.coordinates()..].to_vec();
+        turning.scale(&mut scaled);
+        turning.write_basis(n - scaled.len(), &scaled, &mut basis);
         self.rows(probe, &mut rows);
         let columns = n - count;
         let product = |row: &[f64], column: usize| -> f64 { (0..n).map(|i| row[i] * basis[i * columns + column]).sum() };
@@ -169,9 +119,9 @@ impl Quadratic {
     }
 
     /// Writes rows A with their derivatives along the motion.
-    pub fn moving_rows(&self, s: State<f64>, rows: &mut [Taylor<f64>]) {
+    pub fn moving_rows(&self, s: State<f64>, rows: &mut [Rates<f64>]) {
         let n = s.q.len();
-        rows.fill(Taylor::default());
+        rows.fill(Rates::zero());
         for &(equation, dof, b) in &self.linear {
             rows[equation * n + dof].value += b;
         }
@@ -225,9 +175,9 @@ impl Quadratic {
     }
 
     /// Writes g with its first and second derivative along the motion.
-    pub fn derivatives<S: Scalar>(&self, s: State<S>, g: &mut [Taylor<S>]) {
+    pub fn derivatives<S: Scalar>(&self, s: State<S>, g: &mut [Rates<S>]) {
         for (g, &constant) in g.iter_mut().zip(&self.constant) {
-            *g = Taylor::from(constant);
+            *g = Rates { value: S::from(constant), ..Rates::zero() };
         }
         for &(equation, dof, b) in &self.linear {
             let g = &mut g[equation];
@@ -247,47 +197,48 @@ impl Quadratic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::bodies::EulerParameterNorm;
-    use crate::elements::{ConstraintIn, State};
+    use crate::elements::Constraint;
+    use crate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
 
     #[test]
     fn closed_form_equals_the_constraint_with_its_rows_and_rates() {
-        let physics = EulerParameterNorm;
-        let own = Quadratic::of(&physics);
-        let numbers = |phase: f64| (0..7).map(|i| (i as f64 + phase).sin()).collect::<Vec<f64>>();
-        let (q, v, a) = (numbers(0.1), numbers(1.3), numbers(2.6));
-        let state = State { a: &a, v: &v, q: &q };
-        let (mut g, mut expected) = ([Taylor::default()], [Taylor::default()]);
-        own.derivatives(state, &mut g);
-        ConstraintIn::<f64>::derivatives(&physics, state, &[], 0.0, 1.0, &mut expected);
-        let close = |a: Taylor<f64>, b: Taylor<f64>| {
-            let d = a - b;
-            d.value.abs().max(d.first.abs()).max(d.second.abs()) < 1e-14
-        };
-        assert!(close(g[0], expected[0]), "{g:?} {expected:?}");
-        let unit = own.unit_length().expect("Euler parameters have unit length");
-        let length: f64 = q[unit.first..unit.first + 4].iter().map(|q| q * q).sum();
-        assert!((0.5 * unit.second * length + unit.constant - g[0].value).abs() < 1e-14);
-        let (mut rows, mut expected) = ([Taylor::default(); 7], [Taylor::default(); 7]);
-        own.moving_rows(state, &mut rows);
-        physics.rows(state, &[], 0.0, true, &mut expected);
-        assert!(rows.iter().zip(&expected).all(|(&a, &b)| close(a, b)), "{rows:?} {expected:?}");
-        let mut values = [0.0; 7];
-        own.rows(&q, &mut values);
-        assert!(values.iter().zip(&rows).all(|(value, row)| *value == row.value));
+        let all: [Box<dyn crate::elements::AnyConstraint>; 2] = [Box::new(EulerParameterNorm), Box::new(OrthonormalAxes)];
+        for physics in all.map(ConstraintPhysics::new) {
+            let (n, count) = (physics.dof_count(), physics.equation_count());
+            let own = Quadratic::of(&physics);
+            let numbers = |phase: f64| (0..n).map(|i| (i as f64 + phase).sin()).collect::<Vec<f64>>();
+            let (q, v, a) = (numbers(0.1), numbers(1.3), numbers(2.6));
+            let state = State { a: &a, v: &v, q: &q };
+            let mut g = vec![Rates::zero(); count];
+            own.derivatives(state, &mut g);
+            for (own, expected) in g.iter().zip(physics.motion(state, &[], 0.0)) {
+                let own = [own.value, own.first, own.second];
+                assert!(
+                    own.iter().zip(expected).all(|(own, expected)| (own - expected).abs() < 1e-14),
+                    "{own:?} {expected:?}"
+                );
+            }
+            let mut rows = vec![0.0; count * n];
+            own.rows(&q, &mut rows);
+            let expected = physics.rows(&q, &[], 0.0);
+            assert!(rows.iter().zip(&expected).all(|(own, expected)| (own - expected).abs() < 1e-14));
+            assert!(own.turning().is_some());
+        }
+        let unit = Quadratic::of(&ConstraintPhysics::new(Box::new(EulerParameterNorm))).unit_length();
+        assert_eq!(unit.map(|unit| unit.first), Some(3));
     }
 
     #[test]
     #[should_panic(expected = "quadratic")]
     fn other_constraints_are_refused() {
         struct Cubic;
-        impl crate::elements::Constraint for Cubic {
+        impl Constraint for Cubic {
             const DOFS: usize = 1;
             const EQUATIONS: usize = 1;
             fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
                 g[0] = q[0] * q[0] * q[0];
             }
         }
-        Quadratic::of(&Cubic);
+        Quadratic::of(&ConstraintPhysics::new(Box::new(Cubic)));
     }
 }

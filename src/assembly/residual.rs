@@ -1,8 +1,11 @@
-use super::numbering::{Local, Part, System};
-use super::{Equations, Impulse, Level, Unknowns, Variational, VectorsAvq};
-use crate::elements::{RunScalar, State};
-use crate::scalar::{Scalar, Taylor};
-use rayon::prelude::*;
+use super::batches::{BatchWork, run_parts};
+use super::constraint_programs::{Asked, values};
+use super::element_programs::Force;
+use super::numbering::{Local, System};
+use super::{Equations, Level, Rates, Unknowns, Variational, VectorsAvq};
+use crate::elements::RunScalar;
+use crate::program::ProgramWork;
+use crate::scalar::Scalar;
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -17,12 +20,6 @@ const ROUNDINGS: f64 = 8.0;
 /// Most corrections of a node's own equations; each gains many digits.
 const RESTORATIONS: usize = 8;
 
-/// Pieces into which the evaluation of many elements is divided, whatever the number of threads.
-const JOBS: usize = 64;
-
-/// Fewer parts than this are evaluated on one thread: waking others costs more.
-const PARALLEL_RESIDUALS: usize = 512;
-
 /// The next number above or below, by a place in a list: in no pattern that coordinates could follow.
 fn neighbour<S: Scalar>(value: S, place: usize) -> S {
     let up = (place as u32).wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15) >> 31 == 0;
@@ -30,51 +27,13 @@ fn neighbour<S: Scalar>(value: S, place: usize) -> S {
 }
 
 /// Adds local values to the places of some nodes' coordinates.
-fn add_segments<'s, S: Scalar>(segments: impl IntoIterator<Item = &'s Range<usize>>, local: &[S], values: &mut [S]) {
-    let mut first = 0;
+#[inline(always)]
+fn add_segments<S: Scalar>(segments: &[Range<usize>], mut local: impl Iterator<Item = S>, values: &mut [S]) {
     for dofs in segments {
-        for (value, &l) in values[dofs.clone()].iter_mut().zip(&local[first..]) {
-            *value += l;
+        for (value, own) in values[dofs.clone()].iter_mut().zip(&mut local) {
+            *value += own;
         }
-        first += dofs.len();
     }
-}
-
-/// Numbers of one part, where they don't stand next to each other in the model's vectors.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Local3<S> {
-    a: Vec<S>,
-    v: Vec<S>,
-    q: Vec<S>,
-}
-
-impl<S: Copy> Local3<S> {
-    /// (a, v, q) of a part: the model's own numbers for one node, copies for several.
-    #[inline]
-    pub fn state<'s>(&'s mut self, part: &Part, at: &'s VectorsAvq<S>) -> State<'s, S> {
-        if let [only] = part.segments.as_slice() {
-            return State { a: &at.a[only.clone()], v: &at.v[only.clone()], q: &at.q[only.clone()] };
-        }
-        for (own, all) in [(&mut self.a, &at.a), (&mut self.v, &at.v), (&mut self.q, &at.q)] {
-            own.clear();
-            for segment in &part.segments {
-                own.extend_from_slice(&all[segment.clone()]);
-            }
-        }
-        State { a: &self.a, v: &self.v, q: &self.q }
-    }
-}
-
-/// What the evaluation of one part writes to.
-#[derive(Clone, Debug, Default)]
-struct Workspace<S> {
-    state: Local3<S>,
-    force: Vec<S>,
-    eta: Vec<S>,
-    g: Vec<Taylor<S>>,
-    moved: Vec<S>,
-    change: Vec<S>,
-    rounded: Vec<f64>,
 }
 
 /// Residuals of one system at one point, with the workspace to evaluate them.
@@ -101,14 +60,7 @@ pub struct Residual<S> {
     base: Vec<S>,
     /// The base, moved to where constraints hold in a step of a variational integrator.
     constraint_base: VectorsAvq<S>,
-    /// Where R is evaluated for an impulse, and their sum.
-    impulse_at: VectorsAvq<S>,
-    sum: Vec<S>,
-    /// One place for each element's own residual, so that any number of threads adds in the same order.
-    parts: Vec<S>,
-    work: Workspace<S>,
-    /// Of each piece.
-    locals: Vec<Local3<S>>,
+    work: BatchWork<S>,
     restored: VectorsAvq<S>,
 }
 
@@ -117,11 +69,6 @@ impl<S: RunScalar> Residual<S> {
     pub fn new(system: &System) -> Self {
         let dofs = system.model.dofs;
         let second = |n: usize| vec![S::zero(); if system.options.stabilized { n } else { 0 }];
-        let parallel = system.model.elements.len() >= PARALLEL_RESIDUALS;
-        let most = system.element_parts.iter().chain(&system.constraint_parts).map(|part| part.dofs).max().unwrap_or(0);
-        let room = || Vec::with_capacity(most);
-        let (moved, change, rounded) = (room(), room(), Vec::with_capacity(most));
-        let work = Workspace { moved, change, rounded, ..Workspace::default() };
         Residual {
             at: VectorsAvq::zeros(dofs),
             constraint_at: VectorsAvq::zeros(dofs),
@@ -134,11 +81,7 @@ impl<S: RunScalar> Residual<S> {
             reaction_at: VectorsAvq::default(),
             base: vec![S::zero(); dofs],
             constraint_base: VectorsAvq::default(),
-            impulse_at: VectorsAvq::default(),
-            sum: Vec::new(),
-            parts: vec![S::zero(); if parallel { system.element_parts.iter().map(|part| part.dofs).sum() } else { 0 }],
-            work,
-            locals: Vec::new(),
+            work: BatchWork::default(),
             restored: VectorsAvq::default(),
         }
     }
@@ -167,49 +110,16 @@ impl<S: RunScalar> Residual<S> {
     /// Prepares for a solve from `base`: for a metric, R there is what is subtracted.
     pub fn start(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, p: &[S], t: f64) {
         if equations.metric {
-            self.add_elements(system, base, p, t);
+            self.add_elements(system, (Force::Residual, [0.0; 2]), base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
         }
         if let Some(step) = equations.variational {
             let mut before = std::mem::take(&mut self.constraint_base);
             Variational::write_moved(base, step.to_before(), &mut before);
-            self.add_impulses(system, &before, p, t + step.to_before(), step.before());
+            self.add_elements(system, (Force::Impulse, step.before().weights()), &before, p, t + step.to_before());
             std::mem::swap(&mut self.f, &mut self.base);
             self.constraint_base = before;
         }
-    }
-
-    /// F = sum of the elements' impulses for (v, q) of a point.
-    fn add_impulses(&mut self, system: &System, point: &VectorsAvq<S>, p: &[S], t: f64, impulse: Impulse) {
-        let mut at = std::mem::take(&mut self.impulse_at);
-        let mut sum = std::mem::take(&mut self.sum);
-        sum.clear();
-        sum.resize(point.q.len(), S::zero());
-        at.q.clone_from(&point.q);
-        for term in impulse.terms() {
-            for (own, factor) in [(&mut at.a, term.a), (&mut at.v, term.v)] {
-                own.clear();
-                own.extend(point.v.iter().map(|&v| v * factor));
-            }
-            self.add_elements(system, &at, p, t);
-            sum.iter_mut().zip(&self.f).for_each(|(sum, &f)| *sum += f * term.weight);
-        }
-        if impulse.force != 0.0 {
-            let Workspace { state, force, .. } = &mut self.work;
-            for (element, part) in system.model.elements.iter().zip(&system.element_parts) {
-                if element.physics.has_constant_mass() {
-                    continue;
-                }
-                let own = state.state(part, point);
-                force.clear();
-                force.resize(part.dofs, S::zero());
-                S::element(&*element.physics).add_momentum_rate(own.v, own.q, &p[part.parameters.clone()], force);
-                force.iter_mut().for_each(|force| *force = *force * impulse.force);
-                add_segments(&part.segments, force, &mut sum);
-            }
-        }
-        std::mem::swap(&mut self.f, &mut sum);
-        (self.impulse_at, self.sum) = (at, sum);
     }
 
     /// The base from which unknowns move to where constraints hold.
@@ -252,8 +162,8 @@ impl<S: RunScalar> Residual<S> {
         }
         let at = std::mem::take(&mut self.at);
         match equations.variational {
-            Some(step) => self.add_impulses(system, &at, p, t, step.now()),
-            None => self.add_elements(system, &at, p, t),
+            Some(step) => self.add_elements(system, (Force::Impulse, step.now().weights()), &at, p, t),
+            None => self.add_elements(system, (Force::Residual, [0.0; 2]), &at, p, t),
         }
         self.at = at;
         if equations.subtracts() {
@@ -290,146 +200,149 @@ impl<S: RunScalar> Residual<S> {
     /// or what the last bit of the coordinates does to a stiff element.
     pub fn force_floor(&mut self, system: &System, unknowns: &Unknowns<S>, p: &[S], t: f64) -> f64 {
         let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
-        let Workspace { state, force, moved, change, rounded, .. } = &mut self.work;
-        let largest = |force: &[S]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.value().abs()));
-        for (element, part) in system.model.elements.iter().zip(&system.element_parts) {
-            force.clear();
-            force.resize(part.dofs, S::zero());
-            let own = state.state(part, &self.at);
-            let (physics, p) = (S::element(&*element.physics), &p[part.parameters.clone()]);
-            physics.add_residual(own, p, S::from(t), force);
-            scale = scale.max(largest(force));
-            // what the last bit of each coordinate does, added up: signs that go against each other would hide it
-            moved.clear();
-            moved.extend_from_slice(own.q);
-            rounded.clear();
-            rounded.resize(part.dofs, 0.0);
-            for place in 0..part.dofs {
-                moved[place] = own.q[place] * (1.0 + f64::EPSILON);
-                change.clear();
-                change.extend(force.iter().map(|&r| -r));
-                physics.add_residual(State { q: moved, ..own }, p, S::from(t), change);
-                rounded.iter_mut().zip(&*change).for_each(|(sum, change)| *sum += change.value().abs());
-                moved[place] = own.q[place];
+        let largest = |force: &[f64]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.abs()));
+        let (mut inputs, mut force, mut changed, mut rounded) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut work = ProgramWork::default();
+        for batch in system.element_batches(Force::Residual) {
+            let (program, layout) = (batch.formula.values(), batch.layout);
+            for part in batch.parts.iter().map(|&part| &system.element_parts[part]) {
+                inputs.clear();
+                for values in [&self.at.a, &self.at.v, &self.at.q] {
+                    inputs.extend(part.segments.iter().flat_map(|dofs| &values[dofs.clone()]).map(|x| x.value()));
+                }
+                inputs.extend(p[part.parameters.clone()].iter().map(|p| p.value()));
+                inputs.push(t);
+                force.resize(layout.n, 0.0);
+                changed.resize(layout.n, 0.0);
+                program.run(&inputs, &mut force, &mut work);
+                scale = scale.max(largest(&force));
+                // what the last bit of each coordinate does, added up: signs that go against each other would hide it
+                rounded.clear();
+                rounded.resize(layout.n, 0.0);
+                for place in 2 * layout.n..3 * layout.n {
+                    let q = inputs[place];
+                    inputs[place] = q * (1.0 + f64::EPSILON);
+                    program.run(&inputs, &mut changed, &mut work);
+                    rounded
+                        .iter_mut()
+                        .zip(changed.iter().zip(&force))
+                        .for_each(|(sum, (new, old))| *sum += (new - old).abs());
+                    inputs[place] = q;
+                }
+                noise = noise.max(largest(&rounded));
             }
-            noise = rounded.iter().fold(noise, |noise: f64, &sum| noise.max(sum));
         }
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
-            force.clear();
-            force.resize(part.dofs, S::zero());
-            let own = state.state(part, &self.constraint_at);
-            let mu = &unknowns.mu[joint.equations.clone()];
-            S::constraint(joint.physics).add_reaction(own.q, mu, &p[part.parameters.clone()], S::from(t), force);
-            scale = scale.max(largest(force));
+            let value = |x: &S| x.value();
+            let q: Vec<f64> = part.segments.iter().flat_map(|dofs| &self.constraint_at.q[dofs.clone()]).map(value).collect();
+            let mu: Vec<f64> = unknowns.mu[joint.equations.clone()].iter().map(value).collect();
+            let p: Vec<f64> = p[part.parameters.clone()].iter().map(value).collect();
+            scale = scale.max(largest(&joint.physics.reaction(&q, &mu, &p, t)));
         }
         (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
 
-    /// F = sum of the elements' residuals at `at`.
-    fn add_elements(&mut self, system: &System, at: &VectorsAvq<S>, p: &[S], t: f64) {
-        let evaluate = |index: usize, state: State<S>, r: &mut [S]| {
-            let parameters = &p[system.element_parts[index].parameters.clone()];
-            S::element(&*system.model.elements[index].physics).add_residual(state, parameters, S::from(t), r);
-        };
+    /// F = sum of what the elements add at `at`; an impulse has weights.
+    fn add_elements(&mut self, system: &System, (force, weights): (Force, [f64; 2]), at: &VectorsAvq<S>, p: &[S], t: f64) {
         self.f.fill(S::zero());
-        let Workspace { state, force, .. } = &mut self.work;
-        if self.parts.is_empty() {
-            for (index, part) in system.element_parts.iter().enumerate() {
-                let own = state.state(part, at);
-                if let [only] = part.segments.as_slice() {
-                    evaluate(index, own, &mut self.f[only.clone()]);
-                } else {
-                    force.clear();
-                    force.resize(part.dofs, S::zero());
-                    evaluate(index, own, force);
-                    add_segments(&part.segments, force, &mut self.f);
-                }
-            }
-            return;
-        }
-        let count = system.element_parts.len();
-        let each = count.div_ceil(JOBS);
-        let mut rest = self.parts.as_mut_slice();
-        let mut jobs: SmallVec<[(usize, &mut [S]); JOBS]> = SmallVec::new();
-        for first in (0..count).step_by(each) {
-            let dofs = system.element_parts[first..count.min(first + each)].iter().map(|part| part.dofs).sum();
-            let (own, others) = rest.split_at_mut(dofs);
-            jobs.push((first, own));
-            rest = others;
-        }
-        self.locals.resize_with(jobs.len(), Local3::default);
-        jobs.par_iter_mut().zip(&mut self.locals).for_each(|((first, own), state)| {
-            let mut rest = &mut **own;
-            rest.fill(S::zero());
-            for (index, part) in system.element_parts.iter().enumerate().skip(*first).take(each) {
-                let (own, others) = std::mem::take(&mut rest).split_at_mut(part.dofs);
-                evaluate(index, state.state(part, at), own);
-                rest = others;
-            }
-        });
-        drop(jobs);
-        let mut first = 0;
-        for part in &system.element_parts {
-            add_segments(&part.segments, &self.parts[first..first + part.dofs], &mut self.f);
-            first += part.dofs;
+        for batch in system.element_batches(force) {
+            let (program, layout) = (batch.formula.values(), batch.layout);
+            let part = |index: usize| &system.element_parts[batch.parts[index]];
+            let f = &mut self.f;
+            run_parts(
+                &program,
+                batch.parts.len(),
+                &mut self.work,
+                |index, lane| {
+                    let part = part(index);
+                    let mut place = 0;
+                    for values in [&at.a, &at.v, &at.q] {
+                        place = lane.copy_segments(place, part, values);
+                    }
+                    place = lane.copy(place, &p[part.parameters.clone()]);
+                    lane.set(place, S::from(t));
+                    if force == Force::Impulse {
+                        lane.copy(layout.weights(), &weights.map(S::from));
+                    }
+                },
+                |index, results| add_segments(&part(index).segments, results.iter(), f),
+            );
         }
     }
 
     /// Adds the reactions of joints to F (and Y), and writes their scaled equations to G.
     fn add_constraints(&mut self, system: &System, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) {
-        let scales = equations.row_scales();
-        let (time, reaction_time) = (S::from(equations.constraint_time(t)), S::from(equations.reaction_time(t)));
-        let Workspace { state, force, eta, g, .. } = &mut self.work;
-        for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
-            let physics = S::constraint(joint.physics);
-            let p = &p[part.parameters.clone()];
-            force.clear();
-            force.resize(part.dofs, S::zero());
-            if let Some(step) = equations.variational {
-                let q = state.state(part, &self.reaction_at).q;
-                physics.add_reaction(q, &unknowns.mu[joint.equations.clone()], p, reaction_time, force);
-                force.iter_mut().for_each(|force| *force = *force * step.reaction());
+        let Some(step) = equations.variational else {
+            return self.add_constraints_at(system, (equations, [true; 2], 1.0), unknowns, p, t);
+        };
+        let time = equations.constraint_time(t);
+        self.add_constraints_at(system, (equations, [true, false], 1.0), unknowns, p, time);
+        std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
+        let time = equations.reaction_time(t);
+        self.add_constraints_at(system, (equations, [false, true], step.reaction()), unknowns, p, time);
+        std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
+    }
+
+    /// The same at one point: equations, reactions or both, these with a factor.
+    fn add_constraints_at(
+        &mut self,
+        system: &System,
+        (equations, [with_equations, with_reactions], factor): (&Equations, [bool; 2], f64),
+        unknowns: &Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) {
+        for batch in system.constraint_batches() {
+            let physics = system.constraint_of(batch);
+            let (mut asked, scales) = Asked::at(equations, physics.is_nonholonomic());
+            let sets = if asked.stabilized() { 2 } else { 1 };
+            asked.reactions = with_reactions;
+            if !with_equations {
+                asked.equations = [None; 2];
             }
-            let own = state.state(part, &self.constraint_at);
-            if equations.variational.is_none() {
-                physics.add_reaction(own.q, &unknowns.mu[joint.equations.clone()], p, time, force);
-            }
-            add_segments(&part.segments, force, &mut self.f);
-            if equations.level == Level::Stabilized {
-                eta.clear();
-                eta.extend(unknowns.eta[joint.equations.clone()].iter().map(|&eta| -eta));
-                force.fill(S::zero());
-                physics.add_reaction(own.q, eta, p, time, force);
-                add_segments(&part.segments, force, &mut self.y);
-            }
-            g.clear();
-            g.resize(joint.equations.len(), Taylor::default());
-            if joint.physics.is_nonholonomic() {
-                physics.derivatives(own, p, time, 1.0, g);
-                let wanted = [equations.nonholonomic(false), equations.nonholonomic(true)];
-                let rows = [(&mut self.g, &unknowns.mu), (&mut self.g_second, &unknowns.eta)];
-                for (wanted, (target, multipliers)) in wanted.into_iter().zip(rows) {
-                    for (row, g) in joint.equations.clone().zip(&*g) {
-                        if row < target.len() && system.multiplier_columns[row].is_some() {
-                            target[row] = match wanted {
-                                Some((level, scale)) => select(level, *g).0 * scale,
-                                None => multipliers[row],
-                            };
+            let (program, layout) = (batch.programs.get(asked.short_code([false; 3]), || values(physics, asked)), batch.layout);
+            let part = |index: usize| &system.constraint_parts[batch.parts[index]];
+            let rows = |index: usize| system.equations_of(batch.parts[index]);
+            let Residual { f, y, g, g_second, constraint_at: at, work, .. } = self;
+            run_parts(
+                &program,
+                batch.parts.len(),
+                work,
+                |index, lane| {
+                    let part = part(index);
+                    let mut place = lane.copy_segments(0, part, &at.v);
+                    place = lane.copy_segments(place, part, &at.q);
+                    place = lane.copy(place, &p[part.parameters.clone()]);
+                    lane.set(place, S::from(t));
+                    place = lane.copy_segments(place + 1, part, &at.a);
+                    place = lane.copy(place, &unknowns.mu[rows(index)]);
+                    if sets == 2 {
+                        lane.copy(place, &unknowns.eta[rows(index)]);
+                    }
+                    lane.copy(layout.scales(), &scales.map(S::from));
+                },
+                |index, results| {
+                    let mut results = results.iter();
+                    if with_reactions {
+                        let scaled = results.by_ref().take(layout.n);
+                        if factor == 1.0 {
+                            add_segments(&part(index).segments, scaled, f);
+                        } else {
+                            add_segments(&part(index).segments, scaled.map(|force| force * factor), f);
+                        }
+                        if sets == 2 {
+                            add_segments(&part(index).segments, results.by_ref().take(layout.n), y);
                         }
                     }
-                }
-                continue;
-            }
-            write_level(physics, equations.level, own, p, time, g);
-            for (row, g) in joint.equations.clone().zip(&*g) {
-                if system.multiplier_columns[row].is_some() {
-                    let (first, second) = select(equations.level, *g);
-                    self.g[row] = first * scales[0];
-                    if let Some(g_second) = self.g_second.get_mut(row) {
-                        *g_second = second * scales[1];
+                    for target in [&mut *g, &mut *g_second].into_iter().take(if with_equations { sets } else { 0 }) {
+                        for (row, value) in rows(index).zip(results.by_ref().take(layout.equations)) {
+                            if system.multiplier_columns[row].is_some() {
+                                target[row] = value;
+                            }
+                        }
                     }
-                }
-            }
+                },
+            );
         }
     }
 
@@ -451,28 +364,8 @@ impl<S: RunScalar> Residual<S> {
     }
 }
 
-/// Writes g with the derivatives that the level needs.
-pub(super) fn write_level<S: RunScalar>(
-    physics: &dyn crate::elements::ConstraintIn<S>,
-    level: Level,
-    s: State<S>,
-    p: &[S],
-    t: S,
-    g: &mut [Taylor<S>],
-) {
-    if level == Level::Position {
-        let mut value: SmallVec<[S; 6]> = SmallVec::from_elem(S::zero(), g.len());
-        physics.value(s.q, p, t, &mut value);
-        for (g, value) in g.iter_mut().zip(value) {
-            g.value = value;
-        }
-    } else {
-        physics.derivatives(s, p, t, 1.0, g);
-    }
-}
-
 /// The one or two derivatives that are the equations of a level.
-pub(super) fn select<S: Scalar>(level: Level, g: Taylor<S>) -> (S, S) {
+pub(super) fn select<S: Scalar>(level: Level, g: Rates<S>) -> (S, S) {
     match level {
         Level::Position => (g.value, S::zero()),
         Level::Velocity => (g.first, S::zero()),

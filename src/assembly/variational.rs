@@ -2,7 +2,6 @@
 
 use super::VectorsAvq;
 use crate::scalar::Scalar;
-use smallvec::{SmallVec, smallvec};
 
 /// One step of the variational integrator with the discrete Lagrangian L_d(q_n, q_n+1) = h L(q_n + alpha (q_n+1 - q_n), (q_n+1 - q_n) / h).
 ///
@@ -34,29 +33,10 @@ pub struct Impulse {
     pub force: f64,
 }
 
-/// `weight` R(a v, v v, q) of an element, where `a` and `v` are factors of the velocity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
-    /// Weight.
-    pub weight: f64,
-    /// The acceleration is this times the velocity [1/s].
-    pub a: f64,
-    /// The velocity is this times the velocity.
-    pub v: f64,
-}
-
 impl Impulse {
-    /// The impulse of an element with constant mass in terms of its residual; any other adds `force` times dP/dq v.
-    ///
-    /// R(a, v, q) = dP/dv a + dP/dq v - F with dP/dv v = P: with a = -(w_P / w_F) v, -w_F (R - dP/dq v) = w_P P + w_F F. Without a
-    /// force, P = R(v, 0, q) - R(0, 0, q).
-    pub fn terms(self) -> SmallVec<[Term; 2]> {
-        let Impulse { momentum, force } = self;
-        if force == 0.0 {
-            let term = |weight: f64, a: f64| Term { weight, a, v: 0.0 };
-            return smallvec![term(momentum, 1.0), term(-momentum, 0.0)];
-        }
-        smallvec![Term { weight: -force, a: -momentum / force, v: 1.0 }]
+    /// Both weights.
+    pub(super) fn weights(self) -> [f64; 2] {
+        [self.momentum, self.force]
     }
 }
 

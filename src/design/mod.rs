@@ -3,7 +3,8 @@
 //! The chain (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar is one reverse sweep over the recorded map, whatever the
 //! number of variables.
 
-use crate::scalar::{Complex64, Lanes, Rev, Scalar, Tape};
+use crate::program::{Listing, Node, Program, ProgramWork, Recorded, Recording, record};
+use crate::scalar::Scalar;
 
 /// A named number that may be changed by design.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +48,7 @@ pub fn check_design(variables: &[DesignVariable], x: &[f64]) -> Result<(), Strin
 }
 
 /// The numbers of a model: parameters and initial state.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ModelNumbers<S> {
     /// Parameters.
     pub p: Vec<S>,
@@ -57,24 +58,31 @@ pub struct ModelNumbers<S> {
     pub v: Vec<S>,
 }
 
-/// The map x -> (p, q0, v0), in every scalar in which it is needed.
+impl<S> Default for ModelNumbers<S> {
+    fn default() -> Self {
+        ModelNumbers { p: Vec::new(), q: Vec::new(), v: Vec::new() }
+    }
+}
+
+/// The map x -> (p, q0, v0).
 ///
 /// Topology must not depend on x; implementations check it and report what changed.
 pub trait DesignMap {
     /// In real numbers.
     fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String>;
-    /// With a complex step.
-    fn complex(&self, x: &[Complex64]) -> Result<ModelNumbers<Complex64>, String>;
-    /// With derivative lanes.
-    fn lanes(&self, x: &[Lanes]) -> Result<ModelNumbers<Lanes>, String>;
-    /// Recorded for the reverse sweep.
-    fn recorded(&self, x: &[Rev]) -> Result<ModelNumbers<Rev>, String>;
+    /// In recorded ones, which have values: the map may choose by them, and is recorded anew for each design.
+    fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String>;
 }
 
 /// The recorded map at one design.
 pub struct DesignChain {
-    tape: Tape,
-    numbers: ModelNumbers<Rev>,
+    x: Vec<f64>,
+    /// Lengths of p, q and v.
+    lengths: [usize; 3],
+    active: Vec<bool>,
+    values: Program,
+    tangent: Program,
+    transposed: Program,
 }
 
 impl DesignChain {
@@ -83,19 +91,56 @@ impl DesignChain {
     /// # Errors
     /// Those of the map.
     pub fn record(map: &dyn DesignMap, x: &[f64]) -> Result<Self, String> {
-        let (tape, numbers) = Tape::record(x, |x| map.recorded(x));
-        Ok(DesignChain { tape, numbers: numbers? })
+        let (numbers, Recording { mut graph, .. }) = record(x, |x| map.recorded(x));
+        let ModelNumbers { p, q, v } = numbers?;
+        let (lengths, active) = ([p.len(), q.len(), v.len()], p.iter().map(|p| !p.is_constant()).collect());
+        let outputs: Vec<Node> = p.into_iter().chain(q).chain(v).map(|number| number.node(&mut graph)).collect();
+        let inputs: Vec<Node> = (0..x.len() + outputs.len()).map(|input| graph.input(input)).collect();
+        let (towards, weights) = inputs.split_at(x.len());
+        let values = Program::new(Listing::of(&graph, &outputs, x.len()), Vec::new());
+        let directions: Vec<Node> = (0..x.len()).map(|input| graph.input(x.len() + input)).collect();
+        let seeds: Vec<(Node, Node)> = towards.iter().copied().zip(directions).collect();
+        let moved = graph.forward(&outputs, &seeds);
+        let tangent = Program::new(Listing::of(&graph, &moved, 2 * x.len()), Vec::new());
+        // what does not depend on the design is not asked for
+        let moving = |place: &usize| graph.constant_of(outputs[*place]).is_none();
+        let (moving, weights): (Vec<Node>, Vec<Node>) =
+            (0..outputs.len()).filter(moving).map(|place| (outputs[place], weights[place])).unzip();
+        let gradient = graph.reverse(&moving, &weights, towards);
+        let transposed = Program::new(Listing::of(&graph, &gradient, inputs.len()), Vec::new());
+        Ok(DesignChain { x: x.to_vec(), lengths, active, values, tangent, transposed })
     }
 
     /// Which parameters depend on any variable: the adjoint sweep leaves the others alone.
     pub fn active_parameters(&self) -> Vec<bool> {
-        self.numbers.p.iter().map(|p| !p.is_constant()).collect()
+        self.active.clone()
+    }
+
+    /// (p, q0, v0) at a design with derivative parts.
+    pub fn numbers<S: Scalar>(&self, x: &[S]) -> ModelNumbers<S> {
+        let mut all = vec![S::zero(); self.lengths.iter().sum()];
+        self.values.run_in(x, &mut all, &mut ProgramWork::default());
+        self.divided(all)
+    }
+
+    /// Derivatives of (p, q0, v0) along a direction.
+    pub fn tangent(&self, direction: &[f64]) -> ModelNumbers<f64> {
+        let mut all = vec![0.0; self.lengths.iter().sum()];
+        self.tangent.run_in(&[&self.x[..], direction].concat(), &mut all, &mut ProgramWork::default());
+        self.divided(all)
+    }
+
+    fn divided<S>(&self, mut all: Vec<S>) -> ModelNumbers<S> {
+        let v = all.split_off(self.lengths[0] + self.lengths[1]);
+        let q = all.split_off(self.lengths[0]);
+        ModelNumbers { p: all, q, v }
     }
 
     /// (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar.
     pub fn gradient(&self, bar: &ModelNumbers<f64>) -> Vec<f64> {
-        let pairs = |numbers: &[Rev], bars: &[f64]| numbers.iter().copied().zip(bars.iter().copied()).collect::<Vec<_>>();
-        let ModelNumbers { p, q, v } = &self.numbers;
-        self.tape.gradient([pairs(p, &bar.p), pairs(q, &bar.q), pairs(v, &bar.v)].concat())
+        let inputs = [&self.x[..], &bar.p, &bar.q, &bar.v].concat();
+        let mut gradient = vec![0.0; self.x.len()];
+        self.transposed.run_in(&inputs, &mut gradient, &mut ProgramWork::default());
+        gradient
     }
 }

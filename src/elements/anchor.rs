@@ -1,4 +1,4 @@
-use super::{Frame, State};
+use super::State;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns, rotation_gradient_transposed};
 
 /// What kind of node an element takes hold of.
@@ -91,35 +91,6 @@ impl Anchor {
                 for axis in 0..3 {
                     for i in 0..3 {
                         generalized[3 + 3 * axis + i] += force[i] * s[axis];
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds the gradient towards the coordinates of what has the gradient `towards` with respect to the origin and the axes of the frame.
-    #[inline(always)]
-    pub(crate) fn add_gradient<S: Scalar>(self, q: &[S], towards: &Frame<S>, generalized: &mut [S]) {
-        for i in 0..3 {
-            generalized[i] += towards.origin[i];
-        }
-        match self {
-            Anchor::Point | Anchor::Slope => {}
-            Anchor::Body => {
-                // the entries of R(e) are squares and products of e
-                let [a, x, y, z] = [q[3], q[4], q[5], q[6]].map(|e| e + e);
-                let [u, v, w] = towards.axes.map(|axis| axis.components());
-                let turning = [v[2] - w[1], w[0] - u[2], u[1] - v[0]];
-                let sums = [v[2] + w[1], w[0] + u[2], u[1] + v[0]];
-                generalized[3] += a * (u[0] + v[1] + w[2]) + x * turning[0] + y * turning[1] + z * turning[2];
-                generalized[4] += x * (u[0] - v[1] - w[2]) + y * sums[2] + z * sums[1] + a * turning[0];
-                generalized[5] += y * (v[1] - u[0] - w[2]) + x * sums[2] + z * sums[0] + a * turning[1];
-                generalized[6] += z * (w[2] - u[0] - v[1]) + x * sums[1] + y * sums[0] + a * turning[2];
-            }
-            Anchor::Natural => {
-                for (axis, towards) in towards.axes.iter().enumerate() {
-                    for i in 0..3 {
-                        generalized[3 + 3 * axis + i] += towards[i];
                     }
                 }
             }

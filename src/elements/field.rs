@@ -1,5 +1,5 @@
-use super::{ByPoints, Element, Parameter, State, Wide, lagrangian_momentum_rate, lagrangian_residual};
-use crate::scalar::{Job, Scalar};
+use super::{Element, Parameter, State};
+use crate::scalar::Scalar;
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -14,12 +14,9 @@ pub struct Interpolation {
 
 /// A flexible element, written as formulas at points of interpolated fields: the finer contract of an [`Element`].
 ///
-/// With h = W q, hdot = W v, hddot = W a, where W is constant and all nodes have the same coordinates, the element is a sum over points,
-///
-/// R(a, v, q, p, t) = sum W^T r(hddot, hdot, h, p, t),
-///
-/// where r follows from energies T(hdot, h, p), V(h, p) and forces of the point, or is written out. The framework differentiates
-/// r along its few arguments only, and brings the result to the nodes by W: the matrix is sum W^T (dr/dh) W.
+/// With h = W q, hdot = W v, hddot = W a, where W is constant and all nodes have the same coordinates, the element is a sum over points
+/// of energies T(hdot, h, p), V(h, p), strains e(h, p) with the energy stored in them and their damping, and forces Q(hdot, h, p, t); or of
+/// residuals that are written out. Methods are those of [`Element`], at a point; every list that one writes to holds zeros before.
 pub trait Field: Send + Sync + 'static {
     /// Number of nodes.
     const NODES: usize;
@@ -27,19 +24,11 @@ pub trait Field: Send + Sync + 'static {
     const COMPONENTS: usize;
     /// Interpolated numbers of each point.
     const POINTS: &'static [&'static [Interpolation]];
-    /// True if the energies of all points hold all its energy.
-    const ENERGIES: bool = false;
-    /// True if the mass matrix depends on parameters alone, or there is none.
-    const CONSTANT_MASS: bool = false;
 
     /// Parameters of the element; points may share them.
     fn parameters(&self) -> Vec<Parameter>;
     /// Which of them a point sees.
     fn parameters_of(&self, point: usize) -> Range<usize>;
-    /// Whether r of a point depends on (hddot, hdot, h) of an interpolated number; what is not read is not differentiated.
-    fn reads(&self, _point: usize, _number: usize) -> [bool; 3] {
-        [true; 3]
-    }
     /// Kinetic energy of a point [J].
     fn kinetic<S: Scalar>(&self, _point: usize, _v: &[S], _h: &[S], _p: &[S]) -> S {
         S::zero()
@@ -48,35 +37,23 @@ pub trait Field: Send + Sync + 'static {
     fn potential<S: Scalar>(&self, _point: usize, _h: &[S], _p: &[S]) -> S {
         S::zero()
     }
-    /// Adds the non-conservative force of a point, conjugate to h.
+    /// The non-conservative force of a point, conjugate to h, into `force`.
     fn add_force<S: Scalar>(&self, _point: usize, _v: &[S], _h: &[S], _p: &[S], _t: S, _force: &mut [S]) {}
-    /// Adds r of a point.
-    fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        lagrangian_residual(&AtPoint { field: self, point }, s, p, t, r);
+    /// Number of strains of a point.
+    fn strain_count(&self, _point: usize) -> usize {
+        0
     }
-    /// Adds (dP/dh) hdot of a point with P = dT/dhdot, as [`Element::momentum_rate`].
-    fn momentum_rate<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], r: &mut [S]) {
-        point_momentum_rate(self, point, v, h, p, r);
+    /// Strains of a point, into `e`.
+    fn strains<S: Scalar>(&self, _point: usize, _h: &[S], _p: &[S], _e: &mut [S]) {}
+    /// Energy that is stored in the strains of a point [J].
+    fn stored<S: Scalar>(&self, _point: usize, _e: &[S], _p: &[S]) -> S {
+        S::zero()
     }
-    /// Adds gamma dr/da + beta dr/dv + alpha dr/dq of a point for `shift` = [gamma, beta, alpha], column after column, and says true; or says
-    /// false, and r is differentiated.
-    ///
-    /// A column has [`wide`] vectors for each list of weights that the point's numbers have, in the order in which the lists first come; there
-    /// each row is at its component, so that whole vectors go to the nodes. What is between stays zero.
-    ///
-    /// Not needed: an element of which scenes have hundreds may write it out; the contract tests then hold it against r.
-    fn add_matrix(&self, _point: usize, _s: State<f64>, _shift: [f64; 3], _p: &[f64], _matrix: &mut [Wide]) -> bool {
-        false
-    }
-    /// Adds the gradient of lambda . r of a point, and says true; or says false, and r is differentiated.
-    ///
-    /// Not needed, as [`add_matrix`](Field::add_matrix).
-    fn add_products(&self, _point: usize, _s: State<f64>, _p: &[f64], _lambda: &[f64], _into: &mut PointGradient) -> bool {
-        false
-    }
-    /// True if r of every point is linear in (hddot, hdot, h) with constant coefficients.
-    fn is_linear(&self) -> bool {
-        false
+    /// Damping stresses of a point, conjugate to its strains, into `s`.
+    fn damping<S: Scalar>(&self, _point: usize, _e: &[S], _rate: &[S], _p: &[S], _s: &mut [S]) {}
+    /// The residual of a point, conjugate to h, into `r`; left out where the other methods give it.
+    fn residual<S: Scalar>(&self, _point: usize, _s: State<S>, _p: &[S], _t: S, _r: &mut [S]) {
+        S::from_energies();
     }
     /// Mass [kg].
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
@@ -88,174 +65,101 @@ pub trait Field: Send + Sync + 'static {
     }
 }
 
-/// Where the gradient of lambda . r of a point goes.
-pub struct PointGradient<'g> {
-    /// Towards (hddot, hdot, h).
-    pub state: [&'g mut [f64]; 3],
-    /// Towards the parameters that the point sees; empty where they are not asked for.
-    pub p: &'g mut [f64],
-}
-
-/// One point as an element whose coordinates are the interpolated numbers.
-struct AtPoint<'f, F: ?Sized> {
-    field: &'f F,
-    point: usize,
-}
-
-impl<F: Field + ?Sized> super::Energies for AtPoint<'_, F> {
-    #[inline(always)]
-    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
-        self.field.kinetic(self.point, v, q, p)
-    }
-    #[inline(always)]
-    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        self.field.potential(self.point, q, p)
-    }
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        self.field.add_force(self.point, v, q, p, t, force);
-    }
-}
-
-/// (dP/dh) hdot of a point, from its kinetic energy.
-pub(crate) fn point_momentum_rate<F: Field + ?Sized, S: Scalar>(
-    field: &F,
-    point: usize,
-    v: &[S],
-    h: &[S],
-    p: &[S],
-    r: &mut [S],
-) {
-    lagrangian_momentum_rate(&AtPoint { field, point }, v, h, p, r);
-}
-
 /// The element that a [`Field`] makes.
 pub struct Flexible<F>(pub F);
 
 /// Numbers of one point: on the stack.
-pub(super) type Few<S> = SmallVec<[S; 12]>;
-
-/// Room for some numbers; those that are there are left.
-#[inline(always)]
-fn fit<S: Scalar>(numbers: &mut Few<S>, count: usize) {
-    if numbers.len() != count {
-        numbers.resize(count, S::zero());
-    }
-}
+type Few<S> = SmallVec<[S; 12]>;
 
 /// W x.
-#[inline(always)]
-fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S], h: &mut Few<S>) {
-    fit(h, rows.len());
-    for (h, row) in h.iter_mut().zip(rows) {
-        let weights = &row.weights[..F::NODES];
-        let mut sum = x[row.component] * weights[0];
+fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S]) -> Few<S> {
+    let number = |row: &Interpolation| {
+        let mut sum = x[row.component] * row.weights[0];
         for node in 1..F::NODES {
-            sum += x[node * F::COMPONENTS + row.component] * weights[node];
+            sum += x[node * F::COMPONENTS + row.component] * row.weights[node];
         }
-        *h = sum;
-    }
+        sum
+    };
+    rows.iter().map(number).collect()
 }
 
-/// W x where it is read; numbers of any value otherwise.
-#[inline(always)]
-fn interpolate_if<F: Field, S: Scalar>(read: bool, rows: &[Interpolation], x: &[S], h: &mut Few<S>) {
-    if read {
-        interpolate::<F, S>(rows, x, h);
-    } else {
-        fit(h, rows.len());
+/// x += W^T h.
+fn distribute<F: Field, S: Scalar>(rows: &[Interpolation], h: &[S], x: &mut [S]) {
+    for (row, &h) in rows.iter().zip(h) {
+        for node in 0..F::NODES {
+            x[node * F::COMPONENTS + row.component] += h * row.weights[node];
+        }
     }
 }
 
 impl<F: Field> Flexible<F> {
-    /// Which of (hddot, hdot, h) a point reads at all.
-    #[inline(always)]
-    pub(super) fn read_at(&self, point: usize) -> [bool; 3] {
-        let mut any = [false; 3];
-        for number in 0..F::POINTS[point].len() {
-            let own = self.0.reads(point, number);
-            for kind in 0..3 {
-                any[kind] |= own[kind];
-            }
-        }
-        any
-    }
-}
-
-/// x += W^T h.
-#[inline(always)]
-pub(super) fn distribute<F: Field, S: Scalar>(rows: &[Interpolation], h: &[S], x: &mut [S]) {
-    for (row, &h) in rows.iter().zip(h) {
-        let weights = &row.weights[..F::NODES];
-        for node in 0..F::NODES {
-            x[node * F::COMPONENTS + row.component] += h * weights[node];
+    /// Calls `f(point, its rows, its strains among those of all points)`.
+    fn for_each_point(&self, mut f: impl FnMut(usize, &'static [Interpolation], Range<usize>)) {
+        let mut first = 0;
+        for (point, rows) in F::POINTS.iter().enumerate() {
+            let next = first + self.0.strain_count(point);
+            f(point, rows, first..next);
+            first = next;
         }
     }
 }
 
 impl<F: Field> Element for Flexible<F> {
     const DOFS: usize = F::NODES * F::COMPONENTS;
-    const ENERGIES: bool = F::ENERGIES;
-    const CONSTANT_MASS: bool = F::CONSTANT_MASS;
 
-    fn is_linear(&self) -> bool {
-        self.0.is_linear()
-    }
     fn parameters(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
-        let (mut rates, mut h) = (Few::new(), Few::new());
         let mut total = S::zero();
-        for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate::<F, S>(rows, v, &mut rates);
-            interpolate::<F, S>(rows, q, &mut h);
+        self.for_each_point(|point, rows, _| {
+            let (rates, h) = (interpolate::<F, S>(rows, v), interpolate::<F, S>(rows, q));
             total += self.0.kinetic(point, &rates, &h, &p[self.0.parameters_of(point)]);
-        }
+        });
         total
     }
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        let mut h = Few::new();
         let mut total = S::zero();
-        for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate::<F, S>(rows, q, &mut h);
-            total += self.0.potential(point, &h, &p[self.0.parameters_of(point)]);
-        }
+        self.for_each_point(|point, rows, _| {
+            total += self.0.potential(point, &interpolate::<F, S>(rows, q), &p[self.0.parameters_of(point)]);
+        });
         total
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        let (mut rates, mut h) = (Few::new(), Few::new());
-        for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate::<F, S>(rows, v, &mut rates);
-            interpolate::<F, S>(rows, q, &mut h);
+        self.for_each_point(|point, rows, _| {
+            let (rates, h) = (interpolate::<F, S>(rows, v), interpolate::<F, S>(rows, q));
             let mut own: Few<S> = SmallVec::from_elem(S::zero(), rows.len());
             self.0.add_force(point, &rates, &h, &p[self.0.parameters_of(point)], t, &mut own);
             distribute::<F, S>(rows, &own, force);
-        }
+        });
+    }
+    fn strain_count(&self) -> usize {
+        (0..F::POINTS.len()).map(|point| self.0.strain_count(point)).sum()
+    }
+    fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
+        self.for_each_point(|point, rows, own| {
+            if !own.is_empty() {
+                self.0.strains(point, &interpolate::<F, S>(rows, q), &p[self.0.parameters_of(point)], &mut e[own]);
+            }
+        });
+    }
+    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        let mut total = S::zero();
+        self.for_each_point(|point, _, own| total += self.0.stored(point, &e[own], &p[self.0.parameters_of(point)]));
+        total
+    }
+    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
+        self.for_each_point(|point, _, own| {
+            self.0.damping(point, &e[own.clone()], &rate[own.clone()], &p[self.0.parameters_of(point)], &mut s[own]);
+        });
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        let (mut a, mut v, mut q, mut own) = (Few::new(), Few::new(), Few::new(), Few::new());
-        for (point, rows) in F::POINTS.iter().enumerate() {
-            let [in_a, in_v, in_q] = self.read_at(point);
-            interpolate_if::<F, S>(in_a, rows, s.a, &mut a);
-            interpolate_if::<F, S>(in_v, rows, s.v, &mut v);
-            interpolate_if::<F, S>(in_q, rows, s.q, &mut q);
-            fit(&mut own, rows.len());
-            own.fill(S::zero());
-            let here = State { a: &a, v: &v, q: &q };
-            add_point_residual(&self.0, point, here, &p[self.0.parameters_of(point)], t, &mut own);
+        self.for_each_point(|point, rows, _| {
+            let [a, v, q] = [s.a, s.v, s.q].map(|x| interpolate::<F, S>(rows, x));
+            let mut own: Few<S> = SmallVec::from_elem(S::zero(), rows.len());
+            self.0.residual(point, State { a: &a, v: &v, q: &q }, &p[self.0.parameters_of(point)], t, &mut own);
             distribute::<F, S>(rows, &own, r);
-        }
-    }
-    fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
-        let (mut rates, mut h, mut own) = (Few::new(), Few::new(), Few::new());
-        for (point, rows) in F::POINTS.iter().enumerate() {
-            interpolate::<F, S>(rows, v, &mut rates);
-            interpolate::<F, S>(rows, q, &mut h);
-            fit(&mut own, rows.len());
-            own.fill(S::zero());
-            self.0.momentum_rate(point, &rates, &h, &p[self.0.parameters_of(point)], &mut own);
-            distribute::<F, S>(rows, &own, r);
-        }
+        });
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         self.0.mass(p)
@@ -263,26 +167,4 @@ impl<F: Field> Element for Flexible<F> {
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.0.kinks(p)
     }
-    fn by_points(&self) -> Option<&dyn ByPoints> {
-        Some(self)
-    }
-}
-
-/// r of a point to be evaluated.
-struct PointResidual<'j, F, S>(&'j F, usize, State<'j, S>, &'j [S], S, &'j mut [S]);
-
-impl<F: Field, S: Scalar> Job for PointResidual<'_, F, S> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let PointResidual(field, point, s, p, t, r) = self;
-        field.residual(point, s, p, t, r);
-    }
-}
-
-/// Adds r of a point: the one place where its formulas are compiled for a number type, as a hundred numbers with lanes between
-/// them take the compiler minutes.
-#[inline(never)]
-pub(super) fn add_point_residual<F: Field, S: Scalar>(field: &F, point: usize, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-    S::run(PointResidual(field, point, s, p, t, r));
 }

@@ -1,116 +1,164 @@
+//! Residuals, momenta and forces made of energies, in recorded numbers.
+
 use super::{Element, State};
-use crate::scalar::{Dual, Job, LANES, Scalar, widest};
-use smallvec::SmallVec;
+use crate::program::{Recorded, along_motion, gradient_of, is_from_energies, record};
 
-/// Local values of one element: on the stack for up to 16 coordinates or parameters.
-type Local<S> = SmallVec<[S; 16]>;
-/// With derivatives along eight coordinates or velocities.
-type Lanes<S> = Dual<S, LANES>;
-/// These, and their derivative along the motion; in this order all lanes of a number lie side by side.
-type Moving<S> = Dual<Lanes<S>, 1>;
-
-/// Energies and non-conservative force, of which a residual can be made.
-pub trait Energies {
-    /// Kinetic energy T(v, q, p) [J].
-    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S;
-    /// Potential energy V(q, p) [J].
-    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S;
-    /// Adds the generalized non-conservative force Q(v, q, p, t).
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]);
+/// Energies of an element.
+pub(super) struct Energies {
+    /// T.
+    pub kinetic: Recorded,
+    /// V with what is stored in strains.
+    pub potential: Recorded,
 }
 
-impl<E: Element + ?Sized> Energies for E {
-    #[inline(always)]
-    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
-        Element::kinetic(self, v, q, p)
-    }
-    #[inline(always)]
-    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        Element::potential(self, q, p)
-    }
-    #[inline(always)]
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        Element::add_force(self, v, q, p, t, force);
+fn zeros(count: usize) -> Vec<Recorded> {
+    vec![Recorded::from(0.0); count]
+}
+
+fn strains<E: Element>(element: &E, q: &[Recorded], p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+    let mut e = zeros(element.strain_count());
+    element.strains(q, p, t, &mut e);
+    e
+}
+
+impl Energies {
+    pub fn of<E: Element>(element: &E, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
+        let stored = element.stored(&strains(element, q, p, t), p);
+        Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + stored }
     }
 }
 
-/// Adds d/dt (dT/dv) - dT/dq + dV/dq - Q to `r`, from the energies of an element.
+/// The gradient of one number.
+fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
+    gradient_of(&[of], &[Recorded::from(1.0)], towards)
+}
+
+/// Force F = dL/dq + Q and momentum P = dL/dv.
+fn force_and_momentum<E: Element>(element: &E, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
+    let Energies { kinetic, potential } = Energies::of(element, [v, q, p], t);
+    let mut force = gradient(kinetic - potential, q);
+    let mut applied = zeros(q.len());
+    element.add_force(v, q, p, t, &mut applied);
+    let e = strains(element, q, p, t);
+    // along the motion of coordinates and time
+    let moving: Vec<(Recorded, Recorded)> =
+        q.iter().copied().zip(v.iter().copied()).chain([(t, Recorded::from(1.0))]).collect();
+    let mut stresses = zeros(e.len());
+    element.damping(&e, &along_motion(&e, &moving), p, t, &mut stresses);
+    let damping = gradient_of(&e, &stresses, q);
+    for ((force, applied), damping) in force.iter_mut().zip(applied).zip(damping) {
+        *force = *force + applied - damping;
+    }
+    (force, gradient(kinetic, v))
+}
+
+/// R(a, v, q, p, t), as it is written or from energies.
+pub(super) fn residual<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+    match written(element, s, p, t) {
+        Some(residual) => residual,
+        None => from_energies(element, s, p, t),
+    }
+}
+
+/// The residual, if it is written out.
+fn written<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<Vec<Recorded>> {
+    let mut residual = zeros(s.q.len());
+    element.residual(s, p, t, &mut residual);
+    (!is_from_energies()).then_some(residual)
+}
+
+/// d/dt (dT/dv) - dL/dq - Q.
+fn from_energies<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+    let (force, momentum) = force_and_momentum(element, [s.v, s.q, p], t);
+    let along_v = s.v.iter().copied().zip(s.a.iter().copied());
+    let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();
+    let rate = along_motion(&momentum, &moving);
+    rate.into_iter().zip(force).map(|(rate, force)| rate - force).collect()
+}
+
+/// w_P P + w_F F; `None` for a written residual without energies whose mass matrix depends on its state.
 ///
-/// With one dual direction along the motion (dq, dv) = (v, a) around N lanes along the unit vectors of v, the mixed
-/// part is d/dt (dT/dv_i); lanes along q give dT/dq_i and dV/dq_i.
-pub fn lagrangian_residual<E: Energies + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-    widest(FromEnergies(element, s, p, r));
-    load_residual(element, s, p, t, r);
-}
-
-/// Subtracts the non-conservative force: the whole residual of an element without energies.
-#[inline(always)]
-pub fn load_residual<E: Energies + ?Sized, S: Scalar>(element: &E, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-    let mut force: Local<S> = SmallVec::from_elem(S::zero(), s.q.len());
-    element.add_force(s.v, s.q, p, t, &mut force);
-    for (r, f) in r.iter_mut().zip(&force) {
-        *r -= *f;
-    }
-}
-
-/// The part of the residual that comes from the energies.
-struct FromEnergies<'j, E: ?Sized, S>(&'j E, State<'j, S>, &'j [S], &'j mut [S]);
-
-impl<E: Energies + ?Sized, S: Scalar> Job for FromEnergies<'_, E, S> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        let FromEnergies(element, s, p, r) = self;
-        let n = s.q.len();
-        // filled where they are: moving such a list costs as much as the energies
-        let (mut q, mut v, mut numbers) = (Local::<Moving<S>>::new(), Local::<Moving<S>>::new(), Local::<Moving<S>>::new());
-        let (mut q_lanes, mut v_lanes, mut p_lanes) =
-            (Local::<Lanes<S>>::new(), Local::<Lanes<S>>::new(), Local::<Lanes<S>>::new());
-        for i in 0..n {
-            q.push(moving(s.q[i], s.v[i]));
-            v.push(moving(s.v[i], s.a[i]));
-            q_lanes.push(Dual::constant(s.q[i]));
-            v_lanes.push(Dual::constant(s.v[i]));
-        }
-        for &p in p {
-            numbers.push(Dual::constant(Dual::constant(p)));
-            p_lanes.push(Dual::constant(p));
-        }
-        for first in (0..n).step_by(LANES) {
-            let lanes = LANES.min(n - first);
-            for lane in 0..lanes {
-                v[first + lane].re.eps[lane] = S::one();
-                q_lanes[first + lane].eps[lane] = S::one();
+/// Such a residual with a constant mass matrix M gives P = M v and F = -R without accelerations.
+pub(super) fn impulse<E: Element>(
+    element: &E,
+    s: State<Recorded>,
+    p: &[Recorded],
+    t: Recorded,
+    [of_momentum, of_force]: [Recorded; 2],
+) -> Option<Vec<Recorded>> {
+    let (force, momentum) = match written(element, s, p, t) {
+        Some(residual) if !has_energies(element) => {
+            let moving: Vec<(Recorded, Recorded)> = s.a.iter().copied().zip(s.v.iter().copied()).collect();
+            let momentum = along_motion(&residual, &moving);
+            // what the momentum depends on beside v: M of anything else would leave its derivatives behind
+            let still: Vec<(Recorded, Recorded)> = s.a.iter().map(|&a| (a, Recorded::from(1.0))).collect();
+            let depends = |towards: &[Recorded]| {
+                let columns = along_motion(&residual, &still);
+                columns.iter().any(|column| gradient(*column, towards).iter().any(|entry| !is_zero(*entry)))
+            };
+            if depends(s.a) || depends(s.v) || depends(s.q) || depends(&[t]) {
+                return None;
             }
-            let kinetic = element.kinetic(&v, &q, &numbers);
-            let lagrangian = element.kinetic(&v_lanes, &q_lanes, &p_lanes) - element.potential(&q_lanes, &p_lanes);
-            for lane in 0..lanes {
-                r[first + lane] += kinetic.eps[0].eps[lane] - lagrangian.eps[lane];
-                v[first + lane].re.eps[lane] = S::zero();
-                q_lanes[first + lane].eps[lane] = S::zero();
-            }
+            let inertia: Vec<Recorded> = {
+                let along: Vec<(Recorded, Recorded)> = s.a.iter().map(|&a| (a, a)).collect();
+                along_motion(&residual, &along)
+            };
+            let force = residual.iter().zip(inertia).map(|(&residual, inertia)| inertia - residual).collect();
+            (force, momentum)
         }
-    }
+        _ => force_and_momentum(element, [s.v, s.q, p], t),
+    };
+    Some(momentum.into_iter().zip(force).map(|(momentum, force)| of_momentum * momentum + of_force * force).collect())
 }
 
-/// Adds (dP/dq) v with P = dT/dv: the part of [`lagrangian_residual`] that the momentum changes by without acceleration.
-pub fn lagrangian_momentum_rate<E: Energies + ?Sized, S: Scalar>(element: &E, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
-    let moving_q: Local<Moving<S>> = q.iter().zip(v).map(|(&q, &v)| moving(q, v)).collect();
-    let mut moving_v: Local<Moving<S>> = v.iter().map(|&v| moving(v, S::zero())).collect();
-    let numbers: Local<Moving<S>> = p.iter().map(|&p| Dual::constant(Dual::constant(p))).collect();
-    for first in (0..q.len()).step_by(LANES) {
-        let lanes = LANES.min(q.len() - first);
-        (0..lanes).for_each(|lane| moving_v[first + lane].re.eps[lane] = S::one());
-        let kinetic = element.kinetic(&moving_v, &moving_q, &numbers);
-        for lane in 0..lanes {
-            r[first + lane] += kinetic.eps[0].eps[lane];
-            moving_v[first + lane].re.eps[lane] = S::zero();
-        }
-    }
+/// True for the constant 0.
+fn is_zero(number: Recorded) -> bool {
+    use num_traits::Zero;
+    number.is_zero()
 }
 
-/// A number with its rate along the motion.
-#[inline(always)]
-fn moving<S: Scalar>(value: S, rate: S) -> Moving<S> {
-    Dual { re: Dual::constant(value), eps: [Dual::constant(rate)] }
+/// Whether equations are linear in some numbers: their gradient does not depend on these.
+pub(super) fn is_linear_in(equations: &[Recorded], numbers: &[Recorded]) -> bool {
+    equations.iter().all(|&equation| {
+        gradient(equation, numbers).into_iter().all(|entry| gradient(entry, numbers).into_iter().all(is_zero))
+    })
+}
+
+/// Whether energies are complete: the residual follows from them and from losses, or is found to agree with what does at two states.
+///
+/// A written residual that chooses between formulas may agree at some states and not at others: it counts as more than its energies.
+pub(super) fn has_energies<E: Element>(element: &E) -> bool {
+    let (n, m) = (element.dofs(), element.parameters().len());
+    (0..2).all(|probe| {
+        // numbers of the size of Euler parameters, none of them alike
+        let number = |i: usize| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin();
+        let values: Vec<f64> = (0..3 * n + m + 1).map(number).collect();
+        let mut is_written = false;
+        let (agrees, recording) = record(&values, |x| {
+            let (state, rest) = x.split_at(3 * n);
+            let (p, t) = rest.split_at(m);
+            let (a, v, q) = (&state[..n], &state[n..2 * n], &state[2 * n..]);
+            let s = State { a, v, q };
+            let e = strains(element, q, p, t[0]);
+            let stored = element.stored(&e, p);
+            // strains that depend on time do work
+            let steady = is_zero(gradient(stored, t)[0]);
+            let mut losses = zeros(e.len());
+            element.damping(&e, &zeros(e.len()), p, t[0], &mut losses);
+            let lossless = losses.iter().all(|&loss| is_zero(loss));
+            let Some(own) = written(element, s, p, t[0]) else { return steady && lossless };
+            is_written = true;
+            let made = from_energies(element, s, p, t[0]);
+            steady && lossless && agree(&values, &own, &made)
+        });
+        agrees && !(is_written && recording.graph.has_choices())
+    })
+}
+
+/// Whether two lists of numbers are equal up to round-off.
+fn agree(values: &[f64], own: &[Recorded], made: &[Recorded]) -> bool {
+    let numbers = crate::program::evaluate(values, &[own, made].concat());
+    let (own, made) = numbers.split_at(own.len());
+    let size = numbers.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+    own.iter().zip(made).all(|(own, made)| !((own - made).abs() > 1e-9 * size))
 }

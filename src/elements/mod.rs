@@ -10,10 +10,9 @@
 
 mod anchor;
 mod constraint;
+mod dyn_layer;
 mod element;
-mod erased;
 mod field;
-mod field_derivatives;
 mod frame;
 mod lagrangian;
 mod nonholonomic;
@@ -27,14 +26,11 @@ pub mod joints;
 
 pub use anchor::Anchor;
 pub use constraint::Constraint;
+pub(crate) use dyn_layer::instantiate_here;
+pub use dyn_layer::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, RunScalar, motion_derivatives};
 pub use element::{Element, State};
-pub(crate) use erased::compiled_here;
-pub use erased::{AnyConstraint, AnyElement, ConstraintIn, ElementIn, ReactingConstraintIn, RunScalar};
-pub(crate) use field::point_momentum_rate;
-pub use field::{Field, Flexible, Interpolation, PointGradient};
-pub use field_derivatives::{ByPoints, PointWork, Wide, wide};
+pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
-pub use lagrangian::{Energies, lagrangian_momentum_rate, lagrangian_residual, load_residual};
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use time_function::TimeFunction;

@@ -1,5 +1,5 @@
 use super::Parameter;
-use crate::scalar::Scalar;
+use crate::scalar::{CurveId, Interpolant, Scalar};
 use std::sync::Arc;
 
 /// A function of time f(t) for motion drivers and loads; its numbers are parameters of the element that holds it.
@@ -25,17 +25,9 @@ pub enum TimeFunction {
     /// T moves the jump, which gradients by T leave out.
     SmoothStart(Arc<TimeFunction>),
     /// Straight lines through (t_i, f_i), constant outside; for loads only. Parameters: the values f_i; the times are topology.
-    Lines(Arc<[f64]>),
+    Lines(CurveId),
     /// Natural cubic spline through (t_i, f_i), constant slope outside. Parameters: the values f_i; the times are topology.
-    Table(Arc<CubicTable>),
-}
-
-/// Knots of a natural cubic spline and the matrix that maps values to second derivatives.
-#[derive(Debug)]
-pub struct CubicTable {
-    times: Vec<f64>,
-    /// Row-major, knots by knots.
-    second: Vec<f64>,
+    Table(CurveId),
 }
 
 impl TimeFunction {
@@ -44,9 +36,7 @@ impl TimeFunction {
     /// # Errors
     /// Fewer than two knots, or times that are not finite or do not increase; the message shows which.
     pub fn table(times: Vec<f64>) -> Result<TimeFunction, String> {
-        check_knots(&times)?;
-        let second = second_derivative_matrix(&times);
-        Ok(TimeFunction::Table(Arc::new(CubicTable { times, second })))
+        CurveId::new(&times, Interpolant::Cubic).map(TimeFunction::Table)
     }
 
     /// Straight lines between the given knots.
@@ -54,8 +44,7 @@ impl TimeFunction {
     /// # Errors
     /// As for [`TimeFunction::table`].
     pub fn lines(times: Vec<f64>) -> Result<TimeFunction, String> {
-        check_knots(&times)?;
-        Ok(TimeFunction::Lines(times.into()))
+        CurveId::new(&times, Interpolant::Lines).map(TimeFunction::Lines)
     }
 
     /// The parameters, their unit being `unit` for values of f.
@@ -74,8 +63,7 @@ impl TimeFunction {
             TimeFunction::SmoothStart(inner) => {
                 inner.parameters(unit).into_iter().chain([Parameter::positive("start duration", "s")]).collect()
             }
-            TimeFunction::Table(table) => knot_values(table.times.len(), unit),
-            TimeFunction::Lines(times) => knot_values(times.len(), unit),
+            TimeFunction::Table(curve) | TimeFunction::Lines(curve) => knot_values(curve.curve().knots().len(), unit),
         }
     }
 
@@ -86,32 +74,15 @@ impl TimeFunction {
             TimeFunction::ConstantRate => p[0] + p[1] * t,
             TimeFunction::Sine => p[0] + p[1] * (p[2] * t + p[3]).sin(),
             TimeFunction::SmoothRamp => {
-                let s = (t - p[2]) / p[3];
-                if s.value() <= 0.0 {
-                    p[0]
-                } else if s.value() >= 1.0 {
-                    p[1]
-                } else {
-                    p[0] + (p[1] - p[0]) * (s * s * s * ((s * 6.0 - 15.0) * s + 10.0))
-                }
+                let s = ((t - p[2]) / p[3]).max(S::zero()).min(S::one());
+                p[0] + (p[1] - p[0]) * (s * s * s * ((s * 6.0 - 15.0) * s + 10.0))
             }
-            TimeFunction::Step { switch } => p[usize::from(t.value() >= *switch)],
+            TimeFunction::Step { switch } => t.less(S::from(*switch)).select(p[0], p[1]),
             TimeFunction::SmoothStart(inner) => match p {
                 [own @ .., duration] => inner.value(started_time(t, *duration), own),
                 [] => unreachable!("the start duration is the last parameter"),
             },
-            TimeFunction::Table(table) => table.value(t, p),
-            TimeFunction::Lines(times) => {
-                let last = times.len() - 1;
-                if t.value() <= times[0] {
-                    p[0]
-                } else if t.value() >= times[last] {
-                    p[last]
-                } else {
-                    let k = times.partition_point(|&knot| knot <= t.value()) - 1;
-                    p[k] + (p[k + 1] - p[k]) * ((t - times[k]) / (times[k + 1] - times[k]))
-                }
-            }
+            TimeFunction::Table(curve) | TimeFunction::Lines(curve) => t.on_curve(*curve, p),
         }
     }
 
@@ -120,7 +91,7 @@ impl TimeFunction {
         match self {
             TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
             TimeFunction::Step { switch } => vec![*switch],
-            TimeFunction::Lines(times) => times.to_vec(),
+            TimeFunction::Lines(curve) => curve.curve().knots().to_vec(),
             TimeFunction::SmoothStart(inner) => match p {
                 [own @ .., duration] => {
                     let mapped = inner.kinks(own).into_iter().filter(|kink| *kink > 0.0);
@@ -145,24 +116,11 @@ impl TimeFunction {
     pub fn rate_jump(&self) -> Option<f64> {
         match self {
             TimeFunction::Step { switch } => Some(*switch),
-            TimeFunction::Lines(times) => Some(times[0]),
+            TimeFunction::Lines(curve) => Some(curve.curve().knots()[0]),
             TimeFunction::SmoothStart(inner) => inner.rate_jump(),
             _ => None,
         }
     }
-}
-
-fn check_knots(times: &[f64]) -> Result<(), String> {
-    if times.len() < 2 {
-        return Err(format!("a table over time needs at least 2 knots, not {}", times.len()));
-    }
-    if let Some(i) = times.iter().position(|t| !t.is_finite()) {
-        return Err(format!("table times must be finite: knot {i} is {}", times[i]));
-    }
-    if let Some(i) = (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
-        return Err(format!("table times must increase: knot {i} is {} after {}", times[i], times[i - 1]));
-    }
-    Ok(())
 }
 
 fn knot_values(count: usize, unit: &'static str) -> Vec<Parameter> {
@@ -171,11 +129,9 @@ fn knot_values(count: usize, unit: &'static str) -> Vec<Parameter> {
 
 /// s(t) of a smooth start [s].
 fn started_time<S: Scalar>(t: S, duration: S) -> S {
-    if t.value() <= 0.0 {
-        return S::zero();
-    }
-    let x = t / duration;
-    if x.value() >= 1.0 { t - duration * 0.5 } else { duration * (x.powi(4) * ((x - 3.0) * x + 2.5)) }
+    let time = t.max(S::zero());
+    let x = time / duration;
+    x.less(S::one()).select(duration * (x.powi(4) * ((x - 3.0) * x + 2.5)), time - duration * 0.5)
 }
 
 /// The first time at which s(t) has reached `s` > 0, to the last bit: s grows from 0 on, so halving finds it.
@@ -192,53 +148,4 @@ fn time_started_at(s: f64, duration: f64) -> f64 {
             after = middle;
         }
     }
-}
-
-impl CubicTable {
-    fn value<S: Scalar>(&self, t: S, values: &[S]) -> S {
-        let n = self.times.len();
-        // beyond the ends the last cubic's end slope goes on: natural ends have no curvature there
-        let time = t.value().clamp(self.times[0], self.times[n - 1]);
-        let k = self.times.partition_point(|&knot| knot <= time).clamp(1, n - 1) - 1;
-        let h = self.times[k + 1] - self.times[k];
-        let curvature = |row: usize| {
-            let weights = &self.second[row * n..(row + 1) * n];
-            weights.iter().zip(values).map(|(&w, &f)| f * w).sum::<S>()
-        };
-        let (m0, m1) = (curvature(k), curvature(k + 1));
-        let slope = (values[k + 1] - values[k]) / h;
-        if t.value() < self.times[0] {
-            return values[0] + (slope - (m0 * 2.0 + m1) * (h / 6.0)) * (t - self.times[0]);
-        }
-        if t.value() > self.times[n - 1] {
-            return values[n - 1] + (slope + (m0 + m1 * 2.0) * (h / 6.0)) * (t - self.times[n - 1]);
-        }
-        let (right, left) = ((t - self.times[k]) / h, (-t + self.times[k + 1]) / h);
-        let bend = (left * left * left - left) * m0 + (right * right * right - right) * m1;
-        values[k] * left + values[k + 1] * right + bend * (h * h / 6.0)
-    }
-}
-
-/// Matrix from knot values to second derivatives of the natural spline: the tridiagonal system solved for each unit value.
-fn second_derivative_matrix(times: &[f64]) -> Vec<f64> {
-    let n = times.len();
-    let mut matrix = vec![0.0; n * n];
-    let h = |i: usize| times[i + 1] - times[i];
-    for unit in 0..n {
-        let f = |i: usize| f64::from(u8::from(i == unit));
-        // forward elimination of h_{i-1} m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_i m_{i+1} = 6 (slope_i - slope_{i-1})
-        let (mut upper, mut rhs) = (vec![0.0; n], vec![0.0; n]);
-        for i in 1..n - 1 {
-            let jump = 6.0 * ((f(i + 1) - f(i)) / h(i) - (f(i) - f(i - 1)) / h(i - 1));
-            let pivot = 2.0 * (h(i - 1) + h(i)) - h(i - 1) * upper[i - 1];
-            upper[i] = h(i) / pivot;
-            rhs[i] = (jump - h(i - 1) * rhs[i - 1]) / pivot;
-        }
-        let mut above = 0.0;
-        for i in (1..n.saturating_sub(1)).rev() {
-            above = rhs[i] - upper[i] * above;
-            matrix[i * n + unit] = above;
-        }
-    }
-    matrix
 }

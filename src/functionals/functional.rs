@@ -1,10 +1,10 @@
+use super::MeasuredQuantity;
 use super::load::JointLoad;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
-use super::{AnyQuantity, FunctionalScalar};
 use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
-use crate::elements::{RunScalar as _, State};
+use crate::elements::RunScalar;
 use crate::integrators::{StartRecord, StepRecord};
-use crate::scalar::{LANES, Lanes};
+use crate::program::{Formula, ProgramWork};
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ pub enum Measured {
         /// Place of its parameters in p.
         parameters: Range<usize>,
         /// The formula.
-        quantity: Box<dyn AnyQuantity>,
+        quantity: MeasuredQuantity,
     },
     /// A force or moment with which a joint acts on one of its nodes.
     Load {
@@ -86,7 +86,7 @@ pub struct Sample<S> {
     pub dropped: Vec<usize>,
 }
 
-impl<S: FunctionalScalar> Sample<S> {
+impl<S: RunScalar> Sample<S> {
     /// At the start: projected state, first acceleration.
     pub fn initial(start: &StartRecord<S>) -> Self {
         let (dropped, start) = (start.dropped.clone(), &start.acceleration);
@@ -181,45 +181,122 @@ impl Functional {
     }
 }
 
-/// Numbers of one element: on the stack for up to two bodies.
-type Few<S> = SmallVec<[S; 16]>;
+/// Where the arguments of a measured formula stand in the vectors of a sample.
+#[derive(Clone, Copy)]
+enum Place {
+    A(usize),
+    V(usize),
+    Q(usize),
+    Mu(usize),
+    P(usize),
+    Time,
+}
 
-fn gather<S: Copy>(model: &Model, nodes: &[NodeId], values: &[S]) -> Few<S> {
-    nodes.iter().flat_map(|node| values[model.nodes[node.0].dofs.clone()].iter().copied()).collect()
+/// A formula with the places of its arguments.
+struct Reading<'m> {
+    formula: &'m Formula,
+    places: SmallVec<[Place; 64]>,
+    /// Which of its results are added up.
+    results: &'static [usize],
+}
+
+fn dofs<'m>(model: &'m Model, nodes: &'m [NodeId]) -> impl Iterator<Item = usize> + 'm {
+    nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone())
+}
+
+/// Kinetic and potential energy, or mass, among the results of an element's energies.
+const ENERGIES: &[usize] = &[0, 1];
+const MASS: &[usize] = &[2];
+
+impl Reading<'_> {
+    fn value<S: RunScalar>(&self, sample: &Sample<S>, p: &[S], all: &mut [Vec<S>; 2], work: &mut ProgramWork<S>) -> S {
+        let [inputs, outputs] = all;
+        self.write_arguments(sample, p, inputs);
+        outputs.clear();
+        outputs.resize(self.formula.outputs.len(), S::zero());
+        S::run(self.formula.values(), inputs, outputs, work);
+        self.results.iter().map(|&result| outputs[result]).sum()
+    }
+
+    fn write_arguments<S: RunScalar>(&self, sample: &Sample<S>, p: &[S], inputs: &mut Vec<S>) {
+        inputs.clear();
+        inputs.extend(self.places.iter().map(|&place| match place {
+            Place::A(dof) => sample.at.a[dof],
+            Place::V(dof) => sample.at.v[dof],
+            Place::Q(dof) => sample.at.q[dof],
+            Place::Mu(row) => sample.mu[row],
+            Place::P(index) => p[index],
+            Place::Time => S::from(sample.t),
+        }));
+    }
+
+    /// Adds `factor` times the gradient of the sum of its results.
+    fn add_gradient(&self, sample: &Sample<f64>, p: &[f64], factor: f64, mut add: impl FnMut(Place, f64)) {
+        let program = self.formula.gradient(self.results);
+        f64::with_work(|[inputs, outputs], work| {
+            self.write_arguments(sample, p, inputs);
+            outputs.clear();
+            outputs.resize(program.outputs(), 0.0);
+            program.run(inputs, outputs, work);
+            for (&label, &entry) in program.labels().iter().zip(&*outputs) {
+                add(self.places[label as usize], factor * entry);
+            }
+        });
+    }
 }
 
 impl Measured {
-    /// The value at a sample.
-    pub fn value<S: FunctionalScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
+    /// Why its formula cannot be used, if so.
+    pub fn refused(&self) -> Option<&str> {
+        match self {
+            Measured::Local { quantity, .. } => quantity.refused(),
+            _ => None,
+        }
+    }
+
+    /// Calls `read` for each formula of which it is the sum.
+    fn for_each_reading(&self, model: &Model, mut read: impl FnMut(Reading)) {
         match self {
             Measured::Local { nodes, constraints, parameters, quantity } => {
-                let [a, v, q] = [&sample.at.a, &sample.at.v, &sample.at.q].map(|x| gather(model, nodes, x));
                 let rows = constraints.iter().flat_map(|id| model.constraints[id.0].equations.clone());
-                let mu: Few<S> = rows.map(|row| sample.mu[row]).collect();
-                let state = State { a: &a, v: &v, q: &q };
-                S::quantity(&**quantity).value_in(state, &mu, &p[parameters.clone()], S::from(sample.t))
+                let state = dofs(model, nodes).map(Place::A).chain(dofs(model, nodes).map(Place::V));
+                let places = state
+                    .chain(dofs(model, nodes).map(Place::Q))
+                    .chain(rows.map(Place::Mu))
+                    .chain(parameters.clone().map(Place::P))
+                    .chain([Place::Time]);
+                read(Reading { formula: quantity.formula(), places: places.collect(), results: &[0] });
             }
             Measured::Load { joint, parameters, load } => {
                 let joint = &model.constraints[joint.0];
-                let q = gather(model, &joint.nodes, &sample.at.q);
-                let (mu, own) = (&sample.mu[joint.equations.clone()], &p[joint.parameters.clone()]);
-                load.value(&*joint.physics, &q, mu, own, &p[parameters.clone()], S::from(sample.t))
+                let places = dofs(model, &joint.nodes)
+                    .map(Place::V)
+                    .chain(dofs(model, &joint.nodes).map(Place::Q))
+                    .chain(joint.equations.clone().map(Place::Mu))
+                    .chain(joint.parameters.clone().chain(parameters.clone()).map(Place::P))
+                    .chain([Place::Time]);
+                read(Reading { formula: load.formula(&joint.physics), places: places.collect(), results: &[0] });
             }
-            Measured::Energy => {
-                let own = |element: &crate::assembly::Attached<dyn crate::elements::AnyElement>| {
-                    let [v, q] = [&sample.at.v, &sample.at.q].map(|x| gather(model, &element.nodes, x));
-                    let [t, v] = S::element(&*element.physics).energy(&v, &q, &p[element.parameters.clone()]);
-                    t + v
-                };
-                model.elements.iter().map(own).sum()
-            }
-            Measured::Mass => {
-                let own = |element: &crate::assembly::Attached<dyn crate::elements::AnyElement>| {
-                    S::element(&*element.physics).mass_in(&p[element.parameters.clone()])
-                };
-                model.elements.iter().map(own).sum()
+            Measured::Energy | Measured::Mass => {
+                let results = if matches!(self, Measured::Mass) { MASS } else { ENERGIES };
+                for element in &model.elements {
+                    let places = dofs(model, &element.nodes)
+                        .map(Place::V)
+                        .chain(dofs(model, &element.nodes).map(Place::Q))
+                        .chain(element.parameters.clone().map(Place::P));
+                    read(Reading { formula: element.physics.energies(), places: places.collect(), results });
+                }
             }
         }
+    }
+
+    /// The value at a sample.
+    pub fn value<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
+        S::with_work(|numbers, work| {
+            let mut sum = S::zero();
+            self.for_each_reading(model, |reading| sum += reading.value(sample, p, numbers, work));
+            sum
+        })
     }
 
     /// Adds `factor` times the gradient at a sample.
@@ -233,111 +310,15 @@ impl Measured {
         mu_bar: &mut [f64],
         p_bar: &mut [f64],
     ) {
-        let t = Lanes::from(sample.t);
-        match self {
-            Measured::Local { nodes, constraints, parameters, quantity } => {
-                let dofs: Vec<usize> = nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
-                let rows: Vec<usize> = constraints.iter().flat_map(|id| model.constraints[id.0].equations.clone()).collect();
-                let n = dofs.len();
-                let places: Vec<f64> = [&sample.at.a, &sample.at.v, &sample.at.q]
-                    .into_iter()
-                    .flat_map(|x| dofs.iter().map(|&dof| x[dof]))
-                    .chain(rows.iter().map(|&row| sample.mu[row]))
-                    .chain(p[parameters.clone()].iter().copied())
-                    .collect();
-                let reads = quantity.reads_states();
-                let varied = (0..places.len()).filter(|&place| place >= 3 * n || reads[place / n]);
-                let gradient = lanes_gradient(&places, varied, |x| {
-                    let state = State { a: &x[..n], v: &x[n..2 * n], q: &x[2 * n..3 * n] };
-                    let (mu, p) = x[3 * n..].split_at(rows.len());
-                    Lanes::quantity(&**quantity).value_in(state, mu, p, t)
-                });
-                for (i, &dof) in dofs.iter().enumerate() {
-                    at_bar.a[dof] += factor * gradient[i];
-                    at_bar.v[dof] += factor * gradient[n + i];
-                    at_bar.q[dof] += factor * gradient[2 * n + i];
-                }
-                for (i, &row) in rows.iter().enumerate() {
-                    mu_bar[row] += factor * gradient[3 * n + i];
-                }
-                for (i, place) in parameters.clone().enumerate() {
-                    p_bar[place] += factor * gradient[3 * n + rows.len() + i];
-                }
-            }
-            Measured::Load { joint, parameters, load } => {
-                let joint = &model.constraints[joint.0];
-                let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
-                let places: Vec<f64> = (dofs.iter().map(|&dof| sample.at.q[dof]))
-                    .chain(joint.equations.clone().map(|row| sample.mu[row]))
-                    .chain(p[joint.parameters.clone()].iter().copied())
-                    .chain(p[parameters.clone()].iter().copied())
-                    .collect();
-                let (n, m) = (dofs.len(), joint.equations.len());
-                let own = n + m + joint.parameters.len();
-                let gradient = lanes_gradient(&places, 0..places.len(), |x| {
-                    load.value(&*joint.physics, &x[..n], &x[n..n + m], &x[n + m..own], &x[own..], t)
-                });
-                for (&dof, g) in dofs.iter().zip(&gradient) {
-                    at_bar.q[dof] += factor * g;
-                }
-                for (row, g) in joint.equations.clone().zip(&gradient[n..]) {
-                    mu_bar[row] += factor * g;
-                }
-                for (place, g) in joint.parameters.clone().chain(parameters.clone()).zip(&gradient[n + m..]) {
-                    p_bar[place] += factor * g;
-                }
-            }
-            Measured::Energy => {
-                for element in &model.elements {
-                    let dofs: Vec<usize> = element.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
-                    let n = dofs.len();
-                    let places: Vec<f64> = [&sample.at.v, &sample.at.q]
-                        .into_iter()
-                        .flat_map(|x| dofs.iter().map(|&dof| x[dof]))
-                        .chain(p[element.parameters.clone()].iter().copied())
-                        .collect();
-                    let gradient = lanes_gradient(&places, 0..places.len(), |x| {
-                        let [t, v] = Lanes::element(&*element.physics).energy(&x[..n], &x[n..2 * n], &x[2 * n..]);
-                        t + v
-                    });
-                    for (i, &dof) in dofs.iter().enumerate() {
-                        at_bar.v[dof] += factor * gradient[i];
-                        at_bar.q[dof] += factor * gradient[n + i];
-                    }
-                    for (i, place) in element.parameters.clone().enumerate() {
-                        p_bar[place] += factor * gradient[2 * n + i];
-                    }
-                }
-            }
-            Measured::Mass => {
-                for element in &model.elements {
-                    let own = &p[element.parameters.clone()];
-                    let mass = |p: &[Lanes]| Lanes::element(&*element.physics).mass_in(p);
-                    let gradient = lanes_gradient(own, 0..own.len(), mass);
-                    for (place, g) in element.parameters.clone().zip(gradient) {
-                        p_bar[place] += factor * g;
-                    }
-                }
-            }
-        }
+        self.for_each_reading(model, |reading| {
+            reading.add_gradient(sample, p, factor, |place, entry| match place {
+                Place::A(dof) => at_bar.a[dof] += entry,
+                Place::V(dof) => at_bar.v[dof] += entry,
+                Place::Q(dof) => at_bar.q[dof] += entry,
+                Place::Mu(row) => mu_bar[row] += entry,
+                Place::P(index) => p_bar[index] += entry,
+                Place::Time => {}
+            });
+        });
     }
-}
-
-/// Gradient of a function of several numbers towards the `varied` ones, eight at a time; 0 towards the others.
-fn lanes_gradient(at: &[f64], varied: impl Iterator<Item = usize>, function: impl Fn(&[Lanes]) -> Lanes) -> Vec<f64> {
-    let mut x: Vec<Lanes> = at.iter().map(|&x| Lanes::constant(x)).collect();
-    let mut gradient = vec![0.0; x.len()];
-    let mut varied = varied.peekable();
-    while varied.peek().is_some() {
-        let group: SmallVec<[usize; LANES]> = varied.by_ref().take(LANES).collect();
-        for (lane, &place) in group.iter().enumerate() {
-            x[place].eps[lane] = 1.0;
-        }
-        let value = function(&x);
-        for (lane, &place) in group.iter().enumerate() {
-            gradient[place] = value.eps[lane];
-            x[place].eps[lane] = 0.0;
-        }
-    }
-    gradient
 }

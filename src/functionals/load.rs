@@ -1,8 +1,9 @@
-use super::FunctionalScalar;
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Anchor, AnyConstraint, Frame, Parameter};
-use crate::scalar::{SpatialVector, Vector3};
+use crate::elements::{Anchor, ConstraintPhysics, Frame, Parameter};
+use crate::program::Formula;
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// Which load of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,7 @@ pub struct JointLoad {
     pub node: Range<usize>,
     /// What they are.
     pub on: Anchor,
+    formula: OnceLock<Arc<Formula>>,
 }
 
 impl JointLoad {
@@ -46,19 +48,30 @@ impl JointLoad {
         Parameter::new("point z", "m"),
     ];
 
-    /// The load, from the coordinates of the joint's nodes, its multipliers and parameters, and the parameters of the load.
-    pub fn value<S: FunctionalScalar>(
-        &self,
-        joint: &dyn AnyConstraint,
-        q: &[S],
-        mu: &[S],
-        joint_p: &[S],
-        p: &[S],
-        t: S,
-    ) -> S {
-        let mut reaction = vec![S::zero(); q.len()];
-        S::constraint(joint).add_reaction(q, mu, joint_p, t, &mut reaction);
-        let (q, generalized) = (&q[self.node.clone()], &reaction[self.node.clone()]);
+    /// A load of one of a joint's nodes.
+    pub fn new(kind: LoadKind, frame: LoadFrame, node: Range<usize>, on: Anchor) -> Self {
+        JointLoad { kind, frame, node, on, formula: OnceLock::new() }
+    }
+
+    /// The load as a function of (v, q) of the joint's nodes, its multipliers and parameters, the parameters of the load, and time.
+    pub fn formula(&self, joint: &ConstraintPhysics) -> &Arc<Formula> {
+        self.formula.get_or_init(|| {
+            let (n, count, m) = (joint.dof_count(), joint.equation_count(), joint.parameter_count());
+            let formula = Formula::record(2 * n + count + m + Self::PARAMETERS.len() + 1, |x| {
+                let (v, rest) = x.split_at(n);
+                let (q, rest) = rest.split_at(n);
+                let (mu, rest) = rest.split_at(count);
+                let (joint_p, rest) = rest.split_at(m);
+                let (p, t) = rest.split_at(Self::PARAMETERS.len());
+                let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0]);
+                vec![self.value(&q[self.node.clone()], &reaction[self.node.clone()], p)]
+            });
+            formula.expect("a load chooses nothing by values")
+        })
+    }
+
+    /// The load, from the coordinates of its node, the generalized forces A^T mu on them, and its parameters.
+    fn value<S: Scalar>(&self, q: &[S], generalized: &[S], p: &[S]) -> S {
         let mut load = -Vector3::first_three(generalized);
         let mut direction = Vector3::first_three(p);
         if self.on.has_axes() {

@@ -11,7 +11,7 @@ pub mod quantities;
 
 pub use functional::{Functional, Measured, Over, Sample};
 pub use load::{JointLoad, LoadKind};
-pub use quantity::{AnyQuantity, FunctionalScalar, Quantity, QuantityIn};
+pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
 pub use reactions::least_multipliers;
 pub use values::Values;
 pub use weights::QuadratureWeights;

@@ -1,7 +1,11 @@
-use crate::elements::{Parameter, RunScalar, State};
-use crate::scalar::{Complex64, Lanes, Scalar};
+use crate::elements::{Parameter, State};
+use crate::program::{Formula, Recorded, along_motion};
+use crate::scalar::Scalar;
+use std::sync::{Arc, OnceLock};
 
-/// A number at one time, from the states of some nodes and the multipliers of some constraints.
+/// A number at one time, from the states of some nodes and the multipliers of some constraints: one formula, and nothing else.
+///
+/// Give [`value`](Quantity::value), or numbers e(q, p, t) whose rates along the motion it needs, and the value as a function of these.
 pub trait Quantity: Send + Sync + 'static {
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
@@ -12,34 +16,30 @@ pub trait Quantity: Send + Sync + 'static {
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()
     }
-    /// Whether it depends on (a, v, q) of its nodes; what is not read is not differentiated.
-    fn reads(&self) -> [bool; 3] {
-        [true; 3]
-    }
     /// The value for states `s` of its nodes and multipliers `mu` of its constraints, one after the other.
-    fn value<S: Scalar>(&self, s: State<S>, mu: &[S], p: &[S], t: S) -> S;
-}
-
-/// What the framework asks of a quantity in one scalar.
-pub trait QuantityIn<S> {
-    /// The value.
-    fn value_in(&self, s: State<S>, mu: &[S], p: &[S], t: S) -> S;
+    fn value<S: Scalar>(&self, _s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
+        S::from(f64::NAN)
+    }
+    /// How many numbers e there are; 0 where [`value`](Quantity::value) is given.
+    fn rated_count(&self) -> usize {
+        0
+    }
+    /// Numbers e(q, p, t) whose rates are needed, into `e`, which holds zeros before.
+    fn rated<S: Scalar>(&self, _q: &[S], _p: &[S], _t: S, _e: &mut [S]) {}
+    /// The value for these numbers and their rates.
+    fn value_with_rates<S: Scalar>(&self, _e: &[S], _rate: &[S], _p: &[S]) -> S {
+        S::from(f64::NAN)
+    }
 }
 
 /// A quantity with its type erased; every [`Quantity`] is one.
-pub trait AnyQuantity: QuantityIn<f64> + QuantityIn<Complex64> + QuantityIn<Lanes> + Send + Sync {
+pub trait AnyQuantity: Send + Sync {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
-    /// Whether it depends on (a, v, q).
-    fn reads_states(&self) -> [bool; 3];
-}
-
-impl<Q: Quantity, S: Scalar> QuantityIn<S> for Q {
-    fn value_in(&self, s: State<S>, mu: &[S], p: &[S], t: S) -> S {
-        self.value(s, mu, p, t)
-    }
+    /// Records the value as a function of (a, v, q, mu, p, t) for a number of multipliers.
+    fn record(&self, multipliers: usize) -> Result<Arc<Formula>, String>;
 }
 
 impl<Q: Quantity> AnyQuantity for Q {
@@ -49,24 +49,49 @@ impl<Q: Quantity> AnyQuantity for Q {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn reads_states(&self) -> [bool; 3] {
-        self.reads()
+    fn record(&self, multipliers: usize) -> Result<Arc<Formula>, String> {
+        let (n, m) = (self.dofs(), self.parameters().len());
+        Formula::record(3 * n + multipliers + m + 1, |x| {
+            let (state, rest) = x.split_at(3 * n);
+            let (mu, rest) = rest.split_at(multipliers);
+            let (p, t) = rest.split_at(m);
+            let (a, v, q, t) = (&state[..n], &state[n..2 * n], &state[2 * n..], t[0]);
+            let rated = self.rated_count();
+            if rated == 0 {
+                return vec![self.value(State { a, v, q }, mu, p, t)];
+            }
+            let mut e = vec![Recorded::from(0.0); rated];
+            self.rated(q, p, t, &mut e);
+            let moving: Vec<(Recorded, Recorded)> =
+                q.iter().copied().zip(v.iter().copied()).chain([(t, Recorded::from(1.0))]).collect();
+            vec![self.value_with_rates(&e, &along_motion(&e, &moving), p)]
+        })
     }
 }
 
-/// The scalars of runs, as functionals see them.
-pub trait FunctionalScalar: RunScalar {
-    /// The quantity, in this scalar.
-    fn quantity(quantity: &dyn AnyQuantity) -> &dyn QuantityIn<Self>;
+/// A quantity of a model with its recording, made when it is first asked for.
+pub struct MeasuredQuantity {
+    own: Box<dyn AnyQuantity>,
+    multipliers: usize,
+    formula: OnceLock<Result<Arc<Formula>, String>>,
 }
 
-macro_rules! view_quantity {
-    ($($scalar:ty),*) => {$(
-        impl FunctionalScalar for $scalar {
-            fn quantity(quantity: &dyn AnyQuantity) -> &dyn QuantityIn<Self> {
-                quantity
-            }
-        }
-    )*};
+impl MeasuredQuantity {
+    /// A quantity that sees some number of multipliers.
+    pub fn new(own: Box<dyn AnyQuantity>, multipliers: usize) -> Self {
+        MeasuredQuantity { own, multipliers, formula: OnceLock::new() }
+    }
+    /// Its parameters.
+    pub fn parameter_list(&self) -> Vec<Parameter> {
+        self.own.parameter_list()
+    }
+    /// Why its formula cannot be used, if so.
+    pub fn refused(&self) -> Option<&str> {
+        self.formula.get_or_init(|| self.own.record(self.multipliers)).as_ref().err().map(String::as_str)
+    }
+    /// The value of (a, v, q, mu, p, t).
+    pub fn formula(&self) -> &Arc<Formula> {
+        let formula = self.formula.get_or_init(|| self.own.record(self.multipliers));
+        formula.as_ref().unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"))
+    }
 }
-view_quantity!(f64, Complex64, Lanes);

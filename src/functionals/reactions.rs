@@ -6,7 +6,7 @@
 
 use crate::assembly::{Model, NodeKind};
 use crate::elements::{Anchor, RunScalar};
-use crate::scalar::{Direction, LANES, Lanes, Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 type Matrix<S> = Vec<Vec<S>>;
 
@@ -66,13 +66,8 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64
     for joint in &model.constraints {
         let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
         let own: Vec<S> = dofs.iter().map(|&dof| q[dof]).collect();
-        let mut unit = vec![S::zero(); joint.equations.len()];
-        for (place, equation) in joint.equations.clone().enumerate() {
-            unit[place] = S::one();
-            let mut force = vec![S::zero(); own.len()];
-            let physics = S::constraint(&*joint.physics);
-            physics.add_reaction(&own, &unit, &p[joint.parameters.clone()], S::from(t), &mut force);
-            unit[place] = S::zero();
+        let all_forces = joint.physics.rows(&own, &p[joint.parameters.clone()], S::from(t));
+        for (force, equation) in all_forces.chunks_exact(own.len()).zip(joint.equations.clone()) {
             let mut local = 0;
             for node in &joint.nodes {
                 let (kind, count) = (model.nodes[node.0].kind, model.nodes[node.0].dofs.len());
@@ -229,8 +224,7 @@ fn add_row_gradient(
         let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
         let own_p = &p[joint.parameters.clone()];
         let n = own.len();
-        let mut force = vec![0.0; n];
-        f64::constraint(&*joint.physics).add_reaction(&own, alpha, own_p, t, &mut force);
+        let force = joint.physics.reaction(&own, alpha, own_p, t);
         // beta as a movement of the coordinates: forces on bodies are (f, G f_e / 2) or (f, sum of axis x force)
         let mut along = vec![0.0; n];
         let mut local = 0;
@@ -260,25 +254,8 @@ fn add_row_gradient(
                 along[places].copy_from_slice(&beta[first..first + count]);
             }
         }
-        let lambdas: Vec<Direction> =
-            along.iter().map(|&x| std::array::from_fn(|lane| if lane == 0 { x } else { 0.0 })).collect();
-        let mut products = vec![[0.0; LANES]; n];
-        joint.physics.pull_back((&own, own_p, t), alpha, &lambdas, &mut products);
-        dofs.iter().zip(&products).for_each(|(&dof, product)| q_bar[dof] += product[0]);
-
-        let lift = |values: &[f64]| values.iter().map(|&value| Lanes::constant(value)).collect::<Vec<_>>();
-        let (lanes_q, lanes_alpha, mut lanes_p) = (lift(&own), lift(alpha), lift(own_p));
-        for first in (0..own_p.len()).step_by(LANES) {
-            let width = LANES.min(own_p.len() - first);
-            (0..width).for_each(|lane| lanes_p[first + lane].eps[lane] = 1.0);
-            let mut force = vec![Lanes::default(); n];
-            let physics = Lanes::constraint(&*joint.physics);
-            physics.add_reaction(&lanes_q, &lanes_alpha, &lanes_p, Lanes::from(t), &mut force);
-            for lane in 0..width {
-                let gradient: f64 = force.iter().zip(&along).map(|(force, along)| force.eps[lane] * along).sum();
-                p_bar[joint.parameters.start + first + lane] += gradient;
-                lanes_p[first + lane].eps[lane] = 0.0;
-            }
-        }
+        let (of_q, of_p) = joint.physics.reaction_gradient((&own, own_p, t), alpha, &along);
+        dofs.iter().zip(&of_q).for_each(|(&dof, own)| q_bar[dof] += own);
+        p_bar[joint.parameters.clone()].iter_mut().zip(&of_p).for_each(|(bar, own)| *bar += own);
     }
 }

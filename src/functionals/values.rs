@@ -1,5 +1,6 @@
-use super::{Functional, FunctionalScalar, Over, Sample};
+use super::{Functional, Over, Sample};
 use crate::assembly::Model;
+use crate::elements::RunScalar;
 use crate::integrators::{Combination, StartRecord, StepRecord, Table};
 
 /// Values of functionals, accumulated while a run goes on: no step needs to be kept for them.
@@ -27,7 +28,7 @@ pub struct Values<'f, S> {
     reading: bool,
 }
 
-impl<'f, S: FunctionalScalar> Values<'f, S> {
+impl<'f, S: RunScalar> Values<'f, S> {
     /// For a real run: offsets of smooth maxima are found on the way.
     pub fn new(functionals: &'f [Functional], model: &'f Model, table: &'f Table, p: &'f [S]) -> Self {
         let offset = |functional: &Functional| match functional.over {

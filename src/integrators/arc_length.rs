@@ -9,8 +9,7 @@ use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{Counters, RunError, StartPlan, Systems};
 use crate::assembly::{Equations, Level, Model, NodeId, Residual, Shift, Unknowns, VectorsAvq};
-use crate::elements::{RunScalar, State};
-use crate::scalar::{COMPLEX_STEP, Complex64};
+use crate::elements::State;
 
 /// How far and how closely a path is followed.
 #[derive(Clone, Debug, PartialEq)]
@@ -391,34 +390,26 @@ impl Passed {
     }
 }
 
-/// Derivatives of residual with reactions, and of constraints, by the load factor: by a complex step of time.
+/// Derivatives of residual with reactions, and of constraints, by the load factor.
 fn load_rates(problem: &Problem<f64>, q: &[f64], mu: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
     let Problem { model, p, .. } = problem;
-    let complex = |values: &[f64]| values.iter().map(|&value| Complex64::from(value)).collect::<Vec<_>>();
-    let (q, mu, p) = (complex(q), complex(mu), complex(p));
-    let time = Complex64::new(t, COMPLEX_STEP);
     let (mut force, mut gaps) = (vec![0.0; model.dofs], vec![0.0; model.equations]);
     let dofs = |nodes: &[NodeId]| nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect::<Vec<_>>();
-    let mut add = |dofs: &[usize], own: &[Complex64]| {
-        dofs.iter().zip(own).for_each(|(&dof, own)| force[dof] += own.im / COMPLEX_STEP);
-    };
+    let mut add = |dofs: &[usize], own: &[f64]| dofs.iter().zip(own).for_each(|(&dof, own)| force[dof] += own);
     for element in &model.elements {
         let dofs = dofs(&element.nodes);
-        let own: Vec<Complex64> = dofs.iter().map(|&dof| q[dof]).collect();
-        let (still, mut r) = (complex(&vec![0.0; own.len()]), complex(&vec![0.0; own.len()]));
+        let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
+        let still = vec![0.0; own.len()];
         let state = State { a: &still, v: &still, q: &own };
-        Complex64::element(&*element.physics).add_residual(state, &p[element.parameters.clone()], time, &mut r);
-        add(&dofs, &r);
+        add(&dofs, &element.physics.time_rate(state, &p[element.parameters.clone()], t));
     }
     for joint in &model.constraints {
         let dofs = dofs(&joint.nodes);
-        let own: Vec<Complex64> = dofs.iter().map(|&dof| q[dof]).collect();
-        let (physics, p) = (Complex64::constraint(&*joint.physics), &p[joint.parameters.clone()]);
-        let (mut r, mut g) = (complex(&vec![0.0; own.len()]), complex(&vec![0.0; joint.equations.len()]));
-        physics.add_reaction(&own, &mu[joint.equations.clone()], p, time, &mut r);
-        add(&dofs, &r);
-        physics.value(&own, p, time, &mut g);
-        gaps[joint.equations.clone()].iter_mut().zip(&g).for_each(|(gap, g)| *gap = g.im / COMPLEX_STEP);
+        let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
+        let (mu, p) = (&mu[joint.equations.clone()], &p[joint.parameters.clone()]);
+        let (of_reaction, of_gap) = joint.physics.time_rates(&own, mu, p, t);
+        add(&dofs, &of_reaction);
+        gaps[joint.equations.clone()].copy_from_slice(&of_gap);
     }
     (force, gaps)
 }

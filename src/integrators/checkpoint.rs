@@ -5,7 +5,7 @@ use crate::assembly::{Equations, Unknowns, VectorsAvq, clone_fields};
 use crate::elements::RunScalar;
 
 /// What goes from one step to the next, beside the kept factorizations.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Between<S> {
     /// Number of the next step.
     pub step: usize,
@@ -68,7 +68,7 @@ impl<S: RunScalar> Between<S> {
 }
 
 /// Where a matrix was assembled: the factorization is made again from it, bit by bit.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct FactoredAt<S> {
     /// Time [s].
     pub t: f64,
@@ -91,7 +91,7 @@ clone_fields!(FactoredAt { t, base, unknowns });
 clone_fields!(Between { step, scheme, dropped, chosen_anew, carried, rate, last, prediction });
 
 /// What a Newton's method keeps from one system to the next.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct KeptFactorization<S> {
     /// The equations that were factored, if the factorization is still in use.
     pub factored: Option<Equations>,
@@ -107,14 +107,18 @@ pub struct KeptFactorization<S> {
     pub measured_for: usize,
 }
 
+crate::assembly::empty_fields!(KeptFactorization { factored, at, pivots, floors, measured, measured_for });
+
 /// A run between two steps: all that later steps depend on.
 ///
 /// Solutions depend in their last bits on first guesses and on the matrix that Newton's method kept, so both belong to it; of
 /// a factorization only the point is stored at which it was made.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint<S> {
     /// Numbers of the run.
     pub between: Between<S>,
     /// Of the accelerations, and of the stages with their projections.
     pub kept: [KeptFactorization<S>; 2],
 }
+
+crate::assembly::empty_fields!(Checkpoint { between, kept });

@@ -558,9 +558,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let dofs = || joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
         let own: Few = dofs().map(|dof| q[dof].value()).collect();
         let numbers: Few = p[joint.parameters.clone()].iter().map(|p| p.value()).collect();
-        let (mut unit, mut row) = (Few::from_elem(0.0, joint.equations.len()), Few::from_elem(0.0, own.len()));
+        let mut unit = Few::from_elem(0.0, joint.equations.len());
         unit[dropped - joint.equations.start] = 1.0;
-        f64::constraint(&*joint.physics).add_reaction(&own, &unit, &numbers, t, &mut row);
+        let row = joint.physics.reaction(&own, &unit, &numbers, t);
         self.row.clear();
         self.row.resize(model.dofs, 0.0);
         dofs().zip(&row).for_each(|(dof, &entry)| self.row[dof] = entry);

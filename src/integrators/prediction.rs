@@ -8,14 +8,14 @@ pub(crate) const MOST: usize = 4;
 ///
 /// Increments by the size of the step are polynomials in time through those of the latest steps; of the degrees, one for each
 /// system, that one is taken which would have foretold the latest solution best.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Prediction<S> {
     /// One for each system of a step, in order.
     pub tracks: Vec<Track<S>>,
 }
 
 /// The increments of one system.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Track<S> {
     /// Starts of the latest steps [s], latest first.
     pub times: Vec<f64>,

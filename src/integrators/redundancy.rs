@@ -55,11 +55,11 @@ pub(super) fn dependent_equations<S: RunScalar>(
 }
 
 /// Workspace of the watch over dropped equations.
-#[derive(Default)]
 pub(super) struct Watch<S> {
     q: Vec<S>,
-    g: Vec<S>,
 }
+
+crate::assembly::empty_fields!(Watch { q });
 
 impl<S: RunScalar> Watch<S> {
     /// The dropped equation that is violated most at a state, if it is violated more than round-off and the kept equations explain, and
@@ -69,10 +69,8 @@ impl<S: RunScalar> Watch<S> {
         for joint in &model.constraints {
             self.q.clear();
             joint.nodes.iter().for_each(|node| self.q.extend_from_slice(&q[model.nodes[node.0].dofs.clone()]));
-            self.g.clear();
-            self.g.resize(joint.equations.len(), S::zero());
-            S::constraint(&*joint.physics).value(&self.q, &p[joint.parameters.clone()], S::from(t), &mut self.g);
-            for (row, g) in joint.equations.clone().zip(&self.g) {
+            let own = joint.physics.value(&self.q, &p[joint.parameters.clone()], S::from(t));
+            for (row, g) in joint.equations.clone().zip(&own) {
                 let g = g.value().abs();
                 if dropped.binary_search(&row).is_err() {
                     kept = kept.max(g);

@@ -3,9 +3,9 @@ use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, NodeId, NodeKind, Residual, System, SystemOptions, VectorsAvq};
 use crate::elements::bodies::OrthonormalAxes;
-use crate::elements::{Constraint, RunScalar, State};
+use crate::elements::{ConstraintPhysics, State};
 use crate::linalg::{Backend, independent_rows};
-use crate::scalar::{Dual, Quaternion, Taylor};
+use crate::scalar::Quaternion;
 use std::sync::Arc;
 
 /// Coordinates and velocities at t = 0.
@@ -47,6 +47,7 @@ impl StartPlan {
     /// [`RunError::Input`] or [`RunError::Singular`] with the name and the numbers of what is wrong.
     pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
         let model = problem.model;
+        check_formulas(model)?;
         check_numbers(problem)?;
         check_nodes(model)?;
         check_euler_parameters(problem, policy)?;
@@ -59,6 +60,16 @@ impl StartPlan {
         check_consistency(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start })
+    }
+}
+
+/// Elements and constraints whose formulas can be recorded.
+fn check_formulas(model: &Model) -> Result<(), RunError> {
+    let elements = model.elements.iter().map(|element| (&element.name, element.physics.residual_refused()));
+    let joints = model.constraints.iter().map(|joint| (&joint.name, joint.physics.refused()));
+    match elements.chain(joints).find_map(|(name, refused)| Some((name, refused?))) {
+        Some((name, why)) => Err(RunError::Input(format!("\"{name}\": {why}"))),
+        None => Ok(()),
     }
 }
 
@@ -92,11 +103,8 @@ fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
 /// A variational integrator needs momenta, and constraints that derive from positions.
 fn check_lagrangian(model: &Model, method: &str) -> Result<(), RunError> {
     for element in &model.elements {
-        if !element.physics.has_constant_mass() && !element.physics.has_energies() {
-            return Err(RunError::Input(format!(
-                "method {method} needs the momentum of \"{}\", which states neither its kinetic energy nor that its mass is constant",
-                element.name
-            )));
+        if let Some(why) = element.physics.impulse_refused() {
+            return Err(RunError::Input(format!("method {method} needs the momentum of \"{}\": {why}", element.name)));
         }
     }
     match model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
@@ -147,11 +155,10 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
     }
     for node in problem.model.nodes.iter().filter(|node| node.kind == NodeKind::Natural && !policy.project_start) {
         let (q, v) = (&problem.start.q[node.dofs.clone()], &problem.start.v[node.dofs.clone()]);
-        let moving: Vec<Dual<f64, 1>> = q.iter().zip(v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
-        let mut g = [Dual::default(); OrthonormalAxes::EQUATIONS];
-        OrthonormalAxes.g(&moving, &[], Dual::default(), &mut g);
-        let largest = |part: fn(&Dual<f64, 1>) -> f64| g.iter().map(part).fold(0.0, |largest: f64, x| largest.max(x.abs()));
-        let (off, rate) = (largest(|g| g.re), largest(|g| g.eps[0]));
+        let still = vec![0.0; q.len()];
+        let g = ConstraintPhysics::new(Box::new(OrthonormalAxes)).motion(State { a: &still, v, q }, &[], 0.0);
+        let largest = |order: usize| g.iter().fold(0.0, |largest: f64, g| largest.max(g[order].abs()));
+        let (off, rate) = (largest(0), largest(1));
         let speed = v[3..].iter().fold(1.0, |largest: f64, v| largest.max(v.abs()));
         if off > INCONSISTENT || rate > INCONSISTENT * speed {
             return Err(RunError::Input(format!(
@@ -194,14 +201,12 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
             |x: &[f64]| joint.nodes.iter().flat_map(|n| x[model.nodes[n.0].dofs.clone()].to_vec()).collect::<Vec<_>>();
         let (q, v) = (gather(&problem.start.q), gather(&problem.start.v));
         let zeros = vec![0.0; q.len()];
-        let mut g = vec![Taylor::<f64>::default(); joint.equations.len()];
-        let state = State { a: &zeros, v: &v, q: &q };
-        f64::constraint(&*joint.physics).derivatives(state, &problem.p[joint.parameters.clone()], 0.0, 1.0, &mut g);
-        for (row, g) in g.iter().enumerate() {
-            if !(g.value.abs() <= INCONSISTENT * length) {
-                messages.push(format!("joint \"{}\", constraint {}: g = {:.6e}", joint.name, row + 1, g.value));
-            } else if !table.is_static() && !(g.first.abs() <= INCONSISTENT * speed) {
-                messages.push(format!("joint \"{}\", constraint {}: dg/dt = {:.6e}", joint.name, row + 1, g.first));
+        let g = joint.physics.motion(State { a: &zeros, v: &v, q: &q }, &problem.p[joint.parameters.clone()], 0.0);
+        for (row, [value, rate, _]) in g.iter().enumerate() {
+            if !(value.abs() <= INCONSISTENT * length) {
+                messages.push(format!("joint \"{}\", constraint {}: g = {:.6e}", joint.name, row + 1, value));
+            } else if !table.is_static() && !(rate.abs() <= INCONSISTENT * speed) {
+                messages.push(format!("joint \"{}\", constraint {}: dg/dt = {:.6e}", joint.name, row + 1, rate));
             }
         }
     }

@@ -1,8 +1,7 @@
 //! The momenta that a variational integrator keeps.
 
 use super::{Problem, StepRecord};
-use crate::assembly::Impulse;
-use crate::elements::{ElementIn, State};
+use crate::elements::State;
 
 /// Generalized momentum p = D2 L_d + f+ at the end of a step, before the reactions there act: P + alpha h F at the step's quadrature
 /// point. Zeros for a step of any other method.
@@ -15,23 +14,14 @@ pub fn discrete_momentum(problem: &Problem<f64>, step: &StepRecord<f64>) -> Vec<
     let Some(stage) = step.stages.first() else { return momentum };
     let Some(rule) = stage.solve.equations.variational else { return momentum };
     let at = stage.solve.point();
-    let impulse = Impulse { momentum: 1.0, force: rule.alpha * rule.h };
     for element in &problem.model.elements {
         let dofs: Vec<usize> = element.nodes.iter().flat_map(|node| problem.model.nodes[node.0].dofs.clone()).collect();
         let (v, q): (Vec<f64>, Vec<f64>) = dofs.iter().map(|&dof| (at.v[dof], at.q[dof])).unzip();
         let p = &problem.p[element.parameters.clone()];
-        let physics: &dyn ElementIn<f64> = &*element.physics;
-        let mut add = |weight: f64, r: &[f64]| dofs.iter().zip(r).for_each(|(&dof, r)| momentum[dof] += weight * r);
-        for term in impulse.terms() {
-            let scaled = |factor: f64| -> Vec<f64> { v.iter().map(|v| factor * v).collect() };
-            let mut r = vec![0.0; dofs.len()];
-            let state = State { a: &scaled(term.a), v: &scaled(term.v), q: &q };
-            physics.add_residual(state, p, stage.solve.t, &mut r);
-            add(term.weight, &r);
-        }
-        let mut r = vec![0.0; dofs.len()];
-        physics.add_momentum_rate(&v, &q, p, &mut r);
-        add(impulse.force, &r);
+        let still = vec![0.0; dofs.len()];
+        let state = State { a: &still, v: &v, q: &q };
+        let own = element.physics.impulse_at(state, p, stage.solve.t, [1.0, rule.alpha * rule.h]);
+        dofs.iter().zip(own).for_each(|(&dof, own)| momentum[dof] += own);
     }
     momentum
 }

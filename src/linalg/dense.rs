@@ -1,5 +1,5 @@
 use super::{LinearSolver, Singular};
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor;
 use faer::{Mat, Par};

@@ -1,7 +1,7 @@
 use super::lagged::{LaggedSolver, Refactoring};
 use super::multifrontal::{MultifrontalLu, largest};
 use super::{DenseLu, LeftLookingLu, LinearSolver, Side, Singular, SparseLu, minimum_degree};
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use std::sync::Arc;
 
 /// Which solver factors the matrix.

@@ -1,6 +1,6 @@
 use super::{LinearSolver, Ordering, Singular};
-use crate::assembly::SparsePattern;
-use crate::scalar::{Job, widest};
+use crate::linalg::SparsePattern;
+use crate::linalg::simd::{Kernel, dispatch};
 use std::collections::BinaryHeap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -353,10 +353,10 @@ fn eliminate(lower: &Triangle, supernode: Supernode, steps: Range<usize>, x: &mu
     }
 }
 
-impl Job for Repetition<'_> {
+impl Kernel for Repetition<'_> {
     type Output = bool;
     #[inline(always)]
-    fn run(self) -> bool {
+    fn run<const FUSED: bool>(self) -> bool {
         let Repetition { pattern, columns, factors, values, work, gathered } = self;
         let mut entry = 0;
         for (k, &column) in columns.iter().enumerate() {
@@ -406,10 +406,10 @@ struct Substitution<'j> {
     gathered: &'j mut Vec<f64>,
 }
 
-impl Job for Substitution<'_> {
+impl Kernel for Substitution<'_> {
     type Output = ();
     #[inline(always)]
-    fn run(self) {
+    fn run<const FUSED: bool>(self) {
         let Substitution { factors: Factors { lower, upper, supernodes, inverses, .. }, transposed, x, gathered } = self;
         if transposed {
             for k in 0..x.len() {
@@ -438,7 +438,7 @@ impl LinearSolver for LeftLookingLu {
         let repeated = self
             .factors
             .as_mut()
-            .is_some_and(|factors| widest(Repetition { pattern, columns, factors, values, work, gathered }));
+            .is_some_and(|factors| dispatch(Repetition { pattern, columns, factors, values, work, gathered }));
         if !repeated {
             self.factors = None;
             self.factors = Some(self.search(values)?);
@@ -466,7 +466,7 @@ impl LinearSolver for LeftLookingLu {
         for (&value, &step) in rhs.iter().zip(&factors.step_of_row) {
             work[step] = value;
         }
-        widest(Substitution { factors, transposed: false, x: work, gathered: &mut self.gathered });
+        dispatch(Substitution { factors, transposed: false, x: work, gathered: &mut self.gathered });
         for (value, &place) in rhs.iter_mut().zip(&self.place_of_column) {
             *value = work[place];
         }
@@ -479,7 +479,7 @@ impl LinearSolver for LeftLookingLu {
         for (&value, &place) in rhs.iter().zip(&self.place_of_column) {
             work[place] = value;
         }
-        widest(Substitution { factors, transposed: true, x: work, gathered: &mut self.gathered });
+        dispatch(Substitution { factors, transposed: true, x: work, gathered: &mut self.gathered });
         for (value, &step) in rhs.iter_mut().zip(&factors.step_of_row) {
             *value = work[step];
         }

@@ -11,7 +11,9 @@ mod left_looking;
 pub mod multifrontal;
 mod ordering;
 mod rank;
+mod simd;
 mod sparse;
+mod sparse_pattern;
 
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
@@ -21,6 +23,7 @@ pub use multifrontal::Side;
 pub use ordering::{Ordering, minimum_degree};
 pub use rank::independent_rows;
 pub use sparse::SparseLu;
+pub use sparse_pattern::SparsePattern;
 
 /// A singular or non-finite matrix: the unknown that it does not determine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use std::collections::{BTreeSet, HashMap};
 
 /// An order of elimination with what it costs.

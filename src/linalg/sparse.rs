@@ -1,5 +1,5 @@
 use super::{LinearSolver, Singular};
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::linalg::lu::{LuRef, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};

@@ -1,4 +1,4 @@
-use super::Scalar;
+use super::{CurveId, Scalar};
 use num_complex::Complex64;
 
 /// Step of complex-step derivatives, f(x + i h) = f(x) + i h f'(x) + O(h^2).
@@ -10,13 +10,20 @@ pub const COMPLEX_STEP: f64 = 1e-100;
 ///
 /// A zero imaginary part stays zero where f' is infinite.
 trait Continued {
-    fn chain(self, jet: [f64; 3]) -> Self;
+    fn chain(self, jet: [f64; 2]) -> Self;
+    /// Zero in place of a real part that is nothing but the negative square of a step: (0 + i h)^2.
+    fn without_square(self) -> Self;
 }
 
 impl Continued for Complex64 {
     #[inline]
-    fn chain(self, [f, first, _]: [f64; 3]) -> Self {
+    fn chain(self, [f, first]: [f64; 2]) -> Self {
         Complex64::new(f, if self.im == 0.0 { 0.0 } else { first * self.im })
+    }
+    #[inline]
+    fn without_square(self) -> Self {
+        let negligible = self.re < 0.0 && self.re > -(COMPLEX_STEP * COMPLEX_STEP * 1e20);
+        Complex64::new(if negligible { 0.0 } else { self.re }, self.im)
     }
 }
 
@@ -31,7 +38,7 @@ macro_rules! forward {
 /// Functions whose usual complex formulas lose a tiny imaginary part or add one of their own (`sqrt`, `ln`, `tan`,
 /// `tanh`, powers, inverse trigonometric ones, `recip`) are continued to first order, f + i f' im.
 ///
-/// A product keeps the square of the step: (0 + i h)^2 is negative, and its `sqrt` NaN. A quotient divides by the
+/// A product keeps the square of the step: (0 + i h)^2 is negative; roots and powers take it as zero. A quotient divides by the
 /// squared modulus of the divisor, which overflows or underflows for moduli beyond 1e154 or below 1e-154, where `recip`
 /// does not; its real part rounds otherwise than the quotient of real numbers.
 ///
@@ -47,7 +54,16 @@ impl Scalar for Complex64 {
         self.im == 0.0
     }
     forward!(exp, sin, cos, sinh, cosh);
-    super::jet::functions_by_chain!(re: sqrt, ln, tan, asin, acos, atan, tanh);
+    super::jet::functions_by_chain!(re: ln, tan, asin, acos, atan, tanh);
+    fn sqrt(self) -> Self {
+        self.without_square().chain(super::jet::sqrt(self.without_square().re))
+    }
+    fn powi(self, exponent: i32) -> Self {
+        self.chain(super::jet::powi(self.re, exponent))
+    }
+    fn powf(self, exponent: f64) -> Self {
+        self.without_square().chain(super::jet::powf(self.without_square().re, exponent))
+    }
     fn recip(self) -> Self {
         let inverse = self.re.recip();
         // one factor after the other: the square of the inverse may underflow where the whole does not
@@ -58,5 +74,21 @@ impl Scalar for Complex64 {
         // divided twice by the norm: its square may overflow where the angle does not
         let im = ((other.re / norm) * self.im - (self.re / norm) * other.im) / norm;
         Complex64::new(self.re.atan2(other.re), if self.im == 0.0 && other.im == 0.0 { 0.0 } else { im })
+    }
+    fn less(self, other: Self) -> Self {
+        Complex64::from(f64::from(u8::from(self.re < other.re)))
+    }
+    fn select(self, then: Self, otherwise: Self) -> Self {
+        if self.re != 0.0 { then } else { otherwise }
+    }
+    fn floor(self) -> Self {
+        Complex64::from(self.re.floor())
+    }
+    fn vanishing_times(self, other: Self) -> Self {
+        if self == Complex64::ZERO { self } else { self * other }
+    }
+    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
+        let curve = curve.curve();
+        self.chain([curve.weight(knot, order, self.re), curve.weight(knot, order + 1, self.re)])
     }
 }

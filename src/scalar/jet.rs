@@ -1,125 +1,96 @@
-//! Value, first and second derivative of each elementary function, for any scalar: the one place where they are written.
+//! Value and derivative of each elementary function of real numbers, for types that are continued to first order.
 
-use super::Scalar;
-
-/// `[f(x), f'(x), f''(x)]`.
-pub(crate) type Jet<S> = [S; 3];
+/// `[f(x), f'(x)]`.
+pub(super) type Jet = [f64; 2];
 
 #[inline]
-pub(crate) fn sqrt<S: Scalar>(x: S) -> Jet<S> {
+pub(super) fn sqrt(x: f64) -> Jet {
     let root = x.sqrt();
-    let first = (root * 2.0).recip();
-    [root, first, -first / (x * 2.0)]
+    [root, 0.5 / root]
 }
 
 #[inline]
-pub(crate) fn exp<S: Scalar>(x: S) -> Jet<S> {
-    let e = x.exp();
-    [e, e, e]
+pub(super) fn exp(x: f64) -> Jet {
+    [x.exp(), x.exp()]
 }
 
 #[inline]
-pub(crate) fn ln<S: Scalar>(x: S) -> Jet<S> {
-    let r = x.recip();
-    [x.ln(), r, -(r * r)]
+pub(super) fn ln(x: f64) -> Jet {
+    [x.ln(), 1.0 / x]
 }
 
 #[inline]
-pub(crate) fn sin<S: Scalar>(x: S) -> Jet<S> {
-    let (s, c) = x.sin_cos();
-    [s, c, -s]
+pub(super) fn sin(x: f64) -> Jet {
+    [x.sin(), x.cos()]
 }
 
 #[inline]
-pub(crate) fn cos<S: Scalar>(x: S) -> Jet<S> {
-    let (s, c) = x.sin_cos();
-    [c, -s, -c]
+pub(super) fn cos(x: f64) -> Jet {
+    [x.cos(), -x.sin()]
 }
 
 #[inline]
-pub(crate) fn tan<S: Scalar>(x: S) -> Jet<S> {
+pub(super) fn tan(x: f64) -> Jet {
     let t = x.tan();
-    let first = t * t + 1.0;
-    [t, first, t * first * 2.0]
+    [t, t * t + 1.0]
 }
 
 #[inline]
-pub(crate) fn asin<S: Scalar>(x: S) -> Jet<S> {
+pub(super) fn asin(x: f64) -> Jet {
     // (1 - x)(1 + x) keeps the digits that 1 - x^2 loses near the ends
-    let complement = (-x + 1.0) * (x + 1.0);
-    let first = complement.sqrt().recip();
-    [x.asin(), first, x * first / complement]
+    [x.asin(), 1.0 / ((1.0 - x) * (1.0 + x)).sqrt()]
 }
 
 #[inline]
-pub(crate) fn acos<S: Scalar>(x: S) -> Jet<S> {
-    let [_, first, second] = asin(x);
-    [x.acos(), -first, -second]
+pub(super) fn acos(x: f64) -> Jet {
+    [x.acos(), -asin(x)[1]]
 }
 
 #[inline]
-pub(crate) fn atan<S: Scalar>(x: S) -> Jet<S> {
-    let first = (x * x + 1.0).recip();
-    [x.atan(), first, x * first * first * -2.0]
+pub(super) fn atan(x: f64) -> Jet {
+    [x.atan(), 1.0 / (x * x + 1.0)]
 }
 
 #[inline]
-pub(crate) fn sinh<S: Scalar>(x: S) -> Jet<S> {
-    let (s, c) = (x.sinh(), x.cosh());
-    [s, c, s]
+pub(super) fn sinh(x: f64) -> Jet {
+    [x.sinh(), x.cosh()]
 }
 
 #[inline]
-pub(crate) fn cosh<S: Scalar>(x: S) -> Jet<S> {
-    let (s, c) = (x.sinh(), x.cosh());
-    [c, s, c]
+pub(super) fn cosh(x: f64) -> Jet {
+    [x.cosh(), x.sinh()]
 }
 
 #[inline]
-pub(crate) fn tanh<S: Scalar>(x: S) -> Jet<S> {
+pub(super) fn tanh(x: f64) -> Jet {
     let t = x.tanh();
-    let first = -(t * t) + 1.0;
-    [t, first, t * first * -2.0]
+    [t, 1.0 - t * t]
 }
 
 #[inline]
-pub(crate) fn recip<S: Scalar>(x: S) -> Jet<S> {
-    let r = x.recip();
-    let first = -(r * r);
-    [r, first, r * first * -2.0]
+pub(super) fn recip(x: f64) -> Jet {
+    let r = 1.0 / x;
+    [r, -(r * r)]
 }
 
 #[inline]
-pub(crate) fn powi<S: Scalar>(x: S, exponent: i32) -> Jet<S> {
-    let n = f64::from(exponent);
+pub(super) fn powi(x: f64, exponent: i32) -> Jet {
+    use super::Scalar;
     // a factor of zero ends the chain: x^-1 at x = 0 must not turn 0 into NaN
-    let power = |factor: f64, reduced: i32| if factor == 0.0 { S::zero() } else { x.powi(reduced) * factor };
-    [x.powi(exponent), power(n, exponent - 1), power(n * (n - 1.0), exponent - 2)]
+    let slope = if exponent == 0 { 0.0 } else { Scalar::powi(x, exponent - 1) * f64::from(exponent) };
+    [Scalar::powi(x, exponent), slope]
 }
 
 #[inline]
-pub(crate) fn powf<S: Scalar>(x: S, exponent: f64) -> Jet<S> {
-    let power = |factor: f64, reduced: f64| if factor == 0.0 { S::zero() } else { x.powf(reduced) * factor };
-    [x.powf(exponent), power(exponent, exponent - 1.0), power(exponent * (exponent - 1.0), exponent - 2.0)]
+pub(super) fn powf(x: f64, exponent: f64) -> Jet {
+    let slope = if exponent == 0.0 { 0.0 } else { x.powf(exponent - 1.0) * exponent };
+    [x.powf(exponent), slope]
 }
 
-/// The elementary functions of [`Scalar`](super::Scalar) for a type with `fn chain(self, Jet<Inner>) -> Self` and an inner
-/// scalar `self.$inner`: all of them, or powers and those that are named.
+/// Functions of [`Scalar`](super::Scalar) for a type with `fn chain(self, Jet) -> Self` and its value at `self.$value`.
 macro_rules! functions_by_chain {
-    ($inner:ident: $($name:ident),*) => {
-        $(#[inline] fn $name(self) -> Self { self.chain($crate::scalar::jet::$name(self.$inner)) })*
-        #[inline]
-        fn powi(self, exponent: i32) -> Self { self.chain($crate::scalar::jet::powi(self.$inner, exponent)) }
-        #[inline]
-        fn powf(self, exponent: f64) -> Self { self.chain($crate::scalar::jet::powf(self.$inner, exponent)) }
-    };
-    ($inner:ident) => {
-        $crate::scalar::jet::functions_by_chain!($inner: sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
-        #[inline(always)]
-        fn sin_cos(self) -> (Self, Self) {
-            let (s, c) = self.$inner.sin_cos();
-            (self.chain([s, c, -s]), self.chain([c, -s, -c]))
-        }
+    ($value:ident: $($name:ident),*) => {
+        $(#[inline] fn $name(self) -> Self { self.chain($crate::scalar::jet::$name(self.$value)) })*
     };
 }
-pub(crate) use functions_by_chain;
+pub(super) use functions_by_chain;

@@ -6,38 +6,27 @@
 //! |---|---|---|
 //! | `f64` | value | simulation |
 //! | [`Complex64`] | value and one complex perturbation | complex-step verification |
-//! | [`Dual<S, N>`](Dual) | value and N directional derivatives | Jacobians, tangent runs |
-//! | [`Taylor<S>`](Taylor) | value, first and second derivative in one direction | time derivatives of constraints |
-//! | [`Reverse<S>`](Reverse) | value and a place on a tape | reactions A^T mu, adjoint products, the chain to design variables |
+//! | [`Tangents`], num-dual's `DualSVec64` | value and eight first derivatives | tangent runs |
+//! | num-dual's `Dual64`, `Dual2_64`, `Dual3_64`, `HyperDual64` | derivatives of first to third order | an independent check of what is derived from recordings |
+//! | [`Recorded`](crate::program::Recorded) | a place in a recording | everything else: see [`program`](crate::program) |
 //!
-//! `Dual` and `Taylor` nest over any scalar of the list, `Reverse` over `f64`, `Complex64` and eight dual lanes
-//! ([`Rev`] is the first). A sixth, [`Curved`], is a tape with second derivatives for the Jacobian of reactions.
-//! Branches look at [`Scalar::value`] only, so every type takes the same path through a formula. Complex numbers are
-//! those of num-complex and vectors those of nalgebra, with [`SpatialVector`] beside them. The other types are our own
-//! because two needs exclude the usual crates: a constraint's second time derivative inside a complex-step run is a
-//! `Taylor<Complex64>`, and functions whose derivative is infinite at the point of evaluation (`sqrt` at 0) must not
-//! turn a vanishing perturbation into NaN.
+//! A formula chooses by [`Scalar::select`], [`Scalar::max`], [`Scalar::abs`] and the like, which are right for every type; a formula
+//! that looks at [`Scalar::value`] is refused where it is recorded. Complex numbers are those of num-complex and vectors those of
+//! nalgebra, with [`SpatialVector`] beside them.
 
 mod complex;
-mod curved;
-mod dual;
-pub(crate) mod jet;
+mod curve;
+mod duals;
+mod jet;
 mod real;
-mod reverse;
 mod rotation;
-mod taylor;
 mod vector;
-mod wide;
 
 pub use complex::COMPLEX_STEP;
-pub use curved::{Curved, Direction, curvature};
-pub use dual::Dual;
-pub use reverse::{Recordable, Records, Rev, Reverse, Tape, add_gradient, add_gradients};
+pub use curve::{Curve, CurveId, Interpolant};
+pub use duals::{TANGENTS, Tangents};
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
-pub(crate) use rotation::{RotationRows, g_form, g_rows, rotation_form, rotation_rows, tensor_gradient, tensor_times_rows};
-pub use taylor::Taylor;
 pub use vector::SpatialVector;
-pub(crate) use wide::{Job, widest};
 
 pub use nalgebra::{Matrix3, Vector3};
 pub use num_complex::Complex64;
@@ -48,21 +37,15 @@ use std::fmt::Debug;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// Number of derivative lanes evaluated together; 8 doubles fill the widest vector registers and unroll well on others.
-pub const LANES: usize = 8;
-
-/// Eight first derivatives at once: the type behind every Jacobian column and every tangent run.
-pub type Lanes = Dual<f64, LANES>;
-
 /// A number with which elements, constraints and functionals are evaluated.
 ///
 /// Laws, held by `tests/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for bit
-/// where the function is elementary (but for quotients of complex numbers, which round otherwise); derivative parts
+/// where the function is elementary (but for quotients of complex and dual numbers, and num-dual's own functions in its types of higher
+/// order, which round otherwise); derivative parts
 /// follow the chain rule; a zero derivative part stays zero where the derivative of the function is infinite.
 pub trait Scalar:
     Copy
     + Debug
-    + Default
     + PartialEq
     + Zero
     + One
@@ -112,33 +95,50 @@ pub trait Scalar:
     /// Angle of the point (x, y) with x = `other`: atan2(self, other), in (-pi, pi].
     fn atan2(self, other: Self) -> Self;
 
+    /// 1 where `self` is less than `other`, otherwise 0: a mask for [`select`](Scalar::select).
+    fn less(self, other: Self) -> Self;
+    /// `then` where `self` is not 0, otherwise `otherwise`; what is not taken leaves no trace in any derivative.
+    fn select(self, then: Self, otherwise: Self) -> Self;
+    /// The largest integer that is not above x; its derivative is zero.
+    fn floor(self) -> Self;
+    /// self times other, but 0 where self is 0, whatever the other is.
+    #[doc(hidden)]
+    fn vanishing_times(self, other: Self) -> Self;
+    /// Derivative of order `order` of the weight of a knot of a curve.
+    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self;
+
     /// |x|; the derivative follows the sign of the value, +1 at zero.
     fn abs(self) -> Self {
-        if self.value() < 0.0 { -self } else { self }
+        self.less(Self::zero()).select(-self, self)
     }
-    /// The larger by value.
+    /// The larger of two numbers; the first where they are equal.
     fn max(self, other: Self) -> Self {
-        if self.value() >= other.value() { self } else { other }
+        self.less(other).select(other, self)
+    }
+    /// The smaller of two numbers; the first where they are equal.
+    fn min(self, other: Self) -> Self {
+        other.less(self).select(other, self)
+    }
+    /// -1, 0 or 1.
+    fn sign(self) -> Self {
+        Self::zero().less(self) - self.less(Self::zero())
     }
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
-    /// Runs work on numbers of this type, with wide instructions where that pays.
-    #[doc(hidden)]
-    #[inline(always)]
-    fn run<J: Job>(job: J) -> J::Output {
-        job.run()
+    /// The value of a curve with these values at its knots.
+    fn on_curve(self, curve: CurveId, values: &[Self]) -> Self {
+        let mut sum = Self::zero();
+        for (knot, &value) in values.iter().enumerate() {
+            sum += value * self.knot_weight(curve, knot, 0);
+        }
+        sum
     }
-    /// Numbers of this type as real ones, if that is what they are.
+    /// Marks a residual that is not written out, but follows from energies.
     #[doc(hidden)]
-    fn reals(_values: &[Self]) -> Option<&[f64]> {
-        None
-    }
-    /// The same to write to.
-    #[doc(hidden)]
-    fn reals_mut(_values: &mut [Self]) -> Option<&mut [f64]> {
-        None
+    fn from_energies() {
+        panic!("a residual that follows from energies is evaluated by its program: see `costate::testing`");
     }
 }
 
@@ -177,7 +177,7 @@ macro_rules! assign_operators {
             #[inline(always)]
             fn is_zero(&self) -> bool {
                 use $crate::scalar::Scalar;
-                self.value() == 0.0 && self.is_constant()
+                self.is_constant() && self.value() == 0.0
             }
         }
         impl<$($generics)*> num_traits::One for $type {

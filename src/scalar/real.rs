@@ -1,4 +1,4 @@
-use super::Scalar;
+use super::{CurveId, Scalar};
 
 /// Forwards the functions of one argument to the inherent ones of `f64`.
 macro_rules! forward {
@@ -14,15 +14,22 @@ impl Scalar for f64 {
     fn is_constant(self) -> bool {
         true
     }
+    forward!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip, floor);
     #[inline(always)]
-    fn reals(values: &[f64]) -> Option<&[f64]> {
-        Some(values)
+    fn less(self, other: Self) -> Self {
+        f64::from(u8::from(self < other))
     }
     #[inline(always)]
-    fn reals_mut(values: &mut [f64]) -> Option<&mut [f64]> {
-        Some(values)
+    fn select(self, then: Self, otherwise: Self) -> Self {
+        if self != 0.0 { then } else { otherwise }
     }
-    forward!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+    #[inline(always)]
+    fn vanishing_times(self, other: Self) -> Self {
+        if self == 0.0 { 0.0 } else { self * other }
+    }
+    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
+        curve.curve().weight(knot, order, self)
+    }
     #[inline]
     fn powi(self, exponent: i32) -> Self {
         // by squaring: the rounding of f64::powi depends on what the compiler knows of the exponent

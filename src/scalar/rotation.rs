@@ -153,67 +153,6 @@ pub fn rotation_gradient_transposed<S: Scalar>(e: Quaternion<S>, s: Vector3<S>, 
     [scalar, vector[0], vector[1], vector[2]]
 }
 
-/// Three rows towards four Euler parameters.
-pub(crate) type RotationRows = [[f64; 4]; 3];
-
-/// G(e), rows: G(e) d for a rate d.
-#[inline(always)]
-pub(crate) fn g_rows(e: Quaternion<f64>) -> RotationRows {
-    let [a, x, y, z] = e.0;
-    [[-x, a, z, -y], [-y, -z, a, x], [-z, y, -x, a]]
-}
-
-/// d(R(e) s)/de: rows of 2 (s (a de0 - u . du) + u (s . du) + du (u . s) + (de0 u + a du) x s).
-#[inline(always)]
-pub(crate) fn rotation_rows(e: Quaternion<f64>, s: Vector3<f64>) -> RotationRows {
-    let ([a, x, y, z], [p, q, r]) = (e.0, (s + s).components());
-    let along = x * p + y * q + z * r;
-    let (first, second, third) = (a * p + y * r - z * q, a * q + z * p - x * r, a * r + x * q - y * p);
-    [[first, along, third, -second], [second, -third, along, first], [third, second, -first, along]]
-}
-
-/// S with f . R(e) s = e . S e: half the derivative of [`rotation_gradient_transposed`] towards e.
-#[inline(always)]
-pub(crate) fn rotation_form(s: Vector3<f64>, f: Vector3<f64>) -> [[f64; 4]; 4] {
-    let (dot, cross) = (f.dot(&s), s.cross(&f));
-    let mut form = [[0.0; 4]; 4];
-    form[0][0] = dot;
-    for i in 0..3 {
-        form[0][1 + i] = cross[i];
-        form[1 + i][0] = cross[i];
-        for j in 0..3 {
-            form[1 + i][1 + j] = f[i] * s[j] + s[i] * f[j] - if i == j { dot } else { 0.0 };
-        }
-    }
-    form
-}
-
-/// T with m . G(e) d = e . T d, skew: G(e)^T m = -T e.
-#[inline(always)]
-pub(crate) fn g_form(m: Vector3<f64>) -> [[f64; 4]; 4] {
-    let [a, b, c] = m.components();
-    [[0.0, a, b, c], [-a, 0.0, -c, b], [-b, c, 0.0, -a], [-c, -b, a, 0.0]]
-}
-
-/// J times each column for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
-#[inline(always)]
-pub(crate) fn tensor_times_rows(j: &[f64], [first, second, third]: &RotationRows) -> RotationRows {
-    let mut rows = [[0.0; 4]; 3];
-    for k in 0..4 {
-        rows[0][k] = j[0] * first[k] + j[3] * second[k] + j[4] * third[k];
-        rows[1][k] = j[3] * first[k] + j[1] * second[k] + j[5] * third[k];
-        rows[2][k] = j[4] * first[k] + j[5] * second[k] + j[2] * third[k];
-    }
-    rows
-}
-
-/// The gradient of x . J y towards the six numbers of J.
-#[inline(always)]
-pub(crate) fn tensor_gradient(x: Vector3<f64>, y: Vector3<f64>) -> [f64; 6] {
-    let ([a, b, c], [d, e, f]) = (x.components(), y.components());
-    [a * d, b * e, c * f, a * e + b * d, a * f + c * d, b * f + c * e]
-}
-
 /// J x for the six numbers (xx, yy, zz, xy, xz, yz) of the symmetric tensor J.
 #[inline(always)]
 pub fn tensor_times<S: Scalar>(j: &[S], x: Vector3<S>) -> Vector3<S> {

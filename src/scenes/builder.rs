@@ -13,7 +13,7 @@ use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 use crate::design::ModelNumbers;
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::{Anchor, AnyConstraint, AnyElement, Frame, Nonholonomic, NonholonomicConstraint};
-use crate::functionals::{AnyQuantity, Functional, Measured, Over};
+use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A line of the picture of the motion, through points that move with nodes.
@@ -34,7 +34,6 @@ impl Drawing {
 ///
 /// Geometry is given in the world at t = 0; the builder turns it into body frames. Mistakes are collected by name and
 /// reported by [`finish`](MechanismBuilder::finish), so that a scene function reads without question marks.
-#[derive(Default)]
 pub struct MechanismBuilder<S> {
     /// Topology.
     pub model: Model,
@@ -54,6 +53,19 @@ pub struct MechanismBuilder<S> {
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     mistakes: Vec<String>,
 }
+
+crate::assembly::empty_fields!(MechanismBuilder {
+    model,
+    numbers,
+    functionals,
+    drawings,
+    ground,
+    masses,
+    heavy_beams,
+    heavy_cables,
+    angles,
+    mistakes
+});
 
 impl<S: Scalar> MechanismBuilder<S> {
     fn add_node(&mut self, name: &str, kind: NodeKind, fixed: bool, q: &[S]) -> NodeId {
@@ -317,6 +329,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let parameters = self.model.add_parameters(p.len());
         self.numbers.p.extend_from_slice(p);
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
+        let multipliers = constraints.iter().map(|id: &ConstraintId| self.model.constraints[id.0].equations.len()).sum();
+        let quantity = MeasuredQuantity::new(quantity, multipliers);
         let measured = Measured::Local { nodes, constraints, parameters, quantity };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }

@@ -9,7 +9,8 @@ use crate::integrators::{
     StepControl, Systems, TimeGrid, table_by_name, table_named,
 };
 use crate::linalg::{Factorization, SolverPlan};
-use crate::scalar::{Complex64, Lanes, Rev, Scalar};
+use crate::program::Recorded;
+use crate::scalar::Scalar;
 use crate::sensitivity::Analysis;
 
 /// Defaults of a scene's runs.
@@ -179,6 +180,25 @@ impl<'s> Prepared<'s> {
         factorization.map(|factorization| factorization.plan()).map_err(|singular| RunError::of_pattern("start", singular))
     }
 
+    /// Complex-step gradients at the designs next to this one, all variables a rounding up and all a rounding down: how far these are apart
+    /// is what no check of a derivative can see. Stiff members make it large, as a rounding of their length is a force.
+    ///
+    /// # Errors
+    /// Those of the runs.
+    pub fn complex_steps_nearby(&self) -> Result<[Vec<Vec<f64>>; 2], RunError> {
+        let at = |up: bool| -> Result<Vec<Vec<f64>>, RunError> {
+            let moved = |(variable, &x): (&DesignVariable, &f64)| match if up { x.next_up() } else { x.next_down() } {
+                next if x != 0.0 && next >= variable.lower && next <= variable.upper => next,
+                _ => x,
+            };
+            let x: Vec<f64> = self.variables.iter().zip(&self.x).map(moved).collect();
+            let analysis = self.analysis();
+            let forward = analysis.forward(&x)?;
+            Ok(analysis.complex_step(&x, &forward)?.rows)
+        };
+        Ok([at(true)?, at(false)?])
+    }
+
     /// The scene's dependence on its design.
     pub fn analysis(&self) -> Analysis<'_> {
         Analysis {
@@ -229,13 +249,7 @@ impl DesignMap for Prepared<'_> {
     fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         self.same_topology(self.scene.build_real(x))
     }
-    fn complex(&self, x: &[Complex64]) -> Result<ModelNumbers<Complex64>, String> {
-        self.same_topology(self.scene.build_complex(x))
-    }
-    fn lanes(&self, x: &[Lanes]) -> Result<ModelNumbers<Lanes>, String> {
-        self.same_topology(self.scene.build_lanes(x))
-    }
-    fn recorded(&self, x: &[Rev]) -> Result<ModelNumbers<Rev>, String> {
+    fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String> {
         self.same_topology(self.scene.build_recorded(x))
     }
 }

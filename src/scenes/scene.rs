@@ -2,7 +2,8 @@ use super::builder::MechanismBuilder;
 use super::optimization_problem::OptimizationProblem;
 use super::prepared::Settings;
 use crate::design::DesignVariable;
-use crate::scalar::{Complex64, Lanes, Rev, Scalar};
+use crate::program::Recorded;
+use crate::scalar::Scalar;
 
 /// A mechanism as a function of its design variables, written once for every number type.
 ///
@@ -43,12 +44,8 @@ pub trait AnyScene: Sync {
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
-    /// With a complex step.
-    fn build_complex(&self, x: &[Complex64]) -> Result<MechanismBuilder<Complex64>, String>;
-    /// With derivative lanes.
-    fn build_lanes(&self, x: &[Lanes]) -> Result<MechanismBuilder<Lanes>, String>;
-    /// Recorded.
-    fn build_recorded(&self, x: &[Rev]) -> Result<MechanismBuilder<Rev>, String>;
+    /// Recorded, with values.
+    fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String>;
 }
 
 fn built<T: Scene + ?Sized, S: Scalar>(scene: &T, x: &[S]) -> Result<MechanismBuilder<S>, String> {
@@ -76,13 +73,7 @@ impl<T: Scene + Sync> AnyScene for T {
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)
     }
-    fn build_complex(&self, x: &[Complex64]) -> Result<MechanismBuilder<Complex64>, String> {
-        built(self, x)
-    }
-    fn build_lanes(&self, x: &[Lanes]) -> Result<MechanismBuilder<Lanes>, String> {
-        built(self, x)
-    }
-    fn build_recorded(&self, x: &[Rev]) -> Result<MechanismBuilder<Rev>, String> {
+    fn build_recorded(&self, x: &[Recorded]) -> Result<MechanismBuilder<Recorded>, String> {
         built(self, x)
     }
 }

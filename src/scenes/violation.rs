@@ -1,8 +1,8 @@
 use super::Prepared;
 use crate::assembly::NodeKind;
 use crate::elements::bodies::OrthonormalAxes;
-use crate::elements::{Constraint, RunScalar, State};
-use crate::scalar::{Quaternion, Taylor};
+use crate::elements::{Constraint, State};
+use crate::scalar::Quaternion;
 
 /// How far a state is from the constraints, at the worst of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,10 +41,8 @@ impl Prepared<'_> {
             let zeros = vec![0.0; q.len()];
             let state = State { a: &zeros, v: &v, q: &q };
             let p = &self.mechanism.numbers.p[joint.parameters.clone()];
-            let mut g = vec![Taylor::default(); joint.equations.len()];
-            f64::constraint(&*joint.physics).derivatives(state, p, t, 1.0, &mut g);
-            for g in g {
-                worst = worst.worse(Violation { position: g.value.abs(), velocity: g.first.abs(), norm: 0.0 });
+            for [value, rate, _] in joint.physics.motion(state, p, t) {
+                worst = worst.worse(Violation { position: value.abs(), velocity: rate.abs(), norm: 0.0 });
             }
         }
         for node in model.nodes.iter().filter(|node| node.kind == NodeKind::Body) {

@@ -1,13 +1,14 @@
 use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
-use crate::functionals::{Functional, FunctionalScalar, Values};
+use crate::elements::RunScalar;
+use crate::functionals::{Functional, Values};
 use crate::history::{History, Keep, Moment, Observer, Rerun, Watch, moments};
 use crate::integrators::{
     Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
     StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
 };
-use crate::scalar::{COMPLEX_STEP, Complex64, LANES, Lanes};
+use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
 #[derive(Clone, Copy)]
@@ -60,27 +61,15 @@ pub struct Gradient {
     pub counters: Counters,
 }
 
-/// Numbers of one of the scalars that carry derivatives, with how a design is perturbed and read off.
-pub(super) trait Perturbed: FunctionalScalar {
-    fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String>;
-}
-impl Perturbed for Complex64 {
-    fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String> {
-        map.complex(x)
-    }
-}
-impl Perturbed for Lanes {
-    fn numbers(map: &dyn DesignMap, x: &[Self]) -> Result<ModelNumbers<Self>, String> {
-        map.lanes(x)
-    }
-}
+/// Relative difference of derivatives of the map beyond which they are not the same.
+const MAP_LIMIT: f64 = 1e-9;
 
 /// A design with derivatives along eight of its variables at a time, and along how many.
-pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Lanes>, usize)> {
-    (0..x.len()).step_by(LANES).map(|first| {
-        let lanes = LANES.min(x.len() - first);
-        let mut seeded: Vec<Lanes> = x.iter().map(|&x| Lanes::constant(x)).collect();
-        (0..lanes).for_each(|lane| seeded[first + lane].eps[lane] = 1.0);
+pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Tangents>, usize)> {
+    (0..x.len()).step_by(TANGENTS).map(|first| {
+        let lanes = TANGENTS.min(x.len() - first);
+        let mut seeded: Vec<Tangents> = x.iter().map(|&x| Tangents::from(x)).collect();
+        (0..lanes).for_each(|lane| seeded[first + lane] = seeded[first + lane].derivative(lane));
         (seeded, lanes)
     })
 }
@@ -215,7 +204,7 @@ impl<'m> Analysis<'m> {
             let (values, counters) = self.perturbed_values(&seeded, forward)?;
             gradient.counters += counters;
             for (row, value) in gradient.rows.iter_mut().zip(values) {
-                row.extend_from_slice(&value.eps[..lanes]);
+                row.extend((0..lanes).map(|lane| value.part(lane)));
             }
         }
         Ok(gradient)
@@ -255,9 +244,43 @@ impl<'m> Analysis<'m> {
         Gradient { rows: vec![Vec::new(); self.functionals.len()], counters: Counters::default() }
     }
 
+    /// (p, q0, v0) of a design with derivative parts: computed with these, and then given the parts that the recorded map has, from which
+    /// they differ by round-off. A stiff member turns a rounding of its length against that of its ends into a force.
+    ///
+    /// # Errors
+    /// Those of the map; [`RunError::Input`] if the two differ by more than round-off.
+    pub(super) fn numbers_with_parts<S: RunScalar>(&self, x: &[S]) -> Result<ModelNumbers<S>, RunError> {
+        let real: Vec<f64> = x.iter().map(|x| x.value()).collect();
+        let chain = DesignChain::record(self.map, &real).map_err(RunError::Input)?;
+        let mut numbers = chain.numbers(x);
+        for part in 0..S::PARTS {
+            let direction: Vec<f64> = x.iter().map(|x| x.part(part)).collect();
+            let size = direction.iter().fold(0.0, |size: f64, d| size.max(d.abs()));
+            if size == 0.0 {
+                continue;
+            }
+            let unit: Vec<f64> = direction.iter().map(|d| d / size).collect();
+            let ModelNumbers { p, q, v } = chain.tangent(&unit);
+            let lists = [("parameter", &mut numbers.p, p), ("coordinate", &mut numbers.q, q), ("velocity", &mut numbers.v, v)];
+            for (what, own, recorded) in lists {
+                for (place, (own, recorded)) in own.iter_mut().zip(recorded).enumerate() {
+                    let difference = recorded - own.part(part) / size;
+                    if !(difference.abs() <= MAP_LIMIT * (recorded.abs() + own.value().abs())) {
+                        return Err(RunError::Input(format!(
+                            "derivative of {what} {place} by the design: {recorded} recorded, {} with derivative parts",
+                            own.part(part) / size
+                        )));
+                    }
+                    own.add_to_part(part, recorded * size - own.part(part));
+                }
+            }
+        }
+        Ok(numbers)
+    }
+
     /// Values of the functionals with derivative parts.
-    fn perturbed_values<S: Perturbed>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
-        let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
+    fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
+        let numbers = self.numbers_with_parts(x)?;
         let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
         let mut recorder = Perturbation(values);
         let counters = self.perturbed_run(&numbers, forward, &mut recorder)?;
@@ -266,7 +289,7 @@ impl<'m> Analysis<'m> {
 
     /// A run with derivative parts along the states of the real run: round-off of a second solution would be magnified into
     /// derivatives at position level, and nothing converged is solved for again.
-    pub(super) fn perturbed_run<S: Perturbed>(
+    pub(super) fn perturbed_run<S: RunScalar>(
         &self,
         numbers: &ModelNumbers<S>,
         forward: &Forward,
@@ -309,7 +332,7 @@ impl Recorder<f64> for Measuring<'_, '_> {
 /// Evaluates functionals and keeps nothing.
 struct Perturbation<'f, S>(Values<'f, S>);
 
-impl<S: FunctionalScalar> Recorder<S> for Perturbation<'_, S> {
+impl<S: RunScalar> Recorder<S> for Perturbation<'_, S> {
     fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
         self.0.start(&start);
         Ok(())

@@ -1,9 +1,10 @@
 //! Sensitivities over time: what functionals measure, and its derivatives, at every step.
 
-use super::analysis::{Perturbed, complex_designs, seeded_designs};
+use super::analysis::{complex_designs, seeded_designs};
 use super::{Analysis, Forward};
 use crate::assembly::Model;
-use crate::functionals::{Functional, FunctionalScalar, Sample};
+use crate::elements::RunScalar;
+use crate::functionals::{Functional, Sample};
 use crate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord};
 use crate::scalar::COMPLEX_STEP;
 
@@ -32,7 +33,7 @@ impl Analysis<'_> {
             let (measured, counters) = self.measured_over_time(&seeded, forward, &mut course.times)?;
             for (functional, measured) in measured.iter().enumerate() {
                 course.values[functional] = measured.iter().map(|value| value.re).collect();
-                let of_lane = |lane: usize| measured.iter().map(|value| value.eps[lane]).collect();
+                let of_lane = |lane: usize| measured.iter().map(|value| value.part(lane)).collect();
                 course.derivatives[functional].extend((0..lanes).map(of_lane));
             }
             course.counters += counters;
@@ -58,14 +59,14 @@ impl Analysis<'_> {
     }
 
     /// What all functionals measure at every step of a run with derivative parts; writes the times.
-    fn measured_over_time<S: Perturbed>(
+    fn measured_over_time<S: RunScalar>(
         &self,
         x: &[S],
         forward: &Forward,
         times: &mut Vec<f64>,
     ) -> Result<(Vec<Vec<S>>, Counters), RunError> {
         times.clear();
-        let numbers = S::numbers(self.map, x).map_err(RunError::Input)?;
+        let numbers = self.numbers_with_parts(x)?;
         let mut reading = Reading {
             functionals: self.functionals,
             model: self.model,
@@ -96,7 +97,7 @@ struct Reading<'f, S> {
     sample: Sample<S>,
 }
 
-impl<S: FunctionalScalar> Reading<'_, S> {
+impl<S: RunScalar> Reading<'_, S> {
     fn read(&mut self) {
         if self.functionals.iter().any(Functional::reads_multipliers) {
             self.sample.share(self.model, self.p);
@@ -108,7 +109,7 @@ impl<S: FunctionalScalar> Reading<'_, S> {
     }
 }
 
-impl<S: FunctionalScalar> Recorder<S> for Reading<'_, S> {
+impl<S: RunScalar> Recorder<S> for Reading<'_, S> {
     fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
         self.sample = Sample::initial(&start);
         self.read();

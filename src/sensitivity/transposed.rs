@@ -1,7 +1,8 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, Equations, Jacobian, ProductBars, ProductPoint, Residual, System, Unknowns, Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Jacobian, ProductBars, ProductPoint, Products, Residual, System, Unknowns,
+    Variational, VectorsAvq,
 };
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
 use crate::linalg::{Factorization, Singular, SolverPlan};
@@ -59,6 +60,7 @@ pub(super) struct TransposedSolver<'m> {
     unknowns: Unknowns<f64>,
     /// Parameters whose derivatives are asked for.
     active: &'m [bool],
+    products: Products,
     /// The system that was factored, until its adjoint is asked for.
     factored: Option<Factored>,
     /// Number of adjoints of the last system that were not zero.
@@ -95,6 +97,7 @@ impl<'m> TransposedSolver<'m> {
             factorization,
             unknowns: Unknowns::default(),
             active,
+            products: Products::new(active),
             factored: None,
             columns: 0,
             work: Counters::default(),
@@ -183,42 +186,37 @@ impl<'m> TransposedSolver<'m> {
         } else {
             back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect()
         };
-        let point = |at, t| ProductPoint { at, p, active: self.active, t };
-        let constraint_at = &self.residual.constraint_at;
+        let point = |at, t| ProductPoint { at, p, t };
+        let (constraint_at, products) = (&self.residual.constraint_at, &mut self.products);
         // where reactions act, and what the step before left: other points in a step of a variational integrator
         let [mut reaction_bars, mut before_bars] = [Vec::new(), Vec::new()];
         if let Some(step) = equations.variational {
             reaction_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
             before_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
             let mut into = product_bars(&mut at_bars, &mut p_bars);
-            let there = point(&self.residual.at, *t);
-            system.add_impulse_products(&self.jacobian, &all, (step.now(), 1.0), there, &mut into);
+            products.add_elements(system, &all, (Some(step.now()), 1.0), point(&self.residual.at, *t), &mut into);
             Variational::write_moved(base, step.to_before(), &mut before);
             let mut into = product_bars(&mut before_bars, &mut p_bars);
             let there = point(&before, t + step.to_before());
-            system.add_impulse_products(&self.jacobian, &all, (step.before(), -1.0), there, &mut into);
-            let of_equations: Vec<Adjoints> = all.iter().map(|own| Adjoints { f: vec![0.0; dofs], ..own.clone() }).collect();
+            products.add_elements(system, &all, (Some(step.before()), -1.0), there, &mut into);
             let mut into = product_bars(&mut constraint_bars, &mut p_bars);
             let there = point(constraint_at, equations.constraint_time(*t));
-            system.add_constraint_products(equations, &of_equations, &unknowns, there, &mut into);
-            let of_reactions = |own: &Adjoints| {
-                let f = own.f.iter().map(|f| step.reaction() * f).collect();
-                Adjoints { f, g: vec![0.0; own.g.len()], ..own.clone() }
-            };
-            let of_reactions: Vec<Adjoints> = all.iter().map(of_reactions).collect();
+            products.add_constraints(system, (equations, ConstraintPart::Equations), &all, &unknowns, there, &mut into);
             let mut into = product_bars(&mut reaction_bars, &mut p_bars);
             let there = point(&self.residual.reaction_at, equations.reaction_time(*t));
-            system.add_constraint_products(equations, &of_reactions, &unknowns, there, &mut into);
+            let which = ConstraintPart::Reactions(step.reaction());
+            products.add_constraints(system, (equations, which), &all, &unknowns, there, &mut into);
         } else {
             let mut into = product_bars(&mut at_bars, &mut p_bars);
-            system.add_element_products(&self.jacobian, &all, 1.0, point(&self.residual.at, *t), &mut into);
+            products.add_elements(system, &all, (None, 1.0), point(&self.residual.at, *t), &mut into);
             let mut into = product_bars(&mut constraint_bars, &mut p_bars);
-            system.add_constraint_products(equations, &all, &unknowns, point(constraint_at, *t), &mut into);
+            let there = point(constraint_at, *t);
+            products.add_constraints(system, (equations, ConstraintPart::Both), &all, &unknowns, there, &mut into);
         }
         if equations.metric {
             let mut own: Vec<VectorsAvq<f64>> = vec![VectorsAvq::zeros(dofs); asked.len()];
             let mut into = product_bars(&mut own, &mut p_bars);
-            system.add_element_products(&self.jacobian, &all, -1.0, point(base, *t), &mut into);
+            products.add_elements(system, &all, (None, -1.0), point(base, *t), &mut into);
             for (&k, own) in asked.iter().zip(own) {
                 base_bars[k] = own;
             }

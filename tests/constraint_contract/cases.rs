@@ -8,9 +8,12 @@ use costate::elements::joints::{
     PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion,
     RevoluteJoint, RigidLink, SphericalJoint, UniversalJoint,
 };
-use costate::elements::{Anchor, AnyConstraint, Constraint, TimeFunction};
+use costate::elements::joints::{RollingDisc, RollingSphere};
+use costate::elements::{Anchor, Constraint, ConstraintPhysics, Nonholonomic, NonholonomicConstraint, TimeFunction};
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
+use costate::testing::{self, Sample, check_constraint, check_nonholonomic};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use Anchor::{Body, Natural, Point, Slope};
 
@@ -55,12 +58,49 @@ pub struct Move {
     pub violated: Vec<usize>,
 }
 
+/// A constraint in other numbers than its recording.
+pub trait Contract {
+    /// Everything that is derived from the recording.
+    fn check(&self, samples: &[Sample]) -> Result<(), String>;
+}
+
+impl<C: Constraint> Contract for Arc<C> {
+    fn check(&self, samples: &[Sample]) -> Result<(), String> {
+        check_constraint(self, samples)
+    }
+}
+
+/// A constraint on velocities with the number of its coordinates and sample parameters.
+pub struct Rolling {
+    pub name: String,
+    pub constraint: Box<dyn Fn(&[Sample]) -> Result<(), String>>,
+    pub nodes: [Anchor; 2],
+    pub p: Vec<f64>,
+}
+
+fn rolling<C: NonholonomicConstraint>(name: &str, nodes: [Anchor; 2], constraint: C) -> Rolling {
+    let p = (0..constraint.parameters().len()).map(|i| 0.6 + 0.5 * (1.7 * i as f64 + 0.3).sin()).collect();
+    let constraint = Arc::new(Nonholonomic(constraint));
+    let check = move |samples: &[Sample]| check_nonholonomic(&constraint, samples);
+    Rolling { name: format!("{name} {nodes:?}"), constraint: Box::new(check), nodes, p }
+}
+
+/// Constraints on velocities.
+pub fn rollings() -> Vec<Rolling> {
+    let pairs = BODIES.into_iter();
+    pairs
+        .flat_map(|nodes| {
+            let [a, b] = nodes;
+            [rolling("sphere", nodes, RollingSphere { a, b }), rolling("disc", nodes, RollingDisc { a, b })]
+        })
+        .collect()
+}
+
 pub struct Case {
     pub name: String,
-    pub constraint: Box<dyn AnyConstraint>,
+    pub constraint: ConstraintPhysics,
+    pub contract: Box<dyn Contract>,
     pub nodes: Vec<Anchor>,
-    /// It says that it does not depend on time.
-    pub steady: bool,
     /// Nodes of one coordinate behind the others.
     pub scalars: usize,
     pub p: Vec<f64>,
@@ -79,7 +119,7 @@ impl Case {
         p: &[f64],
         placed: Placement,
     ) -> Case {
-        let (name, constraint) = (name.into(), Box::new(constraint));
+        let (name, constraint) = (name.into(), Arc::new(constraint));
         let places: usize = nodes.iter().map(|node| node.dofs()).sum();
         let scalars = constraint.dofs() - places;
         let mut ignored = vec![];
@@ -89,8 +129,8 @@ impl Case {
         }
         Case {
             name,
-            constraint,
-            steady: C::STEADY,
+            constraint: testing::constraint_physics(&constraint),
+            contract: Box::new(constraint),
             nodes: nodes.to_vec(),
             scalars,
             p: p.to_vec(),

@@ -4,41 +4,28 @@ mod cases;
 #[path = "../support/mod.rs"]
 mod support;
 
-use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, drives};
+use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, drives, rollings};
 use costate::elements::Anchor::Body;
 use costate::elements::bodies::EulerParameterNorm;
 use costate::elements::joints::{PrescribedRotation, PrescribedTranslation};
-use costate::elements::{AnyConstraint, ConstraintIn, ReactingConstraintIn, State, TimeFunction};
-use costate::scalar::{COMPLEX_STEP, Complex64, Dual, LANES, Lanes, Quaternion, Scalar, SpatialVector, Taylor, Vector3};
+use costate::elements::{Anchor, Constraint, RunScalar, State, TimeFunction};
+use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, SpatialVector, TANGENTS, Tangents, Vector3};
+use costate::testing;
 use std::f64::consts::TAU;
 use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
 
-fn value<S: Scalar>(case: &Case, q: &[S], p: &[S], t: S) -> Vec<S>
-where
-    dyn AnyConstraint: ConstraintIn<S>,
-{
-    let mut g = vec![S::zero(); case.constraint.equation_count()];
-    ConstraintIn::<S>::value(&*case.constraint, q, p, t, &mut g);
-    g
+fn value<S: RunScalar>(case: &Case, q: &[S], p: &[S], t: S) -> Vec<S> {
+    case.constraint.value(q, p, t)
 }
 
-fn derivatives<S: Scalar>(case: &Case, s: State<S>, p: &[S], t: S, t_rate: f64) -> Vec<Taylor<S>>
-where
-    dyn AnyConstraint: ConstraintIn<S>,
-{
-    let mut g = vec![Taylor::default(); case.constraint.equation_count()];
-    ConstraintIn::<S>::derivatives(&*case.constraint, s, p, t, t_rate, &mut g);
-    g
+/// g, dg/dt and d2g/dt2.
+fn derivatives<S: RunScalar>(case: &Case, s: State<S>, p: &[S], t: S) -> Vec<[S; 3]> {
+    case.constraint.motion(s, p, t)
 }
 
-fn reaction<S: Scalar>(case: &Case, q: &[S], mu: &[S], p: &[S], t: S) -> Vec<S>
-where
-    dyn AnyConstraint: ReactingConstraintIn<S>,
-{
-    let mut r = vec![S::zero(); q.len()];
-    ReactingConstraintIn::<S>::add_reaction(&*case.constraint, q, mu, p, t, &mut r);
-    r
+fn reaction<S: RunScalar>(case: &Case, q: &[S], mu: &[S], p: &[S], t: S) -> Vec<S> {
+    case.constraint.reaction(q, mu, p, t)
 }
 
 /// One random state, far from g = 0; Euler parameters have any length between 1/2 and 3/2.
@@ -127,25 +114,50 @@ fn every_parameter_is_read_unless_the_topology_ignores_it() {
 }
 
 #[test]
+fn what_is_derived_from_the_recording_is_what_other_numbers_say() {
+    let mut failed = Vec::new();
+    let of_case = |case: &Case| -> Vec<testing::Sample> {
+        let own = samples(case).into_iter().take(6);
+        own.map(|Sample { a, v, q, t, .. }| testing::Sample { a, v, q, p: case.p.clone(), t }).collect()
+    };
+    for case in cases() {
+        if let Err(why) = case.contract.check(&of_case(&case)) {
+            failed.push(format!("{}: {why}", case.name));
+        }
+    }
+    let mut random = Random::new(8);
+    for rolling in rollings() {
+        let mut coordinates = || random_coordinates(&rolling.nodes, &mut random, |random| random.uniform(0.5, 1.5));
+        let samples: Vec<testing::Sample> = (0..6)
+            .map(|k| {
+                let [a, v, q] = [(); 3].map(|()| coordinates());
+                testing::Sample { a, v, q, p: rolling.p.clone(), t: 0.3 * f64::from(k) }
+            })
+            .collect();
+        if let Err(why) = (rolling.constraint)(&samples) {
+            failed.push(format!("{}: {why}", rolling.name));
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
 fn derivatives_equal_complex_steps_along_the_motion() {
     for case in cases() {
         for sample in samples(&case) {
-            for t_rate in [0.0, 1.0] {
-                let g = derivatives(&case, sample.state(), &case.p, sample.t, t_rate);
-                let along = |x: &[f64], rate: &[f64]| -> Vec<Complex64> {
-                    x.iter().zip(rate).map(|(&x, &rate)| Complex64::new(x, rate * COMPLEX_STEP)).collect()
-                };
-                let (q, v) = (along(&sample.q, &sample.v), along(&sample.v, &sample.a));
-                let (a, p, t) = (complex(&sample.a), complex(&case.p), Complex64::new(sample.t, t_rate * COMPLEX_STEP));
-                let stepped = value(&case, &q, &p, t);
-                let stepped_rate = derivatives(&case, State { a: &a, v: &v, q: &q }, &p, t, t_rate);
-                let of = |part: fn(&Taylor<f64>) -> f64| g.iter().map(part).collect::<Vec<_>>();
-                let part = |x: &Complex64| x.im / COMPLEX_STEP;
-                assert_close(&case.name, &of(|g| g.value), &value(&case, &sample.q, &case.p, sample.t), 1e-15);
-                assert_close(&case.name, &of(|g| g.first), &stepped.iter().map(part).collect::<Vec<_>>(), 1e-12);
-                let second: Vec<_> = stepped_rate.iter().map(|g| part(&g.first)).collect();
-                assert_close(&case.name, &of(|g| g.second), &second, 1e-12);
-            }
+            let g = derivatives(&case, sample.state(), &case.p, sample.t);
+            let along = |x: &[f64], rate: &[f64]| -> Vec<Complex64> {
+                x.iter().zip(rate).map(|(&x, &rate)| Complex64::new(x, rate * COMPLEX_STEP)).collect()
+            };
+            let (q, v) = (along(&sample.q, &sample.v), along(&sample.v, &sample.a));
+            let (a, p, t) = (complex(&sample.a), complex(&case.p), Complex64::new(sample.t, COMPLEX_STEP));
+            let stepped = value(&case, &q, &p, t);
+            let stepped_rate = derivatives(&case, State { a: &a, v: &v, q: &q }, &p, t);
+            let of = |order: usize| g.iter().map(|g| g[order]).collect::<Vec<_>>();
+            let part = |x: &Complex64| x.im / COMPLEX_STEP;
+            assert_close(&case.name, &of(0), &value(&case, &sample.q, &case.p, sample.t), 1e-15);
+            assert_close(&case.name, &of(1), &stepped.iter().map(part).collect::<Vec<_>>(), 1e-12);
+            assert_close(&case.name, &of(2), &stepped_rate.iter().map(|g| part(&g[1])).collect::<Vec<_>>(), 1e-12);
         }
     }
 }
@@ -159,7 +171,7 @@ fn derivatives_equal_differences_of_time_along_a_smooth_path() {
                     (0..sample.q.len()).map(|i| sample.q[i] + s * (sample.v[i] + 0.5 * s * sample.a[i])).collect();
                 value(&case, &q, &case.p, sample.t + s)
             };
-            let g = derivatives(&case, sample.state(), &case.p, sample.t, 1.0);
+            let g = derivatives(&case, sample.state(), &case.p, sample.t);
             // one step of Richardson removes h^2; round-off of the second difference is 1e-16 / h^2
             let [(first_coarse, second_coarse), (first_fine, second_fine)] = [8e-4, 4e-4].map(|h| {
                 let (plus, here, minus) = (at(h), at(0.0), at(-h));
@@ -172,7 +184,7 @@ fn derivatives_equal_differences_of_time_along_a_smooth_path() {
                 coarse.iter().zip(fine).map(|(coarse, fine)| (4.0 * fine - coarse) / 3.0).collect()
             };
             let place = format!("{} at t = {}", case.name, sample.t);
-            let (first, second): (Vec<_>, Vec<_>) = g.iter().map(|g| (g.first, g.second)).unzip();
+            let (first, second): (Vec<_>, Vec<_>) = g.iter().map(|g| (g[1], g[2])).unzip();
             assert_close(&place, &first, &richardson(&first_coarse, &first_fine), 1e-7);
             assert_close(&place, &second, &richardson(&second_coarse, &second_fine), 1e-7);
         }
@@ -193,18 +205,12 @@ fn reaction_is_the_transposed_gradient_times_the_multipliers() {
                 .collect();
             let r = reaction(&case, &sample.q, &sample.mu, &case.p, sample.t);
             assert_close(&case.name, &r, &gradient_times_mu, 1e-12);
-            let mut added = vec![10.0; r.len()];
-            case.constraint.add_reaction(&sample.q, &sample.mu, &case.p, sample.t, &mut added);
-            assert_close(&case.name, &added, &r.iter().map(|r| r + 10.0).collect::<Vec<_>>(), 1e-14);
         }
     }
 }
 
 /// Reaction, g, dg/dt and d2g/dt2 of the arguments (a, v, q, mu, p, t), one after the other.
-fn everything<S: Scalar>(case: &Case, arguments: &[S]) -> Vec<S>
-where
-    dyn AnyConstraint: ReactingConstraintIn<S>,
-{
+fn everything<S: RunScalar>(case: &Case, arguments: &[S]) -> Vec<S> {
     let n = case.constraint.dof_count();
     let (a, rest) = arguments.split_at(n);
     let (v, rest) = rest.split_at(n);
@@ -212,27 +218,27 @@ where
     let (mu, rest) = rest.split_at(case.constraint.equation_count());
     let (p, t) = rest.split_at(case.p.len());
     let mut all = reaction(case, q, mu, p, t[0]);
-    all.extend(derivatives(case, State { a, v, q }, p, t[0], 1.0).iter().flat_map(|g| [g.value, g.first, g.second]));
+    all.extend(derivatives(case, State { a, v, q }, p, t[0]).into_iter().flatten());
     all
 }
 
 #[test]
-fn lanes_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
+fn tangents_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
     for case in cases() {
         for sample in samples(&case).iter().take(4) {
             let at = [&sample.a[..], &sample.v, &sample.q, &sample.mu, &case.p, &[sample.t]].concat();
-            for first in (0..at.len()).step_by(LANES) {
-                let lanes = LANES.min(at.len() - first);
-                let mut seeded: Vec<Lanes> = at.iter().map(|&x| x.into()).collect();
+            for first in (0..at.len()).step_by(TANGENTS) {
+                let lanes = TANGENTS.min(at.len() - first);
+                let mut seeded: Vec<Tangents> = at.iter().map(|&x| x.into()).collect();
                 for lane in 0..lanes {
-                    seeded[first + lane] = Dual::variable(at[first + lane], lane);
+                    seeded[first + lane].add_to_part(lane, 1.0);
                 }
-                let by_lanes = everything(&case, &seeded);
+                let by_tangents = everything(&case, &seeded);
                 for lane in 0..lanes {
                     let mut stepped = complex(&at);
                     stepped[first + lane].im = COMPLEX_STEP;
                     let by_step: Vec<_> = everything(&case, &stepped).iter().map(|x| x.im / COMPLEX_STEP).collect();
-                    let column: Vec<_> = by_lanes.iter().map(|x| x.eps[lane]).collect();
+                    let column: Vec<_> = by_tangents.iter().map(|x| x.part(lane)).collect();
                     let place = format!("{}, derivative to entry {} of (a, v, q, mu, p, t)", case.name, first + lane);
                     assert_close(&place, &column, &by_step, 1e-12);
                 }
@@ -280,7 +286,7 @@ fn euler_parameters_of_another_length_violate_their_norm_whatever_the_rotation()
         let turn = Quaternion::about(AXIS, 2.0);
         let q = [&[0.3, 0.4, 0.5][..], &turn.0.map(|e| e * scale)].concat();
         let mut g = [0.0];
-        EulerParameterNorm.value(&q, &[], 0.0, &mut g);
+        EulerParameterNorm.g(&q, &[], 0.0, &mut g);
         assert_close("norm", &g, &[0.5 * (scale * scale - 1.0)], 1e-15);
     }
 }
@@ -408,8 +414,8 @@ fn prescribed_motion_names_the_kinks_of_its_function() {
         let rotation = PrescribedRotation { a: Body, b: Body, angle: function.clone() };
         let translation = PrescribedTranslation { a: Body, b: Body, displacement: function.clone() };
         let p = [&[0.0; 9][..], &own].concat();
-        assert_eq!(rotation.kink_times(&p), function.kinks(&own));
-        assert_eq!(translation.kink_times(&p), function.kinks(&own));
+        assert_eq!(rotation.kinks(&p), function.kinks(&own));
+        assert_eq!(translation.kinks(&p), function.kinks(&own));
     }
 }
 
@@ -417,53 +423,70 @@ fn prescribed_motion_names_the_kinks_of_its_function() {
 fn rows_are_the_gradients_of_all_levels() {
     for case in cases() {
         for sample in samples(&case) {
-            let (n, count) = (sample.q.len(), case.constraint.equation_count());
-            let mut rows = vec![Taylor::default(); n * count];
-            case.constraint.rows(sample.state(), &case.p, sample.t, true, &mut rows);
+            let n = sample.q.len();
+            let rows = case.constraint.rows(&sample.q, &case.p, sample.t);
+            let (q, p, t) = (complex(&sample.q), complex(&case.p), sample.t.into());
             for column in 0..n {
-                let mut q = complex(&sample.q);
-                q[column].im = COMPLEX_STEP;
+                let stepped = |x: &[f64]| {
+                    let mut x = complex(x);
+                    x[column].im = COMPLEX_STEP;
+                    x
+                };
                 let (a, v) = (complex(&sample.a), complex(&sample.v));
-                let state = State { a: &a, v: &v, q: &q };
-                let g = derivatives(&case, state, &complex(&case.p), sample.t.into(), 1.0);
-                for (row, g) in g.iter().enumerate() {
-                    let own = rows[row * n + column];
-                    let expected = [g.value.im, g.first.im, g.second.im].map(|im| im / COMPLEX_STEP);
-                    assert_close(&case.name, &[own.value, own.first, own.second], &expected, 1e-12);
+                let of_q = derivatives(&case, State { a: &a, v: &v, q: &stepped(&sample.q) }, &p, t);
+                let of_v = derivatives(&case, State { a: &a, v: &stepped(&sample.v), q: &q }, &p, t);
+                let of_a = derivatives(&case, State { a: &stepped(&sample.a), v: &v, q: &q }, &p, t);
+                let part = |g: &[[Complex64; 3]], order: usize| g.iter().map(|g| g[order].im / COMPLEX_STEP).collect();
+                let own: Vec<f64> = rows.iter().skip(column).step_by(n).copied().collect();
+                // A is what positions, rates and second rates depend on positions, velocities and accelerations by
+                for exact in [part(&of_q, 0), part(&of_v, 1), part(&of_a, 2)] {
+                    let exact: Vec<f64> = exact;
+                    assert_close(&case.name, &own, &exact, 1e-12);
                 }
+                // and dA/dt is what rates depend on positions by, and half of what second rates depend on velocities by
+                let (rates, halves): (Vec<f64>, Vec<f64>) = (part(&of_q, 1), part(&of_v, 2));
+                assert_close(&case.name, &rates, &halves.iter().map(|x| 0.5 * x).collect::<Vec<_>>(), 1e-12);
             }
         }
     }
 }
 
 #[test]
-fn constraints_depend_on_time_unless_they_say_that_they_are_steady() {
+fn constraints_depend_on_time_where_they_prescribe_a_motion() {
     for case in cases() {
         let depends = samples(&case).iter().any(|sample| {
             let t = Complex64::new(sample.t, COMPLEX_STEP);
             value(&case, &complex(&sample.q), &complex(&case.p), t).iter().any(|g| g.im != 0.0)
         });
         // a drive may hold still
+        let drive = case.name.contains(" rotation") || case.name.contains(" translation");
         let may = !case.name.starts_with("constant ") || case.name.starts_with("constant rate");
-        assert_eq!(depends, !case.steady && may, "{}", case.name);
+        assert_eq!(depends, drive && may, "{}", case.name);
+        let program = case.constraint.formula().values();
+        assert_eq!(program.reads().last(), Some(&depends), "{}: the recording reads the time", case.name);
     }
 }
 
 #[test]
 fn separable_constraints_couple_no_two_nodes() {
-    let mut separable = 0;
-    for case in cases().iter().filter(|case| case.constraint.is_separable()) {
-        separable += 1;
+    let (mut separable, mut coupled) = (0, 0);
+    for case in cases().iter().filter(|case| case.nodes.len() == 2 && case.scalars == 0) {
+        let nodes: Vec<usize> = case.nodes.iter().map(|node: &Anchor| node.dofs()).collect();
+        let mut couples = false;
         for sample in samples(case) {
-            let first = case.nodes.first().map_or(1, |node| node.dofs());
             for column in 0..sample.q.len() {
                 let mut q = complex(&sample.q);
                 q[column].im = COMPLEX_STEP;
                 let r = reaction(case, &q, &complex(&sample.mu), &complex(&case.p), sample.t.into());
-                let other = if column < first { &r[first..] } else { &r[..first] };
-                assert!(other.iter().all(|r| r.im == 0.0), "{}: coordinate {column} moves {other:?}", case.name);
+                let other = if column < nodes[0] { &r[nodes[0]..] } else { &r[..nodes[0]] };
+                couples |= other.iter().any(|r| r.im != 0.0);
             }
         }
+        let said = case.constraint.is_separable(&nodes);
+        assert!(!(said && couples), "{}", case.name);
+        assert_eq!(said, !couples, "{}: what is read off the recording misses nothing", case.name);
+        separable += usize::from(said);
+        coupled += usize::from(!said);
     }
-    assert!(separable > 0);
+    assert!(separable > 0 && coupled > 0);
 }

@@ -2,6 +2,7 @@
 
 use super::Contract;
 use super::support::time_functions::time_functions;
+use super::users::users_own;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
@@ -15,7 +16,9 @@ use costate::elements::joints::{
     PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
     SphericalJoint, UniversalJoint,
 };
-use costate::elements::{Anchor, Constraint, Element, Field, Flexible, TimeFunction};
+use costate::elements::{Anchor, Constraint, Element, ElementPhysics, Field, Flexible, TimeFunction};
+use costate::testing::element_physics;
+use std::sync::Arc;
 
 use Anchor::{Body, Natural, Point, Slope};
 
@@ -31,7 +34,8 @@ use UnderRigidMotion::{BoundToWorld, Invariant};
 
 pub struct Case {
     pub name: String,
-    pub element: Box<dyn Contract>,
+    pub element: Arc<dyn Contract>,
+    pub physics: ElementPhysics,
     pub nodes: Vec<Anchor>,
     /// Coordinates behind those of the nodes.
     pub scalars: usize,
@@ -41,18 +45,32 @@ pub struct Case {
     pub neighbours: bool,
     /// Parameters that this topology takes and, as documented, does not read: the start of their names.
     pub ignored: Vec<&'static str>,
+    /// Its residual is written out, and its energies are not.
+    pub without_energies: bool,
 }
 
 impl Case {
     pub fn new(name: impl Into<String>, element: impl Element, nodes: &[Anchor], p: &[f64]) -> Case {
         let scalars = element.dofs() - nodes.iter().map(|node| node.dofs()).sum::<usize>();
-        let (name, element, nodes, p) = (name.into(), Box::new(element), nodes.to_vec(), p.to_vec());
-        Case { name, element, nodes, scalars, p, motion: Invariant, neighbours: false, ignored: vec![] }
+        let (name, element, nodes, p) = (name.into(), Arc::new(element), nodes.to_vec(), p.to_vec());
+        let physics = element_physics(&element);
+        Case {
+            name,
+            element,
+            physics,
+            nodes,
+            scalars,
+            p,
+            motion: Invariant,
+            neighbours: false,
+            ignored: vec![],
+            without_energies: false,
+        }
     }
     /// A soft joint with the same coefficients for all rows, since rows along the axes of the world are among them.
     fn soft<J: Constraint>(name: &str, joint: J, nodes: &[Anchor], p: &[f64]) -> Case {
         let coefficients = [vec![3.1; joint.equations()], vec![0.7; joint.equations()]].concat();
-        let kind = if J::STEADY { "spring damper" } else { "drive" };
+        let kind = if ["rotation", "translation"].contains(&name) { "drive" } else { "spring damper" };
         Case::new(format!("soft {name} {kind}"), Soft(joint), nodes, &[&coefficients[..], p].concat())
     }
     /// A flexible element of three bodies' nodes; each parameter differs from the others.
@@ -63,6 +81,9 @@ impl Case {
     /// An element of a cable between two nodes.
     fn cable(name: &str, element: impl Element, p: &[f64]) -> Case {
         Case { neighbours: true, ..Case::new(name, element, &[Slope, Slope], p) }
+    }
+    pub fn without_energies(self) -> Case {
+        Case { without_energies: true, ..self }
     }
     fn bound_to_world(self, bound: bool) -> Case {
         Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
@@ -108,6 +129,7 @@ pub fn cases() -> Vec<Case> {
         Case::cable("cable, internal damper", Cable { damped: true }, &[0.8, 5.0, 2.0, 1.3, 0.0, 0.0, 0.0, 0.3]),
         Case::cable("cable for small strains", Flexible(SmallStrainCableField), &[0.8, 5.0, 2.0]),
     ];
+    list.extend(users_own());
     let (u, w, axis, turned) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.8, 0.36, 0.48, 0.0]);
     let guide = [&ends[..], &u, &w, &axis].concat();
     let angle = [axis, u, w].concat();

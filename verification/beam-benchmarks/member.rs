@@ -3,7 +3,7 @@
 use costate::assembly::Model;
 use costate::elements::flexible::Section;
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
-use costate::elements::{Anchor, ElementIn, TimeFunction};
+use costate::elements::{Anchor, TimeFunction};
 use costate::history::Watch;
 use costate::integrators::{StepRecord, march_dividing};
 use costate::prelude::*;
@@ -112,7 +112,7 @@ impl Solved {
             let own: Vec<f64> =
                 element.nodes.iter().flat_map(|node| q[self.model.node(*node).dofs.clone()].to_vec()).collect();
             let rest = vec![0.0; own.len()];
-            ElementIn::<f64>::energy(&*element.physics, &rest, &own, &self.p[element.parameters.clone()])[1]
+            element.physics.energies_at(&rest, &own, &self.p[element.parameters.clone()])[1]
         };
         let beams = |index: &usize| self.model.elements[*index].name.starts_with("beam");
         (0..self.model.elements.len()).filter(beams).map(energy).sum()

@@ -1,6 +1,6 @@
 //! Matrices like those of flexible structures, of any size.
 
-use costate::assembly::SparsePattern;
+use costate::linalg::SparsePattern;
 use std::sync::Arc;
 
 /// A matrix by its pattern and its values.

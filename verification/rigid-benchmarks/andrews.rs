@@ -2,7 +2,7 @@
 
 use super::{end_state, place, prepare, watch, worse};
 use crate::verification::Report;
-use crate::verification::andrews::{PUBLISHED, START, WrittenAndrews};
+use crate::verification::andrews::{self as angles, PUBLISHED, START};
 use costate::scenes::Prepared;
 use costate::scenes::built_in::Andrews;
 
@@ -31,7 +31,7 @@ pub fn places_of_bodies(prepared: &Prepared) -> Result<[usize; 7], String> {
 }
 
 fn planar(table: &str, steps: usize) -> Result<[f64; 7], String> {
-    let [q, _] = end_state(&prepare(&WrittenAndrews, table, END, steps)?)?;
+    let [q, _] = end_state(&prepare(&angles::Andrews, table, END, steps)?)?;
     q.try_into().map_err(|_| "not seven angles".into())
 }
 

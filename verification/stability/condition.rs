@@ -1,8 +1,8 @@
 //! Condition of a stage matrix.
 
-use costate::assembly::{Equations, Jacobian, Level, Residual, Shift, SparsePattern, VectorsAvq};
+use costate::assembly::{Equations, Jacobian, Level, Residual, Shift, VectorsAvq};
 use costate::integrators::{ConstraintLevel, Systems};
-use costate::linalg::{DenseLu, LinearSolver};
+use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
 use costate::scenes::Prepared;
 
 /// Condition in the 1-norm of the first step's last stage matrix at the start, rows and columns scaled to a largest entry of 1.

@@ -2,7 +2,7 @@ use crate::verification::optimized::{DIFFERENCES, by_iteration, optimize, over_t
 use crate::verification::{Report, Study, on_one_thread};
 use costate::elements::flexible::CableStrain;
 use costate::functionals::quantities::CableLargestStress;
-use costate::functionals::{Functional, Measured, Over};
+use costate::functionals::{Functional, Measured, MeasuredQuantity, Over};
 use costate::integrators::RunError;
 use costate::io::{Chart, Series};
 use costate::optimize::{GradientBy, Optimized};
@@ -129,11 +129,12 @@ fn symmetry(report: &mut Report, scene: &dyn AnyScene, design: &[f64]) -> Vec<f6
 fn sharpened(functionals: Vec<Functional>) -> Vec<Measured> {
     let sharp = |functional: Functional| match functional.measured {
         Measured::Local { nodes, constraints, parameters, .. } => {
-            let quantity = Box::new(CableLargestStress {
+            let quantity = CableLargestStress {
                 strain: CableStrain::Exact,
                 elements: Suspension::default().elements,
                 sharpness: 1.0 / READING,
-            });
+            };
+            let quantity = MeasuredQuantity::new(Box::new(quantity), 0);
             Measured::Local { nodes, constraints, parameters, quantity }
         }
         other => other,

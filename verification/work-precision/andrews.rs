@@ -21,7 +21,7 @@ const AIMS: [Aim; 3] = [
 
 const PLANAR: Motion = Motion {
     name: "andrews",
-    scene: &andrews::WrittenAndrews,
+    scene: &andrews::Andrews,
     end: 0.03,
     coarsest: 50,
     reference_steps: 8_000,

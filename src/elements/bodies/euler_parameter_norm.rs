@@ -9,17 +9,9 @@ pub struct EulerParameterNorm;
 impl Constraint for EulerParameterNorm {
     const DOFS: usize = 7;
     const EQUATIONS: usize = 1;
-    const STEADY: bool = true;
-    const REACTION: bool = true;
 
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
         g[0] = (Quaternion::from_slice(&q[3..]).norm_squared() - 1.0) * 0.5;
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], _p: &[S], _t: S, r: &mut [S]) {
-        for (r, &e) in r[3..].iter_mut().zip(&q[3..]) {
-            *r += e * mu[0];
-        }
     }
 }

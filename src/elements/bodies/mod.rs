@@ -5,7 +5,6 @@ mod natural_body;
 mod orthonormal_axes;
 mod point_mass;
 mod rigid_body;
-mod rigid_body_derivatives;
 
 pub use euler_parameter_norm::EulerParameterNorm;
 pub use natural_body::NaturalBody;
@@ -14,6 +13,6 @@ pub use point_mass::PointMass;
 pub use rigid_body::RigidBody;
 
 use super::AnyElement;
-use super::erased::compiled_here;
+use super::dyn_layer::instantiate_here;
 
-compiled_here!(dyn AnyElement: NaturalBody, PointMass, RigidBody);
+instantiate_here!(dyn AnyElement: NaturalBody, PointMass, RigidBody);

@@ -1,4 +1,4 @@
-use crate::elements::{Element, Parameter, State};
+use crate::elements::{Element, Parameter};
 use crate::scalar::Scalar;
 
 /// A rigid body in natural coordinates: position r of its frame and its axes u, v, w, whose mass matrix is constant.
@@ -43,12 +43,7 @@ impl NaturalBody {
 impl Element for NaturalBody {
     const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = super::rigid_body::INERTIA;
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
-    fn is_linear(&self) -> bool {
-        true
-    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let moments = Self::moments(p);
@@ -60,17 +55,6 @@ impl Element for NaturalBody {
             }
         }
         twice * 0.5
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let moments = Self::moments(p);
-        for i in 0..4 {
-            for j in 0..4 {
-                for k in 0..3 {
-                    r[3 * i + k] += moments[i][j] * s.a[3 * j + k];
-                }
-            }
-        }
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[0]

@@ -12,8 +12,6 @@ pub struct OrthonormalAxes;
 impl Constraint for OrthonormalAxes {
     const DOFS: usize = 12;
     const EQUATIONS: usize = 6;
-    const STEADY: bool = true;
-    const REACTION: bool = true;
 
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
@@ -25,17 +23,5 @@ impl Constraint for OrthonormalAxes {
         g[3] = u.dot(&v);
         g[4] = u.dot(&w);
         g[5] = v.dot(&w);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], _p: &[S], _t: S, r: &mut [S]) {
-        // the symmetric matrix of multipliers takes each axis to the force on it
-        let multipliers = [[mu[0], mu[3], mu[4]], [mu[3], mu[1], mu[5]], [mu[4], mu[5], mu[2]]];
-        for axis in 0..3 {
-            for other in 0..3 {
-                for i in 0..3 {
-                    r[3 + 3 * axis + i] += q[3 + 3 * other + i] * multipliers[axis][other];
-                }
-            }
-        }
     }
 }

@@ -1,5 +1,5 @@
-use crate::elements::{Anchor, ByPoints, Element, Parameter, State};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, rotation_gradient_transposed, tensor_times};
+use crate::elements::{Anchor, Element, Parameter};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 
 /// A rigid body with position r of its frame and Euler parameters e.
 ///
@@ -36,7 +36,6 @@ pub(super) const INERTIA: &[Parameter] = &[
 impl Element for RigidBody {
     const DOFS: usize = 7;
     const PARAMETERS: &'static [Parameter] = INERTIA;
-    const ENERGIES: bool = true;
 
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
@@ -45,42 +44,7 @@ impl Element for RigidBody {
         (velocity.dot(&velocity) * p[0] + omega.dot(&tensor_times(&p[4..], omega))) * 0.5
     }
 
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let centre = Vector3::first_three(&p[1..]);
-        let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
-        let second = Quaternion::from_slice(&s.a[3..]);
-        Anchor::Body.add_force(s.q, centre, Anchor::Body.acceleration(s, centre) * p[0], r);
-
-        // omega = 2 G(e) e', domega/dt = 2 G(e) e'' because G(e') e' = 0
-        let two = S::from(2.0);
-        let momentum = tensor_times(&p[4..], e.g_times(rate) * two);
-        let momentum_rate = tensor_times(&p[4..], e.g_times(second) * two);
-        let inertial = e.g_transposed_times(momentum_rate * two);
-        let gyroscopic = rate.g_transposed_times(momentum * S::from(4.0));
-        for i in 0..4 {
-            r[3 + i] += inertial[i] + gyroscopic[i];
-        }
-    }
-
-    /// With v_c = r' + B e': (0, B'^T m v_c + B^T m B' e' + 4 G(e')^T J G(e) e'), and m B' e' for r.
-    fn momentum_rate<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], r: &mut [S]) {
-        let centre = Vector3::first_three(&p[1..]);
-        let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
-        Anchor::Body.add_force(q, centre, rate.rotate_rate(rate, centre) * p[0], r);
-        let momentum = tensor_times(&p[4..], e.g_times(rate) * S::from(4.0));
-        let turned = rotation_gradient_transposed(rate, centre, Anchor::Body.velocity(v, q, centre) * p[0]);
-        let gyroscopic = rate.g_transposed_times(momentum);
-        for i in 0..4 {
-            r[3 + i] += turned[i] + gyroscopic[i];
-        }
-    }
-
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[0]
-    }
-
-    fn by_points(&self) -> Option<&dyn ByPoints> {
-        Some(self)
     }
 }

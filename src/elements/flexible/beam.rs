@@ -1,8 +1,6 @@
-use super::beam_matrix::{add_inertia_matrix, add_strain_matrix};
-use super::beam_products::{add_inertia_products, add_strain_products};
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State, Wide, point_momentum_rate};
-use crate::scalar::{Dual, Quaternion, Scalar, SpatialVector, Vector3, rotation_gradient_transposed, tensor_times};
+use crate::elements::{Field, Flexible, Interpolation, Parameter};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 use std::ops::Range;
 
 /// Geometrically exact Timoshenko beam of three nodes with position r and Euler parameters e.
@@ -71,11 +69,6 @@ impl<S: Scalar> Reference<S> {
     pub fn components(&self, x: Vector3<S>) -> [S; 3] {
         [self.axes[0].dot(&x), self.axes[1].dot(&x), self.axes[2].dot(&x)]
     }
-    /// Lambda x.
-    #[inline(always)]
-    pub fn combine(&self, x: [S; 3]) -> Vector3<S> {
-        self.axes[0] * x[0] + self.axes[1] * x[1] + self.axes[2] * x[2]
-    }
     /// Strains from h = (dr/dxi, e, de/dxi).
     #[inline(always)]
     fn strains(&self, h: &[S]) -> [S; STRAINS] {
@@ -99,13 +92,6 @@ impl BeamField {
         GEOMETRY + self.stiffnesses() + usize::from(self.damped)
     }
 
-    /// Stiffnesses among the parameters of a tying point, and damping, which may be zero.
-    #[inline(always)]
-    pub(super) fn stiffness_and_damping<'p>(&self, p: &'p [f64]) -> (&'p [f64], f64) {
-        let (stiffness, rest) = p[GEOMETRY..].split_at(self.stiffnesses());
-        (stiffness, if self.damped { rest[0] } else { 0.0 })
-    }
-
     /// C strain.
     #[inline(always)]
     pub(super) fn stiffness_times<S: Scalar>(&self, stiffness: &[S], strain: [S; STRAINS]) -> [S; STRAINS] {
@@ -127,68 +113,20 @@ impl BeamField {
     }
 
     /// Strains at a tying point, from h and the point's parameters.
-    pub fn strains<S: Scalar>(&self, h: &[S], p: &[S]) -> [S; STRAINS] {
+    pub fn strains<S: Scalar>(h: &[S], p: &[S]) -> [S; STRAINS] {
         Reference::of(p).strains(h)
     }
 
-    /// Section forces N1, N2, N3 [N] and moments M1, M2, M3 [N m] at a tying point.
-    #[inline(always)]
-    pub fn section_forces<S: Scalar>(&self, v: &[S], h: &[S], p: &[S]) -> [S; STRAINS] {
-        let strain = Reference::of(p).strains(h);
-        let stiffness = &p[GEOMETRY..];
-        if !self.damped {
-            return self.stiffness_times(stiffness, strain);
-        }
-        let damping = p[GEOMETRY + self.stiffnesses()];
-        let rate = self.strain_rates(v, h, p);
+    /// Section forces N1, N2, N3 [N] and moments M1, M2, M3 [N m] at a tying point, from strains and their rates.
+    pub fn section_forces<S: Scalar>(&self, strain: [S; STRAINS], rate: [S; STRAINS], p: &[S]) -> [S; STRAINS] {
         let mut together = strain;
-        for i in 0..STRAINS {
-            together[i] += damping * rate[i];
+        if self.damped {
+            let damping = p[GEOMETRY + self.stiffnesses()];
+            for i in 0..STRAINS {
+                together[i] += damping * rate[i];
+            }
         }
-        self.stiffness_times(stiffness, together)
-    }
-
-    /// Along the motion of h.
-    fn strain_rates<S: Scalar>(&self, v: &[S], h: &[S], p: &[S]) -> [S; STRAINS] {
-        let mut moving = [Dual::<S, 1>::default(); 11];
-        for i in 0..moving.len() {
-            moving[i] = Dual { re: h[i], eps: [v[i]] };
-        }
-        let mut numbers = [Dual::<S, 1>::default(); GEOMETRY];
-        for i in 0..GEOMETRY {
-            numbers[i].re = p[i];
-        }
-        let strain = Reference::of(&numbers).strains(&moving);
-        let mut rate = [S::zero(); STRAINS];
-        for i in 0..STRAINS {
-            rate[i] = strain[i].eps[0];
-        }
-        rate
-    }
-
-    /// Adds J B^T stress, B = d strain / dh.
-    #[inline(always)]
-    fn add_internal<S: Scalar>(&self, h: &[S], p: &[S], stress: [S; STRAINS], r: &mut [S]) {
-        let reference = Reference::of(p);
-        let (slope, e, turn) = (Vector3::first_three(h), Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&h[7..]));
-        let inverse = e.norm_squared().recip();
-        let [n1, n2, n3, m1, m2, m3] = stress;
-        let force = reference.combine([n1, n2, n3]) * inverse;
-        let moment = reference.combine([m1, m2, m3]) * (inverse + inverse);
-        let along_slope = e.rotate(force);
-        let along_turn = e.g_transposed_times(moment);
-        let by_force = rotation_gradient_transposed(e, force, slope);
-        let by_moment = turn.g_transposed_times(moment);
-        // the factor 1 / |e|^2 of both strains
-        let share = along_slope.dot(&slope) + e.g_times(turn).dot(&moment);
-        let shrink = share * (inverse + inverse);
-        for i in 0..3 {
-            r[i] += along_slope[i];
-        }
-        for i in 0..4 {
-            r[3 + i] += by_force[i] - by_moment[i] - shrink * e.0[i];
-            r[7 + i] += along_turn[i];
-        }
+        self.stiffness_times(&p[GEOMETRY..], together)
     }
 }
 
@@ -197,7 +135,6 @@ impl Field for BeamField {
     const COMPONENTS: usize = 7;
     const POINTS: &'static [&'static [Interpolation]] =
         &[&AT_TYING_POINTS[0], &AT_TYING_POINTS[1], &AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
-    const ENERGIES: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = Vec::new();
@@ -243,14 +180,6 @@ impl Field for BeamField {
         first..first + INERTIA
     }
 
-    #[inline(always)]
-    fn reads(&self, point: usize, number: usize) -> [bool; 3] {
-        if point < TYING_POINTS {
-            return [false, self.damped, true];
-        }
-        if number < 3 { [true, false, false] } else { [true; 3] }
-    }
-
     fn kinetic<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S]) -> S {
         if point < TYING_POINTS {
             return S::zero();
@@ -267,11 +196,16 @@ impl Field for BeamField {
         twice * 0.5
     }
 
-    fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
-        if point >= TYING_POINTS {
-            return S::zero();
-        }
-        let strain = Reference::of(p).strains(h);
+    fn strain_count(&self, point: usize) -> usize {
+        if point < TYING_POINTS { STRAINS } else { 0 }
+    }
+
+    fn strains<S: Scalar>(&self, _point: usize, h: &[S], p: &[S], e: &mut [S]) {
+        e.copy_from_slice(&Reference::of(p).strains(h));
+    }
+
+    fn stored<S: Scalar>(&self, _point: usize, e: &[S], p: &[S]) -> S {
+        let Some(&strain) = e.first_chunk::<STRAINS>() else { return S::zero() };
         let stress = self.stiffness_times(&p[GEOMETRY..], strain);
         let mut twice = S::zero();
         for i in 0..STRAINS {
@@ -280,82 +214,14 @@ impl Field for BeamField {
         twice * p[0] * 0.5
     }
 
-    fn add_force<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], _t: S, force: &mut [S]) {
-        if point < TYING_POINTS && self.damped {
-            let damping = p[GEOMETRY + self.stiffnesses()];
-            let stress = self.stiffness_times(&p[GEOMETRY..], self.strain_rates(v, h, p)).map(|stress| -(stress * damping));
-            self.add_internal(h, p, stress, force);
+    fn damping<S: Scalar>(&self, _point: usize, _e: &[S], rate: &[S], p: &[S], s: &mut [S]) {
+        if let Some(&rate) = rate.first_chunk::<STRAINS>().filter(|_| self.damped) {
+            let stress = self.stiffness_times(&p[GEOMETRY..], rate);
+            let share = p[GEOMETRY + self.stiffnesses()] * p[0];
+            for i in 0..STRAINS {
+                s[i] = stress[i] * share;
+            }
         }
-    }
-
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        if point < TYING_POINTS {
-            let stress = self.section_forces(s.v, s.q, p);
-            self.add_internal(s.q, p, stress, r);
-            return;
-        }
-        let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
-        let second = Quaternion::from_slice(&s.a[3..]);
-        let acceleration = Vector3::first_three(s.a);
-        let inverse = e.norm_squared().recip();
-        let twice = inverse + inverse;
-        let omega = e.g_times(rate) * twice;
-        // |e| changes between nodes: d(1 / |e|^2)/dt
-        let alpha = e.g_times(second) * twice - omega * (e.dot(rate) * twice);
-        let mut force = acceleration * p[0];
-        let mut moment = tensor_times(&p[4..], alpha) + omega.cross(&tensor_times(&p[4..], omega));
-        if self.eccentric {
-            let arm = Vector3::first_three(&p[1..]);
-            force += e.rotate(alpha.cross(&arm) + omega.cross(&omega.cross(&arm))) * inverse;
-            moment += arm.cross(&(e.rotate_back(acceleration) * inverse));
-        }
-        let turning = e.g_transposed_times(moment * twice);
-        for i in 0..3 {
-            r[i] += force[i];
-        }
-        for i in 0..4 {
-            r[3 + i] += turning[i];
-        }
-    }
-
-    /// With omega = 2 G(e) e' / |e|^2 and a mass centre on the line: 2 / |e|^2 (G(e') - 4 e . e' / |e|^2 G(e))^T J omega.
-    fn momentum_rate<S: Scalar>(&self, point: usize, v: &[S], h: &[S], p: &[S], r: &mut [S]) {
-        if point < TYING_POINTS {
-            return;
-        }
-        if self.eccentric {
-            return point_momentum_rate(self, point, v, h, p, r);
-        }
-        let (e, rate) = (Quaternion::from_slice(&h[3..]), Quaternion::from_slice(&v[3..]));
-        let inverse = e.norm_squared().recip();
-        let twice = inverse + inverse;
-        let momentum = tensor_times(&p[4..], e.g_times(rate) * twice) * twice;
-        let (turned, own) = (rate.g_transposed_times(momentum), e.g_transposed_times(momentum));
-        let along = e.dot(rate) * (twice + twice);
-        for i in 0..4 {
-            r[3 + i] += turned[i] - own[i] * along;
-        }
-    }
-
-    #[inline(always)]
-    fn add_matrix(&self, point: usize, s: State<f64>, shift: [f64; 3], p: &[f64], matrix: &mut [Wide]) -> bool {
-        if point < TYING_POINTS {
-            add_strain_matrix(self, [s.v, s.q], p, shift, matrix);
-        } else {
-            add_inertia_matrix(self, [s.a, s.v, s.q], shift, p, matrix);
-        }
-        true
-    }
-
-    #[inline(always)]
-    fn add_products(&self, point: usize, s: State<f64>, p: &[f64], lambda: &[f64], into: &mut PointGradient) -> bool {
-        if point < TYING_POINTS {
-            add_strain_products(self, [s.v, s.q], p, lambda, into);
-        } else {
-            add_inertia_products(self, [s.a, s.v, s.q], p, lambda, into);
-        }
-        true
     }
 
     fn mass<S: Scalar>(&self, p: &[S]) -> S {

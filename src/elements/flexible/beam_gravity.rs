@@ -1,6 +1,6 @@
 use super::shape::{AT_GAUSS_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, PointGradient, State};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, rotation_gradient_transposed};
+use crate::elements::{Field, Flexible, Interpolation, Parameter};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
 /// Weight of a beam: V = -g . (m r + R s) at three Gauss points [J].
@@ -23,8 +23,6 @@ impl Field for BeamGravityField {
     const NODES: usize = NODES;
     const COMPONENTS: usize = 7;
     const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         let numbers = [
@@ -42,12 +40,6 @@ impl Field for BeamGravityField {
     fn parameters_of(&self, point: usize) -> Range<usize> {
         point * NUMBERS..(point + 1) * NUMBERS
     }
-    fn reads(&self, _point: usize, number: usize) -> [bool; 3] {
-        [false, false, self.eccentric && number >= 3]
-    }
-    fn is_linear(&self) -> bool {
-        !self.eccentric
-    }
     #[inline(always)]
     fn potential<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
         let mut moment = Vector3::first_three(h) * p[0];
@@ -56,35 +48,5 @@ impl Field for BeamGravityField {
             moment += e.rotate(Vector3::first_three(&p[1..])) * e.norm_squared().recip();
         }
         -moment.dot(&Vector3::first_three(&p[4..]))
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, _point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let gravity = Vector3::first_three(&p[4..]);
-        for i in 0..3 {
-            r[i] -= gravity[i] * p[0];
-        }
-        if self.eccentric {
-            let (e, arm) = (Quaternion::from_slice(&s.q[3..]), Vector3::first_three(&p[1..]));
-            let inverse = e.norm_squared().recip();
-            let turning = rotation_gradient_transposed(e, arm, gravity);
-            let shrink = e.rotate(arm).dot(&gravity) * inverse * inverse * 2.0;
-            for i in 0..4 {
-                r[3 + i] += e.0[i] * shrink - turning[i] * inverse;
-            }
-        }
-    }
-    /// Without eccentricity lambda . r is -m lambda_r . g.
-    #[inline(always)]
-    fn add_products(&self, _point: usize, _s: State<f64>, p: &[f64], lambda: &[f64], into: &mut PointGradient) -> bool {
-        if self.eccentric {
-            return false;
-        }
-        if let [mass, _, _, _, gravity @ ..] = &mut *into.p {
-            for i in 0..3 {
-                *mass -= lambda[i] * p[4 + i];
-                gravity[i] -= lambda[i] * p[0];
-            }
-        }
-        true
     }
 }

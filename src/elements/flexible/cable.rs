@@ -1,8 +1,7 @@
-use super::cable_derivatives::CableDerivatives;
 use super::cable_inertia::mass_matrix;
 use super::hermite::{COMPONENTS, CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
-use crate::elements::{ByPoints, Element, Parameter, State};
-use crate::scalar::{Dual, Scalar, SpatialVector, Vector3};
+use crate::elements::{Element, Parameter};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Cable-beam of two nodes with position r and slope r_x = dr/dx, in space, without torsion and shear: absolute nodal coordinates
 /// with the exact curvature, inertia and weight.
@@ -101,76 +100,8 @@ pub(super) fn derivatives<S: Scalar>(line: &Line<S>, point: usize, inverse: S) -
     [vector(WEIGHTS[point][0]), vector(WEIGHTS[point][1]) * inverse]
 }
 
-/// Adds what forces conjugate to r_x and r_xx at a Gauss point do to the line.
-#[inline(always)]
-fn add_conjugate<S: Scalar>([of_first, of_second]: [Vector3<S>; 2], point: usize, inverse: S, line: &mut Line<S>) {
-    let of_second = of_second * inverse;
-    for (place, line) in line.iter_mut().enumerate() {
-        let [a, b] = [WEIGHTS[point][0][place], WEIGHTS[point][1][place]];
-        for i in 0..3 {
-            line[i] += of_first[i] * a + of_second[i] * b;
-        }
-    }
-}
-
-/// Adds forces conjugate to the line to those of the nodes.
-#[inline(always)]
-fn add_line<S: Scalar>(line: &Line<S>, inverse: S, r: &mut [S]) {
-    for i in 0..3 {
-        let chord = line[0][i] * inverse;
-        r[i] -= chord;
-        r[3 + i] += line[1][i];
-        r[6 + i] += chord;
-        r[9 + i] += line[2][i];
-    }
-}
-
-/// M times the nodes' accelerations less gravity: what inertia and weight add.
-#[inline(always)]
-fn add_inertia<S: Scalar>(a: &[S], p: &[S], r: &mut [S]) {
-    // by powers of the length, as slopes bring one factor each
-    let share = p[LENGTH] * p[MASS] * (1.0 / 420.0);
-    let (once, twice) = (share * p[LENGTH], share * p[LENGTH] * p[LENGTH]);
-    for k in 0..3 {
-        let gravity = p[GRAVITY + k];
-        let (first, second) = (a[k] - gravity, a[6 + k] - gravity);
-        let (slope, other) = (a[3 + k], a[9 + k]);
-        r[k] += share * (first * 156.0 + second * 54.0) + once * (slope * 22.0 - other * 13.0);
-        r[3 + k] += once * (first * 22.0 + second * 13.0) + twice * (slope * 4.0 - other * 3.0);
-        r[6 + k] += share * (first * 54.0 + second * 156.0) + once * (slope * 13.0 - other * 22.0);
-        r[9 + k] += twice * (other * 4.0 - slope * 3.0) - once * (first * 13.0 + second * 22.0);
-    }
-}
-
-impl Cable {
-    /// Adds to the line's forces what damping does at a Gauss point of weight `weight` [m]: with a and b for r_x and r_xx, B^T of the
-    /// stresses above.
-    #[inline(always)]
-    fn damp<S: Scalar>([a, b]: [Vector3<S>; 2], [a_rate, b_rate]: [Vector3<S>; 2], p: &[S], weight: S) -> [Vector3<S>; 2] {
-        let moving = |x: Vector3<S>, rate: Vector3<S>| -> Vector3<Dual<S, 1>> {
-            Vector3::from([0, 1, 2].map(|i| Dual { re: x[i], eps: [rate[i]] }))
-        };
-        let (first, second) = (moving(a, a_rate), moving(b, b_rate));
-        let square = first.dot(&first);
-        let scale = (square * square.sqrt()).recip();
-        let curvature = first.cross(&second) * scale;
-        let (k, k_rate) = (curvature.map(|x| x.re), curvature.map(|x| x.eps[0]));
-        let inverse = p[LENGTH].recip();
-        let limit = (inverse * STRAIGHT) * (inverse * STRAIGHT);
-        let direct = (k * k.dot(&k_rate) + k_rate * limit) * (k.dot(&k) + limit).recip();
-        let share = p[DAMPING] * weight;
-        let (tension, moment) = (a.dot(&a_rate) * p[AXIAL] * share, direct * (p[BENDING] * share));
-        // m . k is linear in b: m . (a x b) / |a|^3
-        let scale = scale.re;
-        let along = moment.dot(&k) * 3.0 / a.dot(&a);
-        [a * tension + b.cross(&moment) * scale - a * along, moment.cross(&a) * scale]
-    }
-}
-
 impl Element for Cable {
     const DOFS: usize = NODES * COMPONENTS;
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = elastic_parameters();
@@ -209,48 +140,34 @@ impl Element for Cable {
         let middle = (vector(0) + vector(2)) * S::from(0.5) + (vector(1) - vector(3)) * (p[LENGTH] / 12.0);
         energy - p[LENGTH] * p[MASS] * middle.dot(&Vector3::first_three(&p[GRAVITY..]))
     }
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
-        if !self.damped {
-            return;
-        }
-        let inverse = p[LENGTH].recip();
-        let (own, rate, mut against) = (line(q, inverse), line(v, inverse), [Vector3::zeros(); 3]);
-        for point in 0..3 {
-            let [at, rates] = [&own, &rate].map(|line| derivatives(line, point, inverse));
-            let damping = Self::damp(at, rates, p, p[LENGTH] * -THREE_WEIGHTS[point]);
-            add_conjugate(damping, point, inverse, &mut against);
-        }
-        add_line(&against, inverse, force);
+    fn strain_count(&self) -> usize {
+        if self.damped { 12 } else { 0 }
     }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+    /// At each Gauss point eps and the curvature vector k.
+    fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         let inverse = p[LENGTH].recip();
-        let own = line(s.q, inverse);
-        let mut forces = [Vector3::zeros(); 3];
-        for point in 0..3 {
-            let [a, b] = derivatives(&own, point, inverse);
-            let weight = p[LENGTH] * THREE_WEIGHTS[point];
-            let (square, normal) = (a.dot(&a), a.cross(&b));
-            let shrink = square.recip();
-            let cube = shrink * shrink * shrink;
-            let (axial, bending) = (weight * p[AXIAL] * green_strain(a), weight * p[BENDING] * cube);
-            // gradients of |a x b|^2 / 2: b x n and n x a
-            let along = normal.dot(&normal) * shrink * 3.0;
-            let of_first = a * axial + (b.cross(&normal) - a * along) * bending;
-            add_conjugate([of_first, normal.cross(&a) * bending], point, inverse, &mut forces);
-            if self.damped {
-                let rates = derivatives(&line(s.v, inverse), point, inverse);
-                add_conjugate(Self::damp([a, b], rates, p, weight), point, inverse, &mut forces);
-            }
+        let own = line(q, inverse);
+        for (point, e) in e.chunks_exact_mut(4).enumerate() {
+            let [first, second] = derivatives(&own, point, inverse);
+            let square = first.dot(&first);
+            let curvature = first.cross(&second) * (square * square.sqrt()).recip();
+            e[0] = green_strain(first);
+            e[1..].copy_from_slice(&curvature.components());
         }
-        add_line(&forces, inverse, r);
-        add_inertia(s.a, p, r);
+    }
+    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
+        let inverse = p[LENGTH].recip();
+        let limit = (inverse * STRAIGHT) * (inverse * STRAIGHT);
+        for (point, s) in s.chunks_exact_mut(4).enumerate() {
+            let (e, rate) = (&e[4 * point..], &rate[4 * point..]);
+            let share = p[DAMPING] * p[LENGTH] * THREE_WEIGHTS[point];
+            let (k, k_rate) = (Vector3::first_three(&e[1..]), Vector3::first_three(&rate[1..]));
+            let direct = (k * k.dot(&k_rate) + k_rate * limit) * (k.dot(&k) + limit).recip();
+            s[0] = rate[0] * p[AXIAL] * share;
+            s[1..].copy_from_slice(&(direct * (p[BENDING] * share)).components());
+        }
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[LENGTH] * p[MASS]
-    }
-    fn by_points(&self) -> Option<&dyn ByPoints> {
-        // matrices of damping are not written out
-        if self.damped { None } else { Some(&CableDerivatives) }
     }
 }

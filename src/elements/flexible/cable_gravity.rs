@@ -1,5 +1,5 @@
 use super::hermite::{COMPONENTS, NODES};
-use crate::elements::{Element, Parameter, State};
+use crate::elements::{Element, Parameter};
 use crate::scalar::Scalar;
 
 /// Weight of a cable element, integrated exactly: V = -m l g . (r_1 / 2 + l r_1x / 12 + r_2 / 2 - l r_2x / 12) [J].
@@ -27,12 +27,7 @@ impl Element for CableGravity {
         Parameter::new("gravity y", "m/s2"),
         Parameter::new("gravity z", "m/s2"),
     ];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
-    fn is_linear(&self) -> bool {
-        true
-    }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let shares = shares(p);
@@ -43,14 +38,5 @@ impl Element for CableGravity {
             }
         }
         energy
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, _s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let shares = shares(p);
-        for i in 0..4 {
-            for k in 0..3 {
-                r[3 * i + k] -= shares[i] * p[2 + k];
-            }
-        }
     }
 }

@@ -1,5 +1,5 @@
 use super::hermite::{COMPONENTS, NODES};
-use crate::elements::{Element, Parameter, State};
+use crate::elements::{Element, Parameter};
 use crate::scalar::Scalar;
 
 /// Inertia of a cable element: R = M a with the constant matrix M = m l times the integral of S^T S, which is exact.
@@ -31,12 +31,7 @@ pub(super) fn mass_matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
 impl Element for CableInertia {
     const DOFS: usize = NODES * COMPONENTS;
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("length", "m"), Parameter::positive("mass", "kg/m")];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
-    fn is_linear(&self) -> bool {
-        true
-    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let matrix = mass_matrix(p);
@@ -48,17 +43,6 @@ impl Element for CableInertia {
             }
         }
         twice * 0.5
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        let matrix = mass_matrix(p);
-        for i in 0..4 {
-            for j in 0..4 {
-                for k in 0..3 {
-                    r[3 * i + k] += matrix[i][j] * s.a[3 * j + k];
-                }
-            }
-        }
     }
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         p[0] * p[1]

@@ -32,8 +32,6 @@ impl Field for DistributedLoadField {
     const NODES: usize = NODES;
     const COMPONENTS: usize = 7;
     const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         let mut numbers = vec![Parameter::new("length", "m")];
@@ -48,12 +46,6 @@ impl Field for DistributedLoadField {
         let own = self.numbers();
         point * own..(point + 1) * own
     }
-    fn reads(&self, _point: usize, number: usize) -> [bool; 3] {
-        [false, false, self.frame == LoadFrame::Body && number >= 3]
-    }
-    fn is_linear(&self) -> bool {
-        self.frame == LoadFrame::World
-    }
     #[inline(always)]
     fn add_force<S: Scalar>(&self, _point: usize, _v: &[S], h: &[S], p: &[S], t: S, force: &mut [S]) {
         let mut direction = Vector3::first_three(&p[1..]);
@@ -65,12 +57,6 @@ impl Field for DistributedLoadField {
         for i in 0..3 {
             force[i] += direction[i] * size;
         }
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, point: usize, s: crate::elements::State<S>, p: &[S], t: S, r: &mut [S]) {
-        let mut force = [S::zero(); 7];
-        self.add_force(point, s.v, s.q, p, t, &mut force);
-        r.iter_mut().zip(force).for_each(|(r, force)| *r -= force);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.size.kinks(&p[GEOMETRY..self.numbers()])

@@ -2,10 +2,7 @@
 
 mod beam;
 mod beam_gravity;
-mod beam_matrix;
-mod beam_products;
 mod cable;
-mod cable_derivatives;
 mod cable_gravity;
 mod cable_inertia;
 mod cable_section;
@@ -27,6 +24,6 @@ pub use section::{Material, Section};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;
-use super::erased::compiled_here;
+use super::dyn_layer::instantiate_here;
 
-compiled_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, SmallStrainCable);
+instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, SmallStrainCable);

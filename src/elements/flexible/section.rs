@@ -128,7 +128,8 @@ impl<S: Scalar> Shape<S> {
 
 /// Torsion constant of a rectangle: a b^3 / 3 (1 - 192 b / (pi^5 a) sum tanh(n pi a / (2 b)) / n^5), n odd, b the shorter side.
 fn rectangle_torsion<S: Scalar>(width: S, height: S) -> S {
-    let (long, short) = if width.value() >= height.value() { (width, height) } else { (height, width) };
+    let taller = width.less(height);
+    let (long, short) = (taller.select(height, width), taller.select(width, height));
     let ratio = long / short;
     // the sum with tanh = 1, which it is to the last digit after a few terms, and what these few miss
     let mut sum = S::from(31.0 / 32.0 * ZETA_OF_FIVE);

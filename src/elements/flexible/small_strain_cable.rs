@@ -1,6 +1,6 @@
 use super::cable::elastic_parameters;
 use super::hermite::{BENDING_AT_TWO, CHORD, COMPONENTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter, State};
+use crate::elements::{Field, Flexible, Interpolation, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -31,17 +31,12 @@ impl Field for SmallStrainCableField {
     const NODES: usize = NODES;
     const COMPONENTS: usize = COMPONENTS;
     const POINTS: &'static [&'static [Interpolation]] = &[&CHORD, &BENDING_AT_TWO[0], &BENDING_AT_TWO[1]];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn parameters(&self) -> Vec<Parameter> {
         elastic_parameters()
     }
     fn parameters_of(&self, _point: usize) -> Range<usize> {
         0..3
-    }
-    fn reads(&self, _point: usize, _number: usize) -> [bool; 3] {
-        [false, false, true]
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
@@ -51,22 +46,5 @@ impl Field for SmallStrainCableField {
         }
         let curvature = second_derivative(h, p[0]);
         curvature.dot(&curvature) * p[0] * p[2] * 0.25
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, point: usize, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        if point == 0 {
-            let chord = Vector3::first_three(s.q);
-            let tension = (p[0].recip() - chord.length().recip()) * p[1];
-            for i in 0..3 {
-                r[i] += chord[i] * tension;
-            }
-            return;
-        }
-        let curvature = second_derivative(s.q, p[0]);
-        for i in 0..3 {
-            let moment = curvature[i] * p[2] * 0.5;
-            r[i] += moment / p[0];
-            r[3 + i] += moment;
-        }
     }
 }

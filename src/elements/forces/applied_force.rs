@@ -1,5 +1,5 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Frame, Parameter, State, TimeFunction, load_residual};
+use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A force F = d f(t) [N] at a point of a body or at a point mass.
@@ -26,14 +26,9 @@ impl Element for AppliedForce {
         Parameter::new("point y", "m"),
         Parameter::new("point z", "m"),
     ];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.on.dofs()
-    }
-    fn is_linear(&self) -> bool {
-        matches!(self.on, Anchor::Point | Anchor::Slope) || (self.on == Anchor::Natural && self.frame == LoadFrame::World)
     }
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()
@@ -45,10 +40,6 @@ impl Element for AppliedForce {
             direction = Frame::of(self.on, q).direction(p);
         }
         self.on.add_force(q, Vector3::first_three(&p[3..]), direction * self.size.value(t, &p[6..]), force);
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        load_residual(self, s, p, t, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.size.kinks(&p[6..])

@@ -1,5 +1,5 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Frame, Parameter, State, TimeFunction, load_residual};
+use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A torque M = d f(t) [N m] on a rigid body.
@@ -19,8 +19,6 @@ impl Element for AppliedTorque {
     const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("axis x", "-"), Parameter::new("axis y", "-"), Parameter::new("axis z", "-")];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.on.dofs()
@@ -35,10 +33,6 @@ impl Element for AppliedTorque {
             LoadFrame::Body => Frame::of(self.on, q).direction(p),
         };
         self.on.add_moment(q, axis * self.size.value(t, &p[3..]), force);
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        load_residual(self, s, p, t, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.size.kinks(&p[3..])

@@ -1,7 +1,7 @@
 use super::Soft;
-use crate::elements::joints::{POINTS, PairGradient, add_relative_turn, gap};
-use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::elements::joints::{POINTS, gap};
+use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
+use crate::scalar::{Quaternion, Scalar, SpatialVector};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
 ///
@@ -28,8 +28,6 @@ struct Displacement {
 impl Constraint for Displacement {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.ends.iter().map(|end| end.dofs()).sum()
@@ -58,28 +56,11 @@ impl Constraint for Displacement {
             g[3 + i] = (fa[k].dot(&fb[j]) - fa[j].dot(&fb[k])) * S::from(0.5);
         }
     }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new(self.ends, q);
-        let [own_a, own_b] = [6, 10].map(|first| Quaternion::from_slice(&p[first..]));
-        let (force, moment) = (Vector3::first_three(mu), Vector3::first_three(&mu[3..]));
-        towards.add_component(p, own_a.rotate(force));
-        if self.ends == [Anchor::Body; 2] {
-            add_relative_turn([&q[3..], &q[10..]], [own_a, own_b.conjugate()], moment, r);
-        } else {
-            let (of_a, half) = (own_a.columns(), S::from(0.5));
-            for (j, axis) in own_b.columns().into_iter().enumerate() {
-                let (i, k) = ((j + 2) % 3, (j + 1) % 3);
-                towards.add_product((of_a[k] * moment[i] - of_a[i] * moment[k]) * half, axis);
-            }
-        }
-        towards.write(q, r);
-    }
 }
 
 impl Bushing {
-    fn displacement(&self) -> Displacement {
-        Displacement { ends: [self.a, self.b] }
+    fn soft(&self) -> Soft<Displacement> {
+        Soft(Displacement { ends: [self.a, self.b] })
     }
 }
 
@@ -99,24 +80,23 @@ impl Element for Bushing {
         Parameter::non_negative("damping about y", "N m s/rad"),
         Parameter::non_negative("damping about z", "N m s/rad"),
     ];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
-        Self::PARAMETERS.iter().cloned().chain(self.displacement().parameters()).collect()
+        Self::PARAMETERS.iter().cloned().chain(self.soft().0.parameters()).collect()
     }
-    #[inline(always)]
-    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        Soft(self.displacement()).potential(q, p)
+    fn strain_count(&self) -> usize {
+        self.soft().strain_count()
     }
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        Soft(self.displacement()).add_force(v, q, p, t, force);
+    fn strains<S: Scalar>(&self, q: &[S], p: &[S], t: S, e: &mut [S]) {
+        self.soft().strains(q, p, t, e);
     }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        Soft(self.displacement()).residual(s, p, t, r);
+    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        self.soft().stored(e, p)
+    }
+    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], t: S, s: &mut [S]) {
+        self.soft().damping(e, rate, p, t, s);
     }
 }

@@ -1,4 +1,4 @@
-use crate::elements::{Element, Parameter, State};
+use crate::elements::{Element, Parameter};
 use crate::scalar::Scalar;
 
 /// A spring and damper on one coordinate of a node: F = k (q - q0) + c dq/dt.
@@ -22,14 +22,9 @@ impl Element for CoordinateSpringDamper {
         Parameter::non_negative("damping", "N s/m, N m s/rad"),
         Parameter::new("rest", "m, rad"),
     ];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.of
-    }
-    fn is_linear(&self) -> bool {
-        true
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
@@ -38,9 +33,5 @@ impl Element for CoordinateSpringDamper {
     }
     fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S], _t: S, force: &mut [S]) {
         force[self.index] -= p[1] * v[self.index];
-    }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        r[self.index] += p[0] * (s.q[self.index] - p[2]) + p[1] * s.v[self.index];
     }
 }

@@ -22,24 +22,13 @@ impl Element for Gravity {
         Parameter::new("centre y", "m"),
         Parameter::new("centre z", "m"),
     ];
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.on.dofs()
-    }
-    // the place of a point in a body is quadratic in Euler parameters
-    fn is_linear(&self) -> bool {
-        true
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let position = self.on.position(q, Vector3::first_three(&p[4..]));
         -(position.dot(&Vector3::first_three(&p[1..])) * p[0])
-    }
-    // written out because every body in every scene pays for it; the contract test holds it against the potential
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: crate::elements::State<S>, p: &[S], _t: S, r: &mut [S]) {
-        self.on.add_force(s.q, Vector3::first_three(&p[4..]), Vector3::first_three(&p[1..]) * -p[0], r);
     }
 }

@@ -25,9 +25,9 @@ pub use torsion_spring_damper::TorsionSpringDamper;
 pub use vector_damper::VectorDamper;
 
 use super::AnyElement;
-use super::erased::compiled_here;
+use super::dyn_layer::instantiate_here;
 
-compiled_here!(dyn AnyElement: AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, TorsionSpringDamper, VectorDamper);
+instantiate_here!(dyn AnyElement: AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, TorsionSpringDamper, VectorDamper);
 
 /// The frame in which a load keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

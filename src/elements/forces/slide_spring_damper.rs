@@ -1,7 +1,7 @@
 use super::Soft;
-use crate::elements::joints::{POINTS, PairGradient, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Element, Frame, Parameter, State};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::elements::joints::{POINTS, components, gap, vectors};
+use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
+use crate::scalar::Scalar;
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt [N], s = n_a . (x_b - x_a).
 ///
@@ -26,8 +26,6 @@ struct Slide {
 impl Constraint for Slide {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -40,12 +38,6 @@ impl Constraint for Slide {
         components(&Frame::of(self.a, q), &p[7..], gap([self.a, self.b], q, &p[1..]), g);
         g[0] -= p[0];
     }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(&p[1..], Vector3::first_three(&p[7..]) * mu[0]);
-        towards.write(q, r);
-    }
 }
 
 impl SlideSpringDamper {
@@ -56,8 +48,6 @@ impl SlideSpringDamper {
 
 impl Element for SlideSpringDamper {
     const DOFS: usize = 24;
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.soft().dofs()
@@ -66,15 +56,16 @@ impl Element for SlideSpringDamper {
         let own = [Parameter::non_negative("stiffness", "N/m"), Parameter::non_negative("damping", "N s/m")];
         own.into_iter().chain(self.soft().0.parameters()).collect()
     }
-    #[inline(always)]
-    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
-        self.soft().potential(q, p)
+    fn strain_count(&self) -> usize {
+        self.soft().strain_count()
     }
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
-        self.soft().add_force(v, q, p, t, force);
+    fn strains<S: Scalar>(&self, q: &[S], p: &[S], t: S, e: &mut [S]) {
+        self.soft().strains(q, p, t, e);
     }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        self.soft().residual(s, p, t, r);
+    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        self.soft().stored(e, p)
+    }
+    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], t: S, s: &mut [S]) {
+        self.soft().damping(e, rate, p, t, s);
     }
 }

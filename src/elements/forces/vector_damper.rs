@@ -1,6 +1,6 @@
-use super::line_damper::{DAMPER_PARAMETERS, add_damping};
-use crate::elements::{Anchor, Element, Parameter, State};
-use crate::scalar::Scalar;
+use super::line_damper::{DAMPER_PARAMETERS, between};
+use crate::elements::{Anchor, Element, Parameter};
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) [N].
 ///
@@ -18,21 +18,19 @@ pub struct VectorDamper {
 impl Element for VectorDamper {
     const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
-    const ENERGIES: bool = true;
-    const CONSTANT_MASS: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
-    fn is_linear(&self) -> bool {
-        [self.a, self.b].iter().all(|end| *end != Anchor::Body)
+    fn strain_count(&self) -> usize {
+        3
     }
-    #[inline(always)]
-    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, force: &mut [S]) {
-        add_damping([self.a, self.b], v, q, p, force, |_, velocity| velocity);
+    fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
+        e.copy_from_slice(&between([self.a, self.b], q, p).components());
     }
-    #[inline(always)]
-    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        add_damping([self.a, self.b], s.v, s.q, p, r, |_, velocity| -velocity);
+    fn damping<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
+        for (s, &rate) in s.iter_mut().zip(rate) {
+            *s = p[0] * rate;
+        }
     }
 }

@@ -1,6 +1,6 @@
-use super::{ANGLE, PairGradient, angle_between};
+use super::{ANGLE, angle_between};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::Scalar;
 
 /// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 [rad].
 ///
@@ -21,9 +21,7 @@ pub struct AngleCoordinate {
 impl Constraint for AngleCoordinate {
     const DOFS: usize = 25;
     const EQUATIONS: usize = 1;
-    const REACTION: bool = true;
     const PARAMETERS: &'static [Parameter] = &ANGLE;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs() + 1
@@ -31,12 +29,5 @@ impl Constraint for AngleCoordinate {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g[0] = angle_between([self.a, self.b], q, p, q[self.a.dofs() + self.b.dofs()]);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_angle([p, &p[3..], &p[6..]].map(Vector3::first_three), mu[0]);
-        towards.write(q, r);
-        r[self.a.dofs() + self.b.dofs()] -= mu[0];
     }
 }

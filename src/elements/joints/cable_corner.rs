@@ -16,8 +16,6 @@ impl Constraint for CableCorner {
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("angle", "rad")];
     const DOFS: usize = 12;
     const EQUATIONS: usize = 4;
-    const STEADY: bool = true;
-    const REACTION: bool = true;
 
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
@@ -26,22 +24,5 @@ impl Constraint for CableCorner {
         let [slope_a, slope_b] = [a, b].map(|node| Vector3::first_three(&node[3..]).unit());
         let (sine, cosine) = p[0].sin_cos();
         g[3] = (cosine - slope_a.dot(&slope_b)) / sine;
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let n = Anchor::Slope.dofs();
-        let slopes = [3, n + 3].map(|first| Vector3::first_three(&q[first..]));
-        let inverses = slopes.map(|slope| slope.length().recip());
-        let units = [slopes[0] * inverses[0], slopes[1] * inverses[1]];
-        let cosine = units[0].dot(&units[1]);
-        let moment = mu[3] / p[0].sin();
-        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            // d(a . b)/dr_x for unit vectors a, b along the slopes
-            let turning = (units[1 - k] - units[k] * cosine) * (-(moment * inverses[k]));
-            for i in 0..3 {
-                r[n * k + i] += mu[i] * sign;
-                r[n * k + 3 + i] += turning[i];
-            }
-        }
     }
 }

@@ -1,4 +1,4 @@
-use super::{PairGradient, combination, components, vectors};
+use super::{components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -32,8 +32,6 @@ pub struct CableEnd {
 impl Constraint for CableEnd {
     const DOFS: usize = 18;
     const EQUATIONS: usize = 6;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + Anchor::Slope.dofs()
@@ -63,23 +61,6 @@ impl Constraint for CableEnd {
             g[3..].copy_from_slice(&(frame.seen(slope) - Vector3::first_three(&p[3..])).components());
         } else {
             components(&frame, &p[3..], slope, &mut g[3..]);
-        }
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, Anchor::Slope], q);
-        let (zero, end) = (S::zero(), self.a.dofs() + 3);
-        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vector3::first_three(mu));
-        let along = match self.held {
-            HeldSlope::Direction => combination(&p[3..], &mu[3..]),
-            HeldSlope::Vector => Vector3::first_three(&mu[3..]),
-            HeldSlope::Plane => Vector3::first_three(&p[3..]) * mu[3],
-        };
-        towards.add_direction_of_a(along, Vector3::first_three(&q[end..]));
-        let force = towards.of_a(along);
-        towards.write(q, r);
-        for i in 0..3 {
-            r[end + i] += force[i];
         }
     }
 }

@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, combination, components, vectors};
+use super::{POINTS, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::Scalar;
 
 /// A slider that may turn: the point of b stays on an axis of a [m], and the axis of b parallel to it [-].
 ///
@@ -19,8 +19,6 @@ pub struct CylindricalJoint {
 impl Constraint for CylindricalJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -33,13 +31,5 @@ impl Constraint for CylindricalJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
         components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..]);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        let (normal, normal_to_axis) = (combination(&p[6..], mu), combination(&p[6..], &mu[2..]));
-        towards.add_component(p, normal);
-        towards.add_product(normal_to_axis, Vector3::first_three(&p[12..]));
-        towards.write(q, r);
     }
 }

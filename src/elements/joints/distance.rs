@@ -1,4 +1,4 @@
-use super::{POINTS, add_pair, gap};
+use super::{POINTS, gap};
 use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::Scalar;
 
@@ -18,8 +18,6 @@ pub struct DistanceJoint {
 impl Constraint for DistanceJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -31,10 +29,5 @@ impl Constraint for DistanceJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let between = gap([self.a, self.b], q, p);
         g[0] = (between.dot(&between) - p[6] * p[6]) / (p[6] * 2.0);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let ends = [self.a, self.b];
-        add_pair(ends, q, p, gap(ends, q, p) * (mu[0] / p[6]), r);
     }
 }

@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, RELATIVE_ROTATION, gap, remaining_rotation};
+use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, SpatialVector};
 
 /// Two bodies welded together: points held together [m], and twice the vector part of the remaining rotation is zero [rad].
 ///
@@ -18,8 +18,6 @@ pub struct FixedJoint {
 impl Constraint for FixedJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -31,12 +29,5 @@ impl Constraint for FixedJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g[..3].copy_from_slice(&gap([self.a, self.b], q, p).components());
         g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[6..]).components());
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_gap(p, Vector3::first_three(mu));
-        towards.add_remaining_rotation(&p[6..], Vector3::first_three(&mu[3..]), q, r);
-        towards.write(q, r);
     }
 }

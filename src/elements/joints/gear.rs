@@ -19,8 +19,6 @@ impl Constraint for GearJoint {
         Parameter::non_zero("pitch radius 2", "m"),
         Parameter::new("offset", "m"),
     ];
-    const SEPARABLE: bool = true;
-    const STEADY: bool = true;
 
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

@@ -1,4 +1,4 @@
-use super::{POINTS, PairGradient, angle_beyond, combination, components, vectors};
+use super::{POINTS, angle_beyond, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
@@ -23,8 +23,6 @@ pub struct HelicalJoint {
 impl Constraint for HelicalJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -43,16 +41,5 @@ impl Constraint for HelicalJoint {
         components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..4]);
         let turn = a.seen(between).dot(&axis_of_a) * TAU / pitch;
         g[4] = angle_beyond([&a, &b], [&axis_of_a.components(), &p[6..], &p[15..]], turn) * pitch / TAU;
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        let (u, w, pitch) = (Vector3::first_three(&p[6..]), Vector3::first_three(&p[9..]), p[18]);
-        let axis = u.cross(&w);
-        // the part of the turn belongs to the component along the axis
-        towards.add_component(p, combination(&p[6..], mu) - axis * mu[4]);
-        towards.add_product(combination(&p[6..], &mu[2..]), Vector3::first_three(&p[12..]));
-        towards.add_angle([axis, u, Vector3::first_three(&p[15..])], mu[4] * pitch / TAU);
-        towards.write(q, r);
     }
 }

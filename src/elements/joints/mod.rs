@@ -1,4 +1,4 @@
-//! Joints and motion drivers: each file holds g(q, p, t) and, of those that many scenes have, the reaction A^T mu.
+//! Joints and motion drivers: each file holds g(q, p, t).
 
 mod angle_coordinate;
 mod cable_corner;
@@ -8,7 +8,6 @@ mod distance;
 mod fixed;
 mod gear;
 mod helical;
-mod pair_gradient;
 mod planar;
 mod point_in_plane;
 mod point_on_line;
@@ -43,14 +42,12 @@ pub use rolling::{DiscOnPlane, RollingDisc, RollingSphere};
 pub use spherical::SphericalJoint;
 pub use universal::UniversalJoint;
 
-pub(crate) use pair_gradient::{PairGradient, add_relative_turn};
-
-use super::erased::compiled_here;
+use super::dyn_layer::instantiate_here;
 use super::{Anchor, AnyConstraint, Frame, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
-compiled_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
+instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
 pub(crate) const POINTS: [Parameter; 6] = [
@@ -91,21 +88,6 @@ pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vector3<S
     b.position(qb, Vector3::first_three(&p[3..])) - a.position(qa, Vector3::first_three(p))
 }
 
-/// The gradient of force . (x_b - x_a): the force at b, its opposite at a.
-#[inline(always)]
-fn add_pair<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S], force: Vector3<S>, r: &mut [S]) {
-    let (qa, qb) = q.split_at(a.dofs());
-    let (ra, rb) = r.split_at_mut(a.dofs());
-    a.add_force(qa, Vector3::first_three(p), -force, ra);
-    b.add_force(qb, Vector3::first_three(&p[3..]), force, rb);
-}
-
-/// v_1 c_1 + v_2 c_2 for two vectors, one after the other.
-#[inline(always)]
-fn combination<S: Scalar>(vectors: &[S], coefficients: &[S]) -> Vector3<S> {
-    Vector3::first_three(vectors) * coefficients[0] + Vector3::first_three(&vectors[3..]) * coefficients[1]
-}
-
 /// Components of a world vector along vectors of body a, which `vectors` gives in its frame, one after the other.
 #[inline(always)]
 pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vector3<S>, g: &mut [S]) {
@@ -137,7 +119,8 @@ fn angle_beyond<S: Scalar>([a, b]: [&Frame<S>; 2], [axis, from, to]: [&[S]; 3], 
     let (axis, from) = (Vector3::first_three(axis), Vector3::first_three(from));
     let seen_from_a = a.seen(b.direction(to));
     let beyond = axis.cross(&from).dot(&seen_from_a).atan2(from.dot(&seen_from_a)) - turn;
-    beyond - (beyond.value() / TAU).round() * TAU
+    // whole turns, to the nearest
+    beyond - (beyond / TAU + 0.5).floor() * TAU
 }
 
 /// The same between two bodies with the parameters [`ANGLE`].

@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, combination, components, vectors};
+use super::{POINTS, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::Scalar;
 
 /// Two faces that slide on each other: the points stay at one height [m] and the normals parallel [-].
 ///
@@ -19,8 +19,6 @@ pub struct PlanarJoint {
 impl Constraint for PlanarJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 3;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -34,13 +32,5 @@ impl Constraint for PlanarJoint {
         let normal = b.direction(&p[12..]);
         g[0] = normal.dot(&(b.point(&p[3..]) - a.point(p)));
         components(&a, &p[6..12], normal, &mut g[1..]);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        let normal = Vector3::first_three(&p[12..]);
-        towards.add_component_of_b(p, normal * mu[0]);
-        towards.add_product(combination(&p[6..], &mu[1..]), normal);
-        towards.write(q, r);
     }
 }

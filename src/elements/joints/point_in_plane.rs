@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, components, gap, vectors};
+use super::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::Scalar;
 
 /// A point of b in a plane of a: g = n_a . (x_b - x_a) [m]. The multiplier is minus the force on b along the normal [N].
 ///
@@ -16,8 +16,6 @@ pub struct PointInPlane {
 impl Constraint for PointInPlane {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -29,11 +27,5 @@ impl Constraint for PointInPlane {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let ends = [self.a, self.b];
         components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(p, Vector3::first_three(&p[6..]) * mu[0]);
-        towards.write(q, r);
     }
 }

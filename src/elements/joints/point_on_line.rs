@@ -1,4 +1,4 @@
-use super::{POINTS, PairGradient, combination, components, gap, vectors};
+use super::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
@@ -16,8 +16,6 @@ pub struct PointOnLine {
 impl Constraint for PointOnLine {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 2;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -29,11 +27,5 @@ impl Constraint for PointOnLine {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let ends = [self.a, self.b];
         components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(p, combination(&p[6..], mu));
-        towards.write(q, r);
     }
 }

@@ -1,6 +1,6 @@
-use super::{ANGLE, PairGradient, angle_between};
+use super::{ANGLE, angle_between};
 use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::Scalar;
 
 /// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 [rad].
 ///
@@ -22,7 +22,6 @@ pub struct PrescribedRotation {
 impl Constraint for PrescribedRotation {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
-    const REACTION: bool = true;
     const PARAMETERS: &'static [Parameter] = &ANGLE;
 
     fn dofs(&self) -> usize {
@@ -34,12 +33,6 @@ impl Constraint for PrescribedRotation {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         g[0] = angle_between([self.a, self.b], q, p, self.angle.value(t, &p[9..]));
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_angle([p, &p[3..], &p[6..]].map(Vector3::first_three), mu[0]);
-        towards.write(q, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.angle.kinks(&p[9..])

@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, gap, vectors};
+use super::{POINTS, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter, TimeFunction};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::Scalar;
 
 /// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 [m].
 ///
@@ -21,7 +21,6 @@ pub struct PrescribedTranslation {
 impl Constraint for PrescribedTranslation {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
-    const REACTION: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -33,12 +32,6 @@ impl Constraint for PrescribedTranslation {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         let axis = Frame::of(self.a, q).direction(&p[6..]);
         g[0] = axis.dot(&gap([self.a, self.b], q, p)) - self.displacement.value(t, &p[9..]);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(p, Vector3::first_three(&p[6..]) * mu[0]);
-        towards.write(q, r);
     }
     fn kinks(&self, p: &[f64]) -> Vec<f64> {
         self.displacement.kinks(&p[9..])

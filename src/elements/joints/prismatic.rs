@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, RELATIVE_ROTATION, combination, components, remaining_rotation, vectors};
+use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A slider without rotation: the point of b stays on a line of a [m], and twice the vector part of the remaining rotation is
 /// zero [rad].
@@ -20,8 +20,6 @@ pub struct PrismaticJoint {
 impl Constraint for PrismaticJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -34,12 +32,5 @@ impl Constraint for PrismaticJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
         g[2..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[12..]).components());
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_component(p, combination(&p[6..], mu));
-        towards.add_remaining_rotation(&p[12..], Vector3::first_three(&mu[2..]), q, r);
-        towards.write(q, r);
     }
 }

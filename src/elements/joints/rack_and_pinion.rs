@@ -23,7 +23,6 @@ pub struct RackAndPinion {
 impl Constraint for RackAndPinion {
     const DOFS: usize = 36;
     const EQUATIONS: usize = 1;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.nodes.iter().map(|node| node.dofs()).sum()

@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, combination, vectors};
+use super::{POINTS, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A hinge between two bodies: points held together [m] and the axis of b at right angles to two vectors of a [-].
 ///
@@ -19,8 +19,6 @@ pub struct RevoluteJoint {
 impl Constraint for RevoluteJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -35,12 +33,5 @@ impl Constraint for RevoluteJoint {
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         g[3] = a.direction(&p[6..]).dot(&axis);
         g[4] = a.direction(&p[9..]).dot(&axis);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_gap(p, Vector3::first_three(mu));
-        towards.add_product(combination(&p[6..], &mu[3..]), Vector3::first_three(&p[12..]));
-        towards.write(q, r);
     }
 }

@@ -1,4 +1,4 @@
-use super::{PairGradient, RELATIVE_ROTATION, remaining_rotation};
+use super::{RELATIVE_ROTATION, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -19,10 +19,8 @@ pub struct RigidLink {
 impl Constraint for RigidLink {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
-    const REACTION: bool = true;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("offset x", "m"), Parameter::new("offset y", "m"), Parameter::new("offset z", "m")];
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -41,15 +39,5 @@ impl Constraint for RigidLink {
         if self.b.has_axes() {
             g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).components());
         }
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        let zero = S::zero();
-        towards.add_gap(&[p[0], p[1], p[2], zero, zero, zero], Vector3::first_three(mu));
-        if self.b.has_axes() {
-            towards.add_remaining_rotation(&p[3..], Vector3::first_three(&mu[3..]), q, r);
-        }
-        towards.write(q, r);
     }
 }

@@ -1,6 +1,6 @@
-use super::{POINTS, PairGradient, components, vectors};
+use super::{POINTS, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A universal (Cardan, Hooke) joint: points held together [m] and the two pins of the cross at right angles [-].
 ///
@@ -19,8 +19,6 @@ pub struct UniversalJoint {
 impl Constraint for UniversalJoint {
     const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
-    const REACTION: bool = true;
-    const STEADY: bool = true;
 
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
@@ -33,12 +31,5 @@ impl Constraint for UniversalJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         components(&a, &p[6..9], b.direction(&p[9..]), &mut g[3..]);
-    }
-    #[inline(always)]
-    fn reaction<S: Scalar>(&self, q: &[S], mu: &[S], p: &[S], _t: S, r: &mut [S]) {
-        let mut towards = PairGradient::new([self.a, self.b], q);
-        towards.add_gap(p, Vector3::first_three(mu));
-        towards.add_product(Vector3::first_three(&p[6..]) * mu[3], Vector3::first_three(&p[9..]));
-        towards.write(q, r);
     }
 }

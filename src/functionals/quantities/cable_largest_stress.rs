@@ -34,9 +34,6 @@ impl Quantity for CableLargestStress {
     fn dofs(&self) -> usize {
         (self.elements + 1) * COMPONENTS
     }
-    fn reads(&self) -> [bool; 3] {
-        [false, false, true]
-    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let mut stresses: SmallVec<[S; 16]> = SmallVec::new();
         for q in s.q.windows(NODES * COMPONENTS).step_by(COMPONENTS) {
@@ -45,7 +42,7 @@ impl Quantity for CableLargestStress {
                 stresses.extend([strain, -strain].map(|strain| p[1] * (strain + p[2] * curvature)));
             }
         }
-        let largest = stresses.iter().fold(f64::NEG_INFINITY, |largest, stress| largest.max(stress.value()));
+        let largest = stresses.iter().skip(1).fold(stresses[0], |largest, &stress| largest.max(stress));
         let sum = stresses.iter().fold(S::zero(), |sum, &stress| sum + ((stress - largest) * self.sharpness).exp());
         sum.ln() / self.sharpness + largest
     }

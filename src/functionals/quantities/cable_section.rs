@@ -44,9 +44,6 @@ impl Quantity for CableQuantity {
     fn dofs(&self) -> usize {
         self.places.len() * NODES * COMPONENTS
     }
-    fn reads(&self) -> [bool; 3] {
-        [false, false, true]
-    }
     fn parameters(&self) -> Vec<Parameter> {
         let length = |element: usize| Parameter::named(format!("element {element}, length"), "m");
         let mut list: Vec<Parameter> = (1..=self.places.len()).map(length).collect();

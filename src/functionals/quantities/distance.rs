@@ -19,9 +19,6 @@ impl Quantity for Distance {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
-    fn reads(&self) -> [bool; 3] {
-        [false, false, true]
-    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         gap([self.a, self.b], s.q, p).length()
     }

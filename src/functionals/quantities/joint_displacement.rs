@@ -1,8 +1,7 @@
 use crate::elements::joints::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Frame, Parameter, State};
 use crate::functionals::Quantity;
-use crate::scalar::{Dual, Scalar};
-use smallvec::SmallVec;
+use crate::scalar::Scalar;
 
 /// Displacement of a point of b along an axis of body a: s = n_a . (x_b - x_a) [m].
 ///
@@ -44,11 +43,13 @@ impl Quantity for JointSpeed {
     fn parameters(&self) -> Vec<Parameter> {
         JointDisplacement { a: self.a, b: self.b }.parameters()
     }
-    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
-        // one dual direction along the motion
-        let q: SmallVec<[Dual<S, 1>; 24]> = s.q.iter().zip(s.v).map(|(&re, &v)| Dual { re, eps: [v] }).collect();
-        let p: SmallVec<[Dual<S, 1>; 9]> = p.iter().map(|&p| Dual::constant(p)).collect();
-        let along = State { a: &[], v: &[], q: &q };
-        JointDisplacement { a: self.a, b: self.b }.value(along, &[], &p, Dual::constant(t)).eps[0]
+    fn rated_count(&self) -> usize {
+        1
+    }
+    fn rated<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
+        components(&Frame::of(self.a, q), &p[6..], gap([self.a, self.b], q, p), e);
+    }
+    fn value_with_rates<S: Scalar>(&self, _e: &[S], rate: &[S], _p: &[S]) -> S {
+        rate[0]
     }
 }

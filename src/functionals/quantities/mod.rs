@@ -31,9 +31,9 @@ pub use target_distance::TargetDistance;
 pub use velocity::Velocity;
 
 use super::AnyQuantity;
-use crate::elements::{Parameter, compiled_here};
+use crate::elements::{Parameter, instantiate_here};
 
-compiled_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
+instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

@@ -1,9 +1,8 @@
 use crate::elements::flexible::shape::{AT_TYING_POINTS, NODES, TWO};
 use crate::elements::flexible::{BeamField, STRAINS, TYING_POINTS};
-use crate::elements::{Field, Interpolation, Parameter, State};
+use crate::elements::{Field, Interpolation, Parameter};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
-use smallvec::SmallVec;
 
 /// What is read in a section of a beam; components are counted as 0, 1, 2 for axial, 2, 3 and 3, 4, 5 for torsion, bending about 2, 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,22 +33,6 @@ impl SectionQuantity {
     fn parameters_of_an_element(&self) -> usize {
         TYING_POINTS * self.beam.tying_parameters()
     }
-
-    /// The components at a tying point of an element.
-    fn at<S: Scalar>(&self, rows: &[Interpolation], v: &[S], q: &[S], p: &[S]) -> [S; STRAINS] {
-        let interpolated = |x: &[S]| -> SmallVec<[S; 11]> {
-            let sum = |row: &Interpolation| {
-                let terms = row.weights.iter().enumerate();
-                terms.fold(S::zero(), |sum, (node, &weight)| sum + x[node * BeamField::COMPONENTS + row.component] * weight)
-            };
-            rows.iter().map(sum).collect()
-        };
-        let (v, h) = (interpolated(v), interpolated(q));
-        match self.measure {
-            SectionMeasure::Force(_) => self.beam.section_forces(&v, &h, p),
-            SectionMeasure::Strain(_) | SectionMeasure::FibreStress => self.beam.strains(&h, p),
-        }
-    }
 }
 
 impl Quantity for SectionQuantity {
@@ -69,17 +52,38 @@ impl Quantity for SectionQuantity {
         }
         list
     }
-    fn reads(&self) -> [bool; 3] {
-        [false, self.beam.damped && matches!(self.measure, SectionMeasure::Force(_)), true]
+    fn rated_count(&self) -> usize {
+        self.places.len() * TYING_POINTS * STRAINS
     }
-    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
+    /// The strains at the tying points of all elements.
+    fn rated<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         let (dofs, own) = (NODES * BeamField::COMPONENTS, self.parameters_of_an_element());
+        for (place, e) in e.chunks_exact_mut(STRAINS).enumerate() {
+            let (element, point) = (place / TYING_POINTS, place % TYING_POINTS);
+            let q = &q[element * dofs..];
+            let number = |row: &Interpolation| {
+                let terms = row.weights.iter().enumerate();
+                terms.fold(S::zero(), |sum, (node, &weight)| sum + q[node * BeamField::COMPONENTS + row.component] * weight)
+            };
+            let h: Vec<S> = AT_TYING_POINTS[point].iter().map(number).collect();
+            e.copy_from_slice(&BeamField::strains(&h, &p[element * own + point * own / TYING_POINTS..]));
+        }
+    }
+    fn value_with_rates<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S]) -> S {
+        let own = self.parameters_of_an_element();
         let fibre = &p[self.places.len() * own..];
         let mut sum = S::zero();
         for (element, &xi) in self.places.iter().enumerate() {
-            let (v, q, p) = (&s.v[element * dofs..][..dofs], &s.q[element * dofs..][..dofs], &p[element * own..][..own]);
-            let [first, second]: [[S; STRAINS]; TYING_POINTS] =
-                std::array::from_fn(|point| self.at(&AT_TYING_POINTS[point], v, q, &p[point * own / TYING_POINTS..]));
+            let [first, second]: [[S; STRAINS]; TYING_POINTS] = std::array::from_fn(|point| {
+                let place = (element * TYING_POINTS + point) * STRAINS;
+                let [strain, rate] = [e, rate].map(|all| std::array::from_fn(|i| all[place + i]));
+                match self.measure {
+                    SectionMeasure::Force(_) => {
+                        self.beam.section_forces(strain, rate, &p[element * own + point * own / TYING_POINTS..])
+                    }
+                    SectionMeasure::Strain(_) | SectionMeasure::FibreStress => strain,
+                }
+            });
             let share = (xi - TWO[0]) / (TWO[1] - TWO[0]);
             let component = |i: usize| first[i] * (1.0 - share) + second[i] * share;
             sum += match self.measure {

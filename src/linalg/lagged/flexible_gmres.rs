@@ -1,4 +1,4 @@
-use crate::linalg::multifrontal::wide::{Job, widest};
+use crate::linalg::simd::{Kernel, dispatch};
 
 /// Backward error up to which a solution is as good as one of a fresh factorization that was refined once.
 pub const BACKWARD_ERROR: f64 = 1e-15;
@@ -252,18 +252,18 @@ impl FlexibleGmres {
 
 /// Inner product, in lanes.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    widest(Dot(a, b))
+    dispatch(Dot(a, b))
 }
 
 /// Adds a multiple of a vector to another one.
 fn add_multiple(factor: f64, vector: &[f64], to: &mut [f64]) {
-    widest(AddMultiple(factor, vector, to));
+    dispatch(AddMultiple(factor, vector, to));
 }
 
 // products and sums stay apart, so that every processor gives the same bits
 struct Dot<'d>(&'d [f64], &'d [f64]);
 
-impl Job for Dot<'_> {
+impl Kernel for Dot<'_> {
     type Output = f64;
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> f64 {
@@ -279,7 +279,7 @@ impl Job for Dot<'_> {
 
 struct AddMultiple<'d>(f64, &'d [f64], &'d mut [f64]);
 
-impl Job for AddMultiple<'_> {
+impl Kernel for AddMultiple<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {

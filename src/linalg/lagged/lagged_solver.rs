@@ -1,7 +1,7 @@
 use super::flexible_gmres::{FlexibleGmres, Progress};
 use super::system_matrix::{Products, SystemMatrix};
-use crate::assembly::SparsePattern;
 use crate::linalg::LinearSolver;
+use crate::linalg::SparsePattern;
 use crate::linalg::multifrontal::Side;
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use crate::linalg::multifrontal::Side;
-use crate::linalg::multifrontal::wide::{Job, widest};
+use crate::linalg::simd::{Kernel, dispatch};
 use std::ops::Range;
 
 /// A, or A^T, by the values of A in the order of its pattern.
@@ -68,7 +68,7 @@ impl Products {
             own_x.iter_mut().zip(x).for_each(|(own, x)| own[lane] = *x);
         }
         let row_sizes = &mut self.row_sizes;
-        widest(Group::<N, MAGNITUDES> { matrix, x: own_x, products, magnitudes, row_sizes });
+        dispatch(Group::<N, MAGNITUDES> { matrix, x: own_x, products, magnitudes, row_sizes });
         let results = [(&mut self.products, products), (&mut self.magnitudes, magnitudes)];
         for (all, group) in results.into_iter().take(1 + usize::from(MAGNITUDES)) {
             for (lane, to) in all[place.clone()].chunks_exact_mut(size).enumerate() {
@@ -86,7 +86,7 @@ struct Group<'g, const N: usize, const MAGNITUDES: bool> {
     row_sizes: &'g mut [f64],
 }
 
-impl<const N: usize, const MAGNITUDES: bool> Job for Group<'_, N, MAGNITUDES> {
+impl<const N: usize, const MAGNITUDES: bool> Kernel for Group<'_, N, MAGNITUDES> {
     type Output = ();
     // products and sums stay apart, so that every processor gives the same bits
     #[inline(always)]

@@ -1,6 +1,6 @@
 use super::graph::rows_of;
 use super::symbolic::Symbolic;
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 
 /// Entries of the matrix that stand as a block in a front.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,8 +5,8 @@ use super::factors::{FrontStorage, Part};
 use super::kernels::{Target, solve_unit_lower, subtract_product};
 use super::pivots::PivotBlock;
 use super::symbolic::{Run, Symbolic};
-use super::wide::{Job, widest};
 use crate::linalg::Singular;
+use crate::linalg::simd::{Kernel, dispatch};
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, Par};
 
@@ -65,7 +65,7 @@ pub fn factor_front(
     let (summed, others) = (rows.len(), front.others());
     let size = summed + others;
     let blocks = &symbolic.entries[front.entries.clone()];
-    widest(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
+    dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
 
     let Workspace { runs, bounds, exchanges } = workspace;
     runs.clear();
@@ -98,7 +98,7 @@ pub fn factor_front(
     for (runs, own, later, source) in extensions() {
         let lower = Region { rows: runs, columns: own, values: lower, length: size, first: (0, 0) };
         let upper = Region { rows: own, columns: later, values: upper, length: summed, first: (0, summed) };
-        widest(Extend { source, regions: [lower, upper] });
+        dispatch(Extend { source, regions: [lower, upper] });
     }
 
     exchanges.clear();
@@ -129,7 +129,7 @@ pub fn factor_front(
     for (_, _, later, source) in extensions() {
         let first = (summed - left, summed - left);
         let region = Region { rows: later, columns: later, values: contribution, length: order, first };
-        widest(Extend { source, regions: [region] });
+        dispatch(Extend { source, regions: [region] });
     }
     if front.is_schur {
         add_kept(blocks, values, contribution, left, order);
@@ -170,7 +170,7 @@ struct AddEntries<'j> {
     size: usize,
 }
 
-impl Job for AddEntries<'_> {
+impl Kernel for AddEntries<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
@@ -232,7 +232,7 @@ struct Extend<'j, const N: usize> {
     regions: [Region<'j>; N],
 }
 
-impl<const N: usize> Job for Extend<'_, N> {
+impl<const N: usize> Kernel for Extend<'_, N> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {

@@ -1,4 +1,4 @@
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use std::collections::HashMap;
 
 /// What the order of elimination has to know of an unknown.

@@ -1,6 +1,6 @@
 //! Dense kernels of fronts: own loops while the matrices are small, faer's where they are large.
 
-use super::wide::{Job, multiply_add, widest};
+use crate::linalg::simd::{Kernel, dispatch, multiply_add};
 use faer::linalg::matmul::matmul;
 use faer::prelude::ReborrowMut;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -20,7 +20,7 @@ pub enum Target {
 /// C <- C - A B or C <- -A B; all columns contiguous.
 pub fn subtract_product(c: MatMut<'_, f64>, target: Target, a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) {
     if c.nrows() * c.ncols() * a.ncols() <= OWN_PRODUCT {
-        widest(Product { c, target, a, b });
+        dispatch(Product { c, target, a, b });
     } else {
         let accum = if target == Target::Reduced { Accum::Add } else { Accum::Replace };
         matmul(c, accum, a, b, -1.0, par);
@@ -55,7 +55,7 @@ struct Product<'j> {
     b: MatRef<'j, f64>,
 }
 
-impl Job for Product<'_> {
+impl Kernel for Product<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
@@ -156,7 +156,7 @@ pub fn solve_unit_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>, par: Par) {
         return;
     }
     if size <= TRIANGLE {
-        widest(UnitLower { l, b });
+        dispatch(UnitLower { l, b });
         return;
     }
     let half = (size / 2).next_multiple_of(TRIANGLE);
@@ -172,7 +172,7 @@ struct UnitLower<'j> {
     b: MatMut<'j, f64>,
 }
 
-impl Job for UnitLower<'_> {
+impl Kernel for UnitLower<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {

@@ -25,7 +25,6 @@ mod substitution;
 mod supernodes;
 mod symbolic;
 mod traversal;
-pub(super) mod wide;
 
 #[cfg(test)]
 pub(super) mod test_matrices;

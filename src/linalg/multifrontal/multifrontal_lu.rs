@@ -3,7 +3,7 @@ use super::graph::Role;
 use super::substitution::{Side, Substitution};
 use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use crate::linalg::{LinearSolver, Singular};
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! The elimination inside a front: blocks of columns, and a search for pivots among the rows that no later contribution changes.
 
 use super::kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
-use super::wide::{Job, widest};
+use crate::linalg::simd::{Kernel, dispatch};
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, Par};
 use std::ops::Range;
@@ -45,7 +45,7 @@ impl PivotBlock<'_> {
         let (mut done, mut end, mut done_before) = (0, count, 0);
         while done < end {
             let panel = done..(done + PANEL).min(end);
-            let found = widest(Panel { block: self, columns: panel.clone() });
+            let found = dispatch(Panel { block: self, columns: panel.clone() });
             self.subtract(done..found, panel.end..count);
             self.postpone(found..panel.end, &mut end);
             done = found;
@@ -165,7 +165,7 @@ struct Panel<'p, 'j> {
     columns: Range<usize>,
 }
 
-impl Job for Panel<'_, '_> {
+impl Kernel for Panel<'_, '_> {
     /// The end of the pivots; columns without one follow up to the end of the panel, all pivots subtracted.
     type Output = usize;
     #[inline(always)]

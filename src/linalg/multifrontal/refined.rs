@@ -1,5 +1,5 @@
 use super::substitution::Side;
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use crate::linalg::{LinearSolver, Singular};
 
 /// Backward error at which a solution is as good as the numbers that it is made of.

@@ -4,8 +4,8 @@ use super::multifrontal_lu::roles;
 use super::substitution::{Side, Substitution};
 use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
-use crate::assembly::SparsePattern;
 use crate::linalg::Singular;
+use crate::linalg::SparsePattern;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::{ColMut, Mat, MatRef};
 

@@ -3,7 +3,7 @@
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{dot, subtract_columns};
 use super::symbolic::Symbolic;
-use super::wide::{Job, multiply_add, widest};
+use crate::linalg::simd::{Kernel, dispatch, multiply_add};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve as triangular;
 use faer::prelude::ReborrowMut;
@@ -74,7 +74,7 @@ impl Substitution {
     pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { residual, solution, front } = self;
         if residual.len() == symbolic.size {
-            return widest(ForwardOne { symbolic, factors, side, fronts, residual, solution, front });
+            return dispatch(ForwardOne { symbolic, factors, side, fronts, residual, solution, front });
         }
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
@@ -114,7 +114,7 @@ impl Substitution {
     pub fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { solution, front, .. } = self;
         if solution.len() == symbolic.size {
-            return widest(BackwardOne { symbolic, factors, side, fronts, solution, front });
+            return dispatch(BackwardOne { symbolic, factors, side, fronts, solution, front });
         }
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
@@ -209,7 +209,7 @@ struct ForwardOne<'j> {
     front: &'j mut Vec<f64>,
 }
 
-impl Job for ForwardOne<'_> {
+impl Kernel for ForwardOne<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
@@ -251,7 +251,7 @@ struct BackwardOne<'j> {
     front: &'j mut Vec<f64>,
 }
 
-impl Job for BackwardOne<'_> {
+impl Kernel for BackwardOne<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {

@@ -3,7 +3,7 @@ use super::elimination_tree::EliminationTree;
 use super::entries::{EntryBlock, entry_blocks};
 use super::graph::{Graph, Role};
 use super::supernodes::{elimination_flops, factor_entries, supernodes};
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 use std::ops::Range;
 
 /// What a factorization will take, known before it is done; delayed pivots come on top.

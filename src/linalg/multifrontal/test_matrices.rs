@@ -1,6 +1,6 @@
 //! Matrices for tests, and a dense elimination to compare with.
 
-use crate::assembly::SparsePattern;
+use crate::linalg::SparsePattern;
 
 /// Numbers between -1 and 1 without a visible order.
 pub struct Noise(pub u64);

@@ -40,7 +40,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let p = [direction.components(), self.local_point(on, point).components()].concat();
         let parameters = self.model.add_parameters(p.len());
         self.numbers.p.extend(p);
-        let measured = Measured::Load { joint, parameters, load: JointLoad { kind, frame, node, on: anchor } };
+        let measured = Measured::Load { joint, parameters, load: JointLoad::new(kind, frame, node, anchor) };
         let unit = if moment { "N m" } else { "N" };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }

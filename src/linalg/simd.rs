@@ -1,40 +1,40 @@
 //! Wide vector instructions, where the processor has them.
 
-/// Work on numbers with lanes. What `run` calls gains only where it is inlined: mark it `#[inline(always)]`.
-pub trait Job {
+/// Work on lists of numbers. What `run` calls gains only where it is inlined: mark it `#[inline(always)]`.
+pub trait Kernel {
     /// Its result.
     type Output;
     /// Does the work; `FUSED`: whether a product and a sum are one instruction.
     fn run<const FUSED: bool>(self) -> Self::Output;
 }
 
-/// Runs a job, compiled for the widest vectors that this processor has.
+/// Runs a kernel, compiled for the widest vectors that this processor has.
 #[inline]
-pub fn widest<J: Job>(job: J) -> J::Output {
+pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
         if std::arch::is_x86_feature_detected!("avx512vl") {
             // SAFETY: the processor has the instructions.
-            return unsafe { with_avx512(job) };
+            return unsafe { with_avx512(kernel) };
         }
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
             // SAFETY: as above.
-            return unsafe { with_avx2(job) };
+            return unsafe { with_avx2(kernel) };
         }
     }
-    job.run::<false>()
+    kernel.run::<false>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,fma")]
-fn with_avx512<J: Job>(job: J) -> J::Output {
-    job.run::<true>()
+fn with_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<true>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn with_avx2<J: Job>(job: J) -> J::Output {
-    job.run::<true>()
+fn with_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<true>()
 }
 
 /// a b + c.

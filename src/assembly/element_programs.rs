@@ -1,0 +1,149 @@
+//! Programs of elements: residual or impulse, its matrix along reduced columns, and products with adjoint variables.
+
+use super::reduction::{Columns, NodeReduction};
+use crate::elements::ElementPhysics;
+use crate::program::{Formula, Graph, LinearForm, Node, Program};
+use std::sync::Arc;
+
+/// What an element adds to F.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Force {
+    /// R(a, v, q, p, t).
+    Residual,
+    /// w_P P + w_F F for a step of a variational integrator, with the weights among the arguments.
+    Impulse,
+}
+
+/// Arguments of an element's formulas: (a, v, q), parameters, time, and the two weights of an impulse; those of its programs follow.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ElementLayout {
+    /// Number of coordinates.
+    pub n: usize,
+    /// Number of parameters.
+    pub parameters: usize,
+    /// Whether there are weights of an impulse.
+    force: Force,
+}
+
+impl ElementLayout {
+    pub fn new(n: usize, parameters: usize, force: Force) -> Self {
+        ElementLayout { n, parameters, force }
+    }
+    /// Place of the parameters, behind (a, v, q).
+    pub fn p(&self) -> usize {
+        3 * self.n
+    }
+    pub fn t(&self) -> usize {
+        self.p() + self.parameters
+    }
+    /// Place of the two weights of an impulse.
+    pub fn weights(&self) -> usize {
+        self.t() + 1
+    }
+    /// Place of what a program adds.
+    pub fn extra(&self) -> usize {
+        self.weights() + if self.force == Force::Impulse { 2 } else { 0 }
+    }
+}
+
+impl Force {
+    /// The recorded formula.
+    pub fn formula(self, physics: &ElementPhysics) -> &Arc<Formula> {
+        match self {
+            Force::Residual => physics.residual(),
+            Force::Impulse => physics.impulse(),
+        }
+    }
+}
+
+/// gamma dR/da + beta dR/dv + alpha dR/dq along the reduced columns of the nodes, reduced by the left bases: entries that are not zero,
+/// numbered by row + column times size. Behind the formula's arguments: gamma, beta, alpha, and the numbers of the nodes' bases.
+pub(super) fn matrix(
+    formula: &Formula,
+    layout: ElementLayout,
+    nodes: &[NodeReduction],
+    stabilized: bool,
+    moves: [bool; 3],
+) -> Arc<Program> {
+    let code = nodes.iter().map(|node| node.code()).chain([u32::from(stabilized)]).chain(moves.map(u32::from));
+    let columns = Columns::count(nodes, stabilized);
+    let extra = 3 + Columns::numbers(nodes, stabilized);
+    formula.sparse_program(("matrix", code.collect()), extra, |graph, inputs, outputs| {
+        let rates = &inputs[layout.extra()..];
+        let columns_of = Columns::new(graph, nodes, stabilized, &rates[3..]);
+        let zero = graph.zero();
+        let mut block = vec![zero; columns * columns];
+        let n = layout.n;
+        let forms = graph.linear_forms(outputs, [0, n, 2 * n], n);
+        let interpolated = forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
+        let by_coordinates = interpolated.then(|| along_coordinates(graph, outputs, &forms, (n, &rates[..3], moves)));
+        for column in 0..columns {
+            let moved = match &by_coordinates {
+                Some(by_coordinates) => columns_of.combine(graph, by_coordinates, column),
+                None => {
+                    let input = |kind: usize, dof: usize| inputs[kind * n + dof];
+                    let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
+                    graph.forward(outputs, &seeds)
+                }
+            };
+            columns_of.reduce(graph, &moved, false, &mut block[column * columns..][..columns]);
+        }
+        block
+    })
+}
+
+/// The matrix column by column, from derivatives along the interpolated numbers: of these a point has fewer than the element has
+/// coordinates, and each touches that point alone.
+fn along_coordinates(
+    graph: &mut Graph,
+    outputs: &[Node],
+    forms: &[LinearForm<3>],
+    (n, rates, moves): (usize, &[Node], [bool; 3]),
+) -> Vec<Vec<Node>> {
+    let zero = graph.zero();
+    let mut columns = vec![vec![zero; n]; n];
+    for (index, form) in forms.iter().enumerate() {
+        // the others stand still, also where they are made of this one
+        let mut seeds = Vec::new();
+        for (other, own) in forms.iter().enumerate() {
+            for (kind, nodes) in own.nodes.iter().enumerate() {
+                let rate = if other == index && moves[kind] { rates[kind] } else { zero };
+                seeds.extend(nodes.iter().map(|&node| (node, rate)));
+            }
+        }
+        let moved = graph.forward(outputs, &seeds);
+        for &(dof, weight) in &form.weights {
+            for (sum, &entry) in columns[dof].iter_mut().zip(&moved) {
+                let term = graph.scaled(entry, weight);
+                *sum = graph.add(*sum, term);
+            }
+        }
+    }
+    columns
+}
+
+/// Gradient of lambda . R towards (a, v, q) and those parameters that are asked for, numbered as the arguments of the formula. Behind
+/// these: lambda.
+pub(super) fn products(formula: &Formula, layout: ElementLayout, asked: &[bool]) -> Arc<Program> {
+    let code = asked.iter().map(|&asked| u32::from(asked)).collect();
+    formula.sparse_program(("products", code), layout.n, |graph, inputs, outputs| {
+        let lambda = &inputs[layout.extra()..][..layout.n];
+        let places = (0..layout.p()).chain((layout.p()..layout.t()).filter(|place| asked[place - layout.p()]));
+        gradient(graph, (outputs, lambda), inputs, places)
+    })
+}
+
+/// The gradient of a weighted sum towards some inputs; zero towards the others before the last.
+pub(super) fn gradient(
+    graph: &mut Graph,
+    (outputs, weights): (&[Node], &[Node]),
+    inputs: &[Node],
+    places: impl Iterator<Item = usize>,
+) -> Vec<Node> {
+    let places: Vec<usize> = places.collect();
+    let towards: Vec<Node> = places.iter().map(|&place| inputs[place]).collect();
+    let gradient = graph.reverse(outputs, weights, &towards);
+    let mut all = vec![graph.zero(); places.iter().max().map_or(0, |last| last + 1)];
+    places.iter().zip(gradient).for_each(|(&place, own)| all[place] = own);
+    all
+}

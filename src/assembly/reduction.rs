@@ -1,0 +1,322 @@
+//! Reduced columns of nodes inside programs: constraints inside a node never reach the matrix.
+//!
+//! With N_L orthogonal to a node's reaction and N_R to its equations, a block gets N_L^T J N_R: J is differentiated along the columns of
+//! N_R, and its rows are combined by N_L. Bases are arguments of the programs, as the few numbers that they are made of.
+
+use crate::program::{Graph, Node};
+
+/// How the coordinates of a node follow from its unknowns in the matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum NodeReduction {
+    /// It does not move.
+    Fixed {
+        /// Number of coordinates.
+        dofs: usize,
+    },
+    /// Unknowns are the coordinates.
+    Free {
+        /// Number of coordinates.
+        dofs: usize,
+    },
+    /// Some coordinates are unknowns; behind them rigidly turning ones have three.
+    Turning {
+        /// Number of coordinates that are unknowns.
+        free: usize,
+        /// How the others turn.
+        turning: Turning,
+    },
+    /// Any bases, all of whose entries are arguments.
+    Dense {
+        /// Number of coordinates.
+        dofs: usize,
+        /// Number of unknowns; twice as many with rate corrections.
+        unknowns: usize,
+    },
+}
+
+/// Coordinates at the end of a node that turn rigidly: the directions in which the constraints let them move are known, and change
+/// smoothly with the pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Turning {
+    /// Four Euler parameters.
+    Euler,
+    /// Three axes.
+    Axes,
+}
+
+impl Turning {
+    /// Number of coordinates.
+    pub fn coordinates(self) -> usize {
+        match self {
+            Turning::Euler => 4,
+            Turning::Axes => 9,
+        }
+    }
+
+    /// Scales coordinates so that [`Turning::entry`] makes columns of unit length of them where they are a pose.
+    pub fn scale(self, turning: &mut [f64]) {
+        let square = turning.iter().fold(0.0, |sum, x| sum + x * x);
+        // of three axes of length 1 every turn moves two
+        let scale = if self == Turning::Euler { 1.0 / square.sqrt() } else { (1.5 / square).sqrt() };
+        turning.iter_mut().for_each(|x| *x *= scale);
+    }
+
+    /// Writes the basis (row-major) whose columns are `free` coordinates, then turns about three axes, from scaled coordinates.
+    pub fn write_basis(self, free: usize, scaled: &[f64], basis: &mut Vec<f64>) {
+        let columns = free + 3;
+        basis.clear();
+        basis.resize((free + scaled.len()) * columns, 0.0);
+        (0..free).for_each(|i| basis[i * columns + i] = 1.0);
+        for coordinate in 0..scaled.len() {
+            for axis in 0..3 {
+                if let Some((place, negated)) = self.entry(coordinate, axis) {
+                    basis[(free + coordinate) * columns + free + axis] =
+                        if negated { -scaled[place] } else { scaled[place] };
+                }
+            }
+        }
+    }
+
+    /// What a coordinate moves by in a turn about one of three axes: the place of one of the scaled coordinates, and whether it is negated.
+    pub fn entry(self, coordinate: usize, axis: usize) -> Option<(usize, bool)> {
+        match self {
+            Turning::Euler => {
+                const ROWS: [[(usize, bool); 3]; 4] = [
+                    [(1, true), (2, true), (3, true)],
+                    [(0, false), (3, true), (2, false)],
+                    [(3, false), (0, false), (1, true)],
+                    [(2, true), (1, false), (0, false)],
+                ];
+                Some(ROWS[coordinate][axis])
+            }
+            Turning::Axes => {
+                let (first, own) = (3 * (coordinate / 3), coordinate % 3);
+                if own == axis {
+                    return None;
+                }
+                // the cross product of the unit vector of the axis and (x, y, z)
+                let other = 3 - own - axis;
+                Some((first + other, (own + 1) % 3 != axis))
+            }
+        }
+    }
+}
+
+impl NodeReduction {
+    /// Number of coordinates.
+    pub fn dofs(self) -> usize {
+        match self {
+            NodeReduction::Fixed { dofs } | NodeReduction::Free { dofs } | NodeReduction::Dense { dofs, .. } => dofs,
+            NodeReduction::Turning { free, turning } => free + turning.coordinates(),
+        }
+    }
+
+    /// Number of unknowns, rate corrections left out.
+    pub fn unknowns(self) -> usize {
+        match self {
+            NodeReduction::Fixed { .. } => 0,
+            NodeReduction::Free { dofs } => dofs,
+            NodeReduction::Turning { free, .. } => free + 3,
+            NodeReduction::Dense { unknowns, .. } => unknowns,
+        }
+    }
+
+    /// A number for each kind.
+    pub fn code(self) -> u32 {
+        let (kind, size, more) = match self {
+            NodeReduction::Fixed { dofs } => (0, dofs, 0),
+            NodeReduction::Free { dofs } => (1, dofs, 0),
+            NodeReduction::Turning { free, turning: Turning::Euler } => (2, free, 0),
+            NodeReduction::Turning { free, turning: Turning::Axes } => (3, free, 0),
+            NodeReduction::Dense { dofs, unknowns } => (4, dofs, unknowns),
+        };
+        (kind + 8 * size + 8192 * more) as u32
+    }
+
+    /// Numbers of its bases: left, then right.
+    pub fn numbers(self, stabilized: bool) -> [usize; 2] {
+        let copies = if stabilized { 2 } else { 1 };
+        match self {
+            NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => [0; 2],
+            NodeReduction::Turning { turning, .. } => [turning.coordinates(); 2],
+            NodeReduction::Dense { dofs, unknowns } => [dofs * unknowns, copies * dofs * copies * unknowns],
+        }
+    }
+}
+
+/// The bases of a part's nodes as nodes of a recording.
+pub(super) struct Columns<'n> {
+    nodes: &'n [NodeReduction],
+    stabilized: bool,
+    /// For each node the rows of N_L, and those of N_R, x first, then y.
+    left: Vec<Vec<Vec<Node>>>,
+    right: Vec<Vec<Vec<Node>>>,
+    /// First unknown of each node.
+    first: Vec<usize>,
+}
+
+impl<'n> Columns<'n> {
+    /// Number of unknowns of some nodes together.
+    pub fn count(nodes: &[NodeReduction], stabilized: bool) -> usize {
+        nodes.iter().map(|node| node.unknowns() * if stabilized { 2 } else { 1 }).sum()
+    }
+
+    /// Numbers of their bases.
+    pub fn numbers(nodes: &[NodeReduction], stabilized: bool) -> usize {
+        nodes.iter().flat_map(|node| node.numbers(stabilized)).sum()
+    }
+
+    /// From the numbers of all bases, node after node.
+    pub fn new(graph: &mut Graph, nodes: &'n [NodeReduction], stabilized: bool, mut numbers: &[Node]) -> Self {
+        let (mut left, mut right, mut first, mut unknown) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for node in nodes {
+            let [of_left, of_right] = node.numbers(stabilized);
+            let (own_left, rest) = numbers.split_at(of_left);
+            let (own_right, rest) = rest.split_at(of_right);
+            numbers = rest;
+            let copies = if stabilized { 2 } else { 1 };
+            left.push(rows(graph, *node, own_left, 1));
+            right.push(rows(graph, *node, own_right, copies));
+            first.push(unknown);
+            unknown += copies * node.unknowns();
+        }
+        Columns { nodes, stabilized, left, right, first }
+    }
+
+    /// How the inputs move along a column: (a, v, q) by (gamma, beta, alpha) times its movement, where these are not zero.
+    pub fn seeds(
+        &self,
+        graph: &mut Graph,
+        column: usize,
+        rates: [Node; 3],
+        moves: [bool; 3],
+        input: impl Fn(usize, usize) -> Node,
+    ) -> Vec<(Node, Node)> {
+        let place = self.first.iter().rposition(|&first| first <= column).unwrap_or(0);
+        // nodes without unknowns start where the next one does
+        let own = column - self.first[place];
+        let first_dof: usize = self.nodes[..place].iter().map(|node| node.dofs()).sum();
+        let dofs = self.nodes[place].dofs();
+        let mut seeds = Vec::new();
+        for dof in 0..dofs {
+            let x = self.right[place][dof][own];
+            let both = if self.stabilized {
+                let y = self.right[place][dofs + dof][own];
+                graph.add(x, y)
+            } else {
+                x
+            };
+            for (kind, moved) in [x, x, both].into_iter().enumerate() {
+                if moves[kind] && !graph.is_zero(moved) {
+                    let moved = graph.mul(moved, rates[kind]);
+                    seeds.push((input(kind, first_dof + dof), moved));
+                }
+            }
+        }
+        seeds
+    }
+
+    /// Adds a matrix along the coordinates, column after column, times the movement of the coordinates along a reduced column.
+    pub fn combine(&self, graph: &mut Graph, columns: &[Vec<Node>], column: usize) -> Vec<Node> {
+        let place = self.first.iter().rposition(|&first| first <= column).unwrap_or(0);
+        let own = column - self.first[place];
+        let first_dof: usize = self.nodes[..place].iter().map(|node| node.dofs()).sum();
+        let mut sum = vec![graph.zero(); columns.len()];
+        for dof in 0..self.nodes[place].dofs() {
+            let moved = self.right[place][dof][own];
+            if !graph.is_zero(moved) {
+                for (sum, &entry) in sum.iter_mut().zip(&columns[first_dof + dof]) {
+                    let term = graph.mul(entry, moved);
+                    *sum = graph.add(*sum, term);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Adds N_L^T times values of all coordinates to the rows of a column; `second` selects those of Y.
+    pub fn reduce(&self, graph: &mut Graph, values: &[Node], second: bool, rows: &mut [Node]) {
+        let mut dof = 0;
+        for ((node, left), &first) in self.nodes.iter().zip(&self.left).zip(&self.first) {
+            let unknowns = node.unknowns();
+            let first = first + if second { unknowns } else { 0 };
+            for row in 0..unknowns {
+                let mut sum = rows[first + row];
+                for (weights, &value) in left.iter().zip(&values[dof..]) {
+                    let term = graph.mul(weights[row], value);
+                    sum = graph.add(sum, term);
+                }
+                rows[first + row] = sum;
+            }
+            dof += node.dofs();
+        }
+    }
+}
+
+/// Rows of one basis with `copies` sets of rows and columns.
+fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node], copies: usize) -> Vec<Vec<Node>> {
+    let (dofs, unknowns) = (copies * node.dofs(), copies * node.unknowns());
+    let (zero, one) = (graph.zero(), graph.constant(1.0));
+    let mut rows = vec![vec![zero; unknowns]; dofs];
+    match node {
+        NodeReduction::Fixed { .. } => {}
+        NodeReduction::Free { .. } => rows.iter_mut().enumerate().for_each(|(i, row)| row[i] = one),
+        NodeReduction::Turning { free, turning } => {
+            rows[..free].iter_mut().enumerate().for_each(|(i, row)| row[i] = one);
+            for (coordinate, row) in rows[free..].iter_mut().enumerate() {
+                for axis in 0..3 {
+                    if let Some((place, negated)) = turning.entry(coordinate, axis) {
+                        row[free + axis] = if negated { graph.neg(numbers[place]) } else { numbers[place] };
+                    }
+                }
+            }
+        }
+        NodeReduction::Dense { .. } => {
+            rows.iter_mut().zip(numbers.chunks_exact(unknowns)).for_each(|(row, own)| row.copy_from_slice(own));
+        }
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Turning;
+
+    /// Rows of the basis for coordinates.
+    fn rows(turning: Turning, x: &[f64]) -> Vec<[f64; 3]> {
+        let entry = |i, axis| match turning.entry(i, axis) {
+            Some((place, negated)) => {
+                if negated {
+                    -x[place]
+                } else {
+                    x[place]
+                }
+            }
+            None => 0.0,
+        };
+        (0..x.len()).map(|i| [0, 1, 2].map(|axis| entry(i, axis))).collect()
+    }
+
+    #[test]
+    fn turns_keep_the_length_of_euler_parameters_and_the_angles_between_axes() {
+        let mut e = [0.3, -0.5, 0.7, 0.2];
+        Turning::Euler.scale(&mut e);
+        let basis = rows(Turning::Euler, &e);
+        for axis in 0..3 {
+            let product: f64 = (0..4).map(|i| e[i] * basis[i][axis]).sum();
+            let length: f64 = (0..4).map(|i| basis[i][axis] * basis[i][axis]).sum();
+            assert!(product.abs() < 1e-15 && (length - 1.0).abs() < 1e-15);
+        }
+        let mut axes = [0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0];
+        Turning::Axes.scale(&mut axes);
+        let basis = rows(Turning::Axes, &axes);
+        for turn in 0..3 {
+            for (first, second) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
+                let product = |a: usize, b: usize| -> f64 { (0..3).map(|i| axes[3 * a + i] * basis[3 * b + i][turn]).sum() };
+                assert!((product(first, second) + product(second, first)).abs() < 1e-15, "{first} {second} {turn}");
+            }
+            let length: f64 = basis.iter().map(|row| row[turn] * row[turn]).sum();
+            assert!((length - 1.0).abs() < 1e-15);
+        }
+    }
+}

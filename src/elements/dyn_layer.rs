@@ -1,0 +1,545 @@
+//! Elements and constraints with their types erased: what the framework sees of them are recorded formulas.
+
+use super::lagrangian::{Energies, impulse, is_linear_in, residual};
+use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
+use crate::program::{Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
+use crate::scalar::{Complex64, Scalar, Tangents};
+use num_dual::Derivative;
+use std::cell::RefCell;
+use std::sync::{Arc, OnceLock};
+
+/// A scalar in which whole simulations run.
+pub trait RunScalar: Scalar {
+    /// Number of derivative parts.
+    const PARTS: usize;
+    /// Derivative part `index`.
+    fn part(&self, index: usize) -> f64;
+    /// Adds to derivative part `index`.
+    fn add_to_part(&mut self, index: usize, increment: f64);
+    /// Adds to the value.
+    fn add_to_value(&mut self, increment: f64);
+    /// Calls `f` with lists of this thread for arguments and results, and a program's workspace; not inside itself.
+    fn with_work<T>(f: impl FnOnce(&mut [Vec<Self>; 2], &mut ProgramWork<Self>) -> T) -> T;
+    /// Elements that a program handles side by side.
+    fn lanes() -> usize {
+        1
+    }
+    /// Executes a program for one element.
+    fn run(program: &Program, inputs: &[Self], outputs: &mut [Self], work: &mut ProgramWork<Self>) {
+        program.run_in(inputs, outputs, work);
+    }
+    /// Executes it for as many as there are lanes, whose numbers lie side by side.
+    fn run_lanes(program: &Program, inputs: &[Self], outputs: &mut [Self], work: &mut ProgramWork<Self>) {
+        Self::run(program, inputs, outputs, work);
+    }
+}
+
+/// Lists and a workspace for each thread.
+macro_rules! work_of_thread {
+    ($scalar:ty) => {
+        fn with_work<T>(f: impl FnOnce(&mut [Vec<Self>; 2], &mut ProgramWork<Self>) -> T) -> T {
+            thread_local! {
+                static WORK: RefCell<([Vec<$scalar>; 2], ProgramWork<$scalar>)> = RefCell::default();
+            }
+            WORK.with_borrow_mut(|(numbers, work)| f(numbers, work))
+        }
+    };
+}
+
+impl RunScalar for f64 {
+    work_of_thread!(f64);
+    const PARTS: usize = 0;
+    fn part(&self, _index: usize) -> f64 {
+        0.0
+    }
+    fn add_to_part(&mut self, _index: usize, _increment: f64) {}
+    fn add_to_value(&mut self, increment: f64) {
+        *self += increment;
+    }
+    fn lanes() -> usize {
+        crate::program::lanes()
+    }
+    fn run(program: &Program, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
+        program.run(inputs, outputs, work);
+    }
+    fn run_lanes(program: &Program, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
+        program.run_lanes(inputs, outputs, work);
+    }
+}
+
+impl RunScalar for Complex64 {
+    work_of_thread!(Complex64);
+    const PARTS: usize = 1;
+    fn part(&self, _index: usize) -> f64 {
+        self.im
+    }
+    fn add_to_part(&mut self, _index: usize, increment: f64) {
+        self.im += increment;
+    }
+    fn add_to_value(&mut self, increment: f64) {
+        self.re += increment;
+    }
+}
+
+impl RunScalar for Tangents {
+    work_of_thread!(Tangents);
+    const PARTS: usize = crate::scalar::TANGENTS;
+    fn part(&self, index: usize) -> f64 {
+        self.eps.0.map_or(0.0, |eps| eps[index])
+    }
+    fn add_to_part(&mut self, index: usize, increment: f64) {
+        if increment != 0.0 {
+            let mut eps = self.eps.0.unwrap_or_else(nalgebra::SVector::zeros);
+            eps[index] += increment;
+            self.eps = Derivative::some(eps);
+        }
+    }
+    fn add_to_value(&mut self, increment: f64) {
+        self.re += increment;
+    }
+}
+
+/// A formula, or why there is none.
+type Recording = Result<Arc<Formula>, String>;
+
+/// An element with its type erased; every [`Element`] is one.
+pub trait AnyElement: Send + Sync {
+    /// Number of coordinates.
+    fn dof_count(&self) -> usize;
+    /// Its parameters.
+    fn parameter_list(&self) -> Vec<Parameter>;
+    /// Times at which a load jumps.
+    fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+    /// Records R(a, v, q, p, t).
+    fn record_residual(&self) -> Recording;
+    /// Records w_P P + w_F F as a function of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
+    fn record_impulse(&self) -> Recording;
+    /// Records kinetic energy, potential energy with what is stored in strains, and mass, as functions of (v, q, p).
+    fn record_energies(&self) -> Recording;
+    /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
+    fn has_energies(&self) -> bool;
+}
+
+/// Arguments one after the other.
+fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorded]; N] {
+    let mut first = 0;
+    counts.map(|count| {
+        first += count;
+        &all[first - count..first]
+    })
+}
+
+impl<E: Element> AnyElement for E {
+    fn dof_count(&self) -> usize {
+        self.dofs()
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.kinks(p)
+    }
+    fn record_residual(&self) -> Recording {
+        let (n, m) = (self.dofs(), self.parameters().len());
+        Formula::record(3 * n + m + 1, |x| {
+            let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+            residual(self, State { a, v, q }, p, t[0])
+        })
+    }
+    fn record_impulse(&self) -> Recording {
+        let (n, m) = (self.dofs(), self.parameters().len());
+        let mut depends = false;
+        let formula = Formula::record(3 * n + m + 3, |x| {
+            let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
+            let own = impulse(self, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
+            depends = own.is_none();
+            own.unwrap_or_default()
+        });
+        if depends {
+            return Err(
+                "it states no kinetic energy, and its mass matrix depends on its state: its momentum is not known".into()
+            );
+        }
+        formula
+    }
+    fn record_energies(&self) -> Recording {
+        let (n, m) = (self.dofs(), self.parameters().len());
+        Formula::record(2 * n + m, |x| {
+            let [v, q, p] = arguments(x, [n, n, m]);
+            let Energies { kinetic, potential } = Energies::of(self, [v, q, p], Recorded::from(0.0));
+            vec![kinetic, potential, self.mass(p)]
+        })
+    }
+    fn has_energies(&self) -> bool {
+        super::lagrangian::has_energies(self)
+    }
+}
+
+/// An element of a model with its recordings, each made when it is first asked for.
+pub struct ElementPhysics {
+    own: Box<dyn AnyElement>,
+    dofs: usize,
+    parameters: usize,
+    residual: OnceLock<Recording>,
+    impulse: OnceLock<Recording>,
+    energies: OnceLock<Recording>,
+}
+
+/// The recording, which was checked before a run.
+fn checked(recording: &Recording) -> &Arc<Formula> {
+    recording.as_ref().unwrap_or_else(|why| panic!("an element or constraint that was not checked before a run: {why}"))
+}
+
+impl ElementPhysics {
+    /// An element, recorded when that is first asked for.
+    pub fn new(own: Box<dyn AnyElement>) -> Self {
+        let (dofs, parameters) = (own.dof_count(), own.parameter_list().len());
+        let [residual, impulse, energies] = [const { OnceLock::new() }; 3];
+        ElementPhysics { own, dofs, parameters, residual, impulse, energies }
+    }
+
+    /// Number of coordinates.
+    pub fn dof_count(&self) -> usize {
+        self.dofs
+    }
+    /// Number of parameters.
+    pub fn parameter_count(&self) -> usize {
+        self.parameters
+    }
+    /// Its parameters.
+    pub fn parameter_list(&self) -> Vec<Parameter> {
+        self.own.parameter_list()
+    }
+    /// Times at which a load jumps.
+    pub fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.own.kink_times(p)
+    }
+    /// Whether its energies are complete.
+    pub fn has_energies(&self) -> bool {
+        self.own.has_energies()
+    }
+    /// Why its residual cannot be used, if so.
+    pub fn residual_refused(&self) -> Option<&str> {
+        self.residual.get_or_init(|| self.own.record_residual()).as_ref().err().map(String::as_str)
+    }
+    /// Why it has no momentum, if so.
+    pub fn impulse_refused(&self) -> Option<&str> {
+        self.impulse.get_or_init(|| self.own.record_impulse()).as_ref().err().map(String::as_str)
+    }
+    /// R(a, v, q, p, t).
+    pub fn residual(&self) -> &Arc<Formula> {
+        checked(self.residual.get_or_init(|| self.own.record_residual()))
+    }
+    /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
+    pub fn impulse(&self) -> &Arc<Formula> {
+        checked(self.impulse.get_or_init(|| self.own.record_impulse()))
+    }
+    /// R(a, v, q, p, t).
+    pub fn residual_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<S> {
+        self.evaluated(self.residual().values(), s, p, t)
+    }
+    /// dR/dt at a fixed state.
+    pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
+        let place = 3 * self.dofs + self.parameters;
+        let program = self.residual().dense_program(("time rate", [].into()), 0, |graph, x, outputs| {
+            let one = graph.constant(1.0);
+            graph.forward(outputs, &[(x[place], one)])
+        });
+        self.evaluated(&program, s, p, t)
+    }
+    /// w_P P + w_F F.
+    pub fn impulse_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S, [of_momentum, of_force]: [f64; 2]) -> Vec<S> {
+        let weights = [S::from(of_momentum), S::from(of_force)];
+        let inputs: Vec<S> = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).chain(&weights).copied().collect();
+        let mut outputs = vec![S::zero(); self.dofs];
+        S::run(self.impulse().values(), &inputs, &mut outputs, &mut ProgramWork::default());
+        outputs
+    }
+    fn evaluated<S: RunScalar>(&self, program: &Program, s: State<S>, p: &[S], t: S) -> Vec<S> {
+        let inputs: Vec<S> = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).copied().collect();
+        let mut outputs = vec![S::zero(); self.dofs];
+        S::run(program, &inputs, &mut outputs, &mut ProgramWork::default());
+        outputs
+    }
+    /// Kinetic energy, potential energy and mass.
+    pub fn energies_at<S: RunScalar>(&self, v: &[S], q: &[S], p: &[S]) -> [S; 3] {
+        let inputs: Vec<S> = v.iter().chain(q).chain(p).copied().collect();
+        let mut outputs = [S::zero(); 3];
+        S::run(self.energies().values(), &inputs, &mut outputs, &mut ProgramWork::default());
+        outputs
+    }
+    /// The same as a formula of (v, q, p).
+    pub fn energies(&self) -> &Arc<Formula> {
+        checked(self.energies.get_or_init(|| self.own.record_energies()))
+    }
+}
+
+/// A constraint with its type erased; every [`Constraint`] is one, and every [`Nonholonomic`].
+pub trait AnyConstraint: Send + Sync {
+    /// Number of coordinates.
+    fn dof_count(&self) -> usize;
+    /// Number of equations.
+    fn equation_count(&self) -> usize;
+    /// Whether it restricts velocities only.
+    fn is_nonholonomic(&self) -> bool;
+    /// Its parameters.
+    fn parameter_list(&self) -> Vec<Parameter>;
+    /// Times at which the prescribed motion is not smooth.
+    fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+    /// g or h of recorded numbers (v, q, p) and t.
+    fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
+}
+
+/// Records g or h as a function of (v, q, p, t).
+fn record(constraint: &dyn AnyConstraint) -> Recording {
+    let (n, m) = (constraint.dof_count(), constraint.parameter_list().len());
+    let mut linear = true;
+    let formula = Formula::record(2 * n + m + 1, |x| {
+        let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+        let equations = constraint.evaluate([v, q, p], t[0]);
+        linear = !constraint.is_nonholonomic() || is_linear_in(&equations, v);
+        equations
+    })?;
+    if linear { Ok(formula) } else { Err("its equations are not linear in the velocities".into()) }
+}
+
+impl<C: Constraint> AnyConstraint for C {
+    fn dof_count(&self) -> usize {
+        self.dofs()
+    }
+    fn equation_count(&self) -> usize {
+        self.equations()
+    }
+    fn is_nonholonomic(&self) -> bool {
+        false
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.kinks(p)
+    }
+    fn evaluate(&self, [_, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+        let mut g = vec![Recorded::from(0.0); self.equations()];
+        self.g(q, p, t, &mut g);
+        g
+    }
+}
+
+impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
+    fn dof_count(&self) -> usize {
+        self.0.dofs()
+    }
+    fn equation_count(&self) -> usize {
+        C::EQUATIONS
+    }
+    fn is_nonholonomic(&self) -> bool {
+        true
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.0.kinks(p)
+    }
+    fn evaluate(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+        let mut h = vec![Recorded::from(0.0); C::EQUATIONS];
+        self.0.h(v, q, p, t, &mut h);
+        h
+    }
+}
+
+/// Derivatives of order 0, 1, 2 of some results along (q, v)' = (v, a), t' = 1.
+pub fn motion_derivatives(graph: &mut Graph, outputs: &[Node], [a, v, q]: [&[Node]; 3], t: Node) -> [Vec<Node>; 3] {
+    let one = graph.constant(1.0);
+    let seeds: Vec<(Node, Node)> =
+        q.iter().zip(v).chain(v.iter().zip(a)).map(|(&x, &rate)| (x, rate)).chain([(t, one)]).collect();
+    let first = graph.forward(outputs, &seeds);
+    let second = graph.forward(&first, &seeds);
+    [outputs.to_vec(), first, second]
+}
+
+/// A constraint of a model with its recording, made when it is first asked for.
+pub struct ConstraintPhysics {
+    own: Box<dyn AnyConstraint>,
+    dofs: usize,
+    equations: usize,
+    parameters: usize,
+    formula: OnceLock<Recording>,
+}
+
+impl ConstraintPhysics {
+    /// A constraint, recorded when that is first asked for.
+    pub fn new(own: Box<dyn AnyConstraint>) -> Self {
+        let (dofs, equations, parameters) = (own.dof_count(), own.equation_count(), own.parameter_list().len());
+        ConstraintPhysics { own, dofs, equations, parameters, formula: OnceLock::new() }
+    }
+
+    /// Number of coordinates.
+    pub fn dof_count(&self) -> usize {
+        self.dofs
+    }
+    /// Number of equations.
+    pub fn equation_count(&self) -> usize {
+        self.equations
+    }
+    /// Number of parameters.
+    pub fn parameter_count(&self) -> usize {
+        self.parameters
+    }
+    /// Whether it restricts velocities only.
+    pub fn is_nonholonomic(&self) -> bool {
+        self.own.is_nonholonomic()
+    }
+    /// Its parameters.
+    pub fn parameter_list(&self) -> Vec<Parameter> {
+        self.own.parameter_list()
+    }
+    /// Times at which the prescribed motion is not smooth.
+    pub fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.own.kink_times(p)
+    }
+    /// Why its formula cannot be used, if so.
+    pub fn refused(&self) -> Option<&str> {
+        self.formula.get_or_init(|| record(&*self.own)).as_ref().err().map(String::as_str)
+    }
+    /// g or h of (v, q, p, t).
+    pub fn formula(&self) -> &Arc<Formula> {
+        checked(self.formula.get_or_init(|| record(&*self.own)))
+    }
+
+    /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.
+    pub fn motion<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<[S; 3]> {
+        let (n, m) = (self.dofs, self.parameters);
+        let program = self.formula().dense_program(("motion", [].into()), n, |graph, x, outputs| {
+            let (v, q, t, a) = (&x[..n], &x[n..2 * n], x[2 * n + m], &x[2 * n + m + 1..]);
+            motion_derivatives(graph, outputs, [a, v, q], t).into_iter().flatten().collect()
+        });
+        let inputs: Vec<S> = s.v.iter().chain(s.q).chain(p).chain([&t]).chain(s.a).copied().collect();
+        let count = self.equations;
+        let mut outputs = vec![S::zero(); 3 * count];
+        S::run(&program, &inputs, &mut outputs, &mut ProgramWork::default());
+        let own = |row: usize| match self.is_nonholonomic() {
+            false => [outputs[row], outputs[count + row], outputs[2 * count + row]],
+            true => [S::zero(), outputs[row], outputs[count + row]],
+        };
+        (0..count).map(own).collect()
+    }
+
+    /// g, or h at no velocity.
+    pub fn value<S: RunScalar>(&self, q: &[S], p: &[S], t: S) -> Vec<S> {
+        let zeros = vec![S::zero(); self.dofs];
+        let inputs: Vec<S> = zeros.iter().chain(q).chain(p).chain([&t]).copied().collect();
+        let mut outputs = vec![S::zero(); self.equations];
+        S::run(self.formula().values(), &inputs, &mut outputs, &mut ProgramWork::default());
+        outputs
+    }
+
+    /// d(A^T mu)/dt and dg/dt at a fixed state.
+    pub fn time_rates(&self, q: &[f64], mu: &[f64], p: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
+        let (n, m) = (self.dofs, self.parameters);
+        let towards = if self.is_nonholonomic() { 0 } else { n };
+        let program = self.formula().dense_program(("time rates", [].into()), self.equations, |graph, x, outputs| {
+            let one = graph.constant(1.0);
+            let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
+            let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
+            graph.forward(&all, &[(x[2 * n + m], one)])
+        });
+        let zeros = vec![0.0; n];
+        let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
+        let mut outputs = vec![0.0; n + self.equations];
+        program.run(&inputs, &mut outputs, &mut ProgramWork::default());
+        let gaps = outputs.split_off(n);
+        (outputs, gaps)
+    }
+
+    /// A^T mu, or B^T mu for a nonholonomic constraint.
+    pub fn reaction<S: RunScalar>(&self, q: &[S], mu: &[S], p: &[S], t: S) -> Vec<S> {
+        let program = self.reaction_program();
+        let zeros = vec![S::zero(); self.dofs];
+        let inputs: Vec<S> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
+        let mut outputs = vec![S::zero(); self.dofs];
+        S::run(&program, &inputs, &mut outputs, &mut ProgramWork::default());
+        outputs
+    }
+
+    fn reaction_program(&self) -> Arc<Program> {
+        let (n, first) = (self.dofs, 2 * self.dofs + self.parameters + 1);
+        let towards = if self.is_nonholonomic() { 0 } else { n };
+        self.formula().dense_program(("reaction", [].into()), self.equations, |graph, x, outputs| {
+            graph.reverse(outputs, &x[first..], &x[towards..towards + n])
+        })
+    }
+
+    /// Rows A (or B), equations by coordinates.
+    pub fn rows<S: RunScalar>(&self, q: &[S], p: &[S], t: S) -> Vec<S> {
+        let (n, towards) = (self.dofs, if self.is_nonholonomic() { 0 } else { self.dofs });
+        let program = self.formula().dense_program(("rows", [].into()), 0, |graph, x, outputs| {
+            let one = graph.constant(1.0);
+            outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
+        });
+        let zeros = vec![S::zero(); n];
+        let inputs: Vec<S> = zeros.iter().chain(q).chain(p).chain([&t]).copied().collect();
+        let mut rows = vec![S::zero(); self.equations * n];
+        S::run(&program, &inputs, &mut rows, &mut ProgramWork::default());
+        rows
+    }
+
+    /// Gradient of lambda . A^T mu towards q, then towards all parameters.
+    pub fn reaction_gradient(&self, (q, p, t): (&[f64], &[f64], f64), mu: &[f64], lambda: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (n, m, count) = (self.dofs, self.parameters, self.equations);
+        let first = 2 * n + m + 1;
+        let towards = if self.is_nonholonomic() { 0 } else { n };
+        let program = self.formula().dense_program(("reaction gradient", [].into()), count + n, |graph, x, outputs| {
+            let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
+            graph.reverse(&reaction, &x[first + count..], &x[n..2 * n + m])
+        });
+        let zeros = vec![0.0; n];
+        let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).chain(lambda).copied().collect();
+        let mut outputs = vec![0.0; n + m];
+        program.run(&inputs, &mut outputs, &mut ProgramWork::default());
+        let of_p = outputs.split_off(n);
+        (outputs, of_p)
+    }
+
+    /// Whether the reaction on one node depends on the coordinates of no other, for the numbers of coordinates of its nodes: read off the
+    /// recording.
+    pub fn is_separable(&self, nodes: &[usize]) -> bool {
+        let (n, first) = (self.dofs, 2 * self.dofs + self.parameters + 1);
+        if self.is_nonholonomic() {
+            return false;
+        }
+        self.formula().inspect(|graph, outputs| {
+            let [q, mu] = [n..2 * n, first..first + outputs.len()]
+                .map(|places| places.map(|place| graph.input(place)).collect::<Vec<Node>>());
+            let reaction = graph.reverse(outputs, &mu, &q);
+            let mut start = 0;
+            nodes.iter().all(|&count| {
+                let own = start..start + count;
+                start += count;
+                let reads = graph.reads(&reaction[own.clone()], 2 * n);
+                (0..n).all(|dof| own.contains(&dof) || !reads[n + dof])
+            })
+        })
+    }
+
+    /// A^T mu in recorded numbers (v, q, mu, p) and t.
+    pub(crate) fn recorded_reaction(&self, [v, q, mu, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
+        let equations = self.own.evaluate([v, q, p], t);
+        gradient_of(&equations, mu, if self.is_nonholonomic() { v } else { q })
+    }
+}
+
+/// Erases types of this crate by functions that are compiled in it: scenes of other crates, generic over the scalar, then compile none
+/// of their formulas again.
+macro_rules! instantiate_here {
+    (dyn $erased:path: $($type:ty),* $(,)?) => {$(
+        impl From<$type> for Box<dyn $erased> {
+            #[inline(never)]
+            fn from(own: $type) -> Self {
+                Box::new(own)
+            }
+        }
+    )*};
+}
+pub(crate) use instantiate_here;

@@ -1,0 +1,290 @@
+//! Tests of all ways to execute a listing: each gives the bits of plain evaluation, on random listings.
+
+use super::listing::{Instruction, Listing, Source};
+use super::loop_code::LoopCode;
+use super::native::{NativeCode, Width};
+use super::operation::{Binary, Unary};
+use crate::scalar::{CurveId, Interpolant, Scalar};
+
+/// Marsaglia's xorshift generator with a multiplication behind it.
+struct Random(u64);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+    fn bits(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11
+    }
+    fn below(&mut self, limit: usize) -> usize {
+        (self.bits() % limit as u64) as usize
+    }
+    /// A number between 0 and 1.
+    fn unit(&mut self) -> f64 {
+        self.bits() as f64 / 2.0_f64.powi(53)
+    }
+    fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[self.below(choices.len())]
+    }
+    /// Mostly ordinary numbers, sometimes those with rules of their own.
+    fn number(&mut self) -> f64 {
+        let ordinary = [self.unit(), -self.unit(), 20.0 * self.unit() - 10.0, 1e3 * self.unit()];
+        let special = [0.0, -0.0, 1.0, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e300, 1e-310, 0.5, -2.0];
+        if self.below(4) == 0 { self.pick(&special) } else { self.pick(&ordinary) }
+    }
+}
+
+const UNARY: [Unary; 14] = [
+    Unary::Neg,
+    Unary::Sqrt,
+    Unary::Exp,
+    Unary::Ln,
+    Unary::Sin,
+    Unary::Cos,
+    Unary::Tan,
+    Unary::Asin,
+    Unary::Acos,
+    Unary::Atan,
+    Unary::Sinh,
+    Unary::Cosh,
+    Unary::Tanh,
+    Unary::Floor,
+];
+const BINARY: [Binary; 7] =
+    [Binary::Add, Binary::Sub, Binary::Mul, Binary::Div, Binary::Atan2, Binary::Less, Binary::Vanishing];
+
+/// A listing of any operations; `calls` in a thousand are functions that machine code has to call.
+fn random_listing(random: &mut Random, calls: usize) -> Listing {
+    let length = random.pick(&[1, 2, 3, 10, 50, 150, 400]);
+    let inputs = random.pick(&[0, 1, 3, 12, 80, 300]);
+    let constants: Vec<f64> = (0..random.pick(&[1, 4, 40])).map(|_| random.number()).collect();
+    // operands near by keep few values alive, any operands many
+    let reach = random.pick(&[3, 30, 1000]);
+    let curve = CurveId::new(&[-0.5, 0.2, 0.9], Interpolant::Cubic).expect("increasing knots");
+    let mut instructions = Vec::new();
+    let source = |random: &mut Random, made: usize| loop {
+        match random.below(8) {
+            0 => return Source::Constant(random.below(constants.len()) as u32),
+            1 if inputs > 0 => return Source::Input(random.below(inputs) as u32),
+            2.. if made > 0 => return Source::Value((made - 1 - random.below(made.min(reach))) as u32),
+            _ => {}
+        }
+    };
+    for made in 0..length {
+        let x = source(random, made);
+        let y = if random.below(12) == 0 { x } else { source(random, made) };
+        let z = if random.below(12) == 0 { x } else { source(random, made) };
+        let instruction = if random.below(1000) < calls {
+            match random.below(5) {
+                0 => Instruction::Power(x, random.pick(&[2.0, 0.5, -1.5, 3.0])),
+                1 => Instruction::KnotWeight {
+                    curve: curve.0,
+                    knot: random.below(3) as u32,
+                    order: random.below(3) as u32,
+                    at: x,
+                },
+                2 => Instruction::Binary(Binary::Atan2, x, y),
+                _ => Instruction::Unary(random.pick(&UNARY[2..13]), x),
+            }
+        } else {
+            match random.below(10) {
+                0 => Instruction::Select(x, y, z),
+                1 => Instruction::Unary(random.pick(&[Unary::Neg, Unary::Sqrt, Unary::Floor]), x),
+                2 => Instruction::Binary(random.pick(&BINARY[5..]), x, y),
+                _ => Instruction::Binary(random.pick(&BINARY[..4]), x, y),
+            }
+        };
+        instructions.push(instruction);
+    }
+    let mut outputs: Vec<Source> = (0..random.pick(&[1, 5, 60])).map(|_| source(random, instructions.len())).collect();
+    if random.below(2) == 0 {
+        outputs.extend((0..random.below(20)).map(|_| Source::Value(length as u32 - 1)));
+    }
+    Listing { inputs, constants, instructions, outputs }
+}
+
+/// What every way has to give.
+fn evaluate(listing: &Listing, inputs: &[f64]) -> Vec<f64> {
+    let mut values: Vec<f64> = Vec::new();
+    let read = |source, values: &[f64]| match source {
+        Source::Value(value) => values[value as usize],
+        Source::Input(input) => inputs[input as usize],
+        Source::Constant(constant) => listing.constants[constant as usize],
+    };
+    for &instruction in &listing.instructions {
+        let value = match instruction {
+            Instruction::Unary(function, x) => function.apply(read(x, &values)),
+            Instruction::Binary(function, x, y) => function.apply(read(x, &values), read(y, &values)),
+            Instruction::Power(x, exponent) => Scalar::powf(read(x, &values), exponent),
+            Instruction::Select(x, y, z) => Scalar::select(read(x, &values), read(y, &values), read(z, &values)),
+            Instruction::KnotWeight { curve, knot, order, at } => {
+                read(at, &values).knot_weight(CurveId(curve), knot as usize, order as usize)
+            }
+        };
+        values.push(value);
+    }
+    listing.outputs.iter().map(|&output| read(output, &values)).collect()
+}
+
+#[track_caller]
+fn assert_same_bits(found: &[f64], expected: &[f64], way: &str, listing: &Listing) {
+    assert_eq!(found.len(), expected.len());
+    for (place, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
+        assert!(same, "{way}: number {place} is {found}, not {expected}; {listing:?}");
+    }
+}
+
+/// The numbers of several elements side by side.
+fn side_by_side(elements: &[Vec<f64>]) -> Vec<f64> {
+    (0..elements[0].len()).flat_map(|number| elements.iter().map(move |element| element[number])).collect()
+}
+
+/// Codes of all widths and of all instruction sets that this machine has.
+#[cfg(all(target_arch = "x86_64", not(miri)))]
+fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
+    use super::native::Level;
+    let mut codes = Vec::new();
+    for level in [Level::Avx2, Level::Avx512] {
+        for width in [Width::One, Width::Four, Width::Eight] {
+            let code = NativeCode::compile_for(listing, width, level);
+            codes.extend(code.map(|code| (format!("{width:?} lanes with {level:?}"), code)));
+        }
+    }
+    codes
+}
+
+#[cfg(not(all(target_arch = "x86_64", not(miri))))]
+fn native_codes(_listing: &Listing) -> Vec<(String, NativeCode)> {
+    Vec::new()
+}
+
+fn check(listing: &Listing, random: &mut Random) {
+    let elements: Vec<Vec<f64>> = (0..8).map(|_| (0..listing.inputs).map(|_| random.number()).collect()).collect();
+    let expected: Vec<Vec<f64>> = elements.iter().map(|inputs| evaluate(listing, inputs)).collect();
+    let code = LoopCode::new(listing);
+    let mut outputs = vec![7.0; listing.outputs.len()];
+    let mut work = Vec::new();
+    for (inputs, expected) in elements.iter().zip(&expected) {
+        code.run::<f64>(inputs, &mut outputs, &mut work);
+        assert_same_bits(&outputs, expected, "loop", listing);
+    }
+    let mut outputs = vec![7.0; 8 * listing.outputs.len()];
+    code.run_lanes(&side_by_side(&elements), &mut outputs, &mut Vec::new());
+    assert_same_bits(&outputs, &side_by_side(&expected), "loop of eight lanes", listing);
+
+    let mut scratch = Vec::new();
+    for (way, code) in native_codes(listing) {
+        let lanes = code.width().lanes();
+        for start in (0..8).step_by(lanes) {
+            // one number more behind the outputs must stay as it is
+            let mut outputs = vec![7.0; lanes * listing.outputs.len() + 1];
+            let (inside, behind) = outputs.split_at_mut(lanes * listing.outputs.len());
+            code.run(&side_by_side(&elements[start..start + lanes]), inside, &mut scratch);
+            assert_same_bits(inside, &side_by_side(&expected[start..start + lanes]), &way, listing);
+            assert_eq!(behind, [7.0], "{way} wrote behind its outputs");
+        }
+    }
+}
+
+#[test]
+fn every_way_gives_the_bits_of_plain_evaluation() {
+    let mut random = Random::new(1);
+    for _ in 0..1500 {
+        let listing = random_listing(&mut random, 0);
+        check(&listing, &mut random);
+    }
+}
+
+#[test]
+fn calls_keep_every_number_that_is_read_later() {
+    let mut random = Random::new(2);
+    for calls in [1000, 200, 20] {
+        for _ in 0..500 {
+            let listing = random_listing(&mut random, calls);
+            check(&listing, &mut random);
+        }
+    }
+}
+
+#[test]
+fn long_listings_reach_the_far_addresses() {
+    let mut random = Random::new(3);
+    let (inputs, length) = (2000, 6000);
+    let constants: Vec<f64> = (0..700).map(|_| random.number()).collect();
+    // all inputs and constants, then all values a second time in the order in which they were made
+    let mut instructions = Vec::new();
+    for number in 0..length / 2 {
+        let constant = Source::Constant(random.below(700) as u32);
+        instructions.push(Instruction::Binary(random.pick(&BINARY[..3]), Source::Input(number % 2000), constant));
+    }
+    for number in 0..length / 2 {
+        let before = Source::Value(random.below(length as usize / 2) as u32);
+        instructions.push(Instruction::Binary(random.pick(&BINARY), Source::Value(number), before));
+    }
+    let outputs = (0..length).rev().step_by(5).map(Source::Value).collect();
+    check(&Listing { inputs, constants, instructions, outputs }, &mut random);
+}
+
+#[test]
+fn empty_listings_run() {
+    let mut random = Random::new(4);
+    check(&Listing::default(), &mut random);
+    let outputs = vec![Source::Input(1), Source::Constant(0), Source::Input(1)];
+    check(&Listing { inputs: 2, constants: vec![-0.0], instructions: Vec::new(), outputs }, &mut random);
+}
+
+#[test]
+#[should_panic(expected = "Value(0), read where only 0 of its kind exist")]
+#[cfg(all(target_arch = "x86_64", not(miri)))]
+fn an_operand_that_does_not_exist_is_refused() {
+    let instructions = vec![Instruction::Unary(Unary::Neg, Source::Value(0))];
+    NativeCode::compile(
+        &Listing { inputs: 0, constants: Vec::new(), instructions, outputs: vec![Source::Value(0)] },
+        Width::One,
+    );
+}
+
+#[test]
+fn runs_allocate_once_and_share_their_work_arrays() {
+    let mut random = Random::new(5);
+    let listing = random_listing(&mut random, 10);
+    let inputs = vec![0.5; 8 * listing.inputs];
+    let mut outputs = vec![0.0; 8 * listing.outputs.len()];
+    let code = LoopCode::new(&listing);
+    let mut work = Vec::new();
+    code.run_lanes(&inputs, &mut outputs, &mut work);
+    let first = (work.as_ptr(), work.len());
+    code.run_lanes(&inputs, &mut outputs, &mut work);
+    assert_eq!(first, (work.as_ptr(), work.len()));
+    if let Some(code) = NativeCode::compile(&listing, Width::Eight) {
+        let mut scratch = Vec::new();
+        code.run(&inputs, &mut outputs, &mut scratch);
+        let first = (scratch.as_ptr(), scratch.len());
+        code.run(&inputs, &mut outputs, &mut scratch);
+        assert_eq!(first, (scratch.as_ptr(), scratch.len()));
+    }
+}
+
+#[test]
+fn code_may_be_used_from_any_thread() {
+    fn assert_send_and_sync<T: Send + Sync>() {}
+    assert_send_and_sync::<NativeCode>();
+    assert_send_and_sync::<LoopCode>();
+}
+
+/// Mappings of this process, as Linux tells them.
+#[test]
+#[cfg(all(target_arch = "x86_64", target_os = "linux", not(miri)))]
+fn no_memory_is_writable_and_executable_at_once() {
+    let mut random = Random::new(6);
+    let listing = random_listing(&mut random, 10);
+    let codes = native_codes(&listing);
+    let maps = std::fs::read_to_string("/proc/self/maps").expect("the list of mappings");
+    let permissions = |line: &str| line.split(' ').nth(1).map(str::to_owned);
+    assert!(maps.lines().filter_map(permissions).all(|own| !(own.contains('w') && own.contains('x'))));
+    assert_eq!(codes.is_empty(), !std::arch::is_x86_feature_detected!("avx"));
+}

@@ -1,0 +1,186 @@
+use super::graph::{Graph, OperationHasher};
+use super::listing::Listing;
+use super::operation::{Node, Operation};
+use super::recorded::{Recorded, Recording, extend, record};
+use super::running::Program;
+use std::collections::HashMap;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{BuildHasherDefault, Hash, Hasher};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
+
+/// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
+pub type ProgramKey = (&'static str, Box<[u32]>);
+
+/// A key that is looked up fast: kinds are told apart by where their names stand, and of two equal names that stand at different places
+/// each has its own program.
+#[derive(Debug)]
+struct Key(&'static str, Box<[u32]>);
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.0, other.0) && self.1 == other.1
+    }
+}
+impl Eq for Key {}
+impl Hash for Key {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_usize(self.0.as_ptr() as usize);
+        self.1.iter().for_each(|&number| state.write_u32(number));
+    }
+}
+
+/// A recorded formula with the programs that were made of it: one for all elements of the same type and options, because equal
+/// recordings are the same formula.
+#[derive(Debug)]
+pub struct Formula {
+    /// Number of arguments.
+    pub inputs: usize,
+    /// Results.
+    pub outputs: Vec<Node>,
+    graph: Mutex<Graph>,
+    programs: RwLock<HashMap<Key, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
+    values: OnceLock<Arc<Program>>,
+    gradients: ProgramCache,
+}
+
+/// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one.
+#[derive(Debug, Default)]
+pub struct ProgramCache(RwLock<Vec<(u32, Arc<Program>)>>);
+
+impl ProgramCache {
+    /// The program of a code, made when it is first asked for.
+    pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> Arc<Program> {
+        let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, program)) = known.iter().find(|(own, _)| *own == code) {
+            return Arc::clone(program);
+        }
+        drop(known);
+        let program = make();
+        self.0.write().unwrap_or_else(PoisonError::into_inner).push((code, Arc::clone(&program)));
+        program
+    }
+}
+
+/// All formulas of the process, by the operations that were recorded.
+type Formulas = Mutex<HashMap<u64, Vec<(Vec<Operation>, Arc<Formula>)>>>;
+
+fn formulas() -> &'static Formulas {
+    static FORMULAS: OnceLock<Formulas> = OnceLock::new();
+    FORMULAS.get_or_init(Formulas::default)
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // what a panic left behind is a recording of whole operations all the same
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Formula {
+    /// Records a formula of `inputs` numbers; the same formula again is the same one.
+    ///
+    /// # Errors
+    /// If it branches on a value: what was recorded would hold for other values only by chance.
+    pub fn record(inputs: usize, formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
+        let (results, Recording { mut graph, looked, .. }) = record(&vec![f64::NAN; inputs], formula);
+        if looked {
+            return Err(
+                "its formula looks at the value of a number (Scalar::value), and may take another branch for other \
+                        values: choose by `select`, `max`, `min` or `abs`"
+                    .into(),
+            );
+        }
+        let outputs = results.into_iter().map(|result| result.node(&mut graph)).collect();
+        Ok(Self::shared(inputs, outputs, graph))
+    }
+
+    fn shared(inputs: usize, outputs: Vec<Node>, graph: Graph) -> Arc<Formula> {
+        let mut hasher = DefaultHasher::new();
+        (inputs, &outputs, graph.operations()).hash(&mut hasher);
+        let mut all = lock(formulas());
+        let same = all.entry(hasher.finish()).or_default();
+        for (operations, formula) in &*same {
+            if formula.inputs == inputs && formula.outputs == outputs && operations == graph.operations() {
+                return Arc::clone(formula);
+            }
+        }
+        let operations = graph.operations().to_vec();
+        let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
+        let gradients = ProgramCache::default();
+        let formula = Arc::new(Formula { inputs, outputs, graph, programs, values, gradients });
+        same.push((operations, Arc::clone(&formula)));
+        formula
+    }
+
+    /// A program that computes `results` from the formula's arguments and `extra` more; made when it is first asked for.
+    ///
+    /// `results` gets the arguments, those that are added, and the formula's results; what is zero everywhere is left out of its own, the
+    /// others keep their numbers as [labels](Program::labels).
+    pub fn sparse_program(
+        &self,
+        key: ProgramKey,
+        extra: usize,
+        results: impl FnOnce(&mut Graph, &[Node], &[Node]) -> Vec<Node>,
+    ) -> Arc<Program> {
+        self.program(key, extra, true, results)
+    }
+
+    /// As [`Formula::sparse_program`] with all results.
+    pub fn dense_program(
+        &self,
+        key: ProgramKey,
+        extra: usize,
+        results: impl FnOnce(&mut Graph, &[Node], &[Node]) -> Vec<Node>,
+    ) -> Arc<Program> {
+        self.program(key, extra, false, results)
+    }
+
+    fn program(
+        &self,
+        key: ProgramKey,
+        extra: usize,
+        sparse: bool,
+        results: impl FnOnce(&mut Graph, &[Node], &[Node]) -> Vec<Node>,
+    ) -> Arc<Program> {
+        let key = Key(key.0, key.1);
+        if let Some(program) = self.programs.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
+            return Arc::clone(program);
+        }
+        let mut graph = lock(&self.graph);
+        let count = self.inputs + extra;
+        let inputs: Vec<Node> = (0..count).map(|index| graph.input(index)).collect();
+        let results = results(&mut graph, &inputs, &self.outputs);
+        let kept = results.iter().enumerate().filter(|(_, node)| !(sparse && graph.is_zero(**node)));
+        let (labels, kept): (Vec<u32>, Vec<Node>) = kept.map(|(label, &node)| (label as u32, node)).unzip();
+        let program = Arc::new(Program::new(Listing::of(&graph, &kept, count), labels));
+        drop(graph);
+        let mut programs = self.programs.write().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(programs.entry(key).or_insert(program))
+    }
+
+    /// The results themselves.
+    pub fn values(&self) -> &Program {
+        self.values.get_or_init(|| self.dense_program(("values", [].into()), 0, |_, _, outputs| outputs.to_vec()))
+    }
+
+    /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
+    pub fn gradient(&self, results: &[usize]) -> Arc<Program> {
+        let code = results.iter().fold(0, |code, &result| code | 1 << result);
+        self.gradients.get(code, || {
+            self.sparse_program(("gradient", [code].into()), 0, |graph, inputs, outputs| {
+                let chosen: Vec<Node> = results.iter().map(|&result| outputs[result]).collect();
+                let weights = vec![graph.constant(1.0); chosen.len()];
+                graph.reverse(&chosen, &weights, inputs)
+            })
+        })
+    }
+
+    /// Looks at the recording.
+    pub fn inspect<T>(&self, look: impl FnOnce(&mut Graph, &[Node]) -> T) -> T {
+        look(&mut lock(&self.graph), &self.outputs)
+    }
+}
+
+/// Goes on with a recording: `formula` gets nodes of it as numbers.
+pub fn continued(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Vec<Node> {
+    let results = extend(graph, nodes, formula);
+    results.into_iter().map(|result| result.node(graph)).collect()
+}

@@ -1,0 +1,362 @@
+use super::operation::{Binary, Node, Operation, Unary};
+use crate::scalar::{CurveId, Scalar};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// Operations of a recorded formula and of what is derived from it: equal ones are shared, constants folded, zeros and ones removed.
+///
+/// Nothing is reassociated: evaluated in real numbers, a node has the bits of the formula as it is written (up to the sign of zeros).
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    operations: Vec<Operation>,
+    places: HashMap<Operation, Node, BuildHasherDefault<OperationHasher>>,
+    choices: bool,
+}
+
+/// Multiplies and rotates: operations are a few small numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OperationHasher(u64);
+
+impl OperationHasher {
+    #[inline(always)]
+    fn mix(&mut self, x: u64) {
+        self.0 = (self.0.rotate_left(5) ^ x).wrapping_mul(0x517c_c1b7_2722_0a95);
+    }
+}
+
+impl Hasher for OperationHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 29)
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.mix(u64::from(byte)));
+    }
+    fn write_u32(&mut self, x: u32) {
+        self.mix(u64::from(x));
+    }
+    fn write_u64(&mut self, x: u64) {
+        self.mix(x);
+    }
+    fn write_isize(&mut self, x: isize) {
+        self.mix(x as u64);
+    }
+    fn write_usize(&mut self, x: usize) {
+        self.mix(x as u64);
+    }
+}
+
+impl Graph {
+    /// The operations so far; operands come first.
+    pub fn operations(&self) -> &[Operation] {
+        &self.operations
+    }
+
+    /// The operation of a node.
+    pub fn operation(&self, node: Node) -> Operation {
+        self.operations[node.0 as usize]
+    }
+
+    fn push(&mut self, operation: Operation) -> Node {
+        let next = Node(self.operations.len() as u32);
+        let place = *self.places.entry(operation).or_insert(next);
+        if place == next {
+            self.operations.push(operation);
+        }
+        place
+    }
+
+    /// The value of a node that is a constant.
+    pub fn constant_of(&self, node: Node) -> Option<f64> {
+        match self.operation(node) {
+            Operation::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// True for the constant 0.
+    pub fn is_zero(&self, node: Node) -> bool {
+        self.constant_of(node) == Some(0.0)
+    }
+
+    /// An argument.
+    pub fn input(&mut self, index: usize) -> Node {
+        self.push(Operation::Input(index as u32))
+    }
+
+    /// A constant; -0 counts as 0.
+    pub fn constant(&mut self, value: f64) -> Node {
+        self.push(Operation::Constant((value + 0.0).to_bits()))
+    }
+
+    /// 0.
+    pub fn zero(&mut self) -> Node {
+        self.constant(0.0)
+    }
+
+    /// A function of one number.
+    pub fn unary(&mut self, function: Unary, x: Node) -> Node {
+        if let Some(value) = self.constant_of(x) {
+            return self.constant(function.apply(value));
+        }
+        match (function, self.operation(x)) {
+            (Unary::Neg, Operation::Unary(Unary::Neg, inner)) => inner,
+            (Unary::Neg, Operation::Binary(Binary::Sub, a, b)) => self.binary(Binary::Sub, b, a),
+            _ => self.push(Operation::Unary(function, x)),
+        }
+    }
+
+    /// -x.
+    pub fn neg(&mut self, x: Node) -> Node {
+        self.unary(Unary::Neg, x)
+    }
+    /// x + y.
+    pub fn add(&mut self, x: Node, y: Node) -> Node {
+        self.binary(Binary::Add, x, y)
+    }
+    /// x - y.
+    pub fn sub(&mut self, x: Node, y: Node) -> Node {
+        self.binary(Binary::Sub, x, y)
+    }
+    /// x y.
+    pub fn mul(&mut self, x: Node, y: Node) -> Node {
+        self.binary(Binary::Mul, x, y)
+    }
+    /// x / y.
+    pub fn div(&mut self, x: Node, y: Node) -> Node {
+        self.binary(Binary::Div, x, y)
+    }
+    /// c x.
+    pub fn scaled(&mut self, x: Node, factor: f64) -> Node {
+        let factor = self.constant(factor);
+        self.mul(x, factor)
+    }
+
+    /// The operand of a negation.
+    fn negated(&self, node: Node) -> Option<Node> {
+        match self.operation(node) {
+            Operation::Unary(Unary::Neg, inner) => Some(inner),
+            _ => None,
+        }
+    }
+
+    /// A function of two numbers.
+    pub fn binary(&mut self, function: Binary, x: Node, y: Node) -> Node {
+        let (known_x, known_y) = (self.constant_of(x), self.constant_of(y));
+        if let (Some(a), Some(b)) = (known_x, known_y) {
+            return self.constant(function.apply(a, b));
+        }
+        match function {
+            Binary::Add => {
+                if known_x == Some(0.0) {
+                    return y;
+                }
+                if known_y == Some(0.0) {
+                    return x;
+                }
+                if let Some(inner) = self.negated(y) {
+                    return self.sub(x, inner);
+                }
+                if let Some(inner) = self.negated(x) {
+                    return self.sub(y, inner);
+                }
+                self.push(Operation::Binary(function, x.min(y), x.max(y)))
+            }
+            Binary::Sub => {
+                if known_y == Some(0.0) {
+                    return x;
+                }
+                if known_x == Some(0.0) {
+                    return self.neg(y);
+                }
+                if x == y {
+                    return self.zero();
+                }
+                if let Some(inner) = self.negated(y) {
+                    return self.add(x, inner);
+                }
+                if let Some(inner) = self.negated(x) {
+                    let sum = self.add(inner, y);
+                    return self.neg(sum);
+                }
+                self.push(Operation::Binary(function, x, y))
+            }
+            Binary::Mul => {
+                for (known, other) in [(known_x, y), (known_y, x)] {
+                    // powers of two are exact, and derivatives are full of halves of doubles
+                    if let (Some(c), Operation::Binary(Binary::Add, a, b)) = (known, self.operation(other))
+                        && a == b
+                    {
+                        return self.scaled(a, 2.0 * c);
+                    }
+                    match known {
+                        Some(0.0) => return self.zero(),
+                        Some(1.0) => return other,
+                        Some(-1.0) => return self.neg(other),
+                        Some(2.0) => return self.push(Operation::Binary(Binary::Add, other, other)),
+                        _ => {}
+                    }
+                }
+                match (self.negated(x), self.negated(y)) {
+                    (Some(x), Some(y)) => return self.mul(x, y),
+                    (Some(inner), None) if known_y.is_none() => {
+                        let product = self.mul(inner, y);
+                        return self.neg(product);
+                    }
+                    (None, Some(inner)) if known_x.is_none() => {
+                        let product = self.mul(x, inner);
+                        return self.neg(product);
+                    }
+                    (Some(inner), None) => {
+                        let factor = self.constant(-known_y.unwrap_or(0.0));
+                        return self.mul(inner, factor);
+                    }
+                    (None, Some(inner)) => {
+                        let factor = self.constant(-known_x.unwrap_or(0.0));
+                        return self.mul(inner, factor);
+                    }
+                    (None, None) => {}
+                }
+                self.push(Operation::Binary(function, x.min(y), x.max(y)))
+            }
+            Binary::Div => {
+                if known_x == Some(0.0) {
+                    return x;
+                }
+                match known_y {
+                    Some(1.0) => return x,
+                    Some(-1.0) => return self.neg(x),
+                    // exact
+                    Some(c) if c != 0.0 && c.is_finite() && c.to_bits() << 12 == 0 => return self.scaled(x, 1.0 / c),
+                    _ => {}
+                }
+                self.push(Operation::Binary(function, x, y))
+            }
+            Binary::Vanishing => match (known_x, known_y) {
+                (Some(0.0), _) => x,
+                (_, Some(_)) | (Some(_), _) => self.mul(x, y),
+                _ => self.push(Operation::Binary(function, x, y)),
+            },
+            Binary::Less if x == y => self.zero(),
+            Binary::Atan2 | Binary::Less => self.push(Operation::Binary(function, x, y)),
+        }
+    }
+
+    /// x^r for a real exponent.
+    pub fn power(&mut self, x: Node, exponent: f64) -> Node {
+        match self.constant_of(x) {
+            Some(value) => self.constant(Scalar::powf(value, exponent)),
+            None => self.push(Operation::Power(x, exponent.to_bits())),
+        }
+    }
+
+    /// x^n for an integer, by squaring.
+    pub fn integer_power(&mut self, x: Node, exponent: i32) -> Node {
+        if exponent == 0 {
+            return self.constant(1.0);
+        }
+        let (mut power, mut square, mut rest) = (None, x, exponent.unsigned_abs());
+        while rest > 0 {
+            if rest % 2 == 1 {
+                power = Some(power.map_or(square, |power| self.mul(power, square)));
+            }
+            rest /= 2;
+            if rest > 0 {
+                square = self.mul(square, square);
+            }
+        }
+        let power = power.unwrap_or(x);
+        if exponent > 0 {
+            return power;
+        }
+        let one = self.constant(1.0);
+        self.div(one, power)
+    }
+
+    /// `then` where `mask` is not 0, otherwise `otherwise`.
+    pub fn select(&mut self, mask: Node, then: Node, otherwise: Node) -> Node {
+        match self.constant_of(mask) {
+            Some(mask) => {
+                if mask != 0.0 {
+                    then
+                } else {
+                    otherwise
+                }
+            }
+            None if then == otherwise => then,
+            None => {
+                self.choices = true;
+                self.push(Operation::Select([mask, then, otherwise]))
+            }
+        }
+    }
+
+    /// True if any value is a choice between two.
+    pub fn has_choices(&self) -> bool {
+        self.choices
+    }
+
+    /// Derivative of some order of the weight of a knot.
+    pub fn knot_weight(&mut self, curve: CurveId, knot: usize, order: usize, at: Node) -> Node {
+        match self.constant_of(at) {
+            Some(at) => self.constant(curve.curve().weight(knot, order, at)),
+            None => {
+                let [knot, order] = [knot, order].map(|number| number as u32);
+                self.push(Operation::KnotWeight { curve: curve.0, knot, order, at })
+            }
+        }
+    }
+
+    /// Results with other nodes in place of some of their arguments.
+    pub fn substitute(&mut self, outputs: &[Node], replaced: &[(Node, Node)]) -> Vec<Node> {
+        let needed = self.needed(outputs);
+        let mut own: Vec<Node> = (0..needed.len()).map(|index| Node(index as u32)).collect();
+        for index in (0..needed.len()).filter(|&index| needed[index]) {
+            let node = Node(index as u32);
+            own[index] = match replaced.iter().find(|(old, _)| *old == node) {
+                Some(&(_, new)) => new,
+                None => self.with_operands(node, |operand| own[operand.0 as usize]),
+            };
+        }
+        outputs.iter().map(|output| own[output.0 as usize]).collect()
+    }
+
+    /// An operation again with other operands.
+    fn with_operands(&mut self, node: Node, operand: impl Fn(Node) -> Node) -> Node {
+        match self.operation(node) {
+            Operation::Input(_) | Operation::Constant(_) => node,
+            Operation::Unary(function, x) => self.unary(function, operand(x)),
+            Operation::Binary(function, x, y) => self.binary(function, operand(x), operand(y)),
+            Operation::Power(x, bits) => self.power(operand(x), f64::from_bits(bits)),
+            Operation::Select([mask, then, otherwise]) => self.select(operand(mask), operand(then), operand(otherwise)),
+            Operation::KnotWeight { curve, knot, order, at } => {
+                self.knot_weight(CurveId(curve), knot as usize, order as usize, operand(at))
+            }
+        }
+    }
+
+    /// Which inputs of `count` some nodes depend on.
+    pub fn reads(&self, nodes: &[Node], count: usize) -> Vec<bool> {
+        let needed = self.needed(nodes);
+        let mut reads = vec![false; count];
+        for (operation, _) in self.operations.iter().zip(&needed).filter(|(_, needed)| **needed) {
+            if let Operation::Input(index) = *operation
+                && let Some(read) = reads.get_mut(index as usize)
+            {
+                *read = true;
+            }
+        }
+        reads
+    }
+
+    /// Which operations some nodes are made of.
+    pub fn needed(&self, nodes: &[Node]) -> Vec<bool> {
+        let mut needed = vec![false; nodes.iter().map(|node| node.0 as usize + 1).max().unwrap_or(0)];
+        nodes.iter().for_each(|node| needed[node.0 as usize] = true);
+        for index in (0..needed.len()).rev() {
+            if needed[index] {
+                self.operations[index].for_each_operand(|operand| needed[operand.0 as usize] = true);
+            }
+        }
+        needed
+    }
+}

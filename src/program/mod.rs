@@ -1,0 +1,30 @@
+//! Record a formula once, derive what is needed of it, run it fast.
+//!
+//! * [`Recorded`]: the number with which a formula is recorded into a [`Graph`]
+//! * derivatives forward, in reverse and of derivatives: transformations of the graph
+//! * [`Listing`]: a straight line of instructions
+//! * [`Program`]: a listing that is executed, by a loop in any scalar or as machine code for one or several elements at a time
+//! * [`Formula`]: a recording shared by all elements whose recordings are equal, with its programs
+
+mod assemble;
+#[cfg(test)]
+mod back_ends;
+mod batches;
+mod derivatives;
+mod formula;
+mod graph;
+mod linear_forms;
+mod listing;
+mod loop_code;
+mod native;
+mod operation;
+mod recorded;
+mod running;
+
+pub use formula::{Formula, ProgramCache, ProgramKey, continued};
+pub use graph::Graph;
+pub use linear_forms::LinearForm;
+pub use listing::{Instruction, Listing, Source};
+pub use operation::{Binary, Node, Operation, Unary};
+pub use recorded::{Recorded, Recording, along_motion, evaluate, extend, gradient_of, is_from_energies, record};
+pub use running::{Execution, Program, ProgramWork, compile_time, lanes, set_execution};

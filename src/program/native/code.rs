@@ -1,0 +1,107 @@
+//! Machine code in executable memory.
+
+use super::Width;
+use super::call::Call;
+use super::emitter::{Emitted, emit};
+use super::encoder::Level;
+use crate::program::listing::Listing;
+use memmap2::{Mmap, MmapMut};
+use std::arch::is_x86_feature_detected;
+
+/// Machine code of a listing.
+#[derive(Debug)]
+pub struct NativeCode {
+    width: Width,
+    inputs: usize,
+    outputs: usize,
+    /// Numbers that the code stores in between.
+    scratch: usize,
+    /// Executable, not writable.
+    memory: Mmap,
+    /// Constants for all lanes, aligned to a cache line.
+    constants: Box<[CacheLine]>,
+    /// What the code passes to the functions it calls: it holds the addresses of the entries.
+    _calls: Box<[Call]>,
+    /// Bytes by which the addresses passed lie behind the start of inputs, outputs, scratch and constants.
+    biases: [usize; 4],
+}
+
+/// Eight numbers that no other cache line holds.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct CacheLine([f64; 8]);
+
+/// Inputs, outputs, scratch, constants.
+type Entry = unsafe extern "sysv64" fn(*const f64, *mut f64, *mut f64, *const f64);
+
+impl NativeCode {
+    /// Makes code for this machine; none where its processor lacks the instructions or the system refuses.
+    ///
+    /// # Panics
+    /// Where an operand of the listing is not a number that exists when it is read.
+    pub fn compile(listing: &Listing, width: Width) -> Option<Self> {
+        [Level::Avx512, Level::Avx2].into_iter().find_map(|level| Self::compile_for(listing, width, level))
+    }
+
+    /// As [`compile`](Self::compile), with the instructions of one level only.
+    pub(in crate::program) fn compile_for(listing: &Listing, width: Width, level: Level) -> Option<Self> {
+        let available = match (level, width) {
+            (Level::Avx512, _) => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
+            (Level::Avx2, Width::One) => is_x86_feature_detected!("avx"),
+            (Level::Avx2, Width::Four) => is_x86_feature_detected!("avx2"),
+            (Level::Avx2, Width::Eight) => false,
+        };
+        if !available {
+            return None;
+        }
+        let Emitted { bytes, constants, calls, scratch, biases } = emit(listing, width, level)?;
+        let mut memory = MmapMut::map_anon(bytes.len()).ok()?;
+        memory.copy_from_slice(&bytes);
+        let memory = memory.make_exec().ok()?;
+        let constants = constants
+            .chunks(8)
+            .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))
+            .collect();
+        let (inputs, outputs) = (listing.inputs, listing.outputs.len());
+        Some(NativeCode { width, inputs, outputs, scratch, memory, constants, _calls: calls, biases })
+    }
+
+    /// Elements evaluated together.
+    #[cfg(test)]
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// Evaluates the elements: with n lanes, number i of element l stands at n i + l, for inputs and outputs.
+    ///
+    /// Eight lanes run faster where inputs and outputs start at a multiple of 64 bytes.
+    ///
+    /// * `scratch` grows to the length that is needed, and may be shared with other programs
+    pub fn run(&self, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
+        let lanes = self.width.lanes();
+        assert_eq!(inputs.len(), lanes * self.inputs, "inputs: their number times {lanes}");
+        assert_eq!(outputs.len(), lanes * self.outputs, "outputs: their number times {lanes}");
+        // seven more than needed, so that some place among them starts a cache line
+        if scratch.len() < self.scratch + 7 {
+            scratch.resize(self.scratch + 7, 0.0);
+        }
+        let start = scratch.as_ptr().align_offset(64).min(7);
+        let scratch = &mut scratch[start..][..self.scratch];
+        // SAFETY: `memory` holds a whole function of this type, which `emit` made for a listing with these numbers of
+        // inputs and outputs: it reads `inputs` and `constants`, writes `outputs` and `scratch`, and reads of them what
+        // it wrote. It keeps the convention of the type. The processor has its instructions: `compile_for` asked.
+        unsafe {
+            let entry = std::mem::transmute::<*const u8, Entry>(self.memory.as_ptr());
+            entry(
+                inputs.as_ptr().wrapping_byte_add(self.biases[0]),
+                outputs.as_mut_ptr().wrapping_byte_add(self.biases[1]),
+                scratch.as_mut_ptr().wrapping_byte_add(self.biases[2]),
+                self.constants.as_ptr().cast::<f64>().wrapping_byte_add(self.biases[3]),
+            );
+        }
+    }
+}

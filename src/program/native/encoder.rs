@@ -1,0 +1,265 @@
+//! Bytes of the few instructions that programs use.
+//!
+//! Every vector instruction exists in a VEX form (16 registers, displacements of one byte up to 127) and in an EVEX
+//! form (32 registers, displacements of one byte counted in operands) with the same opcode; the shorter one that can
+//! express the operands is taken. Layout: Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2,
+//! sections 2.3 and 2.7.
+
+use super::Width;
+
+/// Instructions available.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// AVX, and AVX2 for more than one lane.
+    Avx2,
+    /// AVX-512 with its foundation, DQ and VL.
+    Avx512,
+}
+
+/// An address: a base register and a displacement in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Address {
+    pub base: Base,
+    pub displacement: i32,
+}
+
+/// Registers that hold addresses: the arguments of the code, in the order of the System V convention.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    Inputs = 7,
+    Outputs = 6,
+    Scratch = 2,
+    Constants = 1,
+}
+
+/// Last operand of an instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operand {
+    Register(u8),
+    Memory(Address),
+}
+
+/// An instruction of vectors: opcode map, mandatory prefix and opcode, common to VEX and EVEX.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Opcode {
+    map: u8,
+    prefix: u8,
+    opcode: u8,
+    /// Bytes that the form for one lane reads from memory.
+    single: i32,
+}
+
+const P66: u8 = 1;
+const PF2: u8 = 3;
+
+/// Instruction that has a form for one lane (prefix F2) and one for several (66).
+const fn arithmetic(opcode: u8) -> [Opcode; 2] {
+    [Opcode { map: 1, prefix: PF2, opcode, single: 8 }, packed(1, opcode)]
+}
+
+const fn packed(map: u8, opcode: u8) -> Opcode {
+    Opcode { map, prefix: P66, opcode, single: 16 }
+}
+
+pub const ADD: [Opcode; 2] = arithmetic(0x58);
+pub const MUL: [Opcode; 2] = arithmetic(0x59);
+pub const SUB: [Opcode; 2] = arithmetic(0x5c);
+pub const DIV: [Opcode; 2] = arithmetic(0x5e);
+pub const SQRT: [Opcode; 2] = arithmetic(0x51);
+pub const COMPARE: [Opcode; 2] = arithmetic(0xc2);
+pub const LOAD: [Opcode; 2] = arithmetic(0x10);
+pub const STORE: [Opcode; 2] = arithmetic(0x11);
+pub const ROUND: [Opcode; 2] = [Opcode { map: 3, prefix: P66, opcode: 0x0b, single: 8 }, packed(3, 0x09)];
+pub const AND: Opcode = packed(1, 0x54);
+pub const XOR: Opcode = packed(1, 0x57);
+/// vblendvpd; VEX only.
+const BLEND_BY_SIGN: Opcode = packed(3, 0x4b);
+/// vblendmpd; EVEX only.
+const BLEND_BY_MASK: Opcode = packed(2, 0x65);
+
+/// Machine code as it grows.
+pub struct Encoder {
+    bytes: Vec<u8>,
+    level: Level,
+}
+
+/// Fields of an EVEX prefix beyond the operands.
+#[derive(Clone, Copy, Default)]
+struct Masking {
+    /// Number of the mask register; 0 for none.
+    mask: u8,
+    /// Lanes outside the mask become 0 instead of keeping their value.
+    zeroing: bool,
+}
+
+impl Encoder {
+    pub fn new(level: Level, capacity: usize) -> Self {
+        Encoder { bytes: Vec::with_capacity(capacity), level }
+    }
+
+    pub fn finish(self) -> Vec<u8> {
+        self.bytes
+    }
+
+    /// `target = first op second`; instructions of one source have `first = 0`.
+    pub fn vector(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
+        let low = |register: u8| register < 16;
+        let vex = width != Width::Eight
+            && low(target)
+            && low(first)
+            && match second {
+                Operand::Register(register) => low(register),
+                // four bytes of displacement against one, for a prefix that is longer by one or two
+                Operand::Memory(Address { displacement, .. }) => {
+                    self.level == Level::Avx2
+                        || i8::try_from(displacement).is_ok()
+                        || compressed(width, opcode, displacement).is_none()
+                }
+            };
+        if vex {
+            self.vex(width, opcode, target, first, second);
+        } else {
+            self.evex(width, opcode, target, first, second, Masking::default());
+        }
+    }
+
+    /// The last byte of an instruction that has one behind its operands.
+    pub fn byte(&mut self, byte: u8) {
+        self.bytes.push(byte);
+    }
+
+    /// Compares into mask register 1 (EVEX).
+    pub fn compare_to_mask(&mut self, width: Width, first: u8, second: Operand, predicate: u8) {
+        self.evex(width, COMPARE[usize::from(width != Width::One)], 1, first, second, Masking::default());
+        self.bytes.push(predicate);
+    }
+
+    /// `target = mask register 1 ? first op second : 0` (EVEX).
+    pub fn masked(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
+        self.evex(width, opcode, target, first, second, Masking { mask: 1, zeroing: true });
+    }
+
+    /// `target = mask register 1 ? then : otherwise` (EVEX).
+    pub fn blend_by_mask(&mut self, width: Width, target: u8, otherwise: u8, then: Operand) {
+        self.evex(width, BLEND_BY_MASK, target, otherwise, then, Masking { mask: 1, zeroing: false });
+    }
+
+    /// `target = sign of mask ? then : otherwise` (VEX).
+    pub fn blend_by_sign(&mut self, width: Width, target: u8, otherwise: u8, then: Operand, mask: u8) {
+        self.vex(width, BLEND_BY_SIGN, target, otherwise, then);
+        self.bytes.push(mask << 4);
+    }
+
+    fn vex(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
+        let extended = matches!(second, Operand::Register(register) if register >= 8);
+        let length = if width == Width::One { 0 } else { 4 };
+        let last = (!first & 15) << 3 | length | opcode.prefix;
+        let high_target = u8::from(target < 8) << 7;
+        if extended || opcode.map != 1 {
+            self.bytes.extend([0xc4, high_target | 0x40 | u8::from(!extended) << 5 | opcode.map, last]);
+        } else {
+            self.bytes.extend([0xc5, high_target | last]);
+        }
+        self.bytes.push(opcode.opcode);
+        match second {
+            Operand::Register(register) => self.bytes.push(0xc0 | (target & 7) << 3 | register & 7),
+            Operand::Memory(address) => self.address(target, address, i8::try_from(address.displacement).ok()),
+        }
+    }
+
+    fn evex(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand, masking: Masking) {
+        let register = if let Operand::Register(register) = second { register } else { 0 };
+        let unless = |set: u8, bit: u8| u8::from(set == 0) << bit;
+        let length = match width {
+            Width::One => 0,
+            Width::Four => 1,
+            Width::Eight => 2,
+        };
+        self.bytes.extend([
+            0x62,
+            unless(target & 8, 7) | unless(register & 16, 6) | unless(register & 8, 5) | unless(target & 16, 4) | opcode.map,
+            0x80 | (!first & 15) << 3 | 4 | opcode.prefix,
+            u8::from(masking.zeroing) << 7 | length << 5 | unless(first & 16, 3) | masking.mask,
+            opcode.opcode,
+        ]);
+        match second {
+            Operand::Register(register) => self.bytes.push(0xc0 | (target & 7) << 3 | register & 7),
+            Operand::Memory(address) => self.address(target, address, compressed(width, opcode, address.displacement)),
+        }
+    }
+
+    /// The bytes that name a register and an address; `short` is its displacement in one byte.
+    fn address(&mut self, register: u8, address: Address, short: Option<i8>) {
+        let fields = (register & 7) << 3 | address.base as u8;
+        if address.displacement == 0 {
+            self.bytes.push(fields);
+        } else if let Some(short) = short {
+            self.bytes.extend([0x40 | fields, short as u8]);
+        } else {
+            self.bytes.push(0x80 | fields);
+            self.bytes.extend(address.displacement.to_le_bytes());
+        }
+    }
+
+    /// Makes room on the stack for the bases and saves them; the stack is aligned for calls from then on.
+    pub fn save_bases(&mut self) {
+        // sub rsp, 40
+        self.bytes.extend([0x48, 0x83, 0xec, 40]);
+        for (place, base) in BASES.into_iter().enumerate() {
+            // mov [rsp + 8 place], base
+            self.bytes.extend([0x48, 0x89, 0x44 | (base as u8) << 3, 0x24, 8 * place as u8]);
+        }
+    }
+
+    /// Loads the bases from where [`save_bases`](Self::save_bases) put them.
+    pub fn restore_bases(&mut self) {
+        for (place, base) in BASES.into_iter().enumerate() {
+            self.bytes.extend([0x48, 0x8b, 0x44 | (base as u8) << 3, 0x24, 8 * place as u8]);
+        }
+    }
+
+    /// Calls `function(argument, x, y)`, where x and y are addresses.
+    pub fn call(&mut self, function: usize, argument: usize, x: Address, y: Address, result: Address) {
+        self.zero_upper();
+        // rsi, rdx and rcx are bases themselves: the new values are made in r8, r9 and r10
+        for (register, address) in [(0, x), (1, y), (2, result)] {
+            // lea r8 + register, [base + displacement]
+            self.bytes.extend([0x4c, 0x8d, 0x80 | register << 3 | address.base as u8]);
+            self.bytes.extend(address.displacement.to_le_bytes());
+        }
+        // mov rsi, r8; mov rdx, r9; mov rcx, r10
+        self.bytes.extend([0x4c, 0x89, 0xc6, 0x4c, 0x89, 0xca, 0x4c, 0x89, 0xd1]);
+        // mov rdi, argument; mov rax, function; call rax
+        self.bytes.extend([0x48, 0xbf]);
+        self.bytes.extend(argument.to_le_bytes());
+        self.bytes.extend([0x48, 0xb8]);
+        self.bytes.extend(function.to_le_bytes());
+        self.bytes.extend([0xff, 0xd0]);
+    }
+
+    /// Ends the code; `calls` says if the bases were saved.
+    pub fn finish_function(&mut self, calls: bool) {
+        self.zero_upper();
+        if calls {
+            // add rsp, 40
+            self.bytes.extend([0x48, 0x83, 0xc4, 40]);
+        }
+        self.bytes.push(0xc3);
+    }
+
+    fn zero_upper(&mut self) {
+        self.bytes.extend([0xc5, 0xf8, 0x77]);
+    }
+}
+
+const BASES: [Base; 4] = [Base::Inputs, Base::Outputs, Base::Scratch, Base::Constants];
+
+/// A displacement in one byte, as EVEX counts it: in units of the operand.
+fn compressed(width: Width, opcode: Opcode, displacement: i32) -> Option<i8> {
+    let unit = match width {
+        Width::One => opcode.single,
+        Width::Four => 32,
+        Width::Eight => 64,
+    };
+    if displacement % unit == 0 { i8::try_from(displacement / unit).ok() } else { None }
+}

@@ -1,0 +1,310 @@
+//! Where each number of a listing is while its code is emitted: in a register, in memory, or both.
+//!
+//! Inputs and constants are in memory from the start; a value comes there where it is an output, is needed after a
+//! call, or has to leave its register. If a register is needed and none is free, the number leaves that is read last
+//! (Belady, IBM Systems Journal 5, 1966).
+
+use super::Width;
+use super::encoder::{Address, Base, Encoder, LOAD, Level, Opcode, Operand, STORE};
+use super::next_uses::{NEVER, NextUses};
+use crate::program::listing::Listing;
+
+/// How much farther than that of a stored number the next use of one must be that would have to be stored. Between 1
+/// and 16 this changes the number of instructions by less than 1 %.
+const COST_OF_STORE: u64 = 4;
+/// Constants in front of the listing's own.
+const OWN_CONSTANTS: usize = 2;
+
+/// Constants that the code needs itself.
+#[derive(Clone, Copy)]
+pub enum OwnConstant {
+    /// -0.0: the sign bit and nothing else.
+    Sign,
+    /// 1.
+    One,
+}
+
+#[derive(Clone, Copy)]
+struct Number {
+    register: Option<u8>,
+    memory: Option<Address>,
+    /// Instruction that reads it next.
+    next_use: u32,
+}
+
+/// Registers, scratch memory and the encoder for the moves between them.
+pub struct Storage<'a> {
+    pub encoder: Encoder,
+    pub width: Width,
+    pub level: Level,
+    uses: &'a NextUses,
+    numbers: Vec<Number>,
+    /// Number in each register.
+    held: [Option<u32>; 32],
+    /// Registers that hold no number, a bit each.
+    free: u32,
+    /// Instruction that is being emitted.
+    now: u32,
+    /// Its operands, as long as they may be read.
+    operands: [usize; 3],
+    operand_count: usize,
+    /// Registers for its intermediate results, a bit each.
+    reserved: u32,
+    free_slots: Vec<u32>,
+    slots: u32,
+    /// Slots of numbers that the instruction reads for the last time.
+    dying_slots: Vec<u32>,
+    biases: [i32; 4],
+}
+
+impl<'a> Storage<'a> {
+    pub fn new(listing: &Listing, width: Width, level: Level, uses: &'a NextUses) -> Self {
+        let (constants, inputs) = (listing.constants.len(), listing.inputs);
+        // displacements of one byte reach 128 units to both sides: the base points into the array, not to its start
+        let unit = if level == Level::Avx512 { 8 * width.lanes() } else { 1 };
+        let middle = |count: usize| (count * 8 * width.lanes() / 2).min(128 * unit).next_multiple_of(64);
+        let biases = [middle(inputs), middle(listing.outputs.len()), 128 * unit, middle(constants + OWN_CONSTANTS)];
+        let mut storage = Storage {
+            encoder: Encoder::new(level, 12 * listing.instructions.len() + 256),
+            width,
+            level,
+            uses,
+            numbers: Vec::with_capacity(uses.first.len()),
+            held: [None; 32],
+            free: if level == Level::Avx512 { u32::MAX } else { 0xffff },
+            now: 0,
+            operands: [0; 3],
+            operand_count: 0,
+            reserved: 0,
+            free_slots: Vec::new(),
+            slots: 0,
+            dying_slots: Vec::new(),
+            biases: biases.map(|bias| bias as i32),
+        };
+        for (number, &next_use) in uses.first.iter().enumerate() {
+            let memory = if number < constants {
+                Some(storage.constant(number))
+            } else if number < constants + inputs {
+                Some(storage.address(Base::Inputs, number - constants))
+            } else {
+                None
+            };
+            storage.numbers.push(Number { register: None, memory, next_use });
+        }
+        storage
+    }
+
+    /// Constants of the code itself and of the listing, for all lanes.
+    pub fn constants(width: Width, listed: &[f64]) -> Vec<f64> {
+        // logical instructions of one lane read two numbers
+        let mut all = vec![-0.0; width.lanes().max(2)];
+        all.extend(vec![1.0; width.lanes().max(2)]);
+        all.extend(listed.iter().flat_map(|&constant| std::iter::repeat_n(constant, width.lanes())));
+        all
+    }
+
+    /// Bytes by which the bases of inputs, outputs, scratch and constants lie behind their start.
+    pub fn biases(&self) -> [usize; 4] {
+        self.biases.map(|bias| bias as usize)
+    }
+
+    /// Numbers of scratch memory in use.
+    pub fn scratch(&self) -> usize {
+        self.slots as usize * self.width.lanes()
+    }
+
+    /// Starts an instruction: its operands keep their registers until [`retire_operands`](Self::retire_operands).
+    pub fn start(&mut self, instruction: usize, operands: &[usize]) {
+        self.free_slots.append(&mut self.dying_slots);
+        self.now = instruction as u32;
+        self.operands[..operands.len()].copy_from_slice(operands);
+        self.operand_count = operands.len();
+        self.reserved = 0;
+    }
+
+    /// Says that all operands have been brought to where the instruction reads them. Registers of numbers that are not
+    /// read again become free at once, since an instruction reads before it writes; their slots after it.
+    pub fn retire_operands(&mut self) {
+        for operand in 0..self.operand_count {
+            let number = self.operands[operand];
+            let Number { register, memory, next_use } = self.numbers[number];
+            let after = self.uses.after[self.now as usize][operand];
+            self.numbers[number].next_use = after;
+            // an operand that stands twice is freed once
+            if after == NEVER && next_use != NEVER {
+                if let Some(register) = register {
+                    self.leave(register);
+                }
+                if let Some(Address { base: Base::Scratch, displacement }) = memory {
+                    self.dying_slots.push(((displacement + self.biases[2]) / self.bytes()) as u32);
+                }
+            }
+        }
+        self.operand_count = 0;
+    }
+
+    /// When the current instruction's operand is read again.
+    pub fn use_after(&self, operand: usize) -> u32 {
+        self.uses.after[self.now as usize][operand]
+    }
+
+    /// The number's register, if it is in one.
+    pub fn register(&self, number: usize) -> Option<u8> {
+        self.numbers[number].register
+    }
+
+    /// The number's place in memory.
+    pub fn memory(&self, number: usize) -> Address {
+        self.numbers[number].memory.expect("a number that was stored")
+    }
+
+    /// Where an instruction can read the number.
+    pub fn operand(&self, number: usize) -> Operand {
+        match self.numbers[number].register {
+            Some(register) => Operand::Register(register),
+            None => Operand::Memory(self.memory(number)),
+        }
+    }
+
+    /// The number's register, to which it is loaded if necessary.
+    pub fn in_register(&mut self, number: usize) -> u8 {
+        if let Some(register) = self.numbers[number].register {
+            return register;
+        }
+        let register = self.take_register();
+        self.load(register, self.memory(number));
+        self.hold(register, number);
+        register
+    }
+
+    /// Stores a number, unless it is stored.
+    pub fn in_memory(&mut self, number: usize) {
+        let Number { register, memory, .. } = self.numbers[number];
+        if memory.is_none() {
+            let slot = self.take_slot();
+            self.store(register.expect("a number is in a register or in memory"), slot);
+            self.numbers[number].memory = Some(slot);
+        }
+    }
+
+    /// Says that a number is in a register, unless it is never read.
+    pub fn hold(&mut self, register: u8, number: usize) {
+        if self.numbers[number].next_use != NEVER {
+            self.held[usize::from(register)] = Some(number as u32);
+            self.free &= !(1 << register);
+            self.numbers[number].register = Some(register);
+        }
+    }
+
+    /// Says that a number is in memory.
+    pub fn stored(&mut self, number: usize, address: Address) {
+        self.numbers[number].memory = Some(address);
+    }
+
+    /// Moves all numbers that are read later out of the registers.
+    pub fn clear_registers(&mut self) {
+        for register in 0..32 {
+            if let Some(number) = self.held[usize::from(register)] {
+                self.in_memory(number as usize);
+                self.leave(register);
+            }
+        }
+    }
+
+    /// A register for an intermediate result, until the instruction ends.
+    pub fn reserve_register(&mut self) -> u8 {
+        let register = self.take_register();
+        self.reserved |= 1 << register;
+        register
+    }
+
+    /// A register that holds no number, made free if there is none; not one of an operand that may still be read.
+    pub fn take_register(&mut self) -> u8 {
+        let mut pinned = self.reserved;
+        for &operand in &self.operands[..self.operand_count] {
+            pinned |= self.numbers[operand].register.map_or(0, |register| 1 << register);
+        }
+        let free = self.free & !pinned;
+        if free != 0 {
+            return free.trailing_zeros() as u8;
+        }
+        let (mut last, mut latest) = (None, 0);
+        for (register, held) in (0..).zip(self.held) {
+            if let Some(number) = held
+                && pinned & 1 << register == 0
+            {
+                let Number { memory, next_use, .. } = self.numbers[number as usize];
+                let distance = u64::from(next_use - self.now) + 1;
+                let rank = if memory.is_some() { COST_OF_STORE * distance } else { distance };
+                if rank > latest {
+                    (last, latest) = (Some((register, number)), rank);
+                }
+            }
+        }
+        let (register, number) = last.expect("more registers than an instruction has operands");
+        self.in_memory(number as usize);
+        self.leave(register);
+        register
+    }
+
+    fn leave(&mut self, register: u8) {
+        if let Some(number) = self.held[usize::from(register)].take() {
+            self.numbers[number as usize].register = None;
+        }
+        self.free |= 1 << register;
+    }
+
+    /// A place in scratch memory.
+    pub fn take_slot(&mut self) -> Address {
+        let slot = self.free_slots.pop().unwrap_or_else(|| {
+            self.slots += 1;
+            self.slots - 1
+        });
+        self.address(Base::Scratch, slot as usize)
+    }
+
+    pub fn load(&mut self, register: u8, address: Address) {
+        self.encoder.vector(self.width, self.form(LOAD), register, 0, Operand::Memory(address));
+    }
+
+    /// Loads a number where mask register 1 says so, and 0 elsewhere.
+    pub fn load_masked(&mut self, register: u8, address: Address) {
+        self.encoder.masked(self.width, self.form(LOAD), register, 0, Operand::Memory(address));
+    }
+
+    pub fn store(&mut self, register: u8, address: Address) {
+        self.encoder.vector(self.width, self.form(STORE), register, 0, Operand::Memory(address));
+    }
+
+    /// The form of an instruction for this width.
+    pub fn form(&self, [single, packed]: [Opcode; 2]) -> Opcode {
+        if self.width == Width::One { single } else { packed }
+    }
+
+    /// Place of an input, an output or a slot.
+    pub fn address(&self, base: Base, place: usize) -> Address {
+        let bias = match base {
+            Base::Inputs => self.biases[0],
+            Base::Outputs => self.biases[1],
+            Base::Scratch => self.biases[2],
+            Base::Constants => self.biases[3],
+        };
+        Address { base, displacement: place as i32 * self.bytes() - bias }
+    }
+
+    /// Place of a constant of the code itself.
+    pub fn own_constant(&self, constant: OwnConstant) -> Address {
+        let displacement = constant as i32 * self.bytes().max(16) - self.biases[3];
+        Address { base: Base::Constants, displacement }
+    }
+
+    fn constant(&self, place: usize) -> Address {
+        let Address { base, displacement } = self.address(Base::Constants, place);
+        Address { base, displacement: displacement + OWN_CONSTANTS as i32 * self.bytes().max(16) }
+    }
+
+    /// Bytes of a number in all lanes.
+    fn bytes(&self) -> i32 {
+        8 * self.width.lanes() as i32
+    }
+}

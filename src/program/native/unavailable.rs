@@ -1,0 +1,26 @@
+//! Machines for which no code is made.
+
+use super::Width;
+use crate::program::listing::Listing;
+
+/// Machine code of a listing: none exists here.
+#[derive(Debug)]
+pub enum NativeCode {}
+
+impl NativeCode {
+    /// None on this machine.
+    pub fn compile(_listing: &Listing, _width: Width) -> Option<Self> {
+        None
+    }
+
+    /// Elements evaluated together.
+    #[cfg(test)]
+    pub fn width(&self) -> Width {
+        match *self {}
+    }
+
+    /// Evaluates the elements.
+    pub fn run(&self, _inputs: &[f64], _outputs: &mut [f64], _scratch: &mut Vec<f64>) {
+        match *self {}
+    }
+}

@@ -1,0 +1,148 @@
+//! What a recorded formula is made of.
+
+use crate::scalar::Scalar;
+
+/// A value of a recording: the place of the operation that makes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node(pub u32);
+
+/// Functions of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Unary {
+    /// -x.
+    Neg,
+    /// Square root.
+    Sqrt,
+    /// Exponential.
+    Exp,
+    /// Natural logarithm.
+    Ln,
+    /// Sine.
+    Sin,
+    /// Cosine.
+    Cos,
+    /// Tangent.
+    Tan,
+    /// Arc sine.
+    Asin,
+    /// Arc cosine.
+    Acos,
+    /// Arc tangent.
+    Atan,
+    /// Hyperbolic sine.
+    Sinh,
+    /// Hyperbolic cosine.
+    Cosh,
+    /// Hyperbolic tangent.
+    Tanh,
+    /// The largest integer that is not above x.
+    Floor,
+}
+
+/// Functions of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Binary {
+    /// x + y.
+    Add,
+    /// x - y.
+    Sub,
+    /// x y.
+    Mul,
+    /// x / y.
+    Div,
+    /// Angle of the point with the coordinates (y, x): `x.atan2(y)` of Rust's notation.
+    Atan2,
+    /// 1 where x < y, otherwise 0.
+    Less,
+    /// x y, but 0 where x = 0, whatever y is: derivatives of functions whose slope may be infinite.
+    Vanishing,
+}
+
+/// One operation; operands come before it in the recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Operation {
+    /// An argument of the formula.
+    Input(u32),
+    /// A constant, by its bits.
+    Constant(u64),
+    /// A function of one number.
+    Unary(Unary, Node),
+    /// A function of two numbers.
+    Binary(Binary, Node, Node),
+    /// x^r for a real exponent, by its bits.
+    Power(Node, u64),
+    /// The second operand where the first is not 0, otherwise the third.
+    Select([Node; 3]),
+    /// Weight of a knot of a curve, or a derivative of it, at the operand.
+    KnotWeight {
+        /// Number of the curve among all that were made.
+        curve: u32,
+        /// Number of the knot.
+        knot: u32,
+        /// Order of the derivative.
+        order: u32,
+        /// Where it is taken.
+        at: Node,
+    },
+}
+
+impl Operation {
+    /// Calls `f` for each operand.
+    pub fn for_each_operand(self, mut f: impl FnMut(Node)) {
+        match self {
+            Operation::Input(_) | Operation::Constant(_) => {}
+            Operation::Unary(_, x) | Operation::Power(x, _) | Operation::KnotWeight { at: x, .. } => f(x),
+            Operation::Binary(_, x, y) => {
+                f(x);
+                f(y);
+            }
+            Operation::Select(operands) => operands.into_iter().for_each(f),
+        }
+    }
+}
+
+impl Unary {
+    /// The function in any scalar.
+    #[inline(always)]
+    pub fn apply<S: Scalar>(self, x: S) -> S {
+        match self {
+            Unary::Neg => -x,
+            Unary::Sqrt => x.sqrt(),
+            Unary::Exp => x.exp(),
+            Unary::Ln => x.ln(),
+            Unary::Sin => x.sin(),
+            Unary::Cos => x.cos(),
+            Unary::Tan => x.tan(),
+            Unary::Asin => x.asin(),
+            Unary::Acos => x.acos(),
+            Unary::Atan => x.atan(),
+            Unary::Sinh => x.sinh(),
+            Unary::Cosh => x.cosh(),
+            Unary::Tanh => x.tanh(),
+            Unary::Floor => x.floor(),
+        }
+    }
+}
+
+impl Binary {
+    /// The function in any scalar.
+    #[inline(always)]
+    pub fn apply<S: Scalar>(self, x: S, y: S) -> S {
+        match self {
+            Binary::Add => x + y,
+            Binary::Sub => x - y,
+            Binary::Mul => x * y,
+            Binary::Div => x / y,
+            Binary::Atan2 => x.atan2(y),
+            Binary::Less => x.less(y),
+            Binary::Vanishing => x.vanishing_times(y),
+        }
+    }
+}
+
+impl Operation {
+    /// True for an argument of the formula.
+    pub fn is_input(self) -> bool {
+        matches!(self, Operation::Input(_))
+    }
+}

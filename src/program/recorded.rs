@@ -1,0 +1,283 @@
+use super::graph::Graph;
+use super::listing::Listing;
+use super::loop_code::LoopCode;
+use super::operation::{Binary, Node, Unary};
+use crate::scalar::{CurveId, Scalar, assign_operators};
+use std::cell::RefCell;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number of a formula that is being recorded: its place in the recording, and its value where the recording has values.
+///
+/// Constants have no place and are folded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recorded {
+    value: f64,
+    place: u32,
+}
+
+/// Marks a constant.
+const CONSTANT: u32 = u32::MAX;
+
+/// A recording: the operations of a formula.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// The operations.
+    pub graph: Graph,
+    /// True if the formula asked for the value of a number that is not the same everywhere: it may have taken a branch that it would
+    /// not take for other arguments.
+    pub looked: bool,
+    /// True if a residual was not written out, but is to follow from energies.
+    pub from_energies: bool,
+}
+
+thread_local! {
+    static RECORDING: RefCell<Option<Recording>> = const { RefCell::new(None) };
+}
+
+/// Ends a recording on the way out, a panic included: the one around it goes on.
+struct Around(Option<Recording>);
+
+impl Drop for Around {
+    fn drop(&mut self) {
+        RECORDING.set(self.0.take());
+    }
+}
+
+/// Records what `formula` does with its arguments, whose values are `values`; numbers that are not known are NaN.
+pub fn record<T>(values: &[f64], formula: impl FnOnce(&[Recorded]) -> T) -> (T, Recording) {
+    let around = Around(RECORDING.replace(Some(Recording::default())));
+    let arguments: Vec<Recorded> = values
+        .iter()
+        .enumerate()
+        .map(|(index, &value)| Recorded { value, place: with_graph(|graph| graph.input(index)).0 })
+        .collect();
+    let result = formula(&arguments);
+    let recording = RECORDING.take().unwrap_or_default();
+    drop(around);
+    (result, recording)
+}
+
+fn with_graph<T>(f: impl FnOnce(&mut Graph) -> T) -> T {
+    RECORDING.with_borrow_mut(|recording| match recording {
+        Some(recording) => f(&mut recording.graph),
+        None => panic!("recorded numbers live inside a recording only"),
+    })
+}
+
+impl Recorded {
+    /// The number as a node of the recording it belongs to.
+    pub fn node(self, graph: &mut Graph) -> Node {
+        if self.place == CONSTANT { graph.constant(self.value) } else { Node(self.place) }
+    }
+
+    /// The value at the recording's arguments: what scenes are built from.
+    pub fn number(self) -> f64 {
+        self.value
+    }
+
+    fn made(value: f64, operation: impl FnOnce(&mut Graph) -> Node) -> Self {
+        with_graph(|graph| {
+            let node = operation(graph);
+            match graph.constant_of(node) {
+                Some(value) => Recorded::from(value),
+                None => Recorded { value, place: node.0 },
+            }
+        })
+    }
+
+    #[inline]
+    fn unary(self, function: Unary) -> Self {
+        let value = function.apply(self.value);
+        if self.place == CONSTANT {
+            return Recorded::from(value);
+        }
+        Self::made(value, |graph| graph.unary(function, Node(self.place)))
+    }
+
+    #[inline]
+    fn binary(self, function: Binary, other: Self) -> Self {
+        let value = function.apply(self.value, other.value);
+        if self.place == CONSTANT && other.place == CONSTANT {
+            return Recorded::from(value);
+        }
+        Self::made(value, |graph| {
+            let (x, y) = (self.node(graph), other.node(graph));
+            graph.binary(function, x, y)
+        })
+    }
+}
+
+impl Default for Recorded {
+    fn default() -> Self {
+        Recorded::from(0.0)
+    }
+}
+impl From<f64> for Recorded {
+    #[inline]
+    fn from(value: f64) -> Self {
+        Recorded { value, place: CONSTANT }
+    }
+}
+impl Neg for Recorded {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.unary(Unary::Neg)
+    }
+}
+
+/// Operators between recorded numbers, and with a real number on the right.
+macro_rules! operators {
+    ($($operator:ident, $method:ident);*) => {$(
+        impl $operator for Recorded {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.binary(Binary::$operator, other)
+            }
+        }
+        impl $operator<f64> for Recorded {
+            type Output = Self;
+            fn $method(self, other: f64) -> Self {
+                self.binary(Binary::$operator, Recorded::from(other))
+            }
+        }
+    )*};
+}
+operators!(Add, add; Sub, sub; Mul, mul; Div, div);
+assign_operators!([] Recorded);
+
+/// Functions of one number.
+macro_rules! functions {
+    ($($name:ident, $function:ident);*) => {
+        $(fn $name(self) -> Self { self.unary(Unary::$function) })*
+    };
+}
+
+impl Scalar for Recorded {
+    fn value(self) -> f64 {
+        if self.place != CONSTANT {
+            RECORDING.with_borrow_mut(|recording| {
+                if let Some(recording) = recording {
+                    recording.looked = true;
+                }
+            });
+        }
+        self.value
+    }
+    fn is_constant(self) -> bool {
+        self.place == CONSTANT
+    }
+    functions!(sqrt, Sqrt; exp, Exp; ln, Ln; sin, Sin; cos, Cos; tan, Tan; asin, Asin; acos, Acos; atan, Atan; sinh, Sinh; cosh, Cosh; tanh, Tanh; floor, Floor);
+    fn recip(self) -> Self {
+        Recorded::from(1.0) / self
+    }
+    fn powi(self, exponent: i32) -> Self {
+        let value = Scalar::powi(self.value, exponent);
+        if self.place == CONSTANT {
+            return Recorded::from(value);
+        }
+        Self::made(value, |graph| graph.integer_power(Node(self.place), exponent))
+    }
+    fn powf(self, exponent: f64) -> Self {
+        let value = Scalar::powf(self.value, exponent);
+        if self.place == CONSTANT {
+            return Recorded::from(value);
+        }
+        Self::made(value, |graph| graph.power(Node(self.place), exponent))
+    }
+    fn atan2(self, other: Self) -> Self {
+        self.binary(Binary::Atan2, other)
+    }
+    fn less(self, other: Self) -> Self {
+        self.binary(Binary::Less, other)
+    }
+    fn vanishing_times(self, other: Self) -> Self {
+        self.binary(Binary::Vanishing, other)
+    }
+    fn select(self, then: Self, otherwise: Self) -> Self {
+        if self.place == CONSTANT {
+            return if self.value != 0.0 { then } else { otherwise };
+        }
+        let value = Scalar::select(self.value, then.value, otherwise.value);
+        Self::made(value, |graph| {
+            let (then, otherwise) = (then.node(graph), otherwise.node(graph));
+            graph.select(Node(self.place), then, otherwise)
+        })
+    }
+    fn from_energies() {
+        RECORDING.with_borrow_mut(|recording| {
+            if let Some(recording) = recording {
+                recording.from_energies = true;
+            }
+        });
+    }
+    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
+        let value = curve.curve().weight(knot, order, self.value);
+        if self.place == CONSTANT {
+            return Recorded::from(value);
+        }
+        Self::made(value, |graph| graph.knot_weight(curve, knot, order, Node(self.place)))
+    }
+}
+
+/// Goes on with a recording that has no values: `formula` gets nodes of it as numbers.
+pub fn extend<T>(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> T) -> T {
+    let own = Recording { graph: std::mem::take(graph), ..Recording::default() };
+    let around = Around(RECORDING.replace(Some(own)));
+    let numbers: Vec<Recorded> = nodes
+        .iter()
+        .map(|&node| match with_graph(|graph| graph.constant_of(node)) {
+            Some(value) => Recorded::from(value),
+            None => Recorded { value: f64::NAN, place: node.0 },
+        })
+        .collect();
+    let result = formula(&numbers);
+    *graph = RECORDING.take().unwrap_or_default().graph;
+    drop(around);
+    result
+}
+
+/// Whether a residual that was asked for is to follow from energies.
+pub fn is_from_energies() -> bool {
+    RECORDING.with_borrow(|recording| recording.as_ref().is_some_and(|recording| recording.from_energies))
+}
+
+/// Derivatives of recorded numbers along a motion: each of `seeds` is a number that moves, with its rate.
+pub fn along_motion(outputs: &[Recorded], seeds: &[(Recorded, Recorded)]) -> Vec<Recorded> {
+    derived(|graph| {
+        let nodes: Vec<Node> = outputs.iter().map(|output| output.node(graph)).collect();
+        let moving = seeds.iter().filter(|(number, _)| number.place != CONSTANT);
+        let seeds: Vec<(Node, Node)> = moving.map(|(number, rate)| (number.node(graph), rate.node(graph))).collect();
+        graph.forward(&nodes, &seeds)
+    })
+}
+
+/// Gradient of a sum of recorded numbers times weights towards others.
+pub fn gradient_of(outputs: &[Recorded], weights: &[Recorded], towards: &[Recorded]) -> Vec<Recorded> {
+    derived(|graph| {
+        let [outputs, weights, towards] =
+            [outputs, weights, towards].map(|list| list.iter().map(|own| own.node(graph)).collect::<Vec<_>>());
+        graph.reverse(&outputs, &weights, &towards)
+    })
+}
+
+fn derived(derive: impl FnOnce(&mut Graph) -> Vec<Node>) -> Vec<Recorded> {
+    with_graph(|graph| {
+        let nodes = derive(graph);
+        let number = |node: Node| match graph.constant_of(node) {
+            Some(value) => Recorded::from(value),
+            None => Recorded { value: f64::NAN, place: node.0 },
+        };
+        nodes.into_iter().map(number).collect()
+    })
+}
+
+/// Values of recorded numbers for values of the recording's arguments.
+pub fn evaluate(values: &[f64], numbers: &[Recorded]) -> Vec<f64> {
+    let listing = with_graph(|graph| {
+        let nodes: Vec<Node> = numbers.iter().map(|number| number.node(graph)).collect();
+        Listing::of(graph, &nodes, values.len())
+    });
+    let mut results = vec![0.0; numbers.len()];
+    LoopCode::new(&listing).run(values, &mut results, &mut Vec::new());
+    results
+}

@@ -1,0 +1,140 @@
+use super::listing::{Listing, Source};
+use super::loop_code::{F64x8, LoopCode};
+use super::native::{NativeCode, Width};
+use crate::scalar::Scalar;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+/// How programs are executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Execution {
+    /// A loop over the list of operations.
+    Loop,
+    /// Machine code where processor and system have it, otherwise the loop.
+    Native,
+}
+
+static LOOP_ONLY: AtomicBool = AtomicBool::new(false);
+static COMPILING: AtomicU64 = AtomicU64::new(0);
+
+/// Chooses how programs are executed from now on, in the whole process; results have the same bits either way.
+pub fn set_execution(execution: Execution) {
+    LOOP_ONLY.store(execution == Execution::Loop, Ordering::Relaxed);
+}
+
+/// Time that this process has spent on making machine code [s].
+pub fn compile_time() -> f64 {
+    COMPILING.load(Ordering::Relaxed) as f64 * 1e-9
+}
+
+/// Something that can be executed for one element, for several side by side, and in any scalar.
+#[derive(Debug)]
+pub struct Program {
+    listing: Listing,
+    labels: Vec<u32>,
+    looped: OnceLock<LoopCode>,
+    native: [OnceLock<Option<NativeCode>>; 2],
+}
+
+/// Numbers that programs need on the way.
+#[derive(Debug)]
+pub struct ProgramWork<S> {
+    slots: Vec<S>,
+    lanes: Vec<F64x8>,
+    scratch: Vec<f64>,
+}
+
+impl<S> Default for ProgramWork<S> {
+    fn default() -> Self {
+        ProgramWork { slots: Vec::new(), lanes: Vec::new(), scratch: Vec::new() }
+    }
+}
+
+impl<S> Clone for ProgramWork<S> {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Program {
+    /// Of a listing, with a number for each of its results.
+    pub fn new(listing: Listing, labels: Vec<u32>) -> Self {
+        Program { listing, labels, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
+    }
+
+    /// The instructions.
+    pub fn listing(&self) -> &Listing {
+        &self.listing
+    }
+    /// What each result is.
+    pub fn labels(&self) -> &[u32] {
+        &self.labels
+    }
+    /// Which arguments are read.
+    pub fn reads(&self) -> Vec<bool> {
+        let mut reads = vec![false; self.listing.inputs];
+        let mut mark = |source: Source| {
+            if let Source::Input(input) = source {
+                reads[input as usize] = true;
+            }
+        };
+        self.listing.outputs.iter().for_each(|&source| mark(source));
+        self.listing.instructions.iter().for_each(|instruction| instruction.for_each_source(&mut mark));
+        reads
+    }
+    /// Number of arguments.
+    pub fn inputs(&self) -> usize {
+        self.listing.inputs
+    }
+    /// Number of results.
+    pub fn outputs(&self) -> usize {
+        self.listing.outputs.len()
+    }
+
+    fn looped(&self) -> &LoopCode {
+        self.looped.get_or_init(|| LoopCode::new(&self.listing))
+    }
+
+    fn native(&self, place: usize, width: Width) -> Option<&NativeCode> {
+        if LOOP_ONLY.load(Ordering::Relaxed) {
+            return None;
+        }
+        let compile = || {
+            let start = Instant::now();
+            let code = NativeCode::compile(&self.listing, width);
+            COMPILING.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+            code
+        };
+        self.native[place].get_or_init(compile).as_ref()
+    }
+
+    /// Executes it in any scalar.
+    pub fn run_in<S: Scalar>(&self, inputs: &[S], outputs: &mut [S], work: &mut ProgramWork<S>) {
+        self.looped().run(inputs, outputs, &mut work.slots);
+    }
+
+    /// Executes it for one element.
+    pub fn run(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
+        match self.native(0, Width::One) {
+            Some(code) => code.run(inputs, outputs, &mut work.scratch),
+            None => self.looped().run(inputs, outputs, &mut work.slots),
+        }
+    }
+
+    /// Executes it for [`lanes`] elements, whose numbers lie side by side.
+    pub fn run_lanes(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
+        let width = if lanes() == 4 { Width::Four } else { Width::Eight };
+        match self.native(1, width) {
+            Some(code) => code.run(inputs, outputs, &mut work.scratch),
+            None => self.looped().run_lanes(inputs, outputs, &mut work.lanes),
+        }
+    }
+}
+
+/// Elements that this processor handles side by side: 4 where it has AVX2 but not AVX-512 and machine code serves, otherwise 8.
+pub fn lanes() -> usize {
+    static LANES: OnceLock<usize> = OnceLock::new();
+    let found = *LANES.get_or_init(|| NativeCode::widest().map_or(8, Width::lanes));
+    if LOOP_ONLY.load(Ordering::Relaxed) || found == 1 { 8 } else { found }
+}

@@ -1,0 +1,156 @@
+//! num-dual's types among the scalars.
+//!
+//! First-order types follow the chain rule of [`jet`](super::jet), where a zero derivative stays zero though the slope of the function is
+//! infinite; types of higher order take num-dual's own functions, which makes them independent of everything else here.
+
+use super::jet::{Jet, functions_by_chain};
+use super::{CurveId, Scalar};
+use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, DualNum, DualSVec64, HyperDual64};
+
+/// Derivatives that are carried together in a tangent run.
+pub const TANGENTS: usize = 8;
+
+/// A value with eight first derivatives.
+pub type Tangents = DualSVec64<TANGENTS>;
+
+/// A type that carries first derivatives.
+trait FirstOrder: Sized {
+    /// f(x) with the derivatives f' dx; zero ones stay zero where f' is infinite.
+    fn chain(self, jet: Jet) -> Self;
+    /// The derivative along eight directions, or one.
+    fn combined(re: f64, parts: [(f64, Self); 2]) -> Self;
+}
+
+/// f' dx, zero where dx is.
+#[inline(always)]
+fn along(slope: f64, dx: f64) -> f64 {
+    if dx == 0.0 { 0.0 } else { slope * dx }
+}
+
+impl FirstOrder for Dual64 {
+    #[inline]
+    fn chain(self, [f, slope]: Jet) -> Self {
+        Dual64::new(f, along(slope, self.eps))
+    }
+    fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
+        Dual64::new(re, along(a, x.eps) + along(b, y.eps))
+    }
+}
+
+impl<const N: usize> FirstOrder for DualSVec64<N> {
+    #[inline]
+    fn chain(self, [f, slope]: Jet) -> Self {
+        DualSVec64::new(f, Derivative::new(self.eps.0.map(|eps| eps.map(|dx| along(slope, dx)))))
+    }
+    fn combined(re: f64, [(a, x), (b, y)]: [(f64, Self); 2]) -> Self {
+        let [x, y] = [(a, x), (b, y)].map(|(slope, x)| x.eps.0.map(|eps| eps.map(|dx| along(slope, dx))));
+        let sum = match (x, y) {
+            (Some(x), Some(y)) => Some(x + y),
+            (one, other) => one.or(other),
+        };
+        DualSVec64::new(re, Derivative::new(sum))
+    }
+}
+
+/// What is the same for all of them: choices look at the value.
+macro_rules! choices {
+    () => {
+        #[inline(always)]
+        fn value(self) -> f64 {
+            self.re
+        }
+        #[inline]
+        fn less(self, other: Self) -> Self {
+            Self::from(f64::from(u8::from(self.re < other.re)))
+        }
+        #[inline]
+        fn select(self, then: Self, otherwise: Self) -> Self {
+            if self.re != 0.0 { then } else { otherwise }
+        }
+        #[inline]
+        fn floor(self) -> Self {
+            Self::from(self.re.floor())
+        }
+        #[inline]
+        fn vanishing_times(self, other: Self) -> Self {
+            if self.re == 0.0 && self.is_constant() { self } else { self * other }
+        }
+    };
+}
+
+/// Types that carry first derivatives.
+macro_rules! first_order {
+    ([$($generics:tt)*] $type:ty, $x:ident => $constant:expr) => {
+        impl<$($generics)*> Scalar for $type {
+            choices!();
+            fn is_constant(self) -> bool {
+                let $x = self;
+                $constant
+            }
+            functions_by_chain!(re: sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            fn powi(self, exponent: i32) -> Self {
+                self.chain(super::jet::powi(self.re, exponent))
+            }
+            fn powf(self, exponent: f64) -> Self {
+                self.chain(super::jet::powf(self.re, exponent))
+            }
+            fn atan2(self, other: Self) -> Self {
+                let norm = self.re.hypot(other.re);
+                // divided twice by the norm: its square may overflow where the angle does not
+                let slopes = [other.re / norm / norm, -(self.re / norm / norm)];
+                Self::combined(self.re.atan2(other.re), [(slopes[0], self), (slopes[1], other)])
+            }
+            fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
+                let curve = curve.curve();
+                self.chain([curve.weight(knot, order, self.re), curve.weight(knot, order + 1, self.re)])
+            }
+        }
+    };
+}
+first_order!([] Dual64, x => x.eps == 0.0);
+first_order!([const N: usize] DualSVec64<N>, x => x.eps.0.is_none_or(|eps| eps.iter().all(|&dx| dx == 0.0)));
+
+/// Functions of num-dual.
+macro_rules! of_num_dual {
+    ($($name:ident),*) => { $(fn $name(self) -> Self { DualNum::$name(&self) })* };
+}
+
+/// Types that carry derivatives of higher order.
+macro_rules! higher_order {
+    ($($type:ty, $x:ident => $constant:expr, $weight:expr);*) => {$(
+        impl Scalar for $type {
+            choices!();
+            fn is_constant(self) -> bool {
+                let $x = self;
+                $constant
+            }
+            of_num_dual!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            fn powi(self, exponent: i32) -> Self {
+                DualNum::powi(&self, exponent)
+            }
+            fn powf(self, exponent: f64) -> Self {
+                DualNum::powf(&self, exponent)
+            }
+            fn atan2(self, other: Self) -> Self {
+                DualNum::atan2(&self, other)
+            }
+            fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
+                let derivatives = [0, 1, 2, 3].map(|more| curve.curve().weight(knot, order + more, self.re));
+                $weight(self, derivatives)
+            }
+        }
+    )*};
+}
+higher_order!(
+    Dual2_64, x => x.v1 == 0.0 && x.v2 == 0.0,
+    |x: Dual2_64, [f, f1, f2, _]: [f64; 4]| Dual2_64::new(f, f1 * x.v1, f2 * x.v1 * x.v1 + f1 * x.v2);
+    Dual3_64, x => x.v1 == 0.0 && x.v2 == 0.0 && x.v3 == 0.0,
+    |x: Dual3_64, [f, f1, f2, f3]: [f64; 4]| {
+        let third = f3 * x.v1 * x.v1 * x.v1 + 3.0 * f2 * x.v1 * x.v2 + f1 * x.v3;
+        Dual3_64::new(f, f1 * x.v1, f2 * x.v1 * x.v1 + f1 * x.v2, third)
+    };
+    HyperDual64, x => x.eps1 == 0.0 && x.eps2 == 0.0 && x.eps1eps2 == 0.0,
+    |x: HyperDual64, [f, f1, f2, _]: [f64; 4]| {
+        HyperDual64::new(f, f1 * x.eps1, f1 * x.eps2, f2 * x.eps1 * x.eps2 + f1 * x.eps1eps2)
+    }
+);

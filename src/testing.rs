@@ -1,0 +1,694 @@
+//! Checks for elements and constraints of anybody's own, which the library's pass too.
+//!
+//! What is derived from a recording is held against the formula itself, evaluated with num-dual's numbers and by complex steps:
+//!
+//! * the residual of an element against d/dt (dT/dv) - dT/dq + dV/dq + (de/dq)^T (dW/de + s) - Q, or as it is written
+//! * motion, reaction and curvature of a constraint against second-order numbers along the path
+//! * the matrices of Newton's method and the products of the adjoint, in models of several elements at once
+//!
+//! ```
+//! use costate::prelude::*;
+//! use costate::testing::{Sample, check_element};
+//! use std::sync::Arc;
+//!
+//! struct Spring;
+//! impl Element for Spring {
+//!     const DOFS: usize = 1;
+//!     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m3")];
+//!     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+//!         p[0] * q[0].powi(4) * 0.25
+//!     }
+//! }
+//! let samples = Sample::random(&[costate::assembly::NodeKind::Coordinates(1)], &[3.0], 12);
+//! check_element(&Arc::new(Spring), &samples).unwrap();
+//! ```
+
+use crate::assembly::{
+    Adjoints, ConstraintPart, Equations, Impulse, Jacobian, Level, Model, NodeId, NodeKind, ProductBars, ProductPoint,
+    Products, Residual, Shift, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+};
+use crate::elements::{
+    AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, Nonholonomic, NonholonomicConstraint,
+    Parameter, State,
+};
+use crate::program::{Formula, ProgramWork, Recorded, record};
+use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
+use num_dual::{Dual2_64, Dual64, HyperDual64};
+use std::sync::Arc;
+
+/// Largest difference, relative to the largest number that it is compared with.
+const TOLERANCE: f64 = 1e-12;
+
+/// A state, parameters and a time at which formulas are compared.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Accelerations.
+    pub a: Vec<f64>,
+    /// Velocities.
+    pub v: Vec<f64>,
+    /// Coordinates.
+    pub q: Vec<f64>,
+    /// Parameters.
+    pub p: Vec<f64>,
+    /// Time [s].
+    pub t: f64,
+}
+
+impl Sample {
+    /// `count` states of some nodes with numbers between -1 and 1, the same in every run; Euler parameters have lengths between 1/2 and
+    /// 3/2.
+    pub fn random(nodes: &[NodeKind], p: &[f64], count: usize) -> Vec<Sample> {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut number = || {
+            // Knuth's linear congruential generator; the high bits scatter well enough
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let sample = |_| {
+            let mut q = Vec::new();
+            for node in nodes {
+                let first = q.len();
+                q.extend((0..node.dofs()).map(|_| number()));
+                if *node == NodeKind::Body {
+                    let length = q[first + 3..].iter().map(|e| e * e).sum::<f64>().sqrt();
+                    let factor = (1.0 + 0.5 * number()) / length;
+                    q[first + 3..].iter_mut().for_each(|e| *e *= factor);
+                }
+            }
+            let [a, v] = [(); 2].map(|()| (0..q.len()).map(|_| number()).collect());
+            Sample { a, v, q, p: p.to_vec(), t: number() }
+        };
+        (0..count).map(sample).collect()
+    }
+
+    fn state(&self) -> State<'_, f64> {
+        State { a: &self.a, v: &self.v, q: &self.q }
+    }
+}
+
+/// An element or constraint with several owners.
+struct Shared<T>(Arc<T>);
+
+impl<E: Element> AnyElement for Shared<E> {
+    fn dof_count(&self) -> usize {
+        self.0.dofs()
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.0.kinks(p)
+    }
+    fn record_residual(&self) -> Result<Arc<Formula>, String> {
+        self.0.record_residual()
+    }
+    fn record_impulse(&self) -> Result<Arc<Formula>, String> {
+        self.0.record_impulse()
+    }
+    fn record_energies(&self) -> Result<Arc<Formula>, String> {
+        self.0.record_energies()
+    }
+    fn has_energies(&self) -> bool {
+        AnyElement::has_energies(&*self.0)
+    }
+}
+
+impl<C: AnyConstraint> AnyConstraint for Shared<C> {
+    fn dof_count(&self) -> usize {
+        self.0.dof_count()
+    }
+    fn equation_count(&self) -> usize {
+        self.0.equation_count()
+    }
+    fn is_nonholonomic(&self) -> bool {
+        self.0.is_nonholonomic()
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.0.parameter_list()
+    }
+    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
+        self.0.kink_times(p)
+    }
+    fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+        self.0.evaluate(numbers, t)
+    }
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, x| x.abs().max(largest))
+}
+
+/// Whether numbers agree up to round-off of the largest of them or of `scale`.
+fn agree(what: &str, own: &[f64], exact: &[f64], scale: f64) -> Result<(), String> {
+    let limit = TOLERANCE * largest(own).max(largest(exact)).max(scale);
+    // differences that are not numbers fail
+    match own.iter().zip(exact).position(|(own, exact)| !((own - exact).abs() <= limit)) {
+        None if own.len() == exact.len() => Ok(()),
+        None => Err(format!("{what}: {} numbers instead of {}", own.len(), exact.len())),
+        Some(place) => {
+            Err(format!("{what}: entry {place} is {}, not {}; all: {own:?} and {exact:?}", own[place], exact[place]))
+        }
+    }
+}
+
+fn lift<S: Scalar>(x: &[f64]) -> Vec<S> {
+    x.iter().map(|&x| S::from(x)).collect()
+}
+
+/// Numbers that move: each with its rate.
+fn moving(x: &[f64], rate: &[f64]) -> Vec<Dual64> {
+    x.iter().zip(rate).map(|(&x, &rate)| Dual64::new(x, rate)).collect()
+}
+
+/// Numbers of which one moves with rate 1.
+fn seeded(x: &[f64], place: usize) -> Vec<Dual64> {
+    x.iter().enumerate().map(|(i, &x)| Dual64::new(x, f64::from(u8::from(i == place)))).collect()
+}
+
+/// Momentum dL/dv, force dL/dq + Q and d/dt (dL/dv) by num-dual's numbers.
+fn lagrangian<E: Element>(element: &E, Sample { a, v, q, p, t }: &Sample) -> [Vec<f64>; 3] {
+    let n = q.len();
+    let mut applied = vec![0.0; n];
+    element.add_force(v, q, p, *t, &mut applied);
+    let (p1, p2): (Vec<Dual64>, Vec<HyperDual64>) = (lift(p), lift(p));
+    let strains = |q: &[Dual64], t: Dual64| {
+        let mut e = vec![Dual64::from(0.0); element.strain_count()];
+        element.strains(q, &p1, t, &mut e);
+        e
+    };
+    let along = strains(&moving(q, v), Dual64::new(*t, 1.0));
+    let (e, rate): (Vec<f64>, Vec<f64>) = along.iter().map(|e| (e.re, e.eps)).unzip();
+    let mut stresses = vec![0.0; e.len()];
+    element.damping(&e, &rate, p, *t, &mut stresses);
+    let mut result = [(); 3].map(|()| Vec::with_capacity(n));
+    for i in 0..n {
+        result[0].push(element.kinetic(&seeded(v, i), &lift(q), &p1).eps);
+        let (own, still) = (seeded(q, i), lift::<Dual64>(v));
+        let e = strains(&own, (*t).into());
+        let potential = element.potential(&own, &p1) + element.stored(&e, &p1);
+        let damping: f64 = e.iter().zip(&stresses).map(|(e, s)| e.eps * s).sum();
+        result[1].push(element.kinetic(&still, &own, &p1).eps - potential.eps + applied[i] - damping);
+        let number = |x: f64, first: bool, rate: f64| HyperDual64::new(x, f64::from(u8::from(first)), rate, 0.0);
+        let v2: Vec<HyperDual64> = (0..n).map(|j| number(v[j], i == j, a[j])).collect();
+        let q2: Vec<HyperDual64> = (0..n).map(|j| number(q[j], false, v[j])).collect();
+        result[2].push(element.kinetic(&v2, &q2, &p2).eps1eps2);
+    }
+    result
+}
+
+/// An element as a model sees it.
+pub fn element_physics<E: Element>(element: &Arc<E>) -> ElementPhysics {
+    ElementPhysics::new(Box::new(Shared(Arc::clone(element))))
+}
+
+/// A constraint as a model sees it.
+pub fn constraint_physics<C: AnyConstraint + 'static>(constraint: &Arc<C>) -> ConstraintPhysics {
+    ConstraintPhysics::new(Box::new(Shared(Arc::clone(constraint))))
+}
+
+/// Whether an element's residual is written out.
+fn is_written<E: Element>(element: &E) -> bool {
+    let (n, m) = (element.dofs(), element.parameters().len());
+    let (_, recording) = record(&vec![f64::NAN; 3 * n + m + 1], |x| {
+        let s = State { a: &x[..n], v: &x[n..2 * n], q: &x[2 * n..3 * n] };
+        element.residual(s, &x[3 * n..3 * n + m], x[3 * n + m], &mut vec![Recorded::from(0.0); n]);
+    });
+    !recording.from_energies
+}
+
+/// Holds what is derived from an element's formula against the formula in other numbers, at some states.
+///
+/// # Errors
+/// A formula that cannot be recorded, or the first disagreement: what, where, and both numbers.
+pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result<(), String> {
+    let physics = element_physics(element);
+    check_sizes(samples, physics.dof_count(), physics.parameter_count())?;
+    if let Some(why) = physics.residual_refused() {
+        return Err(why.into());
+    }
+    let written = is_written(&**element);
+    let has_impulse = physics.impulse_refused().is_none();
+    for sample in samples {
+        let (s, p, t) = (sample.state(), &sample.p, sample.t);
+        let own = physics.residual_at(s, p, t);
+        let [momentum, force, rate] = lagrangian(&**element, sample);
+        let of_energies: Vec<f64> = rate.iter().zip(&force).map(|(rate, force)| rate - force).collect();
+        if written {
+            let mut r = vec![0.0; s.q.len()];
+            element.residual(s, p, t, &mut r);
+            if own != r {
+                return Err(format!("residual: the program gives {own:?}, the formula {r:?}"));
+            }
+            if physics.has_energies() {
+                agree("written residual against energies", &own, &of_energies, 0.0)?;
+            }
+        } else {
+            agree("residual against energies", &own, &of_energies, largest(&force))?;
+        }
+        if has_impulse && (!written || physics.has_energies()) {
+            agree("momentum", &physics.impulse_at(s, p, t, [1.0, 0.0]), &momentum, 0.0)?;
+            agree("force", &physics.impulse_at(s, p, t, [0.0, 1.0]), &force, 0.0)?;
+        }
+        let e = {
+            let mut e = vec![0.0; element.strain_count()];
+            element.strains(s.q, p, 0.0, &mut e);
+            e
+        };
+        let potential = element.potential(s.q, p) + element.stored(&e, p);
+        let energies = [element.kinetic(s.v, s.q, p), potential, element.mass(p)];
+        let found = physics.energies_at(s.v, s.q, p);
+        // -0 is recorded as 0
+        if found != energies {
+            return Err(format!("energies and mass: the program gives {found:?}, the formulas {energies:?}"));
+        }
+        let values = physics.residual().values();
+        let inputs = [s.a, s.v, s.q, p, &[t]].concat();
+        let column = |place: usize| {
+            let (mut complex, mut second): (Vec<Complex64>, Vec<Dual2_64>) = (lift(&inputs), lift(&inputs));
+            complex[place].im = COMPLEX_STEP;
+            second[place].v1 = 1.0;
+            let (mut by_step, mut by_dual) = (vec![Complex64::ZERO; own.len()], vec![Dual2_64::from(0.0); own.len()]);
+            values.run_in(&complex, &mut by_step, &mut ProgramWork::default());
+            values.run_in(&second, &mut by_dual, &mut ProgramWork::default());
+            let by_step: Vec<f64> = by_step.iter().map(|r| r.im / COMPLEX_STEP).collect();
+            (by_step, by_dual.iter().map(|r| r.v1).collect::<Vec<f64>>())
+        };
+        let columns: Vec<_> = (0..inputs.len()).map(column).collect();
+        let scale = columns.iter().map(|(by_step, _)| largest(by_step)).fold(0.0, f64::max);
+        for (place, (by_step, by_dual)) in columns.iter().enumerate() {
+            agree(&format!("derivative to argument {place} by complex step and dual numbers"), by_step, by_dual, scale)?;
+        }
+        agree("dR/dt", &physics.time_rate(s, p, t), &columns[inputs.len() - 1].0, scale)?;
+    }
+    let build = |model: &mut Model, nodes: &[NodeId]| {
+        nodes.iter().for_each(|node| {
+            model.add_element("", std::slice::from_ref(node), Box::new(Shared(Arc::clone(element))));
+        });
+    };
+    let assembled = Assembled::new(samples, build);
+    let shift = |gamma, beta, alpha| Equations::stage(Shift::new(gamma, beta, alpha), Level::Acceleration);
+    let mut kinds = vec![shift(1.0, 0.0, 0.0), shift(0.0, 1.0, 0.0), shift(0.0, 0.0, 1.0), shift(0.7, -0.4, 1.3)];
+    if has_impulse {
+        kinds.push(Equations::variational(Variational { alpha: 0.3, h: 0.7, first: false }));
+    }
+    for equations in &kinds {
+        assembled.check_matrix(equations)?;
+    }
+    assembled.check_products(&kinds[3])?;
+    if has_impulse { assembled.check_impulse_products() } else { Ok(()) }
+}
+
+fn check_sizes(samples: &[Sample], n: usize, m: usize) -> Result<(), String> {
+    for Sample { a, v, q, p, .. } in samples {
+        if [a.len(), v.len(), q.len(), p.len()] != [n, n, n, m] {
+            let (q, p) = (q.len(), p.len());
+            return Err(format!("a sample has {q} coordinates and {p} parameters, the formula {n} and {m}"));
+        }
+    }
+    Ok(())
+}
+
+/// Holds what is derived from a constraint's g against g in other numbers, at some states.
+///
+/// # Errors
+/// A formula that cannot be recorded, or the first disagreement: what, where, and both numbers.
+pub fn check_constraint<C: Constraint>(constraint: &Arc<C>, samples: &[Sample]) -> Result<(), String> {
+    let g = Equation {
+        count: constraint.equations(),
+        real: &|_: &[f64], q: &[f64], p: &[f64], t: f64, g: &mut [f64]| constraint.g(q, p, t, g),
+        second: &|_: &[Dual2_64], q: &[Dual2_64], p: &[Dual2_64], t: Dual2_64, g: &mut [Dual2_64]| constraint.g(q, p, t, g),
+        mixed: &|_: &[HyperDual64], q: &[HyperDual64], p: &[HyperDual64], t: HyperDual64, g: &mut [HyperDual64]| {
+            constraint.g(q, p, t, g)
+        },
+    };
+    check_equation(constraint, &g, samples)
+}
+
+/// Holds what is derived from the h of a constraint on velocities against h in other numbers, at some states.
+///
+/// # Errors
+/// A formula that cannot be recorded, or the first disagreement: what, where, and both numbers.
+pub fn check_nonholonomic<C: NonholonomicConstraint>(
+    constraint: &Arc<Nonholonomic<C>>,
+    samples: &[Sample],
+) -> Result<(), String> {
+    let own = &constraint.0;
+    let h = Equation {
+        count: C::EQUATIONS,
+        real: &|v: &[f64], q: &[f64], p: &[f64], t: f64, h: &mut [f64]| own.h(v, q, p, t, h),
+        second: &|v: &[Dual2_64], q: &[Dual2_64], p: &[Dual2_64], t: Dual2_64, h: &mut [Dual2_64]| own.h(v, q, p, t, h),
+        mixed: &|v: &[HyperDual64], q: &[HyperDual64], p: &[HyperDual64], t: HyperDual64, h: &mut [HyperDual64]| {
+            own.h(v, q, p, t, h)
+        },
+    };
+    check_equation(constraint, &h, samples)
+}
+
+/// g or h of (v, q, p, t) in a number type.
+type InNumbers<'f, S> = &'f dyn Fn(&[S], &[S], &[S], S, &mut [S]);
+
+/// g or h in the number types of the checks.
+struct Equation<'f> {
+    count: usize,
+    real: InNumbers<'f, f64>,
+    second: InNumbers<'f, Dual2_64>,
+    mixed: InNumbers<'f, HyperDual64>,
+}
+
+/// The values of a formula.
+fn in_numbers<S: Scalar>(count: usize, formula: InNumbers<S>, [v, q, p]: [&[S]; 3], t: S) -> Vec<S> {
+    let mut values = vec![S::zero(); count];
+    formula(v, q, p, t, &mut values);
+    values
+}
+
+fn check_equation<C: AnyConstraint + 'static>(
+    constraint: &Arc<C>,
+    formula: &Equation,
+    samples: &[Sample],
+) -> Result<(), String> {
+    let physics = constraint_physics(constraint);
+    check_sizes(samples, physics.dof_count(), physics.parameter_count())?;
+    if let Some(why) = physics.refused() {
+        return Err(why.into());
+    }
+    let (n, count, restricts_velocities) = (physics.dof_count(), formula.count, physics.is_nonholonomic());
+    for (index, sample) in samples.iter().enumerate() {
+        let (s, p, t) = (sample.state(), &sample.p, sample.t);
+        let mu: Vec<f64> = (0..count).map(|row| (1.3 * row as f64 + index as f64 + 0.4).sin()).collect();
+        let lambda: Vec<f64> = (0..n).map(|dof| (0.7 * dof as f64 + index as f64 + 0.2).cos()).collect();
+        let motion = physics.motion(s, p, t);
+        let part = |order: usize| motion.iter().map(|g| g[order]).collect::<Vec<f64>>();
+        let still = vec![0.0; n];
+        let real = in_numbers(count, formula.real, [s.v, s.q, p], t);
+        let at_rest = in_numbers(count, formula.real, [&still, s.q, p], t);
+        if part(usize::from(restricts_velocities)) != real || physics.value(s.q, p, t) != at_rest {
+            return Err(format!("equations: the program gives {motion:?}, the formula {real:?}"));
+        }
+        // along the path q + s v + s^2 a / 2
+        let path = |x: &[f64], first: &[f64], second: &[f64]| -> Vec<Dual2_64> {
+            (0..n).map(|i| Dual2_64::new(x[i], first[i], second[i])).collect()
+        };
+        let (v2, q2) = (path(s.v, s.a, &still), path(s.q, s.v, s.a));
+        let along = in_numbers(count, formula.second, [&v2, &q2, &lift(p)], Dual2_64::new(t, 1.0, 0.0));
+        let first: Vec<f64> = along.iter().map(|g| g.v1).collect();
+        agree("first derivative along the motion", &part(1 + usize::from(restricts_velocities)), &first, 1.0)?;
+        if !restricts_velocities {
+            let second: Vec<f64> = along.iter().map(|g| g.v2).collect();
+            agree("second derivative along the motion", &part(2), &second, 1.0)?;
+        }
+        // A: derivatives to coordinates or velocities; lambda . A^T mu is the derivative of mu . g along lambda
+        let seed = |x: &[f64], along: &[f64], place: Option<usize>| -> Vec<HyperDual64> {
+            (0..x.len()).map(|i| HyperDual64::new(x[i], along[i], f64::from(u8::from(Some(i) == place)), 0.0)).collect()
+        };
+        let mixed = |towards: usize, place: Option<usize>| {
+            let (q_place, p_place) = ((towards == 0).then_some(place).flatten(), (towards == 1).then_some(place).flatten());
+            let v = if restricts_velocities { seed(&still, &lambda, None) } else { lift(s.v) };
+            let q = seed(s.q, if restricts_velocities { &still } else { &lambda }, q_place);
+            let p = seed(p, &vec![0.0; p.len()], p_place);
+            in_numbers(count, formula.mixed, [&v, &q, &p], t.into())
+        };
+        let weighted = |g: &[HyperDual64]| g.iter().zip(&mu).map(|(g, mu)| g.eps1eps2 * mu).sum::<f64>();
+        let rows = physics.rows(s.q, p, t);
+        let row_products: Vec<f64> =
+            rows.chunks_exact(n).map(|row| row.iter().zip(&lambda).map(|(a, l)| a * l).sum()).collect();
+        let exact: Vec<f64> = mixed(0, None).iter().map(|g| g.eps1).collect();
+        agree("rows", &row_products, &exact, largest(&rows))?;
+        for dof in 0..n {
+            let mut moved = lift::<Dual2_64>(if restricts_velocities { &still } else { s.q });
+            moved[dof].v1 = 1.0;
+            let (v, q) = if restricts_velocities { (moved, lift(s.q)) } else { (lift(s.v), moved) };
+            let g = in_numbers(count, formula.second, [&v, &q, &lift(p)], t.into());
+            let own: Vec<f64> = (0..count).map(|row| rows[row * n + dof]).collect();
+            agree("column of the rows", &own, &g.iter().map(|g| g.v1).collect::<Vec<_>>(), largest(&rows))?;
+        }
+        let reaction = physics.reaction(s.q, &mu, p, t);
+        let by_rows: Vec<f64> = (0..n).map(|dof| (0..count).map(|row| mu[row] * rows[row * n + dof]).sum()).collect();
+        agree("reaction", &reaction, &by_rows, 1.0)?;
+        let (of_q, of_p) = physics.reaction_gradient((s.q, p, t), &mu, &lambda);
+        let exact: Vec<f64> = (0..n).map(|dof| weighted(&mixed(0, Some(dof)))).collect();
+        agree("gradient of the reaction to coordinates", &of_q, &exact, 1.0)?;
+        let exact: Vec<f64> = (0..p.len()).map(|place| weighted(&mixed(1, Some(place)))).collect();
+        agree("gradient of the reaction to parameters", &of_p, &exact, 1.0)?;
+    }
+    let build = |model: &mut Model, nodes: &[NodeId]| {
+        nodes.iter().for_each(|node| {
+            model.add_constraint("", std::slice::from_ref(node), Box::new(Shared(Arc::clone(constraint))));
+        });
+    };
+    let assembled = Assembled::new(samples, build);
+    for level in [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized] {
+        let equations = Equations::stage(Shift::new(0.7, 0.4, 1.3), level);
+        assembled.check_matrix(&equations)?;
+        assembled.check_products(&equations)?;
+    }
+    Ok(())
+}
+
+/// A model with one node, and one element or constraint on it, for each sample.
+struct Assembled<'s> {
+    model: Model,
+    samples: &'s [Sample],
+    at: VectorsAvq<f64>,
+    p: Vec<f64>,
+}
+
+/// One group of arguments: (a, v, q) or parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Argument {
+    State(usize),
+    Parameters,
+}
+
+impl<'s> Assembled<'s> {
+    fn new(samples: &'s [Sample], build: impl Fn(&mut Model, &[NodeId])) -> Self {
+        let mut model = Model::default();
+        let nodes: Vec<NodeId> =
+            samples.iter().map(|sample| model.add_node("", NodeKind::Coordinates(sample.q.len()), false)).collect();
+        build(&mut model, &nodes);
+        let all = |part: fn(&Sample) -> &Vec<f64>| samples.iter().flat_map(|sample| part(sample).clone()).collect();
+        let at = VectorsAvq { a: all(|s| &s.a), v: all(|s| &s.v), q: all(|s| &s.q) };
+        let p = all(|s| &s.p);
+        Assembled { model, samples, at, p }
+    }
+
+    /// Times of the checks: few, because each is one for all states.
+    fn times(&self) -> impl Iterator<Item = f64> + '_ {
+        self.samples.iter().take(3).map(|sample| sample.t)
+    }
+
+    fn complex_at(&self) -> VectorsAvq<Complex64> {
+        VectorsAvq { a: lift(&self.at.a), v: lift(&self.at.v), q: lift(&self.at.q) }
+    }
+
+    fn system(&self, equations: &Equations) -> System<'_> {
+        let stabilized = equations.level == Level::Stabilized;
+        System::new(&self.model, SystemOptions { stabilized, ..SystemOptions::default() })
+    }
+
+    /// Multipliers that are not zero.
+    fn unknowns(system: &System) -> Unknowns<f64> {
+        let mut unknowns = Residual::<f64>::unknowns(system);
+        let values = |numbers: &mut [f64], phase: f64| {
+            numbers.iter_mut().enumerate().for_each(|(i, x)| *x = (1.9 * i as f64 + phase).sin());
+        };
+        values(&mut unknowns.mu, 0.3);
+        values(&mut unknowns.eta, 0.8);
+        unknowns
+    }
+
+    fn complex_unknowns(unknowns: &Unknowns<f64>) -> Unknowns<Complex64> {
+        let Unknowns { x, y, mu, eta, local_mu, local_eta } = unknowns;
+        let [x, y, mu, eta, local_mu, local_eta] = [x, y, mu, eta, local_mu, local_eta].map(|own| lift(own));
+        Unknowns { x, y, mu, eta, local_mu, local_eta }
+    }
+
+    /// F, Y and both sets of G of one sample, divided by a step's size.
+    fn steps_of(&self, residual: &Residual<Complex64>, index: usize) -> [Vec<f64>; 4] {
+        let n = self.samples[index].q.len();
+        let rows = self.model.equations / self.samples.len();
+        [(&residual.f, n), (&residual.y, n), (&residual.g, rows), (&residual.g_second, rows)]
+            .map(|(all, count)| all.iter().skip(index * count).take(count).map(|x| x.im / COMPLEX_STEP).collect())
+    }
+
+    /// The matrix of Newton's method against complex steps of every unknown.
+    fn check_matrix(&self, equations: &Equations) -> Result<(), String> {
+        let system = self.system(equations);
+        let (n, rows) = (self.samples[0].q.len(), self.model.equations / self.samples.len());
+        let copies = if equations.level == Level::Stabilized { 2 } else { 1 };
+        for t in self.times() {
+            let mut unknowns = Self::unknowns(&system);
+            let (mut real, mut jacobian) = (Residual::new(&system), Jacobian::new(&system));
+            real.evaluate(&system, equations, &self.at, &mut unknowns, &self.p, t);
+            jacobian.assemble(&system, equations, &real, &unknowns, &self.p, t);
+            let mut complex = Residual::new(&system);
+            let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
+            // places of the rows of a sample in the matrix: F, Y, G, second set of G
+            let places = |index: usize| -> [Vec<usize>; 4] {
+                let first = copies * n * index;
+                let multipliers = |places: &[Option<usize>]| -> Vec<usize> {
+                    places.iter().skip(index * rows).take(rows).flatten().copied().collect()
+                };
+                let of_y = if copies == 2 { (first + n..first + 2 * n).collect() } else { Vec::new() };
+                let [mu, eta] = [system.multiplier_places(), system.stabilizer_places()].map(multipliers);
+                [(first..first + n).collect(), of_y, mu, eta]
+            };
+            let all: Vec<[Vec<usize>; 4]> = (0..self.samples.len()).map(places).collect();
+            let mut blocks: Vec<[[Vec<f64>; 2]; 4]> = vec![Default::default(); self.samples.len()];
+            for group in 0..4 {
+                for column in 0..all[0][group].len() {
+                    let mut stepped = Self::complex_unknowns(&unknowns);
+                    let numbers = [&mut stepped.x, &mut stepped.y, &mut stepped.mu, &mut stepped.eta];
+                    let count = all[0][group].len();
+                    for numbers in numbers.into_iter().skip(group).take(1) {
+                        numbers.iter_mut().skip(column).step_by(count).for_each(|x| x.im = COMPLEX_STEP);
+                    }
+                    complex.evaluate(&system, equations, &at, &mut stepped, &p, t);
+                    for (index, places) in all.iter().enumerate() {
+                        let exact = self.steps_of(&complex, index);
+                        for (block, (places_of_rows, exact)) in blocks[index].iter_mut().zip(places.iter().zip(exact)) {
+                            let entry = |&row: &usize| {
+                                let place = system.pattern.position(row, places[group][column]);
+                                place.map_or(0.0, |place| jacobian.values[place])
+                            };
+                            block[0].extend(places_of_rows.iter().map(entry));
+                            block[1].extend(exact);
+                        }
+                    }
+                }
+            }
+            for (index, block) in blocks.iter().enumerate() {
+                for (what, [own, exact]) in ["F", "Y", "G", "second G"].iter().zip(block) {
+                    agree(&format!("matrix of {equations:?}, rows of {what} in sample {index}"), own, exact, 0.0)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gradients of adjoint variables times the rows of a system against complex steps of every argument.
+    fn check_products(&self, equations: &Equations) -> Result<(), String> {
+        let system = self.system(equations);
+        let t = self.samples[0].t;
+        let unknowns = Self::unknowns(&system);
+        let adjoints = Self::adjoints(&system);
+        let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
+        let mut complex = Residual::new(&system);
+        let mut product_of = |argument: Argument, place: usize| -> Vec<f64> {
+            let (mut at, mut p) = (at.clone(), p.clone());
+            self.step(argument, place, &mut at, &mut p);
+            let mut stepped = Self::complex_unknowns(&unknowns);
+            complex.evaluate(&system, equations, &at, &mut stepped, &p, t);
+            (0..self.samples.len())
+                .map(|index| {
+                    let weights = [&adjoints.f, &adjoints.y, &adjoints.g, &adjoints.g_second];
+                    let steps = self.steps_of(&complex, index);
+                    let own = |(all, steps): (&Vec<f64>, Vec<f64>)| -> f64 {
+                        all[index * steps.len()..].iter().zip(steps).map(|(weight, step)| weight * step).sum()
+                    };
+                    weights.into_iter().zip(steps).filter(|(_, steps)| !steps.is_empty()).map(own).sum()
+                })
+                .collect()
+        };
+        let found = |active: &[bool]| {
+            let (mut bar, mut bar_p) = (VectorsAvq::zeros(self.at.q.len()), vec![0.0; self.p.len()]);
+            let mut products = Products::new(active);
+            let point = ProductPoint { at: &self.at, p: &self.p, t };
+            let mut bars = [ProductBars { at: &mut bar, p: &mut bar_p }];
+            let adjoints = std::slice::from_ref(&adjoints);
+            products.add_elements(&system, adjoints, (None, 1.0), point, &mut bars);
+            products.add_constraints(&system, (equations, ConstraintPart::Both), adjoints, &unknowns, point, &mut bars);
+            (bar, bar_p)
+        };
+        self.compare_products(&format!("{equations:?}"), found, &mut product_of)
+    }
+
+    /// The same for the impulse w_P P + w_F F of elements.
+    fn check_impulse_products(&self) -> Result<(), String> {
+        let equations = Equations::acceleration();
+        let system = self.system(&equations);
+        let (t, weights) = (self.samples[0].t, [0.6, -1.7]);
+        let adjoints = Self::adjoints(&system);
+        let impulse = Impulse { momentum: weights[0], force: weights[1] };
+        let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
+        let mut product_of = |argument: Argument, place: usize| -> Vec<f64> {
+            let (mut at, mut p) = (at.clone(), p.clone());
+            self.step(argument, place, &mut at, &mut p);
+            let own = |index: usize| {
+                let (n, m) = (self.samples[index].q.len(), self.samples[index].p.len());
+                let [dofs, places] = [n, m].map(|count| index * count..(index + 1) * count);
+                let s = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
+                let values = self.model.elements[index].physics.impulse_at(s, &p[places], t.into(), weights);
+                adjoints.f[dofs].iter().zip(values).map(|(weight, value)| weight * value.im / COMPLEX_STEP).sum()
+            };
+            (0..self.samples.len()).map(own).collect()
+        };
+        let found = |active: &[bool]| {
+            let (mut bar, mut bar_p) = (VectorsAvq::zeros(self.at.q.len()), vec![0.0; self.p.len()]);
+            let point = ProductPoint { at: &self.at, p: &self.p, t };
+            let mut bars = [ProductBars { at: &mut bar, p: &mut bar_p }];
+            let adjoints = std::slice::from_ref(&adjoints);
+            Products::new(active).add_elements(&system, adjoints, (Some(impulse), 1.0), point, &mut bars);
+            (bar, bar_p)
+        };
+        self.compare_products("impulse", found, &mut product_of)
+    }
+
+    fn adjoints(system: &System) -> Adjoints {
+        let mut adjoints = Adjoints::zeros(system);
+        let Adjoints { f, y, g, g_second, .. } = &mut adjoints;
+        for (phase, numbers) in [f, y, g, g_second].into_iter().enumerate() {
+            let number = |i: usize| (0.9 * i as f64 + phase as f64 + 0.1).cos();
+            numbers.iter_mut().enumerate().for_each(|(i, x)| *x = number(i));
+        }
+        adjoints
+    }
+
+    /// A complex step of one argument of every element.
+    fn step(&self, argument: Argument, place: usize, at: &mut VectorsAvq<Complex64>, p: &mut [Complex64]) {
+        let (n, m) = (self.samples[0].q.len(), self.samples[0].p.len());
+        let (numbers, count): (&mut [Complex64], usize) = match argument {
+            Argument::State(0) => (&mut at.a, n),
+            Argument::State(1) => (&mut at.v, n),
+            Argument::State(_) => (&mut at.q, n),
+            Argument::Parameters => (p, m),
+        };
+        numbers.iter_mut().skip(place).step_by(count).for_each(|x| x.im = COMPLEX_STEP);
+    }
+
+    fn compare_products(
+        &self,
+        what: &str,
+        found: impl Fn(&[bool]) -> (VectorsAvq<f64>, Vec<f64>),
+        product_of: &mut dyn FnMut(Argument, usize) -> Vec<f64>,
+    ) -> Result<(), String> {
+        let (n, m) = (self.samples[0].q.len(), self.samples[0].p.len());
+        let all = [(Argument::State(0), n), (Argument::State(1), n), (Argument::State(2), n), (Argument::Parameters, m)];
+        let exact = all.map(|(argument, count)| {
+            let mut values = vec![0.0; count * self.samples.len()];
+            for place in 0..count {
+                let products = product_of(argument, place);
+                values[place..].iter_mut().step_by(count).zip(products).for_each(|(value, product)| *value = product);
+            }
+            values
+        });
+        // every parameter, then every other one
+        for stride in [1, 2] {
+            let active: Vec<bool> = (0..self.p.len()).map(|place| (place % m.max(1)) % stride == 0).collect();
+            let (bar, bar_p) = found(&active);
+            for (argument, (own, exact)) in ["a", "v", "q", "p"].iter().zip([bar.a, bar.v, bar.q, bar_p].iter().zip(&exact))
+            {
+                let mut exact = exact.clone();
+                if *argument == "p" {
+                    exact.iter_mut().zip(&active).filter(|(_, active)| !**active).for_each(|(value, _)| *value = 0.0);
+                }
+                let count = exact.len() / self.samples.len();
+                for (index, (own, exact)) in own.chunks(count.max(1)).zip(exact.chunks(count.max(1))).enumerate() {
+                    let place = format!("products of {what}, gradient to {argument} in sample {index}");
+                    agree(&place, own, exact, 1.0)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
