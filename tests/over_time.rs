@@ -30,7 +30,12 @@ fn derivatives_over_time_are_those_of_complex_step_and_of_the_adjoint_of_shorter
             let forward = analysis.forward(x).expect("runs");
             let tangent = analysis.tangent_over_time(x, &forward).expect("runs");
             let complex = analysis.complex_step_over_time(x, &forward).expect("runs");
-            assert_eq!((&tangent.times, &tangent.values), (&complex.times, &complex.values));
+            assert_eq!(tangent.times, complex.times);
+            // complex numbers divide by another formula: the last digits of functionals differ
+            for (real, complex) in tangent.values.iter().zip(&complex.values) {
+                let apart = real.iter().zip(complex).map(|(a, b)| a - b).collect::<Vec<_>>();
+                assert!(largest(&apart) <= 1e-14 * largest(real), "{}, {method}: {:e}", scene.scene_name(), largest(&apart));
+            }
             assert_eq!(tangent.times.len(), steps + 1);
             for (k, functional) in whole.functionals().iter().enumerate() {
                 let what = format!("{}, {method}, {}", scene.scene_name(), functional.name);

@@ -104,8 +104,8 @@ impl Probe for Recorded {
             let one = graph.constant(1.0);
             [graph.forward(of, &[(x[0], one)])[0], graph.reverse(of, &[one], &x[..1])[0]]
         };
-        let first = formula.dense_program(("first", [].into()), 0, |graph, x, y| derive(graph, x, y).to_vec());
-        let second = formula.dense_program(("second", [].into()), 0, |graph, x, y| {
+        let first = formula.dense_program(("first", Default::default()), 0, |graph, x, y| derive(graph, x, y).to_vec());
+        let second = formula.dense_program(("second", Default::default()), 0, |graph, x, y| {
             derive(graph, x, y).into_iter().flat_map(|first| derive(graph, x, &[first])).collect()
         });
         Parts { value: run(&formula.values(), x)[0], first: run(&first, x), second: run(&second, x) }
@@ -144,7 +144,10 @@ fn weights_of_knots_are_the_slopes_of_those_of_one_order_less() {
                     let weight = |x: f64| curve.curve().weight(knot, order, x);
                     let slope = slope_by_differences(weight, x);
                     let own = curve.curve().weight(knot, order + 1, x);
-                    assert!((own - slope).abs() < 1e-8 * own.abs().max(1.0), "order {order}, knot {knot}, {x}: {own} {slope}");
+                    assert!(
+                        (own - slope).abs() < 1e-8 * own.abs().max(1.0),
+                        "order {order}, knot {knot}, {x}: {own} {slope}"
+                    );
                 }
             }
         }
@@ -549,7 +552,7 @@ fn a_recorded_gradient_equals_that_of_tangents() {
     let dual = composite(&x.iter().enumerate().map(variable).collect::<Vec<_>>());
     let formula = Formula::record(TANGENTS, |x| vec![composite(x)]).expect("no branches");
     // weights are arguments: the sweep is linear in what comes back
-    let program = formula.dense_program(("gradient", [].into()), 1, |graph, x, y| {
+    let program = formula.dense_program(("gradient", Default::default()), 1, |graph, x, y| {
         [y, &graph.reverse(y, &x[TANGENTS..], &x[..TANGENTS])].concat()
     });
     for weight in [1.0, 2.0] {

@@ -40,7 +40,13 @@ fn sorted<L>(
     for part in 0..count {
         let (formula, nodes, flag) = kind(part);
         let place = *places.entry((Arc::as_ptr(&formula), nodes.clone(), flag)).or_insert_with(|| {
-            batches.push(Batch { parts: Vec::new(), nodes, formula, layout: layout(part), programs: ProgramCache::default() });
+            batches.push(Batch {
+                parts: Vec::new(),
+                nodes,
+                formula,
+                layout: layout(part),
+                programs: ProgramCache::default(),
+            });
             batches.len() - 1
         });
         batches[place].parts.push(part);

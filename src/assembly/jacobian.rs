@@ -170,7 +170,10 @@ impl Jacobian {
         let (shift, moves) = numbers_of(equations.residual);
         for batch in system.element_batches(force) {
             let layout = batch.layout;
-            let program = element_programs::matrix(&batch.formula, layout, &batch.nodes, system.options.stabilized, moves);
+            let code = moves.iter().fold(0, |code, &moves| 2 * code + u32::from(moves));
+            let program = batch.programs.get(code, || {
+                element_programs::matrix(&batch.formula, layout, &batch.nodes, system.options.stabilized, moves)
+            });
             self.evaluated += batch.parts.len();
             if program.outputs() == 0 {
                 continue;

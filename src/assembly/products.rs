@@ -86,7 +86,12 @@ fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[Part], active: &[
         for &part in parts {
             let asked = &active[all[part].parameters.clone()];
             let place = *places.entry(asked).or_insert_with(|| {
-                selections.push(Selection { batch, asked: asked.to_vec(), parts: Vec::new(), programs: ProgramCache::default() });
+                selections.push(Selection {
+                    batch,
+                    asked: asked.to_vec(),
+                    parts: Vec::new(),
+                    programs: ProgramCache::default(),
+                });
                 selections.len() - 1
             });
             selections[place].parts.push(part);

@@ -3,8 +3,7 @@ use super::constraint_programs::{Asked, values};
 use super::element_programs::Force;
 use super::numbering::{Local, System};
 use super::{Equations, Level, Rates, Unknowns, Variational, VectorsAvq};
-use crate::elements::RunScalar;
-use crate::program::ProgramWork;
+use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -62,6 +61,18 @@ pub struct Residual<S> {
     constraint_base: VectorsAvq<S>,
     work: BatchWork<S>,
     restored: VectorsAvq<S>,
+    floor: Floor,
+}
+
+/// Workspace of [`Residual::force_floor`].
+#[derive(Default)]
+struct Floor {
+    work: FormulaWork<f64>,
+    /// Arguments, force, and what one rounding of its arguments changes of it.
+    numbers: [Vec<f64>; 3],
+    q: Vec<f64>,
+    mu: Vec<f64>,
+    own_p: Vec<f64>,
 }
 
 impl<S: RunScalar> Residual<S> {
@@ -83,6 +94,7 @@ impl<S: RunScalar> Residual<S> {
             constraint_base: VectorsAvq::default(),
             work: BatchWork::default(),
             restored: VectorsAvq::default(),
+            floor: Floor::default(),
         }
     }
 
@@ -201,8 +213,7 @@ impl<S: RunScalar> Residual<S> {
     pub fn force_floor(&mut self, system: &System, unknowns: &Unknowns<S>, p: &[S], t: f64) -> f64 {
         let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
         let largest = |force: &[f64]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.abs()));
-        let (mut inputs, mut force, mut changed, mut rounded) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut work = ProgramWork::default();
+        let Floor { work, numbers: [inputs, force, rounded], q, mu, own_p } = &mut self.floor;
         for batch in system.element_batches(Force::Residual) {
             let (program, layout) = (batch.formula.values(), batch.layout);
             for part in batch.parts.iter().map(|&part| &system.element_parts[part]) {
@@ -212,32 +223,34 @@ impl<S: RunScalar> Residual<S> {
                 }
                 inputs.extend(p[part.parameters.clone()].iter().map(|p| p.value()));
                 inputs.push(t);
-                force.resize(layout.n, 0.0);
-                changed.resize(layout.n, 0.0);
-                program.run(&inputs, &mut force, &mut work);
-                scale = scale.max(largest(&force));
+                force.clear();
+                force.extend_from_slice(work.run(program, inputs.iter().copied()));
+                scale = scale.max(largest(force));
                 // what the last bit of each coordinate does, added up: signs that go against each other would hide it
                 rounded.clear();
                 rounded.resize(layout.n, 0.0);
                 for place in 2 * layout.n..3 * layout.n {
-                    let q = inputs[place];
-                    inputs[place] = q * (1.0 + f64::EPSILON);
-                    program.run(&inputs, &mut changed, &mut work);
+                    let at = inputs[place];
+                    inputs[place] = at * (1.0 + f64::EPSILON);
+                    let changed = work.run(program, inputs.iter().copied());
                     rounded
                         .iter_mut()
-                        .zip(changed.iter().zip(&force))
+                        .zip(changed.iter().zip(&*force))
                         .for_each(|(sum, (new, old))| *sum += (new - old).abs());
-                    inputs[place] = q;
+                    inputs[place] = at;
                 }
-                noise = noise.max(largest(&rounded));
+                noise = noise.max(largest(rounded));
             }
         }
+        let real = |to: &mut Vec<f64>, from: &mut dyn Iterator<Item = &S>| {
+            to.clear();
+            to.extend(from.map(|x| x.value()));
+        };
         for (joint, part) in system.global_constraints().zip(&system.constraint_parts) {
-            let value = |x: &S| x.value();
-            let q: Vec<f64> = part.segments.iter().flat_map(|dofs| &self.constraint_at.q[dofs.clone()]).map(value).collect();
-            let mu: Vec<f64> = unknowns.mu[joint.equations.clone()].iter().map(value).collect();
-            let p: Vec<f64> = p[part.parameters.clone()].iter().map(value).collect();
-            scale = scale.max(largest(&joint.physics.reaction(&q, &mu, &p, t)));
+            real(q, &mut part.segments.iter().flat_map(|dofs| &self.constraint_at.q[dofs.clone()]));
+            real(mu, &mut unknowns.mu[joint.equations.clone()].iter());
+            real(own_p, &mut p[part.parameters.clone()].iter());
+            scale = scale.max(largest(joint.physics.reaction_in((q, own_p, t), mu, work)));
         }
         (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
@@ -250,7 +263,7 @@ impl<S: RunScalar> Residual<S> {
             let part = |index: usize| &system.element_parts[batch.parts[index]];
             let f = &mut self.f;
             run_parts(
-                &program,
+                program,
                 batch.parts.len(),
                 &mut self.work,
                 |index, lane| {
@@ -300,7 +313,8 @@ impl<S: RunScalar> Residual<S> {
             if !with_equations {
                 asked.equations = [None; 2];
             }
-            let (program, layout) = (batch.programs.get(asked.short_code([false; 3]), || values(physics, asked)), batch.layout);
+            let (program, layout) =
+                (batch.programs.get(asked.short_code([false; 3]), || values(physics, asked)), batch.layout);
             let part = |index: usize| &system.constraint_parts[batch.parts[index]];
             let rows = |index: usize| system.equations_of(batch.parts[index]);
             let Residual { f, y, g, g_second, constraint_at: at, work, .. } = self;

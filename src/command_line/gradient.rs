@@ -143,7 +143,8 @@ impl Check {
         if largest > LIMIT {
             let [up, down] = prepared.complex_steps_nearby()?;
             let pairs = up.iter().zip(&down);
-            let apart: Vec<_> = pairs.map(|(up, down)| relative_differences(&prepared.variables, &prepared.x, up, down)).collect();
+            let apart: Vec<_> =
+                pairs.map(|(up, down)| relative_differences(&prepared.variables, &prepared.x, up, down)).collect();
             scatter = Some(largest_of(&apart));
         }
         Ok(Check { complex_step, differences, largest, scatter })

@@ -2,7 +2,7 @@
 
 use super::lagrangian::{Energies, impulse, is_linear_in, residual};
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
-use crate::program::{Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
+use crate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
 use crate::scalar::{Complex64, Scalar, Tangents};
 use num_dual::Derivative;
 use std::cell::RefCell;
@@ -31,6 +31,32 @@ pub trait RunScalar: Scalar {
     /// Executes it for as many as there are lanes, whose numbers lie side by side.
     fn run_lanes(program: &Program, inputs: &[Self], outputs: &mut [Self], work: &mut ProgramWork<Self>) {
         Self::run(program, inputs, outputs, work);
+    }
+}
+
+/// A program's arguments, results and workspace, kept from one run to the next.
+#[derive(Clone, Debug)]
+pub struct FormulaWork<S> {
+    inputs: Vec<S>,
+    outputs: Vec<S>,
+    program: ProgramWork<S>,
+}
+
+impl<S> Default for FormulaWork<S> {
+    fn default() -> Self {
+        FormulaWork { inputs: Vec::new(), outputs: Vec::new(), program: ProgramWork::default() }
+    }
+}
+
+impl<S: RunScalar> FormulaWork<S> {
+    /// Results of a program for its arguments.
+    pub fn run(&mut self, program: &Program, inputs: impl Iterator<Item = S>) -> &[S] {
+        self.inputs.clear();
+        self.inputs.extend(inputs);
+        self.outputs.clear();
+        self.outputs.resize(program.outputs(), S::zero());
+        S::run(program, &self.inputs, &mut self.outputs, &mut self.program);
+        &self.outputs
     }
 }
 
@@ -241,7 +267,7 @@ impl ElementPhysics {
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
         let place = 3 * self.dofs + self.parameters;
-        let program = self.residual().dense_program(("time rate", [].into()), 0, |graph, x, outputs| {
+        let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])
         });
@@ -411,14 +437,13 @@ impl ConstraintPhysics {
     /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.
     pub fn motion<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<[S; 3]> {
         let (n, m) = (self.dofs, self.parameters);
-        let program = self.formula().dense_program(("motion", [].into()), n, |graph, x, outputs| {
+        let program = self.formula().dense_program(("motion", Codes::new()), n, |graph, x, outputs| {
             let (v, q, t, a) = (&x[..n], &x[n..2 * n], x[2 * n + m], &x[2 * n + m + 1..]);
             motion_derivatives(graph, outputs, [a, v, q], t).into_iter().flatten().collect()
         });
-        let inputs: Vec<S> = s.v.iter().chain(s.q).chain(p).chain([&t]).chain(s.a).copied().collect();
         let count = self.equations;
-        let mut outputs = vec![S::zero(); 3 * count];
-        S::run(&program, &inputs, &mut outputs, &mut ProgramWork::default());
+        let mut work = FormulaWork::default();
+        let outputs = work.run(&program, s.v.iter().chain(s.q).chain(p).chain([&t]).chain(s.a).copied());
         let own = |row: usize| match self.is_nonholonomic() {
             false => [outputs[row], outputs[count + row], outputs[2 * count + row]],
             true => [S::zero(), outputs[row], outputs[count + row]],
@@ -428,18 +453,20 @@ impl ConstraintPhysics {
 
     /// g, or h at no velocity.
     pub fn value<S: RunScalar>(&self, q: &[S], p: &[S], t: S) -> Vec<S> {
-        let zeros = vec![S::zero(); self.dofs];
-        let inputs: Vec<S> = zeros.iter().chain(q).chain(p).chain([&t]).copied().collect();
-        let mut outputs = vec![S::zero(); self.equations];
-        S::run(self.formula().values(), &inputs, &mut outputs, &mut ProgramWork::default());
-        outputs
+        self.value_in(q, p, t, &mut FormulaWork::default()).to_vec()
+    }
+
+    /// [`Self::value`] in a workspace.
+    pub fn value_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
+        let zeros = std::iter::repeat_n(S::zero(), self.dofs);
+        work.run(self.formula().values(), zeros.chain(q.iter().chain(p).copied()).chain([t]))
     }
 
     /// d(A^T mu)/dt and dg/dt at a fixed state.
     pub fn time_rates(&self, q: &[f64], mu: &[f64], p: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (self.dofs, self.parameters);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        let program = self.formula().dense_program(("time rates", [].into()), self.equations, |graph, x, outputs| {
+        let program = self.formula().dense_program(("time rates", Codes::new()), self.equations, |graph, x, outputs| {
             let one = graph.constant(1.0);
             let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
             let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
@@ -455,18 +482,24 @@ impl ConstraintPhysics {
 
     /// A^T mu, or B^T mu for a nonholonomic constraint.
     pub fn reaction<S: RunScalar>(&self, q: &[S], mu: &[S], p: &[S], t: S) -> Vec<S> {
-        let program = self.reaction_program();
-        let zeros = vec![S::zero(); self.dofs];
-        let inputs: Vec<S> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
-        let mut outputs = vec![S::zero(); self.dofs];
-        S::run(&program, &inputs, &mut outputs, &mut ProgramWork::default());
-        outputs
+        self.reaction_in((q, p, t), mu, &mut FormulaWork::default()).to_vec()
+    }
+
+    /// [`Self::reaction`] in a workspace.
+    pub fn reaction_in<'w, S: RunScalar>(
+        &self,
+        (q, p, t): (&[S], &[S], S),
+        mu: &[S],
+        work: &'w mut FormulaWork<S>,
+    ) -> &'w [S] {
+        let zeros = std::iter::repeat_n(S::zero(), self.dofs);
+        work.run(&self.reaction_program(), zeros.chain(q.iter().chain(p).copied()).chain([t]).chain(mu.iter().copied()))
     }
 
     fn reaction_program(&self) -> Arc<Program> {
         let (n, first) = (self.dofs, 2 * self.dofs + self.parameters + 1);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        self.formula().dense_program(("reaction", [].into()), self.equations, |graph, x, outputs| {
+        self.formula().dense_program(("reaction", Codes::new()), self.equations, |graph, x, outputs| {
             graph.reverse(outputs, &x[first..], &x[towards..towards + n])
         })
     }
@@ -474,15 +507,12 @@ impl ConstraintPhysics {
     /// Rows A (or B), equations by coordinates.
     pub fn rows<S: RunScalar>(&self, q: &[S], p: &[S], t: S) -> Vec<S> {
         let (n, towards) = (self.dofs, if self.is_nonholonomic() { 0 } else { self.dofs });
-        let program = self.formula().dense_program(("rows", [].into()), 0, |graph, x, outputs| {
+        let program = self.formula().dense_program(("rows", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
         });
-        let zeros = vec![S::zero(); n];
-        let inputs: Vec<S> = zeros.iter().chain(q).chain(p).chain([&t]).copied().collect();
-        let mut rows = vec![S::zero(); self.equations * n];
-        S::run(&program, &inputs, &mut rows, &mut ProgramWork::default());
-        rows
+        let zeros = std::iter::repeat_n(S::zero(), n);
+        FormulaWork::default().run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t])).to_vec()
     }
 
     /// Gradient of lambda . A^T mu towards q, then towards all parameters.
@@ -490,7 +520,7 @@ impl ConstraintPhysics {
         let (n, m, count) = (self.dofs, self.parameters, self.equations);
         let first = 2 * n + m + 1;
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        let program = self.formula().dense_program(("reaction gradient", [].into()), count + n, |graph, x, outputs| {
+        let program = self.formula().dense_program(("reaction gradient", Codes::new()), count + n, |graph, x, outputs| {
             let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
             graph.reverse(&reaction, &x[first + count..], &x[n..2 * n + m])
         });

@@ -27,7 +27,9 @@ pub mod joints;
 pub use anchor::Anchor;
 pub use constraint::Constraint;
 pub(crate) use dyn_layer::instantiate_here;
-pub use dyn_layer::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, RunScalar, motion_derivatives};
+pub use dyn_layer::{
+    AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, motion_derivatives,
+};
 pub use element::{Element, State};
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;

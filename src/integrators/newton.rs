@@ -2,7 +2,7 @@ use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::failure::{Failure, FailureKind};
 use crate::assembly::{Equations, Jacobian, Level, Node, NodeKind, Residual, System, Unknowns, VectorsAvq};
-use crate::elements::RunScalar;
+use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -87,6 +87,7 @@ pub struct Newton<'m, S> {
     /// State and row of a look at redundant equations.
     state: VectorsAvq<S>,
     row: Vec<f64>,
+    formula_work: FormulaWork<f64>,
     /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
@@ -118,6 +119,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             work: Unknowns::default(),
             state: VectorsAvq::default(),
             row: Vec::new(),
+            formula_work: FormulaWork::default(),
             system,
             factorization,
             tolerance,
@@ -560,10 +562,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let numbers: Few = p[joint.parameters.clone()].iter().map(|p| p.value()).collect();
         let mut unit = Few::from_elem(0.0, joint.equations.len());
         unit[dropped - joint.equations.start] = 1.0;
-        let row = joint.physics.reaction(&own, &unit, &numbers, t);
+        let row = joint.physics.reaction_in((&own, &numbers, t), &unit, &mut self.formula_work);
         self.row.clear();
         self.row.resize(model.dofs, 0.0);
-        dofs().zip(&row).for_each(|(dof, &entry)| self.row[dof] = entry);
+        dofs().zip(row).for_each(|(dof, &entry)| self.row[dof] = entry);
         self.rhs.fill(0.0);
         self.jacobian.restrict_right(&self.system, &self.row, &[], &mut self.rhs);
         self.factorization.solve_transposed(&mut self.rhs);

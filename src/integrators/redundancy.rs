@@ -2,7 +2,7 @@
 
 use super::{Problem, RunError};
 use crate::assembly::{Equations, Jacobian, Model, Residual, System, SystemOptions, VectorsAvq};
-use crate::elements::RunScalar;
+use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::independent_rows;
 
 /// A dropped equation may be violated by this share of the largest coordinate ...
@@ -57,9 +57,10 @@ pub(super) fn dependent_equations<S: RunScalar>(
 /// Workspace of the watch over dropped equations.
 pub(super) struct Watch<S> {
     q: Vec<S>,
+    work: FormulaWork<S>,
 }
 
-crate::assembly::empty_fields!(Watch { q });
+crate::assembly::empty_fields!(Watch { q, work });
 
 impl<S: RunScalar> Watch<S> {
     /// The dropped equation that is violated most at a state, if it is violated more than round-off and the kept equations explain, and
@@ -69,8 +70,8 @@ impl<S: RunScalar> Watch<S> {
         for joint in &model.constraints {
             self.q.clear();
             joint.nodes.iter().for_each(|node| self.q.extend_from_slice(&q[model.nodes[node.0].dofs.clone()]));
-            let own = joint.physics.value(&self.q, &p[joint.parameters.clone()], S::from(t));
-            for (row, g) in joint.equations.clone().zip(&own) {
+            let own = joint.physics.value_in(&self.q, &p[joint.parameters.clone()], S::from(t), &mut self.work);
+            for (row, g) in joint.equations.clone().zip(own) {
                 let g = g.value().abs();
                 if dropped.binary_search(&row).is_err() {
                     kept = kept.max(g);

@@ -3,18 +3,22 @@ use super::listing::Listing;
 use super::operation::{Node, Operation};
 use super::recorded::{Recorded, Recording, extend, record};
 use super::running::Program;
+use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
-pub type ProgramKey = (&'static str, Box<[u32]>);
+pub type ProgramKey = (&'static str, Codes);
+
+/// Numbers of a key; lists of usual lengths take no memory of their own.
+pub type Codes = SmallVec<[u32; 16]>;
 
 /// A key that is looked up fast: kinds are told apart by where their names stand, and of two equal names that stand at different places
 /// each has its own program.
 #[derive(Debug)]
-struct Key(&'static str, Box<[u32]>);
+struct Key(&'static str, Codes);
 
 impl PartialEq for Key {
     fn eq(&self, other: &Self) -> bool {
@@ -45,7 +49,7 @@ pub struct Formula {
 
 /// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one.
 #[derive(Debug, Default)]
-pub struct ProgramCache(RwLock<Vec<(u32, Arc<Program>)>>);
+pub struct ProgramCache(RwLock<SmallVec<[(u32, Arc<Program>); 12]>>);
 
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
@@ -158,14 +162,14 @@ impl Formula {
 
     /// The results themselves.
     pub fn values(&self) -> &Program {
-        self.values.get_or_init(|| self.dense_program(("values", [].into()), 0, |_, _, outputs| outputs.to_vec()))
+        self.values.get_or_init(|| self.dense_program(("values", smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
     }
 
     /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
     pub fn gradient(&self, results: &[usize]) -> Arc<Program> {
         let code = results.iter().fold(0, |code, &result| code | 1 << result);
         self.gradients.get(code, || {
-            self.sparse_program(("gradient", [code].into()), 0, |graph, inputs, outputs| {
+            self.sparse_program(("gradient", smallvec![code]), 0, |graph, inputs, outputs| {
                 let chosen: Vec<Node> = results.iter().map(|&result| outputs[result]).collect();
                 let weights = vec![graph.constant(1.0); chosen.len()];
                 graph.reverse(&chosen, &weights, inputs)

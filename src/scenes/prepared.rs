@@ -11,7 +11,7 @@ use crate::integrators::{
 use crate::linalg::{Factorization, SolverPlan};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
-use crate::sensitivity::Analysis;
+use crate::sensitivity::{Analysis, largest_difference};
 
 /// Defaults of a scene's runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,6 +197,16 @@ impl<'s> Prepared<'s> {
             Ok(analysis.complex_step(&x, &forward)?.rows)
         };
         Ok([at(true)?, at(false)?])
+    }
+
+    /// By how much the gradients of the functionals may differ from complex steps: by `least`, or by four times what a rounding of the
+    /// variables does ([`Self::complex_steps_nearby`]), as [`largest_difference`] measures it.
+    ///
+    /// # Errors
+    /// Those of the runs.
+    pub fn gradient_limits(&self, least: f64) -> Result<Vec<f64>, RunError> {
+        let [up, down] = self.complex_steps_nearby()?;
+        Ok(up.iter().zip(&down).map(|(up, down)| least.max(4.0 * largest_difference(up, down))).collect())
     }
 
     /// The scene's dependence on its design.

@@ -64,6 +64,9 @@ pub struct Gradient {
 /// Relative difference of derivatives of the map beyond which they are not the same.
 const MAP_LIMIT: f64 = 1e-9;
 
+/// Numbers below this are what cancelling terms of order one leave.
+const MAP_FLOOR: f64 = 1e-5;
+
 /// A design with derivatives along eight of its variables at a time, and along how many.
 pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Tangents>, usize)> {
     (0..x.len()).step_by(TANGENTS).map(|first| {
@@ -261,11 +264,14 @@ impl<'m> Analysis<'m> {
             }
             let unit: Vec<f64> = direction.iter().map(|d| d / size).collect();
             let ModelNumbers { p, q, v } = chain.tangent(&unit);
-            let lists = [("parameter", &mut numbers.p, p), ("coordinate", &mut numbers.q, q), ("velocity", &mut numbers.v, v)];
+            let lists =
+                [("parameter", &mut numbers.p, p), ("coordinate", &mut numbers.q, q), ("velocity", &mut numbers.v, v)];
             for (what, own, recorded) in lists {
+                // a derivative that cancels keeps the round-off of its terms, which are of the size of the other derivatives
+                let terms = recorded.iter().fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
                 for (place, (own, recorded)) in own.iter_mut().zip(recorded).enumerate() {
                     let difference = recorded - own.part(part) / size;
-                    if !(difference.abs() <= MAP_LIMIT * (recorded.abs() + own.value().abs())) {
+                    if !(difference.abs() <= MAP_LIMIT * (terms + own.value().abs() + MAP_FLOOR)) {
                         return Err(RunError::Input(format!(
                             "derivative of {what} {place} by the design: {recorded} recorded, {} with derivative parts",
                             own.part(part) / size
