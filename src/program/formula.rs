@@ -157,7 +157,7 @@ impl Formula {
     }
 
     /// The results themselves.
-    pub fn values(&self) -> &Program {
+    pub fn values(&self) -> &Arc<Program> {
         self.values.get_or_init(|| self.dense_program(("values", [].into()), 0, |_, _, outputs| outputs.to_vec()))
     }
 
