@@ -1,7 +1,7 @@
 //! Charts: curves over one axis, alone or stacked.
 
 use super::axis::{Marks, Scale, drawable};
-use super::file::IoError;
+use crate::io::file::IoError;
 use super::picture::{Align, Colour, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
 use super::plot::{Plot, TITLE_SIZE, marks_width};
 use std::path::Path;
@@ -313,7 +313,7 @@ fn draw_legend(picture: &mut Picture, chart: &Chart, plot: &Plot) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::file::tests::Folder;
+    use crate::io::file::tests::Folder;
     use super::super::picture::tests::png_size;
     use super::*;
 
