@@ -37,7 +37,7 @@ const PASSES: usize = 4;
 /// Rounds in which a user's element and its model in the library are measured in turn.
 const ROUNDS: usize = 60;
 /// Measurements at most until the least time is below what it is compared with: what disturbs them only adds.
-const TRIES: usize = 4;
+const TRIES: usize = 10;
 
 /// Aims for residual and matrix together [us]: one element, and for each of many.
 const AIMS: [(&str, [f64; 2]); 5] = [

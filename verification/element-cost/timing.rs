@@ -10,6 +10,7 @@ use costate::program::{Formula, Graph, Node, Program, ProgramWork, compile_time,
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Measurements of which the least counts.
 const MEASUREMENTS: usize = 25;
@@ -64,8 +65,11 @@ struct Aligned(Vec<f64>, usize);
 
 impl Aligned {
     fn new(count: usize) -> Self {
-        let values = vec![0.0_f64; count + 8];
-        let start = values.as_ptr().align_offset(64).min(8);
+        // each at another place of a page: where stores and loads meet at the same place of two pages, loads wait
+        static PLACES: AtomicUsize = AtomicUsize::new(0);
+        let shift = 40 * (PLACES.fetch_add(1, Ordering::Relaxed) % 13);
+        let values = vec![0.0_f64; count + shift + 8];
+        let start = values.as_ptr().align_offset(64).min(8) + shift;
         Aligned(values, start)
     }
     fn all(&mut self, count: usize) -> &mut [f64] {

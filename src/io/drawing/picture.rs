@@ -328,8 +328,8 @@ fn draw_text(pixels: &mut [u8], width: usize, at: Place, text: &str, size: f64, 
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::io::file::tests::Folder;
     use super::*;
+    use crate::io::file::tests::Folder;
 
     /// Width and height from the header of a PNG file.
     pub fn png_size(path: &Path) -> (u32, u32) {
