@@ -108,7 +108,7 @@ impl Probe for Recorded {
         let second = formula.dense_program(("second", Default::default()), 0, |graph, x, y| {
             derive(graph, x, y).into_iter().flat_map(|first| derive(graph, x, &[first])).collect()
         });
-        Parts { value: run(&formula.values(), x)[0], first: run(&first, x), second: run(&second, x) }
+        Parts { value: run(formula.values(), x)[0], first: run(&first, x), second: run(&second, x) }
     }
 }
 

@@ -522,7 +522,7 @@ pub(super) fn node_seeds<'a>(system: &System, bases: &'a [Bases], node: usize) -
 }
 
 /// Coefficients of a shift, and which of them are not zero.
-fn numbers_of(Shift { gamma, beta, alpha }: Shift) -> ([f64; 3], [bool; 3]) {
+pub(super) fn numbers_of(Shift { gamma, beta, alpha }: Shift) -> ([f64; 3], [bool; 3]) {
     let all = [gamma, beta, alpha];
     (all, all.map(|coefficient| coefficient != 0.0))
 }

@@ -37,14 +37,6 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), IoError> {
     write_with(path, |out| out.write_all(contents))
 }
 
-/// Writes `value` to `path` as indented JSON with a final newline.
-///
-/// # Errors
-/// As [`write_file`].
-pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), IoError> {
-    write_file(path, format!("{value:#}\n").as_bytes())
-}
-
 /// Lets `fill` stream into `path`, creating missing folders; the file appears whole or not at all.
 ///
 /// # Errors
@@ -159,14 +151,5 @@ pub(crate) mod tests {
         assert!(error.contains("blocked") && error.contains("a folder of this name exists"), "{error}");
         assert!(write_file(Path::new("/"), b"").unwrap_err().to_string().contains("file name"));
         assert_eq!(folder.names(), ["block"]);
-    }
-
-    #[test]
-    fn json_is_read_back_as_written() {
-        let folder = Folder::new("json");
-        let value = serde_json::json!({"study": "orders", "value": 0.1, "list": [1, 2]});
-        write_json(&folder.0.join("v.json"), &value).unwrap();
-        let text = fs::read_to_string(folder.0.join("v.json")).unwrap();
-        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
     }
 }

@@ -49,7 +49,10 @@ pub struct Formula {
 
 /// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one.
 #[derive(Debug, Default)]
-pub struct ProgramCache(RwLock<SmallVec<[(u32, Arc<Program>); 12]>>);
+pub struct ProgramCache(RwLock<Known>);
+
+/// Usual numbers of programs take no memory of their own.
+type Known = SmallVec<[(u32, Arc<Program>); 12]>;
 
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
@@ -161,7 +164,7 @@ impl Formula {
     }
 
     /// The results themselves.
-    pub fn values(&self) -> &Program {
+    pub fn values(&self) -> &Arc<Program> {
         self.values.get_or_init(|| self.dense_program(("values", smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
     }
 

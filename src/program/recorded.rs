@@ -85,7 +85,8 @@ impl Recorded {
         })
     }
 
-    #[inline]
+    // formulas of all elements are compiled with these: as calls they take half the code
+    #[inline(never)]
     fn unary(self, function: Unary) -> Self {
         let value = function.apply(self.value);
         if self.place == CONSTANT {
@@ -94,7 +95,7 @@ impl Recorded {
         Self::made(value, |graph| graph.unary(function, Node(self.place)))
     }
 
-    #[inline]
+    #[inline(never)]
     fn binary(self, function: Binary, other: Self) -> Self {
         let value = function.apply(self.value, other.value);
         if self.place == CONSTANT && other.place == CONSTANT {

@@ -70,10 +70,13 @@ impl<C: Constraint> Contract for Arc<C> {
     }
 }
 
+/// Checks a constraint at samples, or says what fails.
+pub type ConstraintCheck = dyn Fn(&[Sample]) -> Result<(), String>;
+
 /// A constraint on velocities with the number of its coordinates and sample parameters.
 pub struct Rolling {
     pub name: String,
-    pub constraint: Box<dyn Fn(&[Sample]) -> Result<(), String>>,
+    pub constraint: Box<ConstraintCheck>,
     pub nodes: [Anchor; 2],
     pub p: Vec<f64>,
 }

@@ -1,9 +1,9 @@
 //! Charts: curves over one axis, alone or stacked.
 
 use super::axis::{Marks, Scale, drawable};
-use super::file::IoError;
 use super::picture::{Align, Colour, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
 use super::plot::{Plot, TITLE_SIZE, marks_width};
+use crate::io::file::IoError;
 use std::path::Path;
 
 /// How a [`Series`] is drawn.
@@ -313,9 +313,9 @@ fn draw_legend(picture: &mut Picture, chart: &Chart, plot: &Plot) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::file::tests::Folder;
     use super::super::picture::tests::png_size;
     use super::*;
+    use crate::io::file::tests::Folder;
 
     fn wave(name: &str, style: Style, scale: f64, phase: f64) -> Series {
         let count = if style == Style::Line { 400 } else { 25 };

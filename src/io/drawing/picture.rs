@@ -1,6 +1,6 @@
 //! A picture as a list of shapes, drawn once for the screen (PNG) and once for print (SVG).
 
-use super::file::{Aside, IoError};
+use crate::io::file::{Aside, IoError};
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -173,8 +173,11 @@ impl Picture {
         let (width, height) = (self.width.round() as u32 * SCALE, self.height.round() as u32 * SCALE);
         let fine = self.pixels(f64::from(SCALE) * SAMPLES as f64, width as usize * SAMPLES, height as usize * SAMPLES)?;
         let pixels = averaged(&fine, width as usize, height as usize, SAMPLES);
-        let mut file = BitMapBackend::new(path, (width, height));
-        file.blit_bitmap((0, 0), (width, height), &pixels).and_then(|()| file.present()).map_err(as_text)
+        let file = std::fs::File::create(path).map_err(as_text)?;
+        let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+        encoder.set_color(png::ColorType::Rgb);
+        let mut writer = encoder.write_header().map_err(as_text)?;
+        writer.write_image_data(&pixels).and_then(|()| writer.finish()).map_err(as_text)
     }
 
     /// The picture in `scale` times its size, three bytes a pixel.
@@ -325,8 +328,8 @@ fn draw_text(pixels: &mut [u8], width: usize, at: Place, text: &str, size: f64, 
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::file::tests::Folder;
     use super::*;
+    use crate::io::file::tests::Folder;
 
     /// Width and height from the header of a PNG file.
     pub fn png_size(path: &Path) -> (u32, u32) {

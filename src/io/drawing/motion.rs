@@ -1,10 +1,10 @@
 //! A motion in one picture: earlier positions faint, the last one strong, the paths of points as thin lines.
 
 use super::axis::{Scale, drawable, round_step};
-use super::file::IoError;
 use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
 use super::plot::{LABEL_SIZE, MARK_SIZE, Plot, TITLE_SIZE, marks_width};
-use super::table::number;
+use crate::io::file::IoError;
+use crate::io::table::number;
 use std::path::Path;
 
 /// A line through points of a body at one time.
@@ -385,9 +385,9 @@ fn round_time(time: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::file::tests::Folder;
     use super::super::picture::tests::png_size;
     use super::*;
+    use crate::io::file::tests::Folder;
 
     /// A made-up flexible double pendulum; not a solution of any equation.
     fn pendulum(view: View) -> Motion {

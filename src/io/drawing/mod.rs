@@ -1,0 +1,13 @@
+//! Charts and pictures of a motion.
+//!
+//! Every chart goes out twice, as `stem.png` and `stem.svg`; its text is drawn with an embedded font, so that pictures look the same on
+//! every machine.
+
+mod axis;
+mod chart;
+mod motion;
+mod picture;
+mod plot;
+
+pub use chart::{Chart, Series, Style, write_panels};
+pub use motion::{Frame, Motion, Polyline, Trail, View};

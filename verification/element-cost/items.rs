@@ -1,0 +1,160 @@
+//! Everything that is measured: each element, joint, driver, spring and load of the library, and what a user wrote.
+
+use super::user::{UserBeam, UserRevolute};
+use costate::assembly::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
+use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
+use costate::elements::flexible::{
+    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
+};
+use costate::elements::forces::*;
+use costate::elements::joints::*;
+use costate::elements::{Anchor, AnyConstraint, AnyElement, Flexible, Nonholonomic, TimeFunction};
+
+/// An element or a constraint with its type erased.
+pub enum Physics {
+    Element(Box<dyn AnyElement>),
+    Constraint(Box<dyn AnyConstraint>),
+}
+
+/// What is measured.
+pub struct Item {
+    pub name: &'static str,
+    pub nodes: &'static [NodeKind],
+    pub physics: Box<dyn Fn() -> Physics>,
+}
+
+fn element<T: Into<Box<dyn AnyElement>>>(
+    name: &'static str,
+    nodes: &'static [NodeKind],
+    own: impl Fn() -> T + 'static,
+) -> Item {
+    Item { name, nodes, physics: Box::new(move || Physics::Element(own().into())) }
+}
+
+fn constraint<T: Into<Box<dyn AnyConstraint>>>(
+    name: &'static str,
+    nodes: &'static [NodeKind],
+    own: impl Fn() -> T + 'static,
+) -> Item {
+    Item { name, nodes, physics: Box::new(move || Physics::Constraint(own().into())) }
+}
+
+const BODIES: &[NodeKind] = &[Body, Body];
+const NATURAL: &[NodeKind] = &[Natural, Natural];
+const NATURAL_END: Anchor = Anchor::Natural;
+const BEAM: &[NodeKind] = &[Body, Body, Body];
+const CABLE: &[NodeKind] = &[Slope, Slope];
+
+fn beam(coupled: bool, damped: bool) -> Flexible<BeamField> {
+    Flexible(BeamField { coupled, damped, eccentric: coupled })
+}
+
+/// Kinds of elements.
+fn elements() -> Vec<Item> {
+    let (on, a, b) = (Anchor::Body, Anchor::Body, Anchor::Body);
+    let frame = LoadFrame::Body;
+    let load = || DistributedLoadField { frame: LoadFrame::World, size: TimeFunction::Constant };
+    vec![
+        element("rigid body", &[Body], move || RigidBody),
+        element("rigid body in natural coordinates", &[Natural], move || NaturalBody),
+        element("point mass", &[Point], move || PointMass),
+        element("beam", BEAM, move || beam(false, false)),
+        element("beam damped", BEAM, move || beam(false, true)),
+        element("beam coupled and eccentric", BEAM, move || beam(true, false)),
+        element("weight of a beam", BEAM, move || Flexible(BeamGravityField { eccentric: true })),
+        element("distributed load", BEAM, move || Flexible(load())),
+        element("cable", CABLE, move || Cable { damped: false }),
+        element("cable damped", CABLE, move || Cable { damped: true }),
+        element("cable of small strain", CABLE, move || Flexible(SmallStrainCableField)),
+        element("inertia of a cable", CABLE, move || CableInertia),
+        element("weight of a cable", CABLE, move || CableGravity),
+        element("weight", &[Body], move || Gravity { on }),
+        element("applied force", &[Body], move || AppliedForce { on, frame, size: TimeFunction::Sine }),
+        element("applied torque", &[Body], move || AppliedTorque { on, frame, size: TimeFunction::Sine }),
+        element("bushing", BODIES, move || Bushing { a, b }),
+        element("line spring", BODIES, move || LineSpring { a, b }),
+        element("line damper", BODIES, move || LineDamper { a, b }),
+        element("vector damper", BODIES, move || VectorDamper { a, b }),
+        element("slide spring and damper", BODIES, move || SlideSpringDamper { a, b }),
+        element("torsion spring and damper", BODIES, move || TorsionSpringDamper { a, b }),
+        element("coordinate spring and damper", &[Coordinates(1)], move || CoordinateSpringDamper { of: 1, index: 0 }),
+        element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint { a, b })) }),
+    ]
+}
+
+/// Kinds of joints.
+fn joints() -> Vec<Item> {
+    let (a, b) = (Anchor::Body, Anchor::Body);
+    vec![
+        constraint("spherical", BODIES, move || SphericalJoint { a, b }),
+        constraint("revolute", BODIES, move || RevoluteJoint { a, b }),
+        constraint("revolute between natural coordinates", NATURAL, move || RevoluteJoint {
+            a: NATURAL_END,
+            b: NATURAL_END,
+        }),
+        constraint("universal", BODIES, move || UniversalJoint { a, b }),
+        constraint("cylindrical", BODIES, move || CylindricalJoint { a, b }),
+        constraint("prismatic", BODIES, move || PrismaticJoint { a, b }),
+        constraint("planar", BODIES, move || PlanarJoint { a, b }),
+        constraint("helical", BODIES, move || HelicalJoint { a, b }),
+        constraint("fixed", BODIES, move || FixedJoint { a, b }),
+        constraint("point on line", BODIES, move || PointOnLine { a, b }),
+        constraint("point in plane", BODIES, move || PointInPlane { a, b }),
+        constraint("distance", BODIES, move || DistanceJoint { a, b }),
+        constraint("rigid link", BODIES, move || RigidLink { a, b }),
+        constraint("driven rotation", BODIES, move || PrescribedRotation { a, b, angle: TimeFunction::ConstantRate }),
+        constraint("driven translation", BODIES, move || PrescribedTranslation { a, b, displacement: TimeFunction::Sine }),
+        constraint("angle coordinate", &[Body, Body, Coordinates(1)], move || AngleCoordinate { a, b }),
+        constraint("gear", &[Coordinates(1), Coordinates(1)], move || GearJoint),
+        constraint("rack and pinion", &[Body, Body, Body], move || RackAndPinion { nodes: [a; 3] }),
+        constraint("disc on plane", BODIES, move || DiscOnPlane { a, b }),
+        constraint("rolling disc", BODIES, move || Nonholonomic(RollingDisc { a, b })),
+        constraint("rolling sphere", BODIES, move || Nonholonomic(RollingSphere { a, b })),
+        constraint("cable end", &[Body, Slope], move || CableEnd { a, held: HeldSlope::Direction }),
+        constraint("cable corner", CABLE, move || CableCorner),
+        constraint("unit length of Euler parameters", &[Coordinates(7)], move || -> Box<dyn AnyConstraint> {
+            Box::new(EulerParameterNorm)
+        }),
+        constraint("orthonormal axes", &[Coordinates(12)], move || -> Box<dyn AnyConstraint> { Box::new(OrthonormalAxes) }),
+    ]
+}
+
+/// What a user wrote, each with the name of its model in the library.
+pub fn of_users() -> Vec<(Item, &'static str)> {
+    let beam = || -> Box<dyn AnyElement> { Box::new(Flexible(UserBeam)) };
+    let joint = || -> Box<dyn AnyConstraint> { Box::new(UserRevolute) };
+    vec![(element("a user's beam", BEAM, beam), "beam"), (constraint("a user's revolute", BODIES, joint), "revolute")]
+}
+
+/// All of the library, then those of users.
+pub fn all() -> Vec<Item> {
+    elements().into_iter().chain(joints()).chain(of_users().into_iter().map(|(item, _)| item)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_element_and_constraint_of_the_library_is_measured() {
+        let list = include_str!("items.rs");
+        let mut found = 0;
+        for folder in ["bodies", "flexible", "forces", "joints"] {
+            let path = format!("{}/src/elements/{folder}", env!("CARGO_MANIFEST_DIR"));
+            for file in std::fs::read_dir(path).expect("a folder of the library") {
+                let text = std::fs::read_to_string(file.expect("a file").path()).expect("text");
+                for line in text.lines().filter(|line| line.starts_with("impl")) {
+                    let Some((of, name)) = line.split_once(" for ") else { continue };
+                    let is_physics = ["Element", "Constraint", "NonholonomicConstraint", "Field"]
+                        .iter()
+                        .any(|own| of.trim_start_matches("impl").trim_start_matches("<J: Constraint>").trim() == *own);
+                    let name = name.trim_end_matches('{').trim().split('<').next().unwrap_or_default();
+                    // Displacement and Slide are what a bushing and a slide spring are made of
+                    if is_physics && !["Displacement", "Slide"].contains(&name) {
+                        assert!(list.contains(name), "{name} is not measured");
+                        found += 1;
+                    }
+                }
+            }
+        }
+        assert!(found > 40, "only {found} found");
+    }
+}
