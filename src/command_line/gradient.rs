@@ -8,6 +8,7 @@ use costate::design::DesignVariable;
 use costate::history::Keep;
 use costate::integrators::{Counters, RunError};
 use costate::io::{Cell, Progress, Table, number};
+use costate::program::making_time;
 use costate::scenes::Prepared;
 use costate::sensitivity::{Forward, Gradient};
 use serde_json::{Map, Value, json};
@@ -55,6 +56,8 @@ struct Timed {
     /// Steps computed again between checkpoints.
     recomputed: usize,
     seconds: f64,
+    /// For programs that were first needed here [s].
+    program_seconds: f64,
 }
 
 /// The complex-step gradient and how far the adjoint is from it.
@@ -123,11 +126,13 @@ fn timed(
     // the sweeps do not tell how far they are: the bar only says which one is at work
     let progress = Progress::new(sweep, 1);
     progress.set(0);
+    let programs = making_time();
     let begun = Instant::now();
     let before = forward.history.usage().recomputed;
     let gradient = differentiate()?;
     let recomputed = forward.history.usage().recomputed - before;
-    Ok(Timed { gradient, recomputed, seconds: begun.elapsed().as_secs_f64() })
+    let seconds = begun.elapsed().as_secs_f64();
+    Ok(Timed { gradient, recomputed, seconds, program_seconds: making_time() - programs })
 }
 
 fn brief(difference: f64) -> String {
@@ -223,6 +228,7 @@ fn complex_step_work(complex_step: &Timed) -> Work {
         ("residual_evaluations", json!(residuals)),
         ("recomputed_steps", json!(complex_step.recomputed)),
         ("time_s", json_number(complex_step.seconds)),
+        ("programs_s", json_number(complex_step.program_seconds)),
     ]
 }
 
@@ -235,6 +241,7 @@ fn adjoint_work(adjoint: &Timed) -> Work {
         ("element_products", json!(products)),
         ("recomputed_steps", json!(adjoint.recomputed)),
         ("time_s", json_number(adjoint.seconds)),
+        ("programs_s", json_number(adjoint.program_seconds)),
     ]
 }
 

@@ -6,6 +6,7 @@ use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
 };
 use costate::linalg::Backend;
+use costate::program::{Execution, set_execution};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::path::PathBuf;
 
@@ -53,6 +54,9 @@ pub struct SceneOptions {
     /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, sparse, left-looking, multifrontal
     #[arg(long, value_name = "NAME", default_value = Backend::default().name())]
     solver: String,
+    /// How the programs of formulas are executed: as machine code, or by a loop over their operations (same results, bit by bit)
+    #[arg(long, value_name = "WAY", value_parser = ["native", "loop"], default_value = "native")]
+    programs: String,
     /// Change a design variable; may be given once for each
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -144,6 +148,7 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed; or why the scene cannot start.
     pub fn prepare<'s>(&self, scene: &'s dyn AnyScene) -> Result<Prepared<'s>, Failure> {
+        set_execution(if self.programs == "loop" { Execution::Loop } else { Execution::Native });
         let (method, settings) = self.simulation(scene)?;
         let x = self.design(scene)?;
         let prepared = Prepared::with(scene, &x, method, settings);

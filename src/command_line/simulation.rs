@@ -7,6 +7,7 @@ use costate::history::{Observer, Usage};
 use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepRecord};
 use costate::io::{Cell, Progress, Table};
 use costate::linalg::SolverPlan;
+use costate::program::{making_time, refuses_machine_code};
 use costate::scenes::Prepared;
 use costate::sensitivity::Forward;
 use serde_json::{Map, Value, json};
@@ -24,6 +25,8 @@ pub struct Simulation {
     pub chosen_steps: bool,
     /// Wall time of the simulation with its functionals [s].
     pub seconds: f64,
+    /// For recording formulas and compiling their programs [s]; those that were first needed during the simulation are part of its time.
+    pub program_seconds: f64,
     /// Files written.
     pub files: Vec<PathBuf>,
     /// Why the run stopped before its end.
@@ -69,6 +72,10 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;
     let elapsed = begun.elapsed().as_secs_f64();
+    let program_seconds = making_time();
+    if refuses_machine_code() {
+        say("the system refuses memory for machine code: programs are executed by a loop, which takes longer");
+    }
     let Watched { results, progress, .. } = watched;
     progress.finish();
     if stopped.is_none() {
@@ -79,7 +86,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
     let (chosen_steps, stopped) = (prepared.control.is_some(), stopped.map(|error| with_hint(error, prepared)));
-    Ok(Simulation { forward, chosen_steps, seconds: elapsed, files, stopped })
+    Ok(Simulation { forward, chosen_steps, seconds: elapsed, program_seconds, files, stopped })
 }
 
 /// Says what will be simulated.
@@ -184,6 +191,7 @@ impl Simulation {
             work.extend((count > 0).then(|| (name, json!(count))));
         }
         work.push(("time_s", json_number(self.seconds)));
+        work.push(("programs_s", json_number(self.program_seconds)));
         work
     }
 
@@ -247,6 +255,7 @@ pub fn say_work(columns: &[(&str, Work)]) {
         let cells: Vec<String> = columns.iter().map(|(_, work)| cell(work)).collect();
         let words = match name {
             "time_s" => "time".into(),
+            "programs_s" => "recording and compiling".into(),
             "newton_iterations" => "Newton iterations".into(),
             name => name.replace('_', " "),
         };

@@ -2,7 +2,7 @@ use super::graph::{Graph, OperationHasher};
 use super::listing::Listing;
 use super::operation::{Node, Operation};
 use super::recorded::{Recorded, Recording, extend, record};
-use super::running::Program;
+use super::running::{Making, Program};
 use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
@@ -87,6 +87,7 @@ impl Formula {
     /// # Errors
     /// If it branches on a value: what was recorded would hold for other values only by chance.
     pub fn record(inputs: usize, formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
+        let _making = Making::begin();
         let (results, Recording { mut graph, looked, .. }) = record(&vec![f64::NAN; inputs], formula);
         if looked {
             return Err(
@@ -151,6 +152,7 @@ impl Formula {
         if let Some(program) = self.programs.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Arc::clone(program);
         }
+        let _making = Making::begin();
         let mut graph = lock(&self.graph);
         let count = self.inputs + extra;
         let inputs: Vec<Node> = (0..count).map(|index| graph.input(index)).collect();

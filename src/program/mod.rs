@@ -27,4 +27,4 @@ pub use linear_forms::LinearForm;
 pub use listing::{Instruction, Listing, Source};
 pub use operation::{Binary, Node, Operation, Unary};
 pub use recorded::{Recorded, Recording, along_motion, evaluate, extend, gradient_of, is_from_energies, record};
-pub use running::{Execution, Program, ProgramWork, compile_time, lanes, set_execution};
+pub use running::{Execution, Program, ProgramWork, compile_time, lanes, making_time, refuses_machine_code, set_execution};

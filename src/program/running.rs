@@ -2,6 +2,7 @@ use super::listing::{Listing, Source};
 use super::loop_code::{F64x8, LoopCode};
 use super::native::{NativeCode, Width};
 use crate::scalar::Scalar;
+use std::cell::Cell;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
@@ -17,6 +18,12 @@ pub enum Execution {
 
 static LOOP_ONLY: AtomicBool = AtomicBool::new(false);
 static COMPILING: AtomicU64 = AtomicU64::new(0);
+static MAKING: AtomicU64 = AtomicU64::new(0);
+static REFUSED: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    static IS_MAKING: Cell<bool> = const { Cell::new(false) };
+}
 
 /// Chooses how programs are executed from now on, in the whole process; results have the same bits either way.
 pub fn set_execution(execution: Execution) {
@@ -26,6 +33,38 @@ pub fn set_execution(execution: Execution) {
 /// Time that this process has spent on making machine code [s].
 pub fn compile_time() -> f64 {
     COMPILING.load(Ordering::Relaxed) as f64 * 1e-9
+}
+
+/// Time that this process has spent on programs [s]: recording formulas, deriving programs from them, and making machine code.
+pub fn making_time() -> f64 {
+    MAKING.load(Ordering::Relaxed) as f64 * 1e-9
+}
+
+/// Whether the system has refused memory for machine code, so that programs are executed by the loop.
+pub fn refuses_machine_code() -> bool {
+    REFUSED.load(Ordering::Relaxed)
+}
+
+pub(super) fn memory_refused() {
+    REFUSED.store(true, Ordering::Relaxed);
+}
+
+/// Counts the time until it is dropped as [`making_time`]; one inside another counts nothing.
+pub(super) struct Making(Option<Instant>);
+
+impl Making {
+    pub fn begin() -> Self {
+        Making((!IS_MAKING.replace(true)).then(Instant::now))
+    }
+}
+
+impl Drop for Making {
+    fn drop(&mut self) {
+        if let Some(begun) = self.0 {
+            MAKING.fetch_add(begun.elapsed().as_nanos() as u64, Ordering::Relaxed);
+            IS_MAKING.set(false);
+        }
+    }
 }
 
 /// Something that can be executed for one element, for several side by side, and in any scalar.
@@ -101,6 +140,7 @@ impl Program {
             return None;
         }
         let compile = || {
+            let _making = Making::begin();
             let start = Instant::now();
             let code = NativeCode::compile(&self.listing, width);
             COMPILING.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);

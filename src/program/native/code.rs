@@ -5,6 +5,7 @@ use super::call::Call;
 use super::emitter::{Emitted, emit};
 use super::encoder::Level;
 use crate::program::listing::Listing;
+use crate::program::running::memory_refused;
 use memmap2::{Mmap, MmapMut};
 use std::arch::is_x86_feature_detected;
 
@@ -59,9 +60,15 @@ impl NativeCode {
             return None;
         }
         let Emitted { bytes, constants, calls, scratch, biases } = emit(listing, width, level)?;
-        let mut memory = MmapMut::map_anon(bytes.len()).ok()?;
-        memory.copy_from_slice(&bytes);
-        let memory = memory.make_exec().ok()?;
+        let executable = || -> std::io::Result<Mmap> {
+            let mut memory = MmapMut::map_anon(bytes.len())?;
+            memory.copy_from_slice(&bytes);
+            memory.make_exec()
+        };
+        let Ok(memory) = executable() else {
+            memory_refused();
+            return None;
+        };
         let constants = constants
             .chunks(8)
             .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))
