@@ -35,6 +35,12 @@ impl Shift {
     pub const fn new(gamma: f64, beta: f64, alpha: f64) -> Self {
         Shift { gamma, beta, alpha }
     }
+
+    /// Whether the coefficients are those of the other but for round-off: steps are differences of times.
+    pub(crate) fn is_nearly(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-13 * a.abs().max(b.abs());
+        near(self.gamma, other.gamma) && near(self.beta, other.beta) && near(self.alpha, other.alpha)
+    }
 }
 
 /// Which time derivative of the constraints is solved.
@@ -77,6 +83,13 @@ impl Equations {
         let residual = Shift::new(if first { 2.0 } else { 1.0 }, h, alpha * h * h);
         let constraint = Shift::new(0.0, 0.0, h * h);
         Equations { residual, constraint, level: Level::Position, metric: false, variational: Some(step) }
+    }
+
+    /// Whether they are the others but for the round-off of their steps.
+    pub(crate) fn is_nearly(&self, other: &Self) -> bool {
+        self.residual.is_nearly(&other.residual)
+            && self.constraint.is_nearly(&other.constraint)
+            && (self.level, self.metric, self.variational) == (other.level, other.metric, other.variational)
     }
 
     /// True where R, or what takes its place, at the base point is subtracted.

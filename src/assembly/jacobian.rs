@@ -1,11 +1,13 @@
-use super::batches::{BatchWork, Lane, run_parts};
+use super::batches::{BatchWork, ElementBatch, Lane, run_parts};
 use super::constraint_programs::{self, Asked};
 use super::element_programs::{self, Force};
 use super::numbering::{Contributor, NOWHERE, Part, System};
-use super::reduction::NodeReduction;
+use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, Residual, Shift, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
+use crate::program::Program;
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// The matrix of one system at one point, with the bases along which the unknowns of each node move.
 ///
@@ -162,18 +164,26 @@ impl Jacobian {
         self.point = point;
     }
 
+    /// Whether the matrix is the same at all states and times, as its programs show: a linear system without constraints.
+    pub fn is_constant(system: &System, equations: &Equations) -> bool {
+        let (force, _) = force_of(equations);
+        let (_, moves) = numbers_of(equations.residual);
+        let stabilized = system.options.stabilized;
+        system.constraint_batches().is_empty()
+            && system.node_blocks.is_empty()
+            && system.element_batches(force).iter().all(|batch| {
+                let reads = element_matrix(batch, stabilized, moves).reads();
+                let moving = reads[..batch.layout.p()].contains(&true) || reads[batch.layout.t()];
+                !moving && Columns::numbers(&batch.nodes, stabilized) == 0
+            })
+    }
+
     fn add_elements(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
-        let (force, weights) = match equations.variational {
-            None => (Force::Residual, [0.0; 2]),
-            Some(step) => (Force::Impulse, step.now().weights()),
-        };
+        let (force, weights) = force_of(equations);
         let (shift, moves) = numbers_of(equations.residual);
         for batch in system.element_batches(force) {
             let layout = batch.layout;
-            let code = moves.iter().fold(0, |code, &moves| 2 * code + u32::from(moves));
-            let program = batch.programs.get(code, || {
-                element_programs::matrix(&batch.formula, layout, &batch.nodes, system.options.stabilized, moves)
-            });
+            let program = element_matrix(batch, system.options.stabilized, moves);
             self.evaluated += batch.parts.len();
             if program.outputs() == 0 {
                 continue;
@@ -519,6 +529,20 @@ pub(super) fn node_seeds<'a>(system: &System, bases: &'a [Bases], node: usize) -
         plain: bases[node].plain,
         stabilized: system.options.stabilized,
     }
+}
+
+/// What elements add to F in some equations, and the weights of an impulse.
+fn force_of(equations: &Equations) -> (Force, [f64; 2]) {
+    match equations.variational {
+        None => (Force::Residual, [0.0; 2]),
+        Some(step) => (Force::Impulse, step.now().weights()),
+    }
+}
+
+/// The program of the matrices of a batch.
+fn element_matrix(batch: &ElementBatch, stabilized: bool, moves: [bool; 3]) -> Arc<Program> {
+    let code = moves.iter().fold(0, |code, &moves| 2 * code + u32::from(moves));
+    batch.programs.get(code, || element_programs::matrix(&batch.formula, batch.layout, &batch.nodes, stabilized, moves))
 }
 
 /// Coefficients of a shift, and which of them are not zero.

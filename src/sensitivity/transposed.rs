@@ -63,6 +63,8 @@ pub(super) struct TransposedSolver<'m> {
     products: Products,
     /// The system that was factored, until its adjoint is asked for.
     factored: Option<Factored>,
+    /// The equations of the factored matrix, and whether it is the same for all states and times.
+    constant: Option<(Equations, bool)>,
     /// Number of adjoints of the last system that were not zero.
     columns: usize,
     /// Work that is not counted yet.
@@ -99,6 +101,7 @@ impl<'m> TransposedSolver<'m> {
             active,
             products: Products::new(active),
             factored: None,
+            constant: None,
             columns: 0,
             work: Counters::default(),
         }
@@ -117,13 +120,20 @@ impl<'m> TransposedSolver<'m> {
         self.unknowns.clone_from(unknowns);
         self.residual.start(system, equations, base, p, *t);
         self.residual.evaluate(system, equations, base, &mut self.unknowns, p, *t);
+        self.work.residuals += 1;
+        if self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
+            self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(false) });
+            return;
+        }
         let before = self.jacobian.evaluated;
         self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
         let outcome = self.factorization.follow(&self.jacobian.values, self.columns.max(1));
-        self.work.residuals += 1;
         self.work.blocks += self.jacobian.evaluated - before;
         self.work.factorizations += usize::from(outcome == Ok(true));
         self.factored = Some(Factored { t: *t, equations: *equations, outcome });
+        if self.constant.is_none_or(|(of, _)| !of.is_nearly(equations)) || outcome.is_err() {
+            self.constant = Some((*equations, outcome.is_ok() && Jacobian::is_constant(system, equations)));
+        }
     }
 
     /// Whether an adjoint of the last system was not zero.
