@@ -51,6 +51,12 @@ const MEASURED_FOR: usize = 10;
 const ASTRAY: f64 = 2.0;
 /// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
 const NEARLY: f64 = 1e-13;
+/// Corrections of derivative parts that are made before round-off is taken for the reason why they do not end.
+const PASSES: usize = 4;
+/// Relative correction of derivative parts that may be round-off.
+pub(super) const PARTS_LIMIT: f64 = 1e-9;
+/// Corrections of derivative parts that shrink less than this do not converge any more.
+const SLOW_PARTS: f64 = 0.9;
 /// Relative correction up to which a guide counts as the solution of the same problem.
 const GUIDED: f64 = 1e-6;
 
@@ -406,8 +412,24 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             iterations: 0,
             correction: f64::NAN,
         })?;
-        for pass in 0..4 {
-            if pass > 0 {
+        self.refine_parts(equations, base, unknowns, p, t)
+    }
+
+    /// Corrects the derivative parts with the factored matrix until they are round-off.
+    ///
+    /// # Errors
+    /// [`Failure`] with parts that are not finite, or whose corrections stop shrinking above [`PARTS_LIMIT`].
+    fn refine_parts(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Failure> {
+        let mut previous = f64::INFINITY;
+        for pass in 1..=MOST_ITERATIONS {
+            if pass > 1 {
                 self.evaluate(equations, base, unknowns, p, t);
             }
             let mut largest: f64 = 0.0;
@@ -415,16 +437,31 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 let step = self.step(Some(part), unknowns);
                 let levers = self.levers.iter().chain(&self.levers);
                 let parts = unknowns.x.iter().chain(&unknowns.y).zip(levers);
-                let scale = parts.fold(0.0, |s: f64, (x, lever)| s.max(x.part(part).abs() * lever));
+                // max() of floats would lose a NaN, a sum keeps it
+                let (scale, sum) = parts.fold((0.0_f64, 0.0), |(scale, sum), (x, lever)| {
+                    let size = x.part(part).abs() * lever;
+                    (scale.max(size), sum + size)
+                });
+                if !(sum + step).is_finite() {
+                    let how = FailureKind::Parts("met a derivative part that is not finite");
+                    return Err(Failure { how, iterations: pass, correction: sum + step });
+                }
                 if scale > 0.0 {
                     largest = largest.max(step / scale);
                 }
             }
-            if pass > 0 && largest <= 1e-14 {
-                break;
+            if pass >= PASSES && largest > 1e-13 { eprintln!("PARTS {pass} {largest:e} {}", S::PARTS); }
+            let settled = pass > 1 && largest <= ROUND_OFF;
+            let stalled = pass >= PASSES && largest <= PARTS_LIMIT;
+            if settled || stalled {
+                return Ok(());
             }
+            if pass >= PASSES && largest > SLOW_PARTS * previous {
+                return Err(Failure { how: FailureKind::Parts("stagnated in the derivative parts"), iterations: pass, correction: largest });
+            }
+            previous = largest;
         }
-        Ok(())
+        Err(Failure { how: FailureKind::Parts("stagnated in the derivative parts"), iterations: MOST_ITERATIONS, correction: previous })
     }
 
     /// For a projection: the factor from its unknowns to the projected state, and the size of that state.

@@ -63,6 +63,8 @@ pub struct Gradient {
 
 /// Relative difference of derivatives of the map beyond which they are not the same.
 const MAP_LIMIT: f64 = 1e-9;
+/// Share of the largest number or derivative of a list that is round-off where terms cancel.
+const ROUND_OFF_OF_MAP: f64 = 1e-14;
 
 /// A design with derivatives along eight of its variables at a time, and along how many.
 pub(super) fn seeded_designs(x: &[f64]) -> impl Iterator<Item = (Vec<Tangents>, usize)> {
@@ -263,9 +265,12 @@ impl<'m> Analysis<'m> {
             let ModelNumbers { p, q, v } = chain.tangent(&unit);
             let lists = [("parameter", &mut numbers.p, p), ("coordinate", &mut numbers.q, q), ("velocity", &mut numbers.v, v)];
             for (what, own, recorded) in lists {
+                // where terms cancel, what is left has the round-off of the terms
+                let terms = own.iter().zip(&recorded).fold(0.0, |s: f64, (own, d)| s.max(own.value().abs()).max(d.abs()));
+                let least = ROUND_OFF_OF_MAP * terms;
                 for (place, (own, recorded)) in own.iter_mut().zip(recorded).enumerate() {
                     let difference = recorded - own.part(part) / size;
-                    if !(difference.abs() <= MAP_LIMIT * (recorded.abs() + own.value().abs())) {
+                    if !(difference.abs() <= least.max(MAP_LIMIT * (recorded.abs() + own.value().abs()))) {
                         return Err(RunError::Input(format!(
                             "derivative of {what} {place} by the design: {recorded} recorded, {} with derivative parts",
                             own.part(part) / size

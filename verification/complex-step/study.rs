@@ -1,8 +1,11 @@
 //! Adjoint and tangent gradients against complex step and difference quotients, over the lists of everything.
 
 mod beam;
+mod cable;
+mod coverage;
 mod measures;
 mod mechanism;
+mod quotient;
 mod reaches;
 mod scenes;
 
@@ -13,6 +16,7 @@ use costate::integrators::{
 use costate::scenes::{AnyScene, Prepared, Scene, Settings};
 use costate::sensitivity::largest_difference;
 use measures::Reads;
+use quotient::Quotient;
 use rayon::prelude::*;
 use scenes::Case;
 
@@ -21,19 +25,18 @@ const EXACT: f64 = 1e-12;
 /// Roundings of a constraint, in units in the last place, where a multiplier follows from it through 1 / (h a_ii)^2 or 1 / (h a_ii).
 const ROUNDINGS: f64 = 8.0;
 /// Largest difference from a difference quotient, relative to the largest term of the directional derivative.
-const QUOTIENT: f64 = 1e-6;
-/// Step of the difference quotient, relative to the variables.
-const STEP: f64 = 1e-3;
-/// Steps at position level, where forces carry round-off of 1e-10: it enters the quotient divided by the step, and which step is
-/// limited by it and which by its own length differs from scene to scene; a wrong gradient would agree with none.
-const STEPS_AT_POSITION_LEVEL: [f64; 3] = [STEP, 2.5e-3, 1e-2];
+const QUOTIENT: f64 = 1e-7;
+/// How many times the noise of the runs over its step a quotient may be off.
+const SCATTER: f64 = 4.0;
+/// Noise over the step beyond which a quotient shows nothing, relative to the largest term.
+const BLIND: f64 = 1e-3;
 
 /// Method of the runs that choose their steps.
 const CHOOSING: &str = "esdirk4";
 /// Integrators that scenes of further joints and forces go with.
 const OF_FORMULAS: [&str; 5] = ["midpoint", "esdirk4", "generalized-alpha", "bdf2", "esdirk4-choosing-steps"];
-/// That which scenes of beams go with, at the acceleration level: a complex-step run for each of their many parameters takes its time.
-const OF_BEAMS: [&str; 1] = ["bdf2"];
+/// That which only scenes with elastic energy go with, and bodies: momenta are carried.
+const VARIATIONAL: &str = "variational";
 /// Their tolerances at the position, velocity and acceleration level, where errors and so steps differ.
 const TOLERANCES: [f64; 3] = [1e-4, 1e-5, 1e-7];
 /// Their longest step [s]: never less than 50 of them.
@@ -62,7 +65,8 @@ fn members() -> Vec<Member> {
         table,
         chooses_steps: true,
     });
-    tables().into_iter().map(equal).chain(choosing).collect()
+    let variational = table_by_name(VARIATIONAL).map(equal);
+    tables().into_iter().map(equal).chain(choosing).chain(variational).collect()
 }
 
 /// A scene of equilibria: there are no velocities, and levels are all the same.
@@ -70,6 +74,17 @@ fn of_equilibria(case: &Case) -> Option<(&Case, Member, ConstraintLevel)> {
     let table = table_named(STATIC_TABLE).ok().flatten()?;
     let member = Member { name: table.name.clone(), table, chooses_steps: false };
     Some((case, member, ConstraintLevel::default()))
+}
+
+/// Whether a scene goes with an integrator at a constraint level: basic ones with all, those of further formulas with some, flexible ones
+/// with all at the acceleration level.
+fn belongs(case: &Case, member: &Member, level: ConstraintLevel) -> bool {
+    let of_formulas = OF_FORMULAS.contains(&member.name.as_str());
+    let default = level == ConstraintLevel::default();
+    if member.name == VARIATIONAL {
+        return case.is_flexible() && default;
+    }
+    if case.is_of_beams() { default } else { case.is_basic() || of_formulas || (case.is_flexible() && default) }
 }
 
 /// The study.
@@ -88,11 +103,10 @@ impl Study for ComplexStep {
             .iter()
             .filter(|case| !case.statics)
             .flat_map(|case| members().into_iter().map(move |member| (case, member)))
-            .filter(|(case, member)| case.is_basic() || OF_FORMULAS.contains(&member.name.as_str()))
-            .filter(|(case, member)| !case.is_of_beams() || OF_BEAMS.contains(&member.name.as_str()))
             .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case, member.clone(), level)))
-            .filter(|(case, _, level)| !case.is_of_beams() || *level == ConstraintLevel::default())
+            .filter(|(case, member, level)| belongs(case, member, *level))
             .chain(cases.iter().filter(|case| case.statics).filter_map(of_equilibria))
+            .filter(|(case, member, _)| std::env::var("ONLY").map_or(true, |only| only.split(',').any(|o| format!("{}/{}", case.name, member.name).contains(o))))
             .collect();
         let outcomes: Vec<Result<Outcome, RunError>> =
             combinations.par_iter().map(|(case, member, level)| compare(case, member, *level)).collect();
@@ -116,6 +130,10 @@ impl Study for ComplexStep {
                 }
             }
             report.at_most(format!("{name}/difference-quotient"), outcome.quotient, QUOTIENT);
+            if let Some([miss, limit]) = outcome.noisy {
+                report.at_most(format!("{name}/difference-quotient-at-its-noise"), miss, limit);
+                report.at_most(format!("{name}/noise-of-difference-quotient"), outcome.noise, BLIND);
+            }
             for line in &outcome.lines {
                 report.note(format!("{name}: {line}"));
             }
@@ -130,6 +148,7 @@ impl Study for ComplexStep {
             report.inform(format!("worst/{}/adjoint", level.name()), worst.adjoint);
             report.inform(format!("worst/{}/tangent", level.name()), worst.tangent);
             report.inform(format!("worst/{}/difference-quotient", level.name()), worst.quotient);
+            report.inform(format!("worst/{}/noise-of-difference-quotient", level.name()), worst.noise);
             for (kind, _, differences) in Limits::default().each(worst) {
                 report.inform(format!("worst/{}/adjoint-of-{kind}", level.name()), differences[0]);
                 report.inform(format!("worst/{}/tangent-of-{kind}", level.name()), differences[1]);
@@ -142,6 +161,10 @@ impl Study for ComplexStep {
             report.inform(format!("chosen-steps/{}/most", level.name()), most_steps);
             report.inform(format!("chosen-steps/{}/longest-by-shortest", level.name()), largest_ratio);
         }
+        let (types, missing) = coverage::missing(&cases);
+        report.inform("types-of-elements-and-constraints", types as f64);
+        report.at_most("types-in-no-scene", missing.len() as f64, 0.0);
+        missing.iter().for_each(|name| report.note(format!("{name} is the subject of no scene")));
         report.inform("combinations", combinations.len() as f64);
         report.inform("entries", total.entries as f64);
         report.inform("entries-declared-zero", total.zeros as f64);
@@ -157,6 +180,10 @@ struct Outcome {
     adjoint: f64,
     tangent: f64,
     quotient: f64,
+    /// Difference and limit of the functional nearest to its limit, or beyond it, of those whose noise asks for more than [`QUOTIENT`].
+    noisy: Option<[f64; 2]>,
+    /// Largest noise of a quotient.
+    noise: f64,
     /// Adjoint and tangent of functionals of coordinates, of velocities and of multipliers, where these carry more round-off
     /// than [`EXACT`].
     of_coordinates: [f64; 2],
@@ -182,6 +209,7 @@ impl Outcome {
         self.adjoint = worse(self.adjoint, other.adjoint);
         self.tangent = worse(self.tangent, other.tangent);
         self.quotient = worse(self.quotient, other.quotient);
+        self.noise = worse(self.noise, other.noise);
         for way in 0..2 {
             self.of_coordinates[way] = worse(self.of_coordinates[way], other.of_coordinates[way]);
             self.of_velocities[way] = worse(self.of_velocities[way], other.of_velocities[way]);
@@ -206,7 +234,6 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let scene: &dyn AnyScene = case;
     let variables = scene.design_variables();
     let x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-    let steps: &[f64] = if method.level == ConstraintLevel::Position { &STEPS_AT_POSITION_LEVEL } else { &[STEP] };
     let control = member.control(level);
     let settings = Settings { control, ..case.settings() };
     let prepared = Prepared::with(scene, &x, method, settings)?;
@@ -226,8 +253,7 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
             if left_out { 0.0 } else { f64::from(3 * i).cos() * variable.initial.abs().max(0.1) }
         })
         .collect();
-    let quotients: Vec<Vec<f64>> =
-        steps.iter().map(|&step| analysis.central_difference(&x, &direction, step)).collect::<Result<_, _>>()?;
+    let quotients = quotient::quotients(&analysis, &x, &direction)?;
 
     let reaches = case.reaches();
     let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
@@ -247,9 +273,18 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
         let terms: Vec<f64> = rows[1].iter().zip(&direction).map(|(g, d)| g * d).collect();
         let largest = terms.iter().fold(0.0, |s: f64, term| s.max(term.abs()));
         let slope: f64 = terms.iter().sum();
-        let misses = quotients.iter().map(|quotient| (slope - quotient[index]).abs());
-        let miss = misses.fold(f64::INFINITY, f64::min);
-        outcome.quotient = worse(outcome.quotient, if miss == 0.0 { 0.0 } else { miss / largest });
+        let Quotient { value, floor, .. } = quotients[index];
+        let share = |size: f64| if size == 0.0 { 0.0 } else { size / largest };
+        let (miss, limit) = (share((slope - value).abs()), SCATTER * share(floor));
+        outcome.noise = worse(outcome.noise, share(floor));
+        if limit <= QUOTIENT {
+            outcome.quotient = worse(outcome.quotient, miss);
+        } else if outcome.noisy.is_none_or(|[other, of_other]| !(miss / limit <= other / of_other)) {
+            outcome.noisy = Some([miss, limit]);
+        }
+        if std::env::var("SHOW").is_ok() {
+            eprintln!("{} {} {:?}: adjoint {:.1e} tangent {:.1e} miss {miss:.1e} floor {:.1e} step {:.1e}", case.name, member.name, measures::name(entry), differences[0], differences[1], share(floor), quotients[index].step);
+        }
         for (place, (variable, &reach)) in variables.iter().zip(&reaches).enumerate() {
             let entries = rows.map(|row| row[place]);
             outcome.entries += 1;
