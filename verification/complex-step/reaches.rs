@@ -83,6 +83,8 @@ impl Case {
             }
             _ => of_subject,
         };
+        let varied = of_subject.into_iter().enumerate().filter(|(place, _)| self.varies(*place));
+        let of_subject = varied.map(|(_, reach)| reach).collect();
         let spin = if self.statics { Nothing } else { StartVelocity };
         // the turn stretches a beam or a cable, and with it its mass
         let turn = if matches!(self.subject, Subject::Beam(_) | Subject::Cable(_)) { ProjectedMass } else { StartPosition };

@@ -63,7 +63,10 @@ pub enum Subject {
 }
 
 /// One scene of the list.
+#[derive(Clone)]
 pub struct Case {
+    /// Every which of the subject's parameters is varied, from which on: all, or a share of very many.
+    pub every: [usize; 2],
     /// Name in the table.
     pub name: &'static str,
     /// What it tests.
@@ -86,6 +89,7 @@ pub fn list() -> Vec<Case> {
     use Subject::*;
     use TimeFunction::*;
     let element = |name, subject, function: &[f64]| Case {
+        every: [1, 0],
         name,
         subject,
         function: function.into(),
@@ -233,7 +237,7 @@ impl Case {
     }
 
     /// The numbers that the builder takes for the beam, if they are what is varied.
-    fn is_design(&self) -> bool {
+    pub fn is_design(&self) -> bool {
         matches!(self.subject, Subject::Beam(BeamSubject::Design))
     }
 
@@ -246,6 +250,11 @@ impl Case {
         let subject = elements.chain(joints).filter(|(own, _)| **own == places && !places.is_empty());
         let inside = m.model.nodes.iter().filter_map(|node| Some(node.kind.local_constraint()?.type_name()));
         subject.map(|(_, name)| name).chain(inside).collect()
+    }
+
+    /// Whether a parameter of the subject is a design variable.
+    pub fn varies(&self, place: usize) -> bool {
+        place % self.every[0] == self.every[1] % self.every[0]
     }
 
     /// The parameters of the subject as they are designed, before anything is varied.
@@ -284,7 +293,8 @@ impl Scene for Case {
     fn variables(&self) -> Vec<DesignVariable> {
         let (values, names) = self.nominal();
         let start = START.map(|(name, value)| (name.to_string(), value));
-        let all = names.into_iter().zip(values).chain(start).chain([("sensor".to_string(), 1.0)]);
+        let all = names.into_iter().zip(values).enumerate().filter(|(place, _)| self.varies(*place)).map(|(_, own)| own);
+        let all = all.chain(start).chain([("sensor".to_string(), 1.0)]);
         all.map(|(name, value)| DesignVariable::new(name, value, (value - 1.0, value + 1.0), "")).collect()
     }
     fn settings(&self) -> Settings {
@@ -295,15 +305,19 @@ impl Scene for Case {
         if self.projected { settings.projecting_start() } else { settings }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let Some(own) = x.len().checked_sub(3) else { return Err(format!("too few variables: {}", x.len())) };
-        let (subject, rest) = x.split_at(own);
-        let beam = if self.is_design() { subject.to_vec() } else { beam::design() };
+        let Some(varied) = x.len().checked_sub(3) else { return Err(format!("too few variables: {}", x.len())) };
+        let (varied, rest) = x.split_at(varied);
+        let mut subject: Vec<S> = self.nominal().0.into_iter().map(S::from).collect();
+        let own = subject.len();
+        let places = (0..own).filter(|&place| self.varies(place));
+        places.zip(varied).for_each(|(place, &x)| subject[place] = x);
+        let beam = if self.is_design() { subject.clone() } else { beam::design() };
         let (seen, places) = self.mechanism(&rest[..2], &beam, m);
         if !self.is_design() {
             if places.len() != own {
                 return Err(format!("{} variables for {} parameters", own, places.len()));
             }
-            m.numbers.p[places].copy_from_slice(subject);
+            m.numbers.p[places].copy_from_slice(&subject);
         }
         if self.projected {
             // off the constraints, so that the projection moves something

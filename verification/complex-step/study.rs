@@ -8,13 +8,14 @@ mod mechanism;
 mod quotient;
 mod reaches;
 mod scenes;
+mod stiff_beams;
 
 use crate::verification::{Report, Study};
 use costate::integrators::{
-    ConstraintLevel, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name, table_named, tables,
+    ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name, table_named, tables,
 };
 use costate::scenes::{AnyScene, Prepared, Scene, Settings};
-use costate::sensitivity::largest_difference;
+use costate::sensitivity::{Analysis, largest_difference};
 use measures::Reads;
 use quotient::Quotient;
 use rayon::prelude::*;
@@ -35,6 +36,8 @@ const BLIND: f64 = 1e-3;
 const CHOOSING: &str = "esdirk4";
 /// Integrators that scenes of further joints and forces go with.
 const OF_FORMULAS: [&str; 5] = ["midpoint", "esdirk4", "generalized-alpha", "bdf2", "esdirk4-choosing-steps"];
+/// Those with which all parameters of beams are varied: with others a share.
+const ALL_OF_BEAMS: [&str; 2] = ["bdf2", DEFAULT_TABLE];
 /// That which only scenes with elastic energy go with, and bodies: momenta are carried.
 const VARIATIONAL: &str = "variational";
 /// Their tolerances at the position, velocity and acceleration level, where errors and so steps differ.
@@ -70,10 +73,17 @@ fn members() -> Vec<Member> {
 }
 
 /// A scene of equilibria: there are no velocities, and levels are all the same.
-fn of_equilibria(case: &Case) -> Option<(&Case, Member, ConstraintLevel)> {
+fn of_equilibria(case: &Case) -> Option<(Case, Member, ConstraintLevel)> {
     let table = table_named(STATIC_TABLE).ok().flatten()?;
     let member = Member { name: table.name.clone(), table, chooses_steps: false };
-    Some((case, member, ConstraintLevel::default()))
+    Some((case.clone(), member, ConstraintLevel::default()))
+}
+
+/// Elements of beams have up to ninety parameters, each a complex-step run: all go with two integrators, every sixth with any other, from
+/// another one on for each.
+fn share_of(case: &Case, index: usize, member: &Member) -> Case {
+    let all = !case.is_of_beams() || case.nominal().0.len() <= 24 || ALL_OF_BEAMS.contains(&member.name.as_str());
+    Case { every: if all { [1, 0] } else { [6, index] }, ..case.clone() }
 }
 
 /// Whether a scene goes with an integrator at a constraint level: basic ones with all, those of further formulas with some, flexible ones
@@ -99,11 +109,10 @@ impl Study for ComplexStep {
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         let cases = scenes::list();
-        let combinations: Vec<(&Case, Member, ConstraintLevel)> = cases
-            .iter()
-            .filter(|case| !case.statics)
-            .flat_map(|case| members().into_iter().map(move |member| (case, member)))
-            .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case, member.clone(), level)))
+        let moving = cases.iter().filter(|case| !case.statics);
+        let combinations: Vec<(Case, Member, ConstraintLevel)> = moving
+            .flat_map(|case| members().into_iter().enumerate().map(move |(index, member)| (share_of(case, index, &member), member)))
+            .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case.clone(), member.clone(), level)))
             .filter(|(case, member, level)| belongs(case, member, *level))
             .chain(cases.iter().filter(|case| case.statics).filter_map(of_equilibria))
             .filter(|(case, member, _)| std::env::var("ONLY").map_or(true, |only| only.split(',').any(|o| format!("{}/{}", case.name, member.name).contains(o))))
@@ -128,6 +137,9 @@ impl Study for ComplexStep {
                     report.at_most(format!("{name}/adjoint-of-{kind}"), differences[0], limit);
                     report.at_most(format!("{name}/tangent-of-{kind}"), differences[1], limit);
                 }
+            }
+            if let Some([difference, limit]) = outcome.rounded {
+                report.at_most(format!("{name}/beside-a-rounding-of-the-variables"), difference, limit);
             }
             report.at_most(format!("{name}/difference-quotient"), outcome.quotient, QUOTIENT);
             if let Some([miss, limit]) = outcome.noisy {
@@ -154,6 +166,7 @@ impl Study for ComplexStep {
                 report.inform(format!("worst/{}/tangent-of-{kind}", level.name()), differences[1]);
             }
             report.inform(format!("combinations-above-1e-12/{}", level.name()), worst.above as f64);
+            report.inform(format!("combinations-beside-a-rounding/{}", level.name()), worst.beside as f64);
         }
         for (level, chosen) in ConstraintLevel::ALL.iter().zip(&chosen_by_level) {
             let most_steps = chosen.iter().fold(0.0, |most: f64, own| most.max(own[2]));
@@ -161,6 +174,7 @@ impl Study for ComplexStep {
             report.inform(format!("chosen-steps/{}/most", level.name()), most_steps);
             report.inform(format!("chosen-steps/{}/longest-by-shortest", level.name()), largest_ratio);
         }
+        stiff_beams::run(report).map_err(|error| format!("stiff beams: {error}"))?;
         let (types, missing) = coverage::missing(&cases);
         report.inform("types-of-elements-and-constraints", types as f64);
         report.at_most("types-in-no-scene", missing.len() as f64, 0.0);
@@ -182,6 +196,9 @@ struct Outcome {
     quotient: f64,
     /// Difference and limit of the functional nearest to its limit, or beyond it, of those whose noise asks for more than [`QUOTIENT`].
     noisy: Option<[f64; 2]>,
+    /// Difference and limit of the functional nearest to its limit, or beyond it, of those that a rounding of the variables moves by more
+    /// than [`EXACT`].
+    rounded: Option<[f64; 2]>,
     /// Largest noise of a quotient.
     noise: f64,
     /// Adjoint and tangent of functionals of coordinates, of velocities and of multipliers, where these carry more round-off
@@ -191,6 +208,8 @@ struct Outcome {
     of_forces: [f64; 2],
     /// 1 if any exact gradients differ by more than [`EXACT`].
     above: usize,
+    /// Combinations with functionals beside a rounding of the variables.
+    beside: usize,
     entries: usize,
     zeros: usize,
     not_zero: usize,
@@ -216,6 +235,7 @@ impl Outcome {
             self.of_forces[way] = worse(self.of_forces[way], other.of_forces[way]);
         }
         self.above += other.above;
+        self.beside += usize::from(other.rounded.is_some());
         self.entries += other.entries;
         self.zeros += other.zeros;
         self.not_zero += other.not_zero;
@@ -258,10 +278,32 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let reaches = case.reaches();
     let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
     let chosen = control.map(|_| [sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max)]);
+    let mut nearby = None;
     let mut outcome = Outcome { steps: forward.grid.steps(), chosen, limits, ..Outcome::default() };
     for (index, entry) in case.measures().into_iter().enumerate() {
         let rows = [&complex.rows[index], &adjoint.rows[index], &tangent.rows[index]];
-        let differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
+        let mut differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
+        let exact = match measures::reads(entry) {
+            Reads::Multipliers => limits.force,
+            Reads::Coordinates => limits.coordinate,
+            Reads::Velocities => limits.velocity,
+            Reads::Start => EXACT,
+        };
+        if exact <= EXACT && worse(differences[0], differences[1]) > EXACT {
+            let [up, down] = match &nearby {
+                Some(rows) => rows,
+                None => nearby.insert(adjoints_nearby(&analysis, &x)?),
+            };
+            let limit = EXACT.max(SCATTER * largest_difference(&up[index], &down[index]));
+            let difference = worse(differences[0], differences[1]);
+            if outcome.rounded.is_none_or(|[other, of_other]| !(difference / limit <= other / of_other)) {
+                outcome.rounded = Some([difference, limit]);
+            }
+            outcome.lines.push(format!("{}: {difference:.1e} where a rounding allows {limit:.1e}", measures::name(entry)));
+            if limit > EXACT && difference <= limit {
+                differences = [0.0; 2];
+            }
+        }
         let [adjoint, tangent] = match measures::reads(entry) {
             Reads::Multipliers if limits.force > EXACT => outcome.of_forces.each_mut(),
             Reads::Coordinates if limits.coordinate > EXACT => outcome.of_coordinates.each_mut(),
@@ -282,9 +324,6 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
         } else if outcome.noisy.is_none_or(|[other, of_other]| !(miss / limit <= other / of_other)) {
             outcome.noisy = Some([miss, limit]);
         }
-        if std::env::var("SHOW").is_ok() {
-            eprintln!("{} {} {:?}: adjoint {:.1e} tangent {:.1e} miss {miss:.1e} floor {:.1e} step {:.1e}", case.name, member.name, measures::name(entry), differences[0], differences[1], share(floor), quotients[index].step);
-        }
         for (place, (variable, &reach)) in variables.iter().zip(&reaches).enumerate() {
             let entries = rows.map(|row| row[place]);
             outcome.entries += 1;
@@ -304,6 +343,15 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let all = exact.into_iter().chain(outcome.of_coordinates).chain(outcome.of_velocities).chain(outcome.of_forces);
     outcome.above = usize::from(all.fold(0.0, worse) > EXACT);
     Ok(outcome)
+}
+
+/// Adjoint gradients at the designs next to this one, on the same steps.
+fn adjoints_nearby(analysis: &Analysis, x: &[f64]) -> Result<[Vec<Vec<f64>>; 2], RunError> {
+    let at = |rounded: fn(f64) -> f64| -> Result<Vec<Vec<f64>>, RunError> {
+        let x: Vec<f64> = x.iter().map(|&x| rounded(x)).collect();
+        Ok(analysis.adjoint(&x, &analysis.forward(&x)?)?.rows)
+    };
+    Ok([at(f64::next_up)?, at(f64::next_down)?])
 }
 
 /// What round-off of the constraints leaves of velocities and multipliers at a constraint level: [`ROUNDINGS`] through the table.
