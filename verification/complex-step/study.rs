@@ -115,7 +115,6 @@ impl Study for ComplexStep {
             .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case.clone(), member.clone(), level)))
             .filter(|(case, member, level)| belongs(case, member, *level))
             .chain(cases.iter().filter(|case| case.statics).filter_map(of_equilibria))
-            .filter(|(case, member, _)| std::env::var("ONLY").map_or(true, |only| only.split(',').any(|o| format!("{}/{}", case.name, member.name).contains(o))))
             .collect();
         let outcomes: Vec<Result<Outcome, RunError>> =
             combinations.par_iter().map(|(case, member, level)| compare(case, member, *level)).collect();
