@@ -94,6 +94,10 @@ fn belongs(case: &Case, member: &Member, level: ConstraintLevel) -> bool {
     if member.name == VARIATIONAL {
         return case.is_flexible() && default;
     }
+    if case.is_flexible() && member.chooses_steps {
+        // cables that ring ask for thousands of steps
+        return false;
+    }
     if case.is_of_beams() { default } else { case.is_basic() || of_formulas || (case.is_flexible() && default) }
 }
 
@@ -315,9 +319,10 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
         let largest = terms.iter().fold(0.0, |s: f64, term| s.max(term.abs()));
         let slope: f64 = terms.iter().sum();
         let Quotient { value, floor, .. } = quotients[index];
-        let share = |size: f64| if size == 0.0 { 0.0 } else { size / largest };
+        // where every term is zero there is nothing to be relative to: noise alone may be left
+        let share = |size: f64| if largest == 0.0 { size } else { size / largest };
         let (miss, limit) = (share((slope - value).abs()), SCATTER * share(floor));
-        outcome.noise = worse(outcome.noise, share(floor));
+        outcome.noise = worse(outcome.noise, if largest == 0.0 { 0.0 } else { share(floor) });
         if limit <= QUOTIENT {
             outcome.quotient = worse(outcome.quotient, miss);
         } else if outcome.noisy.is_none_or(|[other, of_other]| !(miss / limit <= other / of_other)) {
