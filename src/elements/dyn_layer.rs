@@ -130,6 +130,10 @@ type Recording = Result<Arc<Formula>, String>;
 
 /// An element with its type erased; every [`Element`] is one.
 pub trait AnyElement: Send + Sync {
+    /// Path of its type, for checks that no type is forgotten.
+    fn type_name(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Its parameters.
@@ -224,6 +228,10 @@ impl ElementPhysics {
         ElementPhysics { own, dofs, parameters, residual, impulse, energies }
     }
 
+    /// Path of its type.
+    pub fn type_name(&self) -> &'static str {
+        self.own.type_name()
+    }
     /// Number of coordinates.
     pub fn dof_count(&self) -> usize {
         self.dofs
@@ -302,6 +310,10 @@ impl ElementPhysics {
 
 /// A constraint with its type erased; every [`Constraint`] is one, and every [`Nonholonomic`].
 pub trait AnyConstraint: Send + Sync {
+    /// Path of its type, for checks that no type is forgotten.
+    fn type_name(&self) -> &'static str {
+        std::any::type_name::<Self>()
+    }
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
     /// Number of equations.
@@ -401,6 +413,10 @@ impl ConstraintPhysics {
         ConstraintPhysics { own, dofs, equations, parameters, formula: OnceLock::new() }
     }
 
+    /// Path of its type.
+    pub fn type_name(&self) -> &'static str {
+        self.own.type_name()
+    }
     /// Number of coordinates.
     pub fn dof_count(&self) -> usize {
         self.dofs

@@ -1,7 +1,8 @@
 use super::RunError;
-use super::newton::{Newton, ROUND_OFF};
+use super::newton::{Newton, PARTS_LIMIT, ROUND_OFF};
 use crate::assembly::Equations;
 use crate::elements::RunScalar;
+use crate::scalar::COMPLEX_STEP;
 
 /// Why one system was not solved; the caller knows where in the run it was.
 pub struct Failure {
@@ -15,6 +16,8 @@ pub(super) enum FailureKind {
     Diverged,
     Stagnated,
     NotFinite,
+    /// Of the derivative parts alone, the value being a solution: what happened.
+    Parts(&'static str),
 }
 
 impl<S: RunScalar> Newton<'_, S> {
@@ -37,12 +40,23 @@ impl<S: RunScalar> Newton<'_, S> {
             FailureKind::Diverged => "diverged",
             FailureKind::Stagnated => "stagnated",
             FailureKind::NotFinite => "met a number that is not finite",
+            FailureKind::Parts(how) => how,
         };
+        let of_parts = matches!(failure.how, FailureKind::Parts(_));
         let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
+        // a complex number carries its derivative times the step
+        let unit = if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 };
+        let seen = |value: &S| {
+            let parts = (0..S::PARTS).map(|part| value.part(part) / unit);
+            if of_parts {
+                parts.fold(0.0, |most, part| if size(part) > size(most) { part } else { most })
+            } else {
+                value.value()
+            }
+        };
         let largest = |values: &[S]| {
-            (0..values.len())
-                .max_by(|&i, &j| size(values[i].value()).total_cmp(&size(values[j].value())))
-                .map(|i| (i, values[i].value()))
+            let rows = values.iter().map(seen).enumerate();
+            rows.max_by(|(_, a), (_, b)| size(*a).total_cmp(&size(*b)))
         };
         let force = largest(&self.residual.f).map(|(i, f)| (model.dof_name(i), f));
         let gap = largest(&self.residual.g).map(|(i, g)| (model.equation_name(i), g));
@@ -61,7 +75,7 @@ impl<S: RunScalar> Newton<'_, S> {
             how,
             iterations: failure.iterations,
             correction: failure.correction,
-            limit: ROUND_OFF,
+            limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
             row,
             residual,
         }

@@ -51,6 +51,16 @@ const MEASURED_FOR: usize = 10;
 const ASTRAY: f64 = 2.0;
 /// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
 const NEARLY: f64 = 1e-13;
+/// Corrections of derivative parts that are made before round-off is taken for the reason why they do not end.
+const PASSES: usize = 4;
+/// Relative correction of derivative parts that may be round-off.
+pub(super) const PARTS_LIMIT: f64 = 1e-9;
+/// Share of a value, per relative change of a number, that is no derivative but round-off, with [`PARTS_LIMIT`] of it.
+const ZERO_SHARE: f64 = 1e-3;
+/// What is said of derivative parts that do not converge.
+const STAGNATED: &str = "stagnated in the derivative parts";
+/// Corrections of derivative parts that shrink less than this do not converge any more.
+const SLOW_PARTS: f64 = 0.9;
 /// Relative correction up to which a guide counts as the solution of the same problem.
 const GUIDED: f64 = 1e-6;
 
@@ -408,25 +418,82 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             iterations: 0,
             correction: f64::NAN,
         })?;
-        for pass in 0..4 {
-            if pass > 0 {
+        self.refine_parts(equations, base, unknowns, p, t)
+    }
+
+    /// Corrects the derivative parts with the factored matrix until they are round-off.
+    ///
+    /// # Errors
+    /// [`Failure`] with parts that are not finite, or whose corrections stop shrinking above [`PARTS_LIMIT`].
+    fn refine_parts(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Failure> {
+        let mut previous = f64::INFINITY;
+        for pass in 1..=MOST_ITERATIONS {
+            if pass > 1 {
                 self.evaluate(equations, base, unknowns, p, t);
             }
-            let mut largest: f64 = 0.0;
+            let (mut largest, mut beyond) = (0.0_f64, 0.0_f64);
             for part in 0..S::PARTS {
                 let step = self.step(Some(part), unknowns);
                 let levers = self.levers.iter().chain(&self.levers);
                 let parts = unknowns.x.iter().chain(&unknowns.y).zip(levers);
-                let scale = parts.fold(0.0, |s: f64, (x, lever)| s.max(x.part(part).abs() * lever));
+                // max() of floats would lose a NaN, a sum keeps it
+                let (scale, sum) = parts.fold((0.0_f64, 0.0), |(scale, sum), (x, lever)| {
+                    let size = x.part(part).abs() * lever;
+                    (scale.max(size), sum + size)
+                });
+                if !(sum + step).is_finite() {
+                    let how = FailureKind::Parts("met a derivative part that is not finite");
+                    return Err(Failure { how, iterations: pass, correction: f64::NAN });
+                }
                 if scale > 0.0 {
                     largest = largest.max(step / scale);
                 }
+                if pass >= PASSES && scale > 0.0 && step > ROUND_OFF * scale {
+                    beyond = beyond.max(step / self.size_of_part(part, equations, base, unknowns, p));
+                }
             }
-            if pass > 0 && largest <= 1e-14 {
-                break;
+            if pass > 1 && largest <= ROUND_OFF || pass >= PASSES && beyond <= PARTS_LIMIT {
+                return Ok(());
             }
+            if pass >= PASSES && beyond > SLOW_PARTS * previous {
+                return Err(Failure { how: FailureKind::Parts(STAGNATED), iterations: pass, correction: beyond });
+            }
+            previous = if pass >= PASSES { beyond } else { f64::INFINITY };
         }
-        Ok(())
+        Err(Failure { how: FailureKind::Parts(STAGNATED), iterations: MOST_ITERATIONS, correction: previous })
+    }
+
+    /// What a correction of derivative part `part` is measured by: the unknowns' parts and those of the coordinates and velocities that
+    /// they move; where all of these vanish but for round-off, a small share of the values, per relative change of the numbers.
+    fn size_of_part(
+        &self,
+        part: usize,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &Unknowns<S>,
+        p: &[S],
+    ) -> f64 {
+        let coefficients = equations.residual;
+        let size = |read: &dyn Fn(&S) -> f64| {
+            let of =
+                |values: &[S]| values.iter().zip(&self.levers).fold(0.0, |s: f64, (x, lever)| s.max(read(x).abs() * lever));
+            let moved = |values: &[S], by: f64| if by == 0.0 { 0.0 } else { of(values) / by.abs() };
+            let own = of(&unknowns.x).max(of(&unknowns.y));
+            own.max(moved(&base.v, coefficients.beta)).max(moved(&base.q, coefficients.alpha))
+        };
+        let relative = |x: &S| if x.value() == 0.0 { x.part(part).abs() } else { (x.part(part) / x.value()).abs() };
+        let largest_q = base.q.iter().fold(0.0, |s: f64, q| s.max(q.value().abs())).max(f64::MIN_POSITIVE);
+        let of_numbers = p.iter().map(relative).fold(0.0, f64::max);
+        let of_start = base.q.iter().fold(0.0, |s: f64, q| s.max(q.part(part).abs())) / largest_q;
+        let share = ZERO_SHARE * of_numbers.max(of_start);
+        size(&|x| x.part(part)).max(share * size(&|x| x.value()))
     }
 
     /// For a projection: the factor from its unknowns to the projected state, and the size of that state.
@@ -595,5 +662,65 @@ fn kind(equations: &Equations) -> usize {
         (true, Level::Position) => 0,
         (true, _) => 1,
         (false, _) => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ConstraintLevel, Method, Systems, table_by_name};
+    use super::*;
+    use crate::assembly::Model;
+    use crate::elements::{Element, Parameter, State};
+    use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
+
+    struct PushedMass;
+
+    impl Element for PushedMass {
+        const DOFS: usize = 1;
+        const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg"), Parameter::new("force", "N")];
+        fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+            r[0] += p[0] * s.a[0] - p[1];
+        }
+    }
+
+    /// The derivative of the acceleration by the force, with a matrix that was factored for another mass.
+    fn derivative(factored_for: f64, force_part: f64) -> Result<f64, String> {
+        let mut model = Model::default();
+        let node = model.add_node("mass", NodeKind::Coordinates(1), false);
+        model.add_element("push", &[node], Box::new(PushedMass));
+        let method = Method::new(table_by_name("bdf2").ok_or("not listed")?, ConstraintLevel::default());
+        let system = Systems::new(&model, &method, &[]).plain;
+        let mut newton = Newton::<Complex64>::new(system, NewtonTolerance::default(), Backend::default())
+            .map_err(|_| "a singular pattern".to_string())?;
+        let equations = Equations::acceleration();
+        let zero = || vec![Complex64::new(0.0, 0.0)];
+        let base = VectorsAvq { a: zero(), v: zero(), q: zero() };
+        let p = [Complex64::new(2.0, 0.0), Complex64::new(6.0, force_part * COMPLEX_STEP)];
+        let others = [Complex64::new(factored_for, 0.0), p[1]];
+        let mut unknowns = Unknowns::default();
+        Residual::shape(&newton.system, &mut unknowns, true);
+        newton.residual.start(&newton.system, &equations, &base, &others, 0.0);
+        newton.evaluate(&equations, &base, &mut unknowns, &others, 0.0);
+        newton.factorize(&equations, &unknowns, &others, 0.0).map_err(|_| "a singular matrix".to_string())?;
+        newton.residual.start(&newton.system, &equations, &base, &p, 0.0);
+        unknowns.x[0].re = 3.0;
+        newton.evaluate(&equations, &base, &mut unknowns, &p, 0.0);
+        let refined = newton.refine_parts(&equations, &base, &mut unknowns, &p, 0.0);
+        refined.map_err(|failure| newton.describe(&failure, &equations, "start").to_string())?;
+        Ok(unknowns.x[0].im / COMPLEX_STEP)
+    }
+
+    #[test]
+    fn derivative_parts_that_converge_are_exact_and_others_are_an_error() {
+        assert!((derivative(2.0, 1.0).expect("its own matrix") - 0.5).abs() < 1e-15);
+        assert!((derivative(2.2, 1.0).expect("a matrix that is nearly right") - 0.5).abs() < 1e-9);
+        // too heavy: every correction takes a hundredth of what is left; too light: every one is 1.5 times as large as the one before
+        for mass in [200.0, 0.8] {
+            let message = derivative(mass, 1.0).expect_err("a matrix that is wrong");
+            assert!(message.contains("start") && message.contains("derivative parts"), "{message}");
+            assert!(message.contains("\"mass\", coordinate 0"), "{message}");
+        }
+        let message = derivative(2.0, f64::NAN).expect_err("no number");
+        assert!(message.contains("derivative part that is not finite"), "{message}");
     }
 }

@@ -5,11 +5,12 @@ use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::Anchor;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::quantities::{
-    Coordinate, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure, TargetDistance, Velocity,
+    CableMeasure, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure,
+    TargetDistance, Velocity,
 };
 use costate::functionals::{LoadKind, Over};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{BeamMember, MechanismBuilder};
+use costate::scenes::{BeamMember, CableMember, MechanismBuilder};
 
 /// A quantity of the library.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,12 @@ pub enum Measure {
     SectionForce,
     SectionStrain,
     FibreStress,
+    Distance,
+    CableStrain,
+    CableCurvature,
+    CableStress,
+    LargestCableStress,
+    CableDeflection,
 }
 
 const NORMALIZED: Over = Over::SmoothMaximum { sharpness: 3.0, normalized: true };
@@ -38,7 +45,7 @@ const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true }
 const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
 
 /// Every quantity and every use of one over time; a new one is a line here.
-const LIST: [(Measure, Over); 24] = [
+const LIST: [(Measure, Over); 30] = [
     (Measure::Position, Over::Initial),
     (Measure::Position, Over::Terminal),
     (Measure::Position, Over::Integral),
@@ -63,6 +70,12 @@ const LIST: [(Measure, Over); 24] = [
     (Measure::SectionForce, Over::Terminal),
     (Measure::SectionStrain, Over::Integral),
     (Measure::FibreStress, NORMALIZED),
+    (Measure::Distance, Over::Integral),
+    (Measure::CableStrain, Over::Terminal),
+    (Measure::CableCurvature, Over::Integral),
+    (Measure::CableStress, OF_FORCE),
+    (Measure::LargestCableStress, OF_FORCE),
+    (Measure::CableDeflection, Over::Terminal),
 ];
 
 impl Case {
@@ -71,8 +84,10 @@ impl Case {
     pub fn measures(&self) -> Vec<(Measure, Over)> {
         use Measure::*;
         let beam = matches!(self.subject, Subject::Beam(_));
+        let cable = matches!(self.subject, Subject::Cable(_));
         let measured = |entry: &(Measure, Over)| match entry.0 {
             SectionForce | SectionStrain | FibreStress if !beam => false,
+            CableStrain | CableCurvature | CableStress | LargestCableStress | CableDeflection if !cable => false,
             Energy if !self.has_energies() => false,
             Velocity | JointRate | JointSpeed if self.statics => false,
             _ => !self.statics || entry.1 != Over::Initial,
@@ -116,7 +131,8 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     match (measure, reach) {
         (_, Nothing) => true,
         (_, Sensor) => {
-            matches!(measure, Coordinate | ReactionNorm | Energy | Measure::Mass | SectionForce | SectionStrain)
+            let without_numbers = [Coordinate, ReactionNorm, Energy, Measure::Mass, SectionForce, SectionStrain];
+            without_numbers.contains(&measure) || [CableStrain, CableCurvature, CableDeflection].contains(&measure)
         }
         (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),
         _ if over != Over::Initial => false,
@@ -177,6 +193,8 @@ pub struct Seen {
     pub equations: usize,
     /// Whose sections are measured.
     pub beam: Option<BeamMember>,
+    /// Whose strains are measured.
+    pub cable: Option<CableMember>,
 }
 
 /// Adds the list to a scene; `sensor` scales all numbers of the functionals, which are parameters like any other.
@@ -233,6 +251,10 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             }
             Measure::Energy => m.energy_functional(&name, over),
             Measure::Mass => m.mass_functional(&name, over),
+            Measure::Distance => {
+                let quantity = Distance { a: of, b: of };
+                m.functional(&name, "m", over, (&[seen.arm, seen.ground], &[]), quantity, &slide[..6]);
+            }
             // in the first element, whose parameters are varied, and between both
             Measure::SectionForce => {
                 if let Some(beam) = &seen.beam {
@@ -247,6 +269,28 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             Measure::FibreStress => {
                 if let Some(beam) = &seen.beam {
                     m.fibre_stress_functional(&name, over, (beam, 0.0), sensor * 40.0, [sensor * 0.2, sensor * -0.1]);
+                }
+            }
+            Measure::CableStrain | Measure::CableCurvature => {
+                let measure = if entry.0 == Measure::CableStrain { CableMeasure::Strain } else { CableMeasure::Curvature };
+                if let Some(cable) = &seen.cable {
+                    m.cable_strain_functional(&name, over, cable, 0.5, measure);
+                }
+            }
+            Measure::CableStress => {
+                if let Some(cable) = &seen.cable {
+                    m.cable_stress_functional(&name, over, (cable, 0.2), sensor * 40.0, sensor * 0.2);
+                }
+            }
+            Measure::LargestCableStress => {
+                if let Some(cable) = &seen.cable {
+                    m.largest_cable_stress_functional(&name, cable, sensor * 40.0, sensor * 0.2, 0.05);
+                }
+            }
+            Measure::CableDeflection => {
+                if let Some(cable) = &seen.cable {
+                    let nodes = [cable.start(), cable.end()];
+                    m.cable_deflection_functional(&name, over, nodes, Vector3::from_f64([0.2, 0.5, 0.8]));
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! The host of every subject: an arm on a spherical joint under oblique gravity, and on it what the subject needs.
 
+use super::cable::CableSubject;
 use super::measures::Seen;
 use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
@@ -136,7 +137,8 @@ impl Case {
         let shoulder_joint = m.spherical("shoulder", [ground, arm], shoulder);
 
         // a subject on one body needs no second one
-        let alone = matches!(self.subject, RigidBody | GravityOnBody | Force(Anchor::Body, ..) | Torque(..) | Beam(_));
+        let alone =
+            matches!(self.subject, RigidBody | GravityOnBody | Force(Anchor::Body, ..) | Torque(..) | Beam(_) | Cable(_));
         let position = place([0.8, -0.2, -0.8]);
         let velocity = elbow_velocity + second_omega.cross(&(position - elbow));
         let light = matches!(
@@ -159,7 +161,8 @@ impl Case {
             bob
         } else {
             let rotation = whole.times(Quaternion::about(at([-1.0, 2.0, 2.0]).unit(), S::from(-0.5)));
-            let link = m.body("link", position, rotation);
+            let natural = matches!(self.kind(), NaturalBody | Spherical(Anchor::Natural));
+            let link = if natural { m.natural_body("link", position, rotation) } else { m.body("link", position, rotation) };
             m.set_velocity(link, velocity, second_omega);
             let inertia = [0.06, 0.09, 0.07, -0.01, 0.012, 0.008].map(S::from);
             m.rigid_body("link", link, S::from(0.6), at([-0.03, 0.06, 0.02]), inertia);
@@ -186,6 +189,20 @@ impl Case {
             }
             _ => None,
         };
+        let mut joint = None;
+        let cable = match &self.subject {
+            Cable(subject) => {
+                let (own, [corner, end]) = subject.add(m, [shoulder, elbow], arm);
+                match subject {
+                    CableSubject::Corner => joint = Some(corner),
+                    CableSubject::End(_) => joint = Some(end),
+                    _ => {}
+                }
+                m.set_velocity(own.nodes[1], elbow_velocity * S::from(0.3), omega * S::from(0.2));
+                Some(own)
+            }
+            _ => None,
+        };
         m.gravity(at([0.6, -0.9, -9.7]));
 
         let both = [arm, second];
@@ -202,9 +219,8 @@ impl Case {
             other: (hinge, whole.rotate(at([-0.2, 0.5, 1.0]))),
             function: &f,
         };
-        let mut joint = None;
         match &self.subject {
-            RigidBody | PointMass | GravityOnBody | GravityOnPoint | Beam(_) => {}
+            RigidBody | NaturalBody | Cable(_) | PointMass | GravityOnBody | GravityOnPoint | Beam(_) => {}
             LineSpring => drop(m.line_spring(name, both, ends, S::from(60.0), S::from(0.7))),
             LineDamper => drop(m.line_damper(name, both, ends, S::from(3.0))),
             VectorDamper => drop(m.vector_damper(name, both, ends, S::from(2.0))),
@@ -241,6 +257,8 @@ impl Case {
         }
         let subject = match &self.subject {
             RigidBody => "arm",
+            NaturalBody => "link",
+            Cable(subject) => subject.part(),
             PointMass => "bob",
             GravityOnBody => "weight of arm",
             GravityOnPoint => "weight of bob",
@@ -251,9 +269,9 @@ impl Case {
         let constraint = m.model.constraints.iter().find(|c| c.name == subject);
         let places = constraint.map_or(element.unwrap_or(0..0), |constraint| constraint.parameters.clone());
         let equations = constraint.map_or(3, |constraint| constraint.equations.len());
-        let second_is = if light { Anchor::Point } else { Anchor::Body };
+        let second_is = m.model.node(second).kind.anchor().unwrap_or(Anchor::Body);
         let joint = joint.unwrap_or(shoulder_joint);
         let shoulder = shoulder_joint;
-        (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible }, places)
+        (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible, cable }, places)
     }
 }

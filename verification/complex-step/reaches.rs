@@ -31,7 +31,9 @@ impl Case {
         };
         let inertia = if self.projected { ProjectedInertia } else { Inertia };
         let of_subject = match self.kind() {
-            Subject::RigidBody => [vec![if self.projected { ProjectedMass } else { Mass }], own(9, inertia)].concat(),
+            Subject::RigidBody | Subject::NaturalBody => {
+                [vec![if self.projected { ProjectedMass } else { Mass }], own(9, inertia)].concat()
+            }
             Subject::PointMass => vec![Mass],
             Subject::GravityOnBody => own(7, Stored),
             Subject::GravityOnPoint => [own(4, Stored), own(3, Nothing)].concat(),
@@ -63,6 +65,7 @@ impl Case {
             Subject::Fixed => own(10, Geometry),
             Subject::Distance => own(7, Geometry),
             Subject::Beam(subject) => subject.reaches(self.statics),
+            Subject::Cable(subject) => subject.reaches(),
             Subject::Rotation(f) => [own(9, Geometry), drive(f)].concat(),
             Subject::Translation(f) => [own(9, Geometry), drive(f)].concat(),
         };
@@ -82,9 +85,11 @@ impl Case {
             }
             _ => of_subject,
         };
+        let varied = of_subject.into_iter().enumerate().filter(|(place, _)| self.varies(*place));
+        let of_subject = varied.map(|(_, reach)| reach).collect();
         let spin = if self.statics { Nothing } else { StartVelocity };
-        // the turn stretches a beam, and with it its mass
-        let turn = if matches!(self.subject, Subject::Beam(_)) { ProjectedMass } else { StartPosition };
+        // the turn stretches a beam or a cable, and with it its mass
+        let turn = if matches!(self.subject, Subject::Beam(_) | Subject::Cable(_)) { ProjectedMass } else { StartPosition };
         [of_subject, vec![turn, spin, Sensor]].concat()
     }
 }

@@ -1,9 +1,11 @@
 //! The list of small scenes: one element or constraint each, in unsymmetric spatial motion.
 
 use super::beam::{self, BeamSubject, Kind};
+use super::cable::CableSubject;
 use super::measures;
 use costate::design::DesignVariable;
 use costate::elements::forces::LoadFrame;
+use costate::elements::joints::HeldSlope;
 use costate::elements::{Anchor, TimeFunction};
 use costate::scalar::Scalar;
 use costate::scenes::{MechanismBuilder, Scene, Settings};
@@ -20,6 +22,7 @@ const LOAD_STEPS: usize = 5;
 #[derive(Clone, Debug)]
 pub enum Subject {
     RigidBody,
+    NaturalBody,
     PointMass,
     GravityOnBody,
     GravityOnPoint,
@@ -56,10 +59,14 @@ pub enum Subject {
     Rotation(TimeFunction),
     Translation(TimeFunction),
     Beam(BeamSubject),
+    Cable(CableSubject),
 }
 
 /// One scene of the list.
+#[derive(Clone)]
 pub struct Case {
+    /// Every which of the subject's parameters is varied, from which on: all, or a share of very many.
+    pub every: [usize; 2],
     /// Name in the table.
     pub name: &'static str,
     /// What it tests.
@@ -82,6 +89,7 @@ pub fn list() -> Vec<Case> {
     use Subject::*;
     use TimeFunction::*;
     let element = |name, subject, function: &[f64]| Case {
+        every: [1, 0],
         name,
         subject,
         function: function.into(),
@@ -91,6 +99,7 @@ pub fn list() -> Vec<Case> {
     };
     let constraint = |name, subject, function: &[f64]| Case { projected: true, ..element(name, subject, function) };
     // off their equilibrium, so that every strain is something to start with
+    let cable = |name, subject| constraint(name, Cable(subject), &[]);
     let beam = |name, subject, function: &[f64]| constraint(name, Beam(subject), function);
     let soft = |joint: Subject| Soft(Box::new(joint));
     let table = TimeFunction::table(vec![-0.1, 0.12, 0.31, 0.6]).expect("the knots increase");
@@ -102,6 +111,8 @@ pub fn list() -> Vec<Case> {
     vec![
         element("rigid-body", RigidBody, &[]),
         constraint("rigid-body-projected", RigidBody, &[]),
+        element("natural-body", NaturalBody, &[]),
+        constraint("natural-body-projected", NaturalBody, &[]),
         element("point-mass", PointMass, &[]),
         element("gravity-body", GravityOnBody, &[]),
         element("gravity-point", GravityOnPoint, &[]),
@@ -129,6 +140,7 @@ pub fn list() -> Vec<Case> {
         element("torque-body-constant", Torque(body, Constant), &[0.7]),
         constraint("spherical", Spherical(Anchor::Body), &[]),
         constraint("spherical-point", Spherical(Anchor::Point), &[]),
+        constraint("spherical-natural", Spherical(Anchor::Natural), &[]),
         constraint("revolute", Revolute, &[]),
         constraint("fixed", Fixed, &[]),
         constraint("distance", Distance, &[]),
@@ -160,6 +172,14 @@ pub fn list() -> Vec<Case> {
         beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
         beam("load-along-beam-world-lines", BeamSubject::Load(world, lines), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
+        cable("cable", CableSubject::Element),
+        cable("cable-small-strains", CableSubject::SmallStrain),
+        cable("inertia-of-cable", CableSubject::Inertia),
+        cable("weight-of-cable", CableSubject::Weight),
+        cable("cable-corner", CableSubject::Corner),
+        cable("cable-end-direction", CableSubject::End(HeldSlope::Direction)),
+        cable("cable-end-vector", CableSubject::End(HeldSlope::Vector)),
+        cable("cable-end-plane", CableSubject::End(HeldSlope::Plane)),
         Case { projected: false, statics: true, ..beam("beam-design-equilibrium", BeamSubject::Design, &[]) },
         // its second derivative has corners at both ends: a start or duration moves them off the steps' ends
         Case { one_sided: &["start", "duration"], ..inside },
@@ -172,6 +192,10 @@ impl Case {
     /// About a beam, its weight or its loads.
     pub fn is_of_beams(&self) -> bool {
         matches!(self.subject, Subject::Beam(_))
+    }
+    /// With flexible parts.
+    pub fn is_flexible(&self) -> bool {
+        matches!(self.subject, Subject::Beam(_) | Subject::Cable(_))
     }
     /// One of the basic elements and constraints, which go with every integrator; what others add to them is their formula alone, and
     /// that is the same for all integrators.
@@ -195,6 +219,7 @@ impl Case {
                 | JointAngle
                 | Gear
                 | Beam(_)
+                | Cable(_)
         )
     }
 
@@ -212,8 +237,24 @@ impl Case {
     }
 
     /// The numbers that the builder takes for the beam, if they are what is varied.
-    fn is_design(&self) -> bool {
+    pub fn is_design(&self) -> bool {
         matches!(self.subject, Subject::Beam(BeamSubject::Design))
+    }
+
+    /// Types of the part whose parameters are varied, and of the constraints inside the nodes.
+    pub fn types(&self) -> Vec<&'static str> {
+        let mut m = MechanismBuilder::default();
+        let places = self.mechanism(&START.map(|(_, value)| value), &beam::design(), &mut m).1;
+        let elements = m.model.elements.iter().map(|e| (&e.parameters, e.physics.type_name()));
+        let joints = m.model.constraints.iter().map(|c| (&c.parameters, c.physics.type_name()));
+        let subject = elements.chain(joints).filter(|(own, _)| **own == places && !places.is_empty());
+        let inside = m.model.nodes.iter().filter_map(|node| Some(node.kind.local_constraint()?.type_name()));
+        subject.map(|(_, name)| name).chain(inside).collect()
+    }
+
+    /// Whether a parameter of the subject is a design variable.
+    pub fn varies(&self, place: usize) -> bool {
+        place % self.every[0] == self.every[1] % self.every[0]
     }
 
     /// The parameters of the subject as they are designed, before anything is varied.
@@ -235,7 +276,7 @@ impl Case {
             let phase = i as f64;
             // inertia of a beam's points is small, and stays positive
             let size = value.abs().min(1.0);
-            let added = if matches!(self.subject, Subject::Beam(_)) { size } else { 1.0 };
+            let added = if self.is_flexible() { size } else { 1.0 };
             *value = *value * (1.0 + 0.04 * (phase + 1.0).sin()) + 0.02 * size + 0.01 * added * (2.0 * phase).cos();
         }
         (values, parameters.drain(..).map(|parameter| parameter.name.into_owned()).collect())
@@ -252,7 +293,8 @@ impl Scene for Case {
     fn variables(&self) -> Vec<DesignVariable> {
         let (values, names) = self.nominal();
         let start = START.map(|(name, value)| (name.to_string(), value));
-        let all = names.into_iter().zip(values).chain(start).chain([("sensor".to_string(), 1.0)]);
+        let all = names.into_iter().zip(values).enumerate().filter(|(place, _)| self.varies(*place)).map(|(_, own)| own);
+        let all = all.chain(start).chain([("sensor".to_string(), 1.0)]);
         all.map(|(name, value)| DesignVariable::new(name, value, (value - 1.0, value + 1.0), "")).collect()
     }
     fn settings(&self) -> Settings {
@@ -263,20 +305,24 @@ impl Scene for Case {
         if self.projected { settings.projecting_start() } else { settings }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let Some(own) = x.len().checked_sub(3) else { return Err(format!("too few variables: {}", x.len())) };
-        let (subject, rest) = x.split_at(own);
-        let beam = if self.is_design() { subject.to_vec() } else { beam::design() };
+        let Some(varied) = x.len().checked_sub(3) else { return Err(format!("too few variables: {}", x.len())) };
+        let (varied, rest) = x.split_at(varied);
+        let mut subject: Vec<S> = self.nominal().0.into_iter().map(S::from).collect();
+        let own = subject.len();
+        let places = (0..own).filter(|&place| self.varies(place));
+        places.zip(varied).for_each(|(place, &x)| subject[place] = x);
+        let beam = if self.is_design() { subject.clone() } else { beam::design() };
         let (seen, places) = self.mechanism(&rest[..2], &beam, m);
         if !self.is_design() {
             if places.len() != own {
                 return Err(format!("{} variables for {} parameters", own, places.len()));
             }
-            m.numbers.p[places].copy_from_slice(subject);
+            m.numbers.p[places].copy_from_slice(&subject);
         }
         if self.projected {
             // off the constraints, so that the projection moves something
             // less where nodes lie close to each other
-            let size = if matches!(self.subject, Subject::Beam(_)) { 0.2 } else { 1.0 };
+            let size = if self.is_flexible() { 0.2 } else { 1.0 };
             for node in m.model.nodes.iter().filter(|node| !node.fixed) {
                 for i in node.dofs.clone() {
                     m.numbers.q[i] += S::from(size * 0.01 * (3.0 * i as f64).sin());

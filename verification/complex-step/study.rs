@@ -1,18 +1,24 @@
 //! Adjoint and tangent gradients against complex step and difference quotients, over the lists of everything.
 
 mod beam;
+mod cable;
+mod coverage;
 mod measures;
 mod mechanism;
+mod quotient;
 mod reaches;
 mod scenes;
+mod stiff_beams;
 
 use crate::verification::{Report, Study};
 use costate::integrators::{
-    ConstraintLevel, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name, table_named, tables,
+    ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name,
+    table_named, tables,
 };
 use costate::scenes::{AnyScene, Prepared, Scene, Settings};
-use costate::sensitivity::largest_difference;
+use costate::sensitivity::{Analysis, largest_difference};
 use measures::Reads;
+use quotient::Quotient;
 use rayon::prelude::*;
 use scenes::Case;
 
@@ -21,19 +27,20 @@ const EXACT: f64 = 1e-12;
 /// Roundings of a constraint, in units in the last place, where a multiplier follows from it through 1 / (h a_ii)^2 or 1 / (h a_ii).
 const ROUNDINGS: f64 = 8.0;
 /// Largest difference from a difference quotient, relative to the largest term of the directional derivative.
-const QUOTIENT: f64 = 1e-6;
-/// Step of the difference quotient, relative to the variables.
-const STEP: f64 = 1e-3;
-/// Steps at position level, where forces carry round-off of 1e-10: it enters the quotient divided by the step, and which step is
-/// limited by it and which by its own length differs from scene to scene; a wrong gradient would agree with none.
-const STEPS_AT_POSITION_LEVEL: [f64; 3] = [STEP, 2.5e-3, 1e-2];
+const QUOTIENT: f64 = 1e-7;
+/// How many times the noise of the runs over its step a quotient may be off.
+const SCATTER: f64 = 4.0;
+/// Noise over the step beyond which a quotient shows nothing, relative to the largest term.
+const BLIND: f64 = 1e-3;
 
 /// Method of the runs that choose their steps.
 const CHOOSING: &str = "esdirk4";
 /// Integrators that scenes of further joints and forces go with.
 const OF_FORMULAS: [&str; 5] = ["midpoint", "esdirk4", "generalized-alpha", "bdf2", "esdirk4-choosing-steps"];
-/// That which scenes of beams go with, at the acceleration level: a complex-step run for each of their many parameters takes its time.
-const OF_BEAMS: [&str; 1] = ["bdf2"];
+/// Those with which all parameters of beams are varied: with others a share.
+const ALL_OF_BEAMS: [&str; 2] = ["bdf2", DEFAULT_TABLE];
+/// That which only scenes with elastic energy go with, and bodies: momenta are carried.
+const VARIATIONAL: &str = "variational";
 /// Their tolerances at the position, velocity and acceleration level, where errors and so steps differ.
 const TOLERANCES: [f64; 3] = [1e-4, 1e-5, 1e-7];
 /// Their longest step [s]: never less than 50 of them.
@@ -62,14 +69,37 @@ fn members() -> Vec<Member> {
         table,
         chooses_steps: true,
     });
-    tables().into_iter().map(equal).chain(choosing).collect()
+    let variational = table_by_name(VARIATIONAL).map(equal);
+    tables().into_iter().map(equal).chain(choosing).chain(variational).collect()
 }
 
 /// A scene of equilibria: there are no velocities, and levels are all the same.
-fn of_equilibria(case: &Case) -> Option<(&Case, Member, ConstraintLevel)> {
+fn of_equilibria(case: &Case) -> Option<(Case, Member, ConstraintLevel)> {
     let table = table_named(STATIC_TABLE).ok().flatten()?;
     let member = Member { name: table.name.clone(), table, chooses_steps: false };
-    Some((case, member, ConstraintLevel::default()))
+    Some((case.clone(), member, ConstraintLevel::default()))
+}
+
+/// Elements of beams have up to ninety parameters, each a complex-step run: all go with two integrators, every sixth with any other, from
+/// another one on for each.
+fn share_of(case: &Case, index: usize, member: &Member) -> Case {
+    let all = !case.is_of_beams() || case.nominal().0.len() <= 24 || ALL_OF_BEAMS.contains(&member.name.as_str());
+    Case { every: if all { [1, 0] } else { [6, index] }, ..case.clone() }
+}
+
+/// Whether a scene goes with an integrator at a constraint level: basic ones with all, those of further formulas with some, flexible ones
+/// with all at the acceleration level.
+fn belongs(case: &Case, member: &Member, level: ConstraintLevel) -> bool {
+    let of_formulas = OF_FORMULAS.contains(&member.name.as_str());
+    let default = level == ConstraintLevel::default();
+    if member.name == VARIATIONAL {
+        return case.is_flexible() && default;
+    }
+    if case.is_flexible() && member.chooses_steps {
+        // cables that ring ask for thousands of steps
+        return false;
+    }
+    if case.is_of_beams() { default } else { case.is_basic() || of_formulas || (case.is_flexible() && default) }
 }
 
 /// The study.
@@ -84,14 +114,13 @@ impl Study for ComplexStep {
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         let cases = scenes::list();
-        let combinations: Vec<(&Case, Member, ConstraintLevel)> = cases
-            .iter()
-            .filter(|case| !case.statics)
-            .flat_map(|case| members().into_iter().map(move |member| (case, member)))
-            .filter(|(case, member)| case.is_basic() || OF_FORMULAS.contains(&member.name.as_str()))
-            .filter(|(case, member)| !case.is_of_beams() || OF_BEAMS.contains(&member.name.as_str()))
-            .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case, member.clone(), level)))
-            .filter(|(case, _, level)| !case.is_of_beams() || *level == ConstraintLevel::default())
+        let moving = cases.iter().filter(|case| !case.statics);
+        let combinations: Vec<(Case, Member, ConstraintLevel)> = moving
+            .flat_map(|case| {
+                members().into_iter().enumerate().map(move |(index, member)| (share_of(case, index, &member), member))
+            })
+            .flat_map(|(case, member)| ConstraintLevel::ALL.map(|level| (case.clone(), member.clone(), level)))
+            .filter(|(case, member, level)| belongs(case, member, *level))
             .chain(cases.iter().filter(|case| case.statics).filter_map(of_equilibria))
             .collect();
         let outcomes: Vec<Result<Outcome, RunError>> =
@@ -115,7 +144,14 @@ impl Study for ComplexStep {
                     report.at_most(format!("{name}/tangent-of-{kind}"), differences[1], limit);
                 }
             }
+            if let Some([difference, limit]) = outcome.rounded {
+                report.at_most(format!("{name}/beside-a-rounding-of-the-variables"), difference, limit);
+            }
             report.at_most(format!("{name}/difference-quotient"), outcome.quotient, QUOTIENT);
+            if let Some([miss, limit]) = outcome.noisy {
+                report.at_most(format!("{name}/difference-quotient-at-its-noise"), miss, limit);
+                report.at_most(format!("{name}/noise-of-difference-quotient"), outcome.noise, BLIND);
+            }
             for line in &outcome.lines {
                 report.note(format!("{name}: {line}"));
             }
@@ -130,11 +166,13 @@ impl Study for ComplexStep {
             report.inform(format!("worst/{}/adjoint", level.name()), worst.adjoint);
             report.inform(format!("worst/{}/tangent", level.name()), worst.tangent);
             report.inform(format!("worst/{}/difference-quotient", level.name()), worst.quotient);
+            report.inform(format!("worst/{}/noise-of-difference-quotient", level.name()), worst.noise);
             for (kind, _, differences) in Limits::default().each(worst) {
                 report.inform(format!("worst/{}/adjoint-of-{kind}", level.name()), differences[0]);
                 report.inform(format!("worst/{}/tangent-of-{kind}", level.name()), differences[1]);
             }
             report.inform(format!("combinations-above-1e-12/{}", level.name()), worst.above as f64);
+            report.inform(format!("combinations-beside-a-rounding/{}", level.name()), worst.beside as f64);
         }
         for (level, chosen) in ConstraintLevel::ALL.iter().zip(&chosen_by_level) {
             let most_steps = chosen.iter().fold(0.0, |most: f64, own| most.max(own[2]));
@@ -142,6 +180,11 @@ impl Study for ComplexStep {
             report.inform(format!("chosen-steps/{}/most", level.name()), most_steps);
             report.inform(format!("chosen-steps/{}/longest-by-shortest", level.name()), largest_ratio);
         }
+        stiff_beams::run(report).map_err(|error| format!("stiff beams: {error}"))?;
+        let (types, missing) = coverage::missing(&cases);
+        report.inform("types-of-elements-and-constraints", types as f64);
+        report.at_most("types-in-no-scene", missing.len() as f64, 0.0);
+        missing.iter().for_each(|name| report.note(format!("{name} is the subject of no scene")));
         report.inform("combinations", combinations.len() as f64);
         report.inform("entries", total.entries as f64);
         report.inform("entries-declared-zero", total.zeros as f64);
@@ -157,6 +200,13 @@ struct Outcome {
     adjoint: f64,
     tangent: f64,
     quotient: f64,
+    /// Difference and limit of the functional nearest to its limit, or beyond it, of those whose noise asks for more than [`QUOTIENT`].
+    noisy: Option<[f64; 2]>,
+    /// Difference and limit of the functional nearest to its limit, or beyond it, of those that a rounding of the variables moves by more
+    /// than [`EXACT`].
+    rounded: Option<[f64; 2]>,
+    /// Largest noise of a quotient.
+    noise: f64,
     /// Adjoint and tangent of functionals of coordinates, of velocities and of multipliers, where these carry more round-off
     /// than [`EXACT`].
     of_coordinates: [f64; 2],
@@ -164,6 +214,8 @@ struct Outcome {
     of_forces: [f64; 2],
     /// 1 if any exact gradients differ by more than [`EXACT`].
     above: usize,
+    /// Combinations with functionals beside a rounding of the variables.
+    beside: usize,
     entries: usize,
     zeros: usize,
     not_zero: usize,
@@ -182,12 +234,14 @@ impl Outcome {
         self.adjoint = worse(self.adjoint, other.adjoint);
         self.tangent = worse(self.tangent, other.tangent);
         self.quotient = worse(self.quotient, other.quotient);
+        self.noise = worse(self.noise, other.noise);
         for way in 0..2 {
             self.of_coordinates[way] = worse(self.of_coordinates[way], other.of_coordinates[way]);
             self.of_velocities[way] = worse(self.of_velocities[way], other.of_velocities[way]);
             self.of_forces[way] = worse(self.of_forces[way], other.of_forces[way]);
         }
         self.above += other.above;
+        self.beside += usize::from(other.rounded.is_some());
         self.entries += other.entries;
         self.zeros += other.zeros;
         self.not_zero += other.not_zero;
@@ -206,7 +260,6 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let scene: &dyn AnyScene = case;
     let variables = scene.design_variables();
     let x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-    let steps: &[f64] = if method.level == ConstraintLevel::Position { &STEPS_AT_POSITION_LEVEL } else { &[STEP] };
     let control = member.control(level);
     let settings = Settings { control, ..case.settings() };
     let prepared = Prepared::with(scene, &x, method, settings)?;
@@ -226,16 +279,37 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
             if left_out { 0.0 } else { f64::from(3 * i).cos() * variable.initial.abs().max(0.1) }
         })
         .collect();
-    let quotients: Vec<Vec<f64>> =
-        steps.iter().map(|&step| analysis.central_difference(&x, &direction, step)).collect::<Result<_, _>>()?;
+    let quotients = quotient::quotients(&analysis, &x, &direction)?;
 
     let reaches = case.reaches();
     let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);
     let chosen = control.map(|_| [sizes.clone().fold(f64::INFINITY, f64::min), sizes.fold(0.0, f64::max)]);
+    let mut nearby = None;
     let mut outcome = Outcome { steps: forward.grid.steps(), chosen, limits, ..Outcome::default() };
     for (index, entry) in case.measures().into_iter().enumerate() {
         let rows = [&complex.rows[index], &adjoint.rows[index], &tangent.rows[index]];
-        let differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
+        let mut differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
+        let exact = match measures::reads(entry) {
+            Reads::Multipliers => limits.force,
+            Reads::Coordinates => limits.coordinate,
+            Reads::Velocities => limits.velocity,
+            Reads::Start => EXACT,
+        };
+        if exact <= EXACT && worse(differences[0], differences[1]) > EXACT {
+            let [up, down] = match &nearby {
+                Some(rows) => rows,
+                None => nearby.insert(adjoints_nearby(&analysis, &x)?),
+            };
+            let limit = EXACT.max(SCATTER * largest_difference(&up[index], &down[index]));
+            let difference = worse(differences[0], differences[1]);
+            if outcome.rounded.is_none_or(|[other, of_other]| !(difference / limit <= other / of_other)) {
+                outcome.rounded = Some([difference, limit]);
+            }
+            outcome.lines.push(format!("{}: {difference:.1e} where a rounding allows {limit:.1e}", measures::name(entry)));
+            if limit > EXACT && difference <= limit {
+                differences = [0.0; 2];
+            }
+        }
         let [adjoint, tangent] = match measures::reads(entry) {
             Reads::Multipliers if limits.force > EXACT => outcome.of_forces.each_mut(),
             Reads::Coordinates if limits.coordinate > EXACT => outcome.of_coordinates.each_mut(),
@@ -247,9 +321,16 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
         let terms: Vec<f64> = rows[1].iter().zip(&direction).map(|(g, d)| g * d).collect();
         let largest = terms.iter().fold(0.0, |s: f64, term| s.max(term.abs()));
         let slope: f64 = terms.iter().sum();
-        let misses = quotients.iter().map(|quotient| (slope - quotient[index]).abs());
-        let miss = misses.fold(f64::INFINITY, f64::min);
-        outcome.quotient = worse(outcome.quotient, if miss == 0.0 { 0.0 } else { miss / largest });
+        let Quotient { value, floor, .. } = quotients[index];
+        // where every term is zero there is nothing to be relative to: noise alone may be left
+        let share = |size: f64| if largest == 0.0 { size } else { size / largest };
+        let (miss, limit) = (share((slope - value).abs()), SCATTER * share(floor));
+        outcome.noise = worse(outcome.noise, if largest == 0.0 { 0.0 } else { share(floor) });
+        if limit <= QUOTIENT {
+            outcome.quotient = worse(outcome.quotient, miss);
+        } else if outcome.noisy.is_none_or(|[other, of_other]| !(miss / limit <= other / of_other)) {
+            outcome.noisy = Some([miss, limit]);
+        }
         for (place, (variable, &reach)) in variables.iter().zip(&reaches).enumerate() {
             let entries = rows.map(|row| row[place]);
             outcome.entries += 1;
@@ -269,6 +350,15 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let all = exact.into_iter().chain(outcome.of_coordinates).chain(outcome.of_velocities).chain(outcome.of_forces);
     outcome.above = usize::from(all.fold(0.0, worse) > EXACT);
     Ok(outcome)
+}
+
+/// Adjoint gradients at the designs next to this one, on the same steps.
+fn adjoints_nearby(analysis: &Analysis, x: &[f64]) -> Result<[Vec<Vec<f64>>; 2], RunError> {
+    let at = |rounded: fn(f64) -> f64| -> Result<Vec<Vec<f64>>, RunError> {
+        let x: Vec<f64> = x.iter().map(|&x| rounded(x)).collect();
+        Ok(analysis.adjoint(&x, &analysis.forward(&x)?)?.rows)
+    };
+    Ok([at(f64::next_up)?, at(f64::next_down)?])
 }
 
 /// What round-off of the constraints leaves of velocities and multipliers at a constraint level: [`ROUNDINGS`] through the table.

@@ -1,0 +1,60 @@
+//! Whether every type of `src/elements` is the subject of a scene.
+
+use super::scenes::Case;
+use std::collections::BTreeSet;
+
+/// Where elements, fields, constraints, nonholonomic constraints, drivers and forces make their names public.
+const LISTS: [&str; 4] = [
+    include_str!("../../src/elements/bodies/mod.rs"),
+    include_str!("../../src/elements/flexible/mod.rs"),
+    include_str!("../../src/elements/forces/mod.rs"),
+    include_str!("../../src/elements/joints/mod.rs"),
+];
+
+/// Public names of numbers and options there, which have no formula of their own.
+const OPTIONS: [&str; 7] = ["STRAINS", "TYING_POINTS", "CableSection", "CableStrain", "HeldSlope", "Material", "Section"];
+
+/// The names in the `pub use` lines of a file.
+fn public_names(file: &str) -> impl Iterator<Item = &str> {
+    let lines = file.lines().filter_map(|line| line.strip_prefix("pub use ")?.strip_suffix(';'));
+    lines.flat_map(|line| {
+        let names = line.rsplit("::").next().unwrap_or(line);
+        names.trim_matches(['{', '}']).split(',').map(str::trim)
+    })
+}
+
+/// The last names of all paths in that of a type, those of its arguments included.
+fn names_in(type_name: &str) -> impl Iterator<Item = &str> {
+    type_name.split(['<', '>', ',', ' ']).filter_map(|path| path.rsplit("::").next()).filter(|name| !name.is_empty())
+}
+
+/// Public names, and those among them that no scene has as its subject.
+pub fn missing(cases: &[Case]) -> (usize, Vec<&'static str>) {
+    let subjects: Vec<&'static str> = cases.iter().flat_map(Case::types).collect();
+    let seen: BTreeSet<&str> = subjects.iter().flat_map(|name| names_in(name)).collect();
+    let all: Vec<&str> = LISTS.iter().flat_map(|file| public_names(file)).filter(|name| !OPTIONS.contains(name)).collect();
+    // a flexible element is an alias for its field at points of interpolation
+    let covered = |name: &&&str| seen.contains(**name) || seen.contains(format!("{name}Field").as_str());
+    let missing = all.iter().filter(|name| !covered(name)).copied().collect();
+    (all.len(), missing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verification::complex_step::scenes;
+
+    #[test]
+    fn every_element_and_constraint_is_the_subject_of_a_scene() {
+        let (count, missing) = missing(&scenes::list());
+        assert!(count >= 40, "{count} names were read");
+        assert_eq!(missing, Vec::<&str>::new());
+    }
+
+    #[test]
+    fn a_subject_that_is_taken_off_the_list_is_missed() {
+        let mut cases = scenes::list();
+        cases.retain(|case| !case.name.starts_with("cable-end"));
+        assert_eq!(missing(&cases).1, ["CableEnd"]);
+    }
+}
