@@ -7,7 +7,7 @@ use costate::sensitivity::Analysis;
 const LARGEST: f64 = 8e-3;
 const FACTOR: f64 = 4.0;
 /// Number of steps.
-const COUNT: i32 = 4;
+const COUNT: i32 = 5;
 
 /// The derivative of a functional along a direction, from separate real runs.
 #[derive(Clone, Copy, Debug)]

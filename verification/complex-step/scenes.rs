@@ -103,7 +103,7 @@ pub fn list() -> Vec<Case> {
     let beam = |name, subject, function: &[f64]| constraint(name, Beam(subject), function);
     let soft = |joint: Subject| Soft(Box::new(joint));
     let table = TimeFunction::table(vec![-0.1, 0.12, 0.31, 0.6]).expect("the knots increase");
-    let lines = TimeFunction::lines(vec![-0.1, 0.31, 0.6]).expect("the knots increase");
+    let early = TimeFunction::lines(vec![-0.025, 0.0775, 0.15]).expect("the knots increase");
     let (world, body) = (LoadFrame::World, LoadFrame::Body);
     let started = SmoothStart(Arc::new(Sine));
     let started = constraint("prescribed-translation-started", Translation(started), &[0.02, 0.1, 5.0, 0.2, 0.6]);
@@ -170,7 +170,7 @@ pub fn list() -> Vec<Case> {
         beam("beam-eccentric", BeamSubject::Element(Kind::Eccentric), &[]),
         beam("beam-offset-damped", BeamSubject::Element(Kind::Offset), &[]),
         beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
-        beam("load-along-beam-world-lines", BeamSubject::Load(world, lines), &[1.0, 3.0, -2.0]),
+        beam("load-along-beam-world-lines", BeamSubject::Load(world, early), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
         cable("cable", CableSubject::Element),
         cable("cable-small-strains", CableSubject::SmallStrain),
@@ -193,9 +193,21 @@ impl Case {
     pub fn is_of_beams(&self) -> bool {
         matches!(self.subject, Subject::Beam(_))
     }
+    /// Of the flexible ones those that go with every integrator: elements of all formulas.
+    pub fn is_basic_flexible(&self) -> bool {
+        use {
+            BeamSubject::Element as Beam,
+            CableSubject::{Element as Cable, SmallStrain},
+        };
+        matches!(&self.subject, Subject::Beam(Beam(_)) | Subject::Cable(Cable | SmallStrain))
+    }
     /// With flexible parts.
     pub fn is_flexible(&self) -> bool {
         matches!(self.subject, Subject::Beam(_) | Subject::Cable(_))
+    }
+    /// End of the motion [s]: steps of a quarter resolve the waves along flexible parts.
+    pub fn end(&self) -> f64 {
+        if self.is_flexible() { 0.25 * END } else { END }
     }
     /// One of the basic elements and constraints, which go with every integrator; what others add to them is their formula alone, and
     /// that is the same for all integrators.
@@ -301,7 +313,7 @@ impl Scene for Case {
         if self.statics {
             return Settings::statics(LOAD_STEPS);
         }
-        let settings = Settings::new(END, STEPS);
+        let settings = Settings::new(self.end(), STEPS);
         if self.projected { settings.projecting_start() } else { settings }
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
@@ -322,7 +334,12 @@ impl Scene for Case {
         if self.projected {
             // off the constraints, so that the projection moves something
             // less where nodes lie close to each other
-            let size = if self.is_flexible() { 0.2 } else { 1.0 };
+            let size = match self.subject {
+                // damping knows the direction of a curvature
+                Subject::Cable(CableSubject::Element) => 3.0,
+                Subject::Beam(_) | Subject::Cable(_) => 0.02,
+                _ => 1.0,
+            };
             for node in m.model.nodes.iter().filter(|node| !node.fixed) {
                 for i in node.dofs.clone() {
                     m.numbers.q[i] += S::from(size * 0.01 * (3.0 * i as f64).sin());

@@ -88,18 +88,15 @@ fn share_of(case: &Case, index: usize, member: &Member) -> Case {
 }
 
 /// Whether a scene goes with an integrator at a constraint level: basic ones with all, those of further formulas with some, flexible ones
-/// with all at the acceleration level.
+/// at the acceleration level alone.
 fn belongs(case: &Case, member: &Member, level: ConstraintLevel) -> bool {
     let of_formulas = OF_FORMULAS.contains(&member.name.as_str());
     let default = level == ConstraintLevel::default();
-    if member.name == VARIATIONAL {
-        return case.is_flexible() && default;
+    if case.is_flexible() {
+        // steps are given: cables that ring ask for thousands
+        return default && !member.chooses_steps && (of_formulas || case.is_basic_flexible());
     }
-    if case.is_flexible() && member.chooses_steps {
-        // cables that ring ask for thousands of steps
-        return false;
-    }
-    if case.is_of_beams() { default } else { case.is_basic() || of_formulas || (case.is_flexible() && default) }
+    member.name != VARIATIONAL && (case.is_basic() || of_formulas)
 }
 
 /// The study.

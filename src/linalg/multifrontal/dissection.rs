@@ -1,11 +1,11 @@
 use super::graph::{Graph, Role};
 use std::sync::Mutex;
 
-/// Vertices in the order of their elimination: nested dissection, multipliers after their last neighbour, kept unknowns at the end.
+/// Vertices in the order of their elimination: nested dissection, multipliers after their last neighbour.
 pub fn dissect(graph: &Graph) -> Vec<u32> {
-    let eliminated: Vec<u32> = (0..graph.len() as u32).filter(|&v| graph.roles[v as usize] != Role::Kept).collect();
+    let all: Vec<u32> = (0..graph.len() as u32).collect();
     let mut place = vec![u32::MAX; graph.len()];
-    for (position, &vertex) in nested_dissection(graph, &eliminated).iter().enumerate() {
+    for (position, &vertex) in nested_dissection(graph, &all).iter().enumerate() {
         place[vertex as usize] = position as u32;
     }
     let key = |vertex: u32| {
@@ -17,7 +17,7 @@ pub fn dissect(graph: &Graph) -> Vec<u32> {
         let last = graph.neighbours(vertex as usize).iter().filter(primal).map(|&v| place[v as usize]).max();
         (last.unwrap_or(own), 1, own)
     };
-    let mut order: Vec<u32> = (0..graph.len() as u32).collect();
+    let mut order = all;
     order.sort_by_cached_key(|&vertex| key(vertex));
     order
 }

@@ -1,4 +1,4 @@
-use super::graph::{Graph, Role};
+use super::graph::Graph;
 
 /// No parent: the vertex is a root.
 pub const NONE: u32 = u32::MAX;
@@ -35,7 +35,6 @@ impl EliminationTree {
     }
 }
 
-/// Kept vertices, the last ones, are coupled with each other in any case.
 fn parents(graph: &Graph, order: &[u32], place: &[u32]) -> Vec<u32> {
     let (mut parents, mut ancestors) = (vec![NONE; order.len()], vec![NONE; order.len()]);
     for (own, &vertex) in (0u32..).zip(order) {
@@ -48,11 +47,6 @@ fn parents(graph: &Graph, order: &[u32], place: &[u32]) -> Vec<u32> {
                 }
                 below = next;
             }
-        }
-        let kept = graph.roles[vertex as usize] == Role::Kept;
-        if kept && own > 0 && graph.roles[order[own as usize - 1] as usize] == Role::Kept {
-            parents[own as usize - 1] = own;
-            ancestors[own as usize - 1] = own;
         }
     }
     parents

@@ -52,7 +52,7 @@ pub fn entry_blocks(pattern: &SparsePattern, symbolic: &mut Symbolic) -> Vec<Ent
     symbolic.order.iter().zip(0u32..).for_each(|(&unknown, own)| place[unknown as usize] = own);
     let mut front_of = vec![0u32; symbolic.size];
     for (number, front) in symbolic.fronts.iter().enumerate() {
-        let end = if front.is_schur { front.first + front.others() } else { front.first + front.pivots };
+        let end = front.first + front.pivots;
         front_of[front.first..end].fill(number as u32);
     }
 

@@ -131,9 +131,6 @@ pub fn factor_front(
         let region = Region { rows: later, columns: later, values: contribution, length: order, first };
         dispatch(Extend { source, regions: [region] });
     }
-    if front.is_schur {
-        add_kept(blocks, values, contribution, left, order);
-    }
     part.set_eliminated(number, found);
     Ok(())
 }
@@ -192,17 +189,6 @@ impl Kernel for AddEntries<'_> {
                 let source = &source[column * block.stride as usize..][..height];
                 add(&mut target[column * stride..][..height], source);
             }
-        }
-    }
-}
-
-/// Adds entries of the matrix that belong to kept unknowns alone.
-fn add_kept(blocks: &[EntryBlock], values: &[f64], target: &mut [f64], first: usize, order: usize) {
-    for block in blocks {
-        for column in 0..block.width as usize {
-            let source = &values[block.source as usize + column * block.stride as usize..][..block.height as usize];
-            let start = first + block.row as usize + (first + block.column as usize + column) * order;
-            add(&mut target[start..][..block.height as usize], source);
         }
     }
 }

@@ -8,8 +8,6 @@ pub enum Role {
     Primal,
     /// Gets its pivot from the elimination of its neighbours.
     Multiplier,
-    /// Is not eliminated: it stays in the Schur complement.
-    Kept,
 }
 
 /// The graph of A + A^T, in which unknowns of equal pattern (as those of a node) are one vertex.

@@ -19,8 +19,6 @@ mod graph;
 mod kernels;
 mod multifrontal_lu;
 mod pivots;
-mod refined;
-mod schur;
 mod substitution;
 mod supernodes;
 mod symbolic;
@@ -31,7 +29,5 @@ pub(super) mod test_matrices;
 
 pub(super) use kernels::largest;
 pub use multifrontal_lu::MultifrontalLu;
-pub use refined::{BACKWARD_ERROR, Refined, Refinement, Stop};
-pub use schur::SchurComplement;
 pub use substitution::Side;
 pub use symbolic::Analysis;

@@ -31,7 +31,7 @@ pub struct Substitution {
 }
 
 impl Substitution {
-    /// Replaces right-hand sides, column by column, by solutions; kept unknowns are left out of both.
+    /// Replaces right-hand sides, column by column, by solutions.
     pub fn solve(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, rhs: &mut [f64]) {
         let all = 0..symbolic.fronts.len();
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
@@ -58,16 +58,6 @@ impl Substitution {
         for (solution, rhs) in columns {
             solution.iter().zip(&symbolic.order).for_each(|(own, &unknown)| rhs[unknown as usize] = *own);
         }
-    }
-
-    /// Residuals at some places: what is left of right-hand sides.
-    pub fn residual(&mut self) -> &mut [f64] {
-        &mut self.residual
-    }
-
-    /// Solutions.
-    pub fn solution(&mut self) -> &mut [f64] {
-        &mut self.solution
     }
 
     /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows).

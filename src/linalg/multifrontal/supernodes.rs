@@ -1,5 +1,5 @@
 use super::elimination_tree::{EliminationTree, NONE, postorder};
-use super::graph::{Graph, Role};
+use super::graph::Graph;
 
 /// Vertices that are eliminated together, in one dense front.
 #[derive(Clone, Default)]
@@ -36,7 +36,7 @@ fn front_time(pivots: usize, size: usize) -> f64 {
 
 /// Supernodes in the order of elimination: vertices of equal structure, then with their parents where one front takes less time than two.
 ///
-/// Children of one parent are ordered so that few contributions wait at the same time. Kept unknowns are the last supernode, without pivots.
+/// Children of one parent are ordered so that few contributions wait at the same time.
 ///
 /// Source: Ashcraft & Grimes (1989) for relaxed supernodes; Liu (1986) for the order of the children.
 pub fn supernodes(graph: &Graph, tree: &EliminationTree) -> Vec<Supernode> {
@@ -66,25 +66,19 @@ pub fn supernodes(graph: &Graph, tree: &EliminationTree) -> Vec<Supernode> {
 fn fundamental(graph: &Graph, tree: &EliminationTree) -> Vec<Supernode> {
     let mut supernodes: Vec<Supernode> = Vec::new();
     let mut supernode_of = vec![0; tree.order.len()];
-    let is_kept = |place: usize| graph.roles[tree.order[place] as usize] == Role::Kept;
     for place in 0..tree.order.len() {
         let weight = graph.weight(tree.order[place] as usize);
-        let continues = place > 0 && is_kept(place) == is_kept(place - 1) && {
+        let continues = place > 0 && {
             let before = graph.weight(tree.order[place - 1] as usize);
             tree.parents[place - 1] == place as u32 && tree.counts[place - 1] == tree.counts[place] + before
         };
-        if !(continues || place > 0 && is_kept(place - 1)) {
-            let size = if is_kept(place) { 0 } else { tree.counts[place] };
-            supernodes.push(Supernode { size, ..Supernode::default() });
+        if !continues {
+            supernodes.push(Supernode { size: tree.counts[place], ..Supernode::default() });
         }
         supernode_of[place] = supernodes.len() - 1;
         if let Some(supernode) = supernodes.last_mut() {
             supernode.vertices.push(place as u32);
-            if is_kept(place) {
-                supernode.size += weight;
-            } else {
-                supernode.pivots += weight;
-            }
+            supernode.pivots += weight;
         }
     }
     for supernode in &mut supernodes {

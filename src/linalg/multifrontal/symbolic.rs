@@ -46,8 +46,6 @@ pub struct Front {
     pub extensions: Range<usize>,
     /// Distance from the root.
     pub depth: usize,
-    /// Whether its rows are kept for the Schur complement.
-    pub is_schur: bool,
 }
 
 impl Front {
@@ -65,7 +63,7 @@ impl Front {
     }
     /// Whether all of its pivots have to be found here.
     pub fn is_last(&self) -> bool {
-        self.is_schur || self.parent.is_none()
+        self.parent.is_none()
     }
 }
 
@@ -135,25 +133,20 @@ impl Symbolic {
         for (s, supernode) in supernodes.iter().enumerate() {
             let own = next_vertex..next_vertex + supernode.vertices.len();
             next_vertex = own.end;
-            let is_schur = supernode.pivots == 0;
             let mut structure: Vec<u32> = Vec::new();
-            if is_schur {
-                structure.extend(own.start as u32..own.end as u32);
-            } else {
-                let mut add = |vertex: u32| {
-                    if vertex as usize >= own.end && seen_by[vertex as usize] != s {
-                        seen_by[vertex as usize] = s;
-                        structure.push(vertex);
-                    }
-                };
-                for &vertex in &vertices[own.clone()] {
-                    graph.neighbours(vertex as usize).iter().for_each(|&other| add(vertex_number[other as usize]));
+            let mut add = |vertex: u32| {
+                if vertex as usize >= own.end && seen_by[vertex as usize] != s {
+                    seen_by[vertex as usize] = s;
+                    structure.push(vertex);
                 }
-                for &child in &child_lists[s] {
-                    structures[child as usize].iter().for_each(|&vertex| add(vertex));
-                }
-                structure.sort_unstable();
+            };
+            for &vertex in &vertices[own.clone()] {
+                graph.neighbours(vertex as usize).iter().for_each(|&other| add(vertex_number[other as usize]));
             }
+            for &child in &child_lists[s] {
+                structures[child as usize].iter().for_each(|&vertex| add(vertex));
+            }
+            structure.sort_unstable();
             let (first_row, first_child) = (symbolic.rows.len(), symbolic.children.len());
             for &vertex in &structure {
                 let places = vertex_places[vertex as usize]..vertex_places[vertex as usize + 1];
@@ -172,7 +165,6 @@ impl Symbolic {
                 entries: 0..0,
                 extensions: 0..0,
                 depth: 0,
-                is_schur,
             };
             factors += front.storage();
             structures.push(structure);

@@ -92,13 +92,6 @@ impl Traversal {
         }
         factor_subtrees(symbolic, values, &mut running, self.threads)
     }
-
-    /// The contribution of the last front: the Schur complement of kept unknowns.
-    pub fn last_contribution(&self, symbolic: &Symbolic) -> &[f64] {
-        let order = symbolic.fronts.last().map_or(0, |front| front.others());
-        let memory = self.tasks.last().map_or(&[][..], |task| &task.stacks[0].memory[..]);
-        &memory[..order * order]
-    }
 }
 
 fn divide(symbolic: &Symbolic, front: usize, flops: &[f64], share: f64, tasks: &mut Vec<Task>) {
