@@ -38,8 +38,6 @@
 //! | alpha, beta, gamma | dq/dx, dv/dx, da/dx of a system's unknowns |
 //! | lambda | adjoint variables of a system |
 //! | a bar behind a name | derivative of the functional with respect to it |
-// units in documentation are written in brackets, as in `mass [kg]`
-#![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod scalar;
 

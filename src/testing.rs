@@ -23,6 +23,11 @@
 //! check_element(&Arc::new(Spring), &samples).unwrap();
 //! ```
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Impulse, Jacobian, Level, Model, NodeId, NodeKind, ProductBars, ProductPoint,
     Products, Residual, Shift, System, SystemOptions, Unknowns, Variational, VectorsAvq,
@@ -50,7 +55,7 @@ pub struct Sample {
     pub q: Vec<f64>,
     /// Parameters.
     pub p: Vec<f64>,
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
 }
 

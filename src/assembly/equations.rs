@@ -24,9 +24,9 @@ impl<S: Scalar> Rates<S> {
 pub struct Shift {
     /// d a / d x.
     pub gamma: f64,
-    /// d v / d x [s].
+    /// d v / d x \[s\].
     pub beta: f64,
-    /// d q / d x [s2].
+    /// d q / d x \[s2\].
     pub alpha: f64,
 }
 
@@ -97,12 +97,12 @@ impl Equations {
         self.metric || self.variational.is_some()
     }
 
-    /// Time at which constraints hold, for equations at time `t` [s].
+    /// Time at which constraints hold, for equations at time `t` \[s\].
     pub(crate) fn constraint_time(&self, t: f64) -> f64 {
         self.variational.map_or(t, |step| t + step.to_end())
     }
 
-    /// Time at which reactions act [s].
+    /// Time at which reactions act \[s\].
     pub(crate) fn reaction_time(&self, t: f64) -> f64 {
         self.variational.map_or(t, |step| t + step.to_start())
     }

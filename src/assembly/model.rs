@@ -15,13 +15,13 @@ pub struct ConstraintId(pub(crate) usize);
 /// What a node's coordinates are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
-    /// Position of a point [m].
+    /// Position of a point \[m\].
     Point,
-    /// Position of a body frame [m] and its Euler parameters, kept at unit length inside the node.
+    /// Position of a body frame \[m\] and its Euler parameters, kept at unit length inside the node.
     Body,
-    /// Position of a body frame [m] and its axes u, v, w in the world, kept orthonormal inside the node: natural coordinates.
+    /// Position of a body frame \[m\] and its axes u, v, w in the world, kept orthonormal inside the node: natural coordinates.
     Natural,
-    /// Position of a point of a cable [m] and the slope dr/dx along its reference length.
+    /// Position of a point of a cable \[m\] and the slope dr/dx along its reference length.
     Slope,
     /// Any number of coordinates with the meaning that the user's elements give them.
     Coordinates(usize),

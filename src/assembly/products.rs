@@ -45,7 +45,7 @@ pub struct ProductPoint<'p> {
     pub at: &'p VectorsAvq<f64>,
     /// Parameters.
     pub p: &'p [f64],
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
 }
 

@@ -3,6 +3,9 @@
 //! With N_L orthogonal to a node's reaction and N_R to its equations, a block gets N_L^T J N_R: J is differentiated along the columns of
 //! N_R, and its rows are combined by N_L. Bases are arguments of the programs, as the few numbers that they are made of.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use crate::program::{Graph, Node};
 
 /// How the coordinates of a node follow from its unknowns in the matrix.

@@ -18,7 +18,7 @@ use crate::scalar::Scalar;
 pub struct Variational {
     /// Place of the quadrature point within the step, from 0 to 1.
     pub alpha: f64,
-    /// Size of this step and of the one before [s].
+    /// Size of this step and of the one before \[s\].
     pub h: f64,
     /// True for the first step, which starts from a velocity.
     pub first: bool,
@@ -56,17 +56,17 @@ impl Variational {
         if self.first { 0.5 } else { 1.0 }
     }
 
-    /// From the base's coordinates to those at the end of the step, before x moves them: times the base's velocity [s].
+    /// From the base's coordinates to those at the end of the step, before x moves them: times the base's velocity \[s\].
     pub fn to_end(self) -> f64 {
         (1.0 - self.alpha) * self.h
     }
 
-    /// To those at the start of the step, where reactions act [s].
+    /// To those at the start of the step, where reactions act \[s\].
     pub fn to_start(self) -> f64 {
         -self.alpha * self.h
     }
 
-    /// To those of the point before [s].
+    /// To those of the point before \[s\].
     pub fn to_before(self) -> f64 {
         if self.first { self.to_start() } else { -self.h }
     }

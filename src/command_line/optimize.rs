@@ -1,3 +1,6 @@
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;

@@ -30,7 +30,7 @@ impl Anchor {
         matches!(self, Anchor::Body | Anchor::Natural)
     }
 
-    /// World position of the body point `point` [m].
+    /// World position of the body point `point` \[m\].
     #[inline(always)]
     pub fn position<S: Scalar>(self, q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
@@ -67,7 +67,7 @@ impl Anchor {
         }
     }
 
-    /// Adds the generalized force of the world force `force` [N] at the body point `point`.
+    /// Adds the generalized force of the world force `force` \[N\] at the body point `point`.
     #[inline(always)]
     pub fn add_force<S: Scalar>(self, q: &[S], point: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         for i in 0..3 {

@@ -43,11 +43,11 @@ pub trait Element: Send + Sync + 'static {
     fn residual<S: Scalar>(&self, _s: State<S>, _p: &[S], _t: S, _r: &mut [S]) {
         S::from_energies();
     }
-    /// Kinetic energy T(v, q, p) [J].
+    /// Kinetic energy T(v, q, p) \[J\].
     fn kinetic<S: Scalar>(&self, _v: &[S], _q: &[S], _p: &[S]) -> S {
         S::zero()
     }
-    /// Potential energy V(q, p) [J].
+    /// Potential energy V(q, p) \[J\].
     fn potential<S: Scalar>(&self, _q: &[S], _p: &[S]) -> S {
         S::zero()
     }
@@ -59,13 +59,13 @@ pub trait Element: Send + Sync + 'static {
     }
     /// Strains e(q, p, t), into `e`.
     fn strains<S: Scalar>(&self, _q: &[S], _p: &[S], _t: S, _e: &mut [S]) {}
-    /// Energy W(e, p) that is stored in the strains [J]; if these depend on time, the element does work of its own.
+    /// Energy W(e, p) that is stored in the strains \[J\]; if these depend on time, the element does work of its own.
     fn stored<S: Scalar>(&self, _e: &[S], _p: &[S]) -> S {
         S::zero()
     }
     /// Damping stresses s(e, de/dt, p, t), conjugate to the strains, into `s`.
     fn damping<S: Scalar>(&self, _e: &[S], _rate: &[S], _p: &[S], _t: S, _s: &mut [S]) {}
-    /// Mass [kg].
+    /// Mass \[kg\].
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
         S::zero()
     }

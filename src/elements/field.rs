@@ -29,11 +29,11 @@ pub trait Field: Send + Sync + 'static {
     fn parameters(&self) -> Vec<Parameter>;
     /// Which of them a point sees.
     fn parameters_of(&self, point: usize) -> Range<usize>;
-    /// Kinetic energy of a point [J].
+    /// Kinetic energy of a point \[J\].
     fn kinetic<S: Scalar>(&self, _point: usize, _v: &[S], _h: &[S], _p: &[S]) -> S {
         S::zero()
     }
-    /// Potential energy of a point [J].
+    /// Potential energy of a point \[J\].
     fn potential<S: Scalar>(&self, _point: usize, _h: &[S], _p: &[S]) -> S {
         S::zero()
     }
@@ -45,7 +45,7 @@ pub trait Field: Send + Sync + 'static {
     }
     /// Strains of a point, into `e`.
     fn strains<S: Scalar>(&self, _point: usize, _h: &[S], _p: &[S], _e: &mut [S]) {}
-    /// Energy that is stored in the strains of a point [J].
+    /// Energy that is stored in the strains of a point \[J\].
     fn stored<S: Scalar>(&self, _point: usize, _e: &[S], _p: &[S]) -> S {
         S::zero()
     }
@@ -55,7 +55,7 @@ pub trait Field: Send + Sync + 'static {
     fn residual<S: Scalar>(&self, _point: usize, _s: State<S>, _p: &[S], _t: S, _r: &mut [S]) {
         S::from_energies();
     }
-    /// Mass [kg].
+    /// Mass \[kg\].
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
         S::zero()
     }

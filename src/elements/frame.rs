@@ -4,7 +4,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3, combine_columns};
 /// Where the frame of a node stands in the world, whatever the coordinates of the node are: joints between axes see no more of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<S> {
-    /// Position r of the origin [m].
+    /// Position r of the origin \[m\].
     pub origin: Vector3<S>,
     /// Columns of R: they take components in the frame to the world.
     pub axes: [Vector3<S>; 3],
@@ -24,7 +24,7 @@ impl<S: Scalar> Frame<S> {
         [Frame::of(a, qa), Frame::of(b, qb)]
     }
 
-    /// World position r + R s of the point `s` [m].
+    /// World position r + R s of the point `s` \[m\].
     #[inline(always)]
     pub fn point(&self, s: &[S]) -> Vector3<S> {
         self.origin + self.direction(s)

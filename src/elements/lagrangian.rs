@@ -1,5 +1,8 @@
 //! Residuals, momenta and forces made of energies, in recorded numbers.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::{Element, State};
 use crate::program::{Recorded, along_motion, gradient_of, is_from_energies, record};
 

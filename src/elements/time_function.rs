@@ -16,7 +16,7 @@ pub enum TimeFunction {
     SmoothRamp,
     /// f = c before the switch, d from it on; for loads only. Parameters: before, after; the switch time is topology.
     Step {
-        /// Time of the jump [s].
+        /// Time of the jump \[s\].
         switch: f64,
     },
     /// Any of the others, started from rest: f(s(t)), with ds/dt going from 0 to 1 along 10 x^3 - 15 x^4 + 6 x^5, x = t / T.
@@ -127,7 +127,7 @@ fn knot_values(count: usize, unit: &'static str) -> Vec<Parameter> {
     (0..count).map(|i| Parameter::named(format!("value {i}"), unit)).collect()
 }
 
-/// s(t) of a smooth start [s].
+/// s(t) of a smooth start \[s\].
 fn started_time<S: Scalar>(t: S, duration: S) -> S {
     let time = t.max(S::zero());
     let x = time / duration;

@@ -1,3 +1,6 @@
+// equations, state, parameters, time and targets are arguments
+#![allow(clippy::too_many_arguments)]
+
 use super::MeasuredQuantity;
 use super::load::JointLoad;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
@@ -30,9 +33,9 @@ pub enum Measured {
         /// Which one.
         load: JointLoad,
     },
-    /// Kinetic and potential energy of all elements [J].
+    /// Kinetic and potential energy of all elements \[J\].
     Energy,
-    /// Mass of all elements [kg].
+    /// Mass of all elements \[kg\].
     Mass,
 }
 
@@ -72,9 +75,9 @@ pub struct Functional {
 /// States at which a functional reads: a stage, the start, or the end.
 #[derive(Clone, Debug)]
 pub struct Sample<S> {
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
-    /// Weight in an integral [s]; h b_i for a one-step table.
+    /// Weight in an integral \[s\]; h b_i for a one-step table.
     pub weight: f64,
     /// Accelerations, velocities, coordinates.
     pub at: VectorsAvq<S>,

@@ -8,11 +8,11 @@ use std::sync::{Arc, OnceLock};
 /// Which load of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadKind {
-    /// d . F [N].
+    /// d . F \[N\].
     Force,
     /// d . M [N m].
     Moment,
-    /// |F| [N].
+    /// |F| \[N\].
     ForceNorm,
     /// |M| [N m].
     MomentNorm,
@@ -24,7 +24,7 @@ pub enum LoadKind {
 /// coordinates and forces f_u, f_v, f_w on the axes, M = u x f_u + v x f_v + w x f_w - (x - r) x F.
 ///
 /// * `direction x, y, z`  d, in the world or in the frame of the body [-]; ignored by norms
-/// * `point x, y, z`  in the frame of the body [m]; read by moments
+/// * `point x, y, z`  in the frame of the body \[m\]; read by moments
 pub struct JointLoad {
     /// Which one.
     pub kind: LoadKind,

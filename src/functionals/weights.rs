@@ -18,7 +18,7 @@ impl<'t> QuadratureWeights<'t> {
         QuadratureWeights { table, latest: VecDeque::from([1.0]) }
     }
 
-    /// Goes back through a step: the weight of each of its stages [s].
+    /// Goes back through a step: the weight of each of its stages \[s\].
     pub fn back_through<S>(&mut self, step: &StepRecord<S>) -> Vec<f64> {
         let Combination { carried, stages } = &self.table.scheme(step.scheme).quadrature;
         let own = self.latest.pop_front().unwrap_or(0.0);

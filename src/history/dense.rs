@@ -4,7 +4,7 @@ use crate::integrators::{RunError, SolveRecord, StartRecord, StepRecord};
 /// The state at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
     /// Coordinates.
     pub q: Vec<f64>,
@@ -81,7 +81,7 @@ impl Dense {
         }
     }
 
-    /// Start and end of the latest step [s]; twice the start of the run before the first.
+    /// Start and end of the latest step \[s\]; twice the start of the run before the first.
     pub fn span(&self) -> (f64, f64) {
         (self.start.t, self.end.t)
     }

@@ -1,6 +1,9 @@
 //! Where checkpoints go (Griewank & Walther 2000, "revolve"): with s checkpoints and r repetitions, (s + r)! / (s! r!) steps can
 //! be gone back through.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 /// (s + r)! / (s! r!), the number of steps that s checkpoints reach with at most r repetitions; saturates.
 fn reach(checkpoints: usize, repetitions: usize) -> usize {
     let mut product: u128 = 1;

@@ -1,5 +1,8 @@
 //! Steps as long as the error allows: an embedded solution measures it, a PI controller chooses the next size.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::checkpoint::Between;
 use super::course::Course;
 use super::load_steps::march_loading;
@@ -24,7 +27,7 @@ pub struct StepControl {
     pub coordinates: Tolerance,
     /// For velocities.
     pub velocities: Tolerance,
-    /// Longest step [s].
+    /// Longest step \[s\].
     pub longest: f64,
 }
 
@@ -152,7 +155,7 @@ struct Choice<'c> {
     course: Course<'c>,
     /// Moving coordinates: those of fixed nodes have no error.
     moving: Vec<usize>,
-    /// Next size [s], before it is fitted to the stretch.
+    /// Next size \[s\], before it is fitted to the stretch.
     h: f64,
     /// Error of the last accepted step, as a share of the allowed one.
     last_error: f64,
@@ -264,7 +267,7 @@ impl<'c> Choice<'c> {
         Ok(false)
     }
 
-    /// Size of the step just tried [s].
+    /// Size of the step just tried \[s\].
     fn tried(&mut self) -> f64 {
         let ((t, end), _) = self.span();
         end - t

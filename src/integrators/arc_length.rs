@@ -5,6 +5,9 @@
 //! lies in the plane at right angles to the tangent, an arc ahead; each correction solves twice with the same matrix, for the
 //! residual and for the load.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{Counters, RunError, StartPlan, Systems};
@@ -355,7 +358,7 @@ impl Follower<'_> {
         Direction { q: x, mu, load: 1.0 }
     }
 
-    /// Product of displacements, each with its lever [m2].
+    /// Product of displacements, each with its lever \[m2\].
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).zip(&self.newton.levers).map(|((a, b), lever)| a * b * lever * lever).sum()
     }

@@ -70,7 +70,7 @@ impl<S: RunScalar> Between<S> {
 /// Where a matrix was assembled: the factorization is made again from it, bit by bit.
 #[derive(Debug, PartialEq)]
 pub struct FactoredAt<S> {
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
     /// Point from which the unknowns move.
     pub base: VectorsAvq<S>,

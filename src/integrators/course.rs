@@ -15,7 +15,7 @@ impl<'c> Course<'c> {
         Course { stretches, grid, target: 1 }
     }
 
-    /// End of the last step [s].
+    /// End of the last step \[s\].
     pub fn t(&self) -> f64 {
         self.grid.times[self.grid.steps()]
     }
@@ -25,7 +25,7 @@ impl<'c> Course<'c> {
         self.target >= self.stretches.times.len()
     }
 
-    /// Of all stretches [s].
+    /// Of all stretches \[s\].
     pub fn duration(&self) -> f64 {
         self.stretches.times[self.stretches.steps()] - self.stretches.times[0]
     }

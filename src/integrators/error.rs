@@ -45,9 +45,9 @@ pub enum RunError {
     StepSize {
         /// Number of the step.
         step: usize,
-        /// Its start [s].
+        /// Its start \[s\].
         t: f64,
-        /// Its size [s].
+        /// Its size \[s\].
         h: f64,
     },
     /// Load steps became too small to find another equilibrium.

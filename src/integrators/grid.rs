@@ -51,7 +51,7 @@ impl TimeGrid {
         format!("step {} (t = {t} s)", index + 1)
     }
 
-    /// Sum of the first `steps` step sizes [s].
+    /// Sum of the first `steps` step sizes \[s\].
     pub fn duration(&self, steps: usize) -> f64 {
         (0..steps).map(|index| self.span(index)).map(|(t, end)| end - t).sum()
     }

@@ -139,7 +139,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// Solves for `unknowns`, starting from what they hold.
     ///
     /// # Errors
-    /// [`Failure`], to be described by [`Newton::describe`].
+    /// A `Failure`, to be described by [`Newton::describe`].
     pub fn solve(
         &mut self,
         equations: &Equations,
@@ -166,7 +166,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// Solves for the derivative parts alone, the values being a solution already (that of a real run).
     ///
     /// # Errors
-    /// [`Failure`] if the values are far from a solution: the guide belongs to another problem.
+    /// A `Failure` if the values are far from a solution: the guide belongs to another problem.
     pub fn solve_guided(
         &mut self,
         equations: &Equations,

@@ -17,7 +17,7 @@ pub struct Prediction<S> {
 /// The increments of one system.
 #[derive(Debug, PartialEq)]
 pub struct Track<S> {
-    /// Starts of the latest steps [s], latest first.
+    /// Starts of the latest steps \[s\], latest first.
     pub times: Vec<f64>,
     /// Increments by the step's size, latest first.
     pub rates: Vec<Unknowns<S>>,

@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 /// One solved system: all that the adjoint needs to go back through it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolveRecord<S> {
-    /// Time [s].
+    /// Time \[s\].
     pub t: f64,
     /// Its kind.
     pub equations: Equations,
@@ -49,9 +49,9 @@ pub struct StageRecord<S> {
 /// One step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRecord<S> {
-    /// Start of the step [s].
+    /// Start of the step \[s\].
     pub t: f64,
-    /// Size of the step [s].
+    /// Size of the step \[s\].
     pub h: f64,
     /// Which of the method's tables made it.
     pub scheme: Scheme,

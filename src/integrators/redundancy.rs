@@ -1,5 +1,10 @@
 //! Redundant constraints: which equations are kept, and a watch over those that are left out.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::{Problem, RunError};
 use crate::assembly::{Equations, Jacobian, Model, Residual, System, SystemOptions, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};

@@ -1,3 +1,6 @@
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::newton::Newton;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};

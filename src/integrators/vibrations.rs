@@ -10,6 +10,9 @@
 //! in a block Krylov space that is orthonormal in M. The shift s > 0 makes the matrix regular where a body is free, with omega = 0;
 //! directions without inertia vibrate infinitely fast and are not found.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{RunError, StartPlan, Systems};

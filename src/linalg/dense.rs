@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::{LinearSolver, Singular};
 use crate::linalg::SparsePattern;
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -1,3 +1,8 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::lagged::{LaggedSolver, Refactoring};
 use super::multifrontal::{MultifrontalLu, largest};
 use super::{DenseLu, LeftLookingLu, LinearSolver, Side, Singular, SparseLu, minimum_degree};

@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::{LinearSolver, Ordering, Singular};
 use crate::linalg::SparsePattern;
 use crate::linalg::simd::{Kernel, dispatch};
@@ -9,7 +12,7 @@ use std::sync::Arc;
 /// allocating: for chains and small mechanisms, where the arithmetic is little and everything around it counts.
 ///
 /// Columns are eliminated from left to right; the pivot of a column is its diagonal entry unless another is more than
-/// [`DIAGONAL_SHARE`] times larger. When a repeated factorization meets a pivot below [`PIVOT_SHARE`] of its column, pivots
+/// `DIAGONAL_SHARE` times larger. When a repeated factorization meets a pivot below `PIVOT_SHARE` of its column, pivots
 /// are searched anew.
 ///
 /// Source: Gilbert & Peierls (1988); Davis & Natarajan (2010), KLU.

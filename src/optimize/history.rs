@@ -8,13 +8,13 @@ pub struct Work {
     pub simulations: usize,
     /// Work of the simulations.
     pub simulation: Counters,
-    /// Their wall time [s].
+    /// Their wall time \[s\].
     pub simulation_seconds: f64,
     /// Adjoint sweeps, or simulations for gradients.
     pub sweeps: usize,
     /// Work of the gradients.
     pub gradient: Counters,
-    /// Their wall time [s].
+    /// Their wall time \[s\].
     pub gradient_seconds: f64,
 }
 

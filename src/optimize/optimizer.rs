@@ -1,3 +1,6 @@
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::{Course, Ended, NonlinearProgram, Reason, Sqp, Stopping};
 
 /// A method that minimizes a [`NonlinearProgram`] by its gradients. A new one is a file here and a line in [`optimizers`].

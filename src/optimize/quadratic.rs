@@ -1,5 +1,8 @@
 //! Convex quadratic programs of moderate size, by the dual active-set method.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::ConstraintKind;
 
 /// min 1/2 d^T H d + g^T d with `rows` d + `offsets` = 0 or <= 0 and `lower` <= d <= `upper`.

@@ -30,12 +30,12 @@ pub fn set_execution(execution: Execution) {
     LOOP_ONLY.store(execution == Execution::Loop, Ordering::Relaxed);
 }
 
-/// Time that this process has spent on making machine code [s].
+/// Time that this process has spent on making machine code \[s\].
 pub fn compile_time() -> f64 {
     COMPILING.load(Ordering::Relaxed) as f64 * 1e-9
 }
 
-/// Time that this process has spent on programs [s]: recording formulas, deriving programs from them, and making machine code.
+/// Time that this process has spent on programs \[s\]: recording formulas, deriving programs from them, and making machine code.
 pub fn making_time() -> f64 {
     MAKING.load(Ordering::Relaxed) as f64 * 1e-9
 }

@@ -18,7 +18,7 @@ impl<S: Scalar> Quaternion<S> {
     pub fn from_slice(e: &[S]) -> Self {
         Quaternion([e[0], e[1], e[2], e[3]])
     }
-    /// Rotation by `angle` [rad] about the unit vector `axis`.
+    /// Rotation by `angle` \[rad\] about the unit vector `axis`.
     pub fn about(axis: Vector3<S>, angle: S) -> Self {
         let (s, c) = (angle * 0.5).sin_cos();
         let u = axis * s;
@@ -160,7 +160,7 @@ pub fn tensor_times<S: Scalar>(j: &[S], x: Vector3<S>) -> Vector3<S> {
     Vector3::new(j[0] * x + j[3] * y + j[4] * z, j[3] * x + j[1] * y + j[5] * z, j[4] * x + j[5] * y + j[2] * z)
 }
 
-/// Angle [rad] in (-pi, pi] by which `to` is turned from `from` about the unit vector `axis`.
+/// Angle \[rad\] in (-pi, pi] by which `to` is turned from `from` about the unit vector `axis`.
 #[inline(always)]
 pub fn angle_about<S: Scalar>(axis: Vector3<S>, from: Vector3<S>, to: Vector3<S>) -> S {
     axis.dot(&from.cross(&to)).atan2(from.dot(&to))

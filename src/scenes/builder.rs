@@ -19,7 +19,7 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Corners: nodes, and places in their frames [m].
+    /// Corners: nodes, and places in their frames \[m\].
     pub points: Vec<(NodeId, [f64; 3])>,
 }
 
@@ -77,13 +77,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.model.add_node(name, kind, fixed)
     }
 
-    /// A rigid body's node at rest: position of its frame [m] and Euler parameters.
+    /// A rigid body's node at rest: position of its frame \[m\] and Euler parameters.
     pub fn body(&mut self, name: &str, position: Vector3<S>, rotation: Quaternion<S>) -> NodeId {
         let q: Vec<S> = position.components().into_iter().chain(rotation.0).collect();
         self.add_node(name, NodeKind::Body, false, &q)
     }
 
-    /// A rigid body's node in natural coordinates, at rest: position of its frame [m] and rotation, by Euler parameters of unit length.
+    /// A rigid body's node in natural coordinates, at rest: position of its frame \[m\] and rotation, by Euler parameters of unit length.
     pub fn natural_body(&mut self, name: &str, position: Vector3<S>, rotation: Quaternion<S>) -> NodeId {
         let q: Vec<S> = position
             .components()
@@ -93,7 +93,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_node(name, NodeKind::Natural, false, &q)
     }
 
-    /// A point's node at rest [m].
+    /// A point's node at rest \[m\].
     pub fn point(&mut self, name: &str, position: Vector3<S>) -> NodeId {
         self.add_node(name, NodeKind::Point, false, &position.components())
     }
@@ -160,7 +160,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         kind.anchor().map_or_else(Vector3::zeros, |anchor| anchor.angular_velocity(v, q))
     }
 
-    /// Initial position of a node's frame [m]; that of the world where it has no place in space.
+    /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vector3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         match kind {
@@ -179,7 +179,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// A world point [m] in the frame of a body; zero for other nodes, whose own position it is.
+    /// A world point \[m\] in the frame of a body; zero for other nodes, whose own position it is.
     pub fn local_point(&self, node: NodeId, point: Vector3<S>) -> Vector3<S> {
         if self.model.nodes[node.0].kind.has_axes() {
             return self.local_direction(node, point - self.position(node));
@@ -284,7 +284,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.constraint(name, nodes, Nonholonomic(constraint), p)
     }
 
-    /// Inertia of a body, in Euler parameters or natural coordinates: mass [kg], mass centre in the body frame [m], tensor about it
+    /// Inertia of a body, in Euler parameters or natural coordinates: mass \[kg\], mass centre in the body frame \[m\], tensor about it
     /// (xx, yy, zz, xy, xz, yz) [kg m2].
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
         self.masses.push((node, mass, centre));
@@ -295,7 +295,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// A mass [kg] at a point.
+    /// A mass \[kg\] at a point.
     pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
         self.masses.push((node, mass, Vector3::zeros()));
         self.add_element(name, &[node], PointMass.into(), &[mass])

@@ -1,3 +1,6 @@
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use crate::design::DesignVariable;
 
 /// Whether an objective is to become small or large.

@@ -16,7 +16,7 @@ use crate::sensitivity::{Analysis, largest_difference};
 /// Defaults of a scene's runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Duration [s]; in statics the last load factor.
+    /// Duration \[s\]; in statics the last load factor.
     pub end: f64,
     /// Steps of equal size; without meaning where they are chosen.
     pub steps: usize,
@@ -31,7 +31,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// A duration [s] and a number of steps; inconsistent starts and redundant constraints are refused.
+    /// A duration \[s\] and a number of steps; inconsistent starts and redundant constraints are refused.
     pub fn new(end: f64, steps: usize) -> Self {
         Settings { end, steps, control: None, divide: false, policy: ConstraintPolicy::default(), method: None }
     }

@@ -11,12 +11,12 @@ pub struct NodePoint {
     dofs: Range<usize>,
     anchor: Anchor,
     fixed: bool,
-    /// In the frame of the body [m]; zero for other nodes.
+    /// In the frame of the body \[m\]; zero for other nodes.
     local: [f64; 3],
 }
 
 impl NodePoint {
-    /// Its place in the world [m] at coordinates `q` of the whole mechanism.
+    /// Its place in the world \[m\] at coordinates `q` of the whole mechanism.
     pub fn at(&self, q: &[f64]) -> [f64; 3] {
         self.anchor.position(&q[self.dofs.clone()], Vector3::from(self.local)).components()
     }
@@ -36,7 +36,7 @@ pub enum Drawn {
 pub struct Sketch {
     /// Lines and what they stand for.
     pub lines: Vec<(Drawn, Vec<NodePoint>)>,
-    /// Points that hold the mechanism to the ground [m].
+    /// Points that hold the mechanism to the ground \[m\].
     pub anchors: Vec<[f64; 3]>,
     /// Points whose path is of interest, with their names.
     pub followed: Vec<(String, NodePoint)>,

@@ -29,7 +29,7 @@ impl Violation {
 }
 
 impl Prepared<'_> {
-    /// How far the state (q, v) at time `t` [s] is from the constraints, evaluated afresh from g.
+    /// How far the state (q, v) at time `t` \[s\] is from the constraints, evaluated afresh from g.
     pub fn violation(&self, t: f64, q: &[f64], v: &[f64]) -> Violation {
         let model = self.model();
         let mut worst = Violation::default();

@@ -1,3 +1,6 @@
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};

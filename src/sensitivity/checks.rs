@@ -1,3 +1,6 @@
+// equations, state, parameters, time and targets are arguments
+#![allow(clippy::too_many_arguments)]
+
 use super::{Analysis, Forward};
 use crate::integrators::RunError;
 

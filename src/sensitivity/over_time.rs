@@ -11,7 +11,7 @@ use crate::scalar::COMPLEX_STEP;
 /// What functionals measure, with its derivatives, at the start and at the end of each step; what they make of it over time is left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GradientCourse {
-    /// The start and the ends of all steps [s].
+    /// The start and the ends of all steps \[s\].
     pub times: Vec<f64>,
     /// `values[functional][time]`.
     pub values: Vec<Vec<f64>>,

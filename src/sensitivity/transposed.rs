@@ -1,5 +1,8 @@
 //! One system of the sweep back.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Jacobian, ProductBars, ProductPoint, Products, Residual, System, Unknowns,
     Variational, VectorsAvq,

@@ -68,6 +68,9 @@ impl CableSubject {
         let [clamp, bend] = [[1.2, -0.5, 0.3], [1.1, 0.3, -0.4]].map(|x| shoulder + Vector3::from_f64(x));
         let first = m.cable("cable", CableLine::straight([clamp, bend], 2).clamped_start(), &section);
         let second = m.cable("second cable", CableLine::straight([bend, elbow], 2), &section);
+        if self == CableSubject::Element {
+            ["cable", "second cable"].into_iter().for_each(|name| bow(m, name));
+        }
         let corner = m.cable_corner("corner", [first.end(), second.start()]);
         let nodes = [arm, second.end()];
         let end = match self {
@@ -79,5 +82,26 @@ impl CableSubject {
             _ => m.cable_weld("end", nodes, HeldSlope::Direction),
         };
         (first, [corner, end])
+    }
+}
+
+/// Rise of a bowed cable by its length.
+const RISE: f64 = 0.1;
+
+/// Puts the nodes of a cable on a parabola: damping acts along the direction of the curvature, which a straight cable has none of.
+fn bow<S: Scalar>(m: &mut MechanismBuilder<S>, name: &str) {
+    let own = format!("{name}, node");
+    let nodes = m.model.nodes.iter().filter(|node| node.name.starts_with(&own));
+    let places: Vec<usize> = nodes.map(|node| node.dofs.start).collect();
+    let point = |place: usize| Vector3::first_three(&m.numbers.q[place..]);
+    let chord = point(places[places.len() - 1]) - point(places[0]);
+    let (side, length) = (chord.unit().perpendiculars()[0], chord.length());
+    for (i, &place) in places.iter().enumerate() {
+        let share = i as f64 / (places.len() - 1) as f64;
+        let rise = side * (length * S::from(4.0 * RISE * share * (1.0 - share)));
+        let slope = side * S::from(4.0 * RISE * (1.0 - 2.0 * share));
+        for (own, added) in m.numbers.q[place..].iter_mut().zip(rise.components().into_iter().chain(slope.components())) {
+            *own += added;
+        }
     }
 }

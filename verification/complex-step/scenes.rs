@@ -334,12 +334,7 @@ impl Scene for Case {
         if self.projected {
             // off the constraints, so that the projection moves something
             // less where nodes lie close to each other
-            let size = match self.subject {
-                // damping knows the direction of a curvature
-                Subject::Cable(CableSubject::Element) => 3.0,
-                Subject::Beam(_) | Subject::Cable(_) => 0.02,
-                _ => 1.0,
-            };
+            let size = if self.is_flexible() { 0.02 } else { 1.0 };
             for node in m.model.nodes.iter().filter(|node| !node.fixed) {
                 for i in node.dofs.clone() {
                     m.numbers.q[i] += S::from(size * 0.01 * (3.0 * i as f64).sin());

@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 #[cfg(feature = "mumps")]
 mod mumps;
 mod patterns;

@@ -1,5 +1,8 @@
 //! Timed runs of one motion with one method, from coarse to fine.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::course::{Forces, Member, run};
 use crate::verification::Clock;
 use costate::integrators::{ConstraintLevel, Counters, Method, StepControl, Table, tables};

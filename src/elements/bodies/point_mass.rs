@@ -1,9 +1,9 @@
 use crate::elements::{Element, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// A mass at a point node: R = m a [N], T = m v . v / 2.
+/// A mass at a point node: R = m a \[N\], T = m v . v / 2.
 ///
-/// * `mass`  m [kg], greater than 0
+/// * `mass`  m \[kg\], greater than 0
 pub struct PointMass;
 
 impl Element for PointMass {

@@ -8,8 +8,8 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 ///
 /// R_r = m a_c,   R_e = B^T m a_c + 2 G(e)^T J domega/dt + 4 G(de/dt)^T J omega
 ///
-/// * `mass`  m [kg], greater than 0
-/// * `centre x, y, z`  c, mass centre in the body frame [m]
+/// * `mass`  m \[kg\], greater than 0
+/// * `centre x, y, z`  c, mass centre in the body frame \[m\]
 /// * `inertia xx, yy, zz, xy, xz, yz`  J, about the mass centre, body axes [kg m2]; products with the sign of the tensor entry
 ///
 /// Source: Shabana (2013), Dynamics of Multibody Systems, section 3.

@@ -18,13 +18,13 @@ use std::ops::Range;
 /// eta C dstrain/dt.
 ///
 /// Parameters of each tying point:
-/// * `metric`  J [m]
+/// * `metric`  J \[m\]
 /// * `tangent`, `second axis`  t and n2, unit vectors at right angles in the frame of the nodes; n3 = t x n2
-/// * `stiffness 11..66`  EA, GA2, GA3 [N], GJ, EI2, EI3 [N m2], and with [`coupled`](BeamField::coupled) the other entries of C above the
+/// * `stiffness 11..66`  EA, GA2, GA3 \[N\], GJ, EI2, EI3 [N m2], and with [`coupled`](BeamField::coupled) the other entries of C above the
 ///   diagonal, by rows
-/// * `damping`  eta [s], with [`damped`](BeamField::damped)
+/// * `damping`  eta \[s\], with [`damped`](BeamField::damped)
 ///
-/// of each Gauss point: `mass` [kg], first moment s [kg m] and inertia [kg m2] about the reference line, in the frame of the nodes,
+/// of each Gauss point: `mass` \[kg\], first moment s [kg m] and inertia [kg m2] about the reference line, in the frame of the nodes,
 /// each for its share of the length.
 ///
 /// Source: Simo & Vu-Quoc (1986); Boopathy & Kennedy, section 3, with Euler parameters interpolated.
@@ -117,7 +117,7 @@ impl BeamField {
         Reference::of(p).strains(h)
     }
 
-    /// Section forces N1, N2, N3 [N] and moments M1, M2, M3 [N m] at a tying point, from strains and their rates.
+    /// Section forces N1, N2, N3 \[N\] and moments M1, M2, M3 [N m] at a tying point, from strains and their rates.
     pub fn section_forces<S: Scalar>(&self, strain: [S; STRAINS], rate: [S; STRAINS], p: &[S]) -> [S; STRAINS] {
         let mut together = strain;
         if self.damped {

@@ -3,10 +3,10 @@ use crate::elements::{Field, Flexible, Interpolation, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
-/// Weight of a beam: V = -g . (m r + R s) at three Gauss points [J].
+/// Weight of a beam: V = -g . (m r + R s) at three Gauss points \[J\].
 ///
 /// Parameters of each point, for its share of the length:
-/// * `mass`  m [kg]
+/// * `mass`  m \[kg\]
 /// * `first moment x, y, z`  s in the frame of the nodes [kg m]; ignored unless [`eccentric`](BeamGravityField::eccentric)
 /// * `gravity x, y, z`  g [m/s2]
 pub struct BeamGravityField {

@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::cable_inertia::mass_matrix;
 use super::hermite::{COMPONENTS, CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
 use crate::elements::{Element, Parameter};
@@ -19,12 +22,12 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// moment eta EI (k (k . dk/dt) + delta^2 dk/dt) / (k . k + delta^2): for kappa well above delta the rate of kappa alone, which a rigid
 /// motion leaves zero; below it, where a direction is not defined, the rate of k, with delta = 1 / (1000 l).
 ///
-/// * `length`  l of the element [m], greater than 0
-/// * `axial stiffness`  EA [N], 0 or greater
+/// * `length`  l of the element \[m\], greater than 0
+/// * `axial stiffness`  EA \[N\], 0 or greater
 /// * `bending stiffness`  EI [N m2], 0 or greater
 /// * `mass`  m, for each length [kg/m], greater than 0
 /// * `gravity x, y, z`  g [m/s2]
-/// * `damping`  eta [s], with [`damped`](Cable::damped)
+/// * `damping`  eta \[s\], with [`damped`](Cable::damped)
 ///
 /// Source: Ebrahimi et al., eqs. (28) to (32), (35), (58); Gerstmayr & Shabana (2006).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

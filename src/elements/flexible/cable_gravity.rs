@@ -2,9 +2,9 @@ use super::hermite::{COMPONENTS, NODES};
 use crate::elements::{Element, Parameter};
 use crate::scalar::Scalar;
 
-/// Weight of a cable element, integrated exactly: V = -m l g . (r_1 / 2 + l r_1x / 12 + r_2 / 2 - l r_2x / 12) [J].
+/// Weight of a cable element, integrated exactly: V = -m l g . (r_1 / 2 + l r_1x / 12 + r_2 / 2 - l r_2x / 12) \[J\].
 ///
-/// * `length`  l [m], greater than 0
+/// * `length`  l \[m\], greater than 0
 /// * `mass`  m, for each length [kg/m], 0 or greater
 /// * `gravity x, y, z`  g [m/s2]
 ///

@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 
 /// Inertia of a cable element: R = M a with the constant matrix M = m l times the integral of S^T S, which is exact.
 ///
-/// * `length`  l [m], greater than 0
+/// * `length`  l \[m\], greater than 0
 /// * `mass`  m, for each length [kg/m], greater than 0
 ///
 /// Source: Ebrahimi et al., eqs. (30), (58).

@@ -25,13 +25,13 @@ impl CableStrain {
 /// Stiffness and inertia of a cable for each length; bending is the same about every axis at right angles to it.
 #[derive(Clone, Copy, Debug)]
 pub struct CableSection<S> {
-    /// EA [N].
+    /// EA \[N\].
     pub axial: S,
     /// EI [N m2].
     pub bending: S,
     /// Mass for each length [kg/m].
     pub mass: S,
-    /// Damping proportional to stiffness [s].
+    /// Damping proportional to stiffness \[s\].
     pub damping: S,
     /// Whether damping is asked for: topology, so that a design variable that is zero now can still be differentiated.
     pub damped: bool,
@@ -40,7 +40,7 @@ pub struct CableSection<S> {
 }
 
 impl<S: Scalar> CableSection<S> {
-    /// A section by its stiffnesses EA [N] and EI [N m2] and its mass for each length [kg/m].
+    /// A section by its stiffnesses EA \[N\] and EI [N m2] and its mass for each length [kg/m].
     pub fn new(axial: S, bending: S, mass: S) -> Self {
         CableSection { axial, bending, mass, damping: S::zero(), damped: false, strain: CableStrain::Exact }
     }
@@ -51,7 +51,7 @@ impl<S: Scalar> CableSection<S> {
         CableSection::new(young * shape.area, young * shape.second_moments[0], density * shape.area)
     }
 
-    /// With damping proportional to stiffness, eta [s].
+    /// With damping proportional to stiffness, eta \[s\].
     #[must_use]
     pub fn damped(mut self, damping: S) -> Self {
         self.damping = damping;

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// A force for each length of a beam's reference line, d f(t) [N/m], at three Gauss points.
 ///
 /// Parameters of each point:
-/// * `length`  its share of the reference length [m]
+/// * `length`  its share of the reference length \[m\]
 /// * `direction x, y, z`  d, in the world or, for a follower load, in the frame of the nodes, turning with the sections [-]
 /// * parameters of f(t) [N/m]
 pub struct DistributedLoadField {

@@ -29,12 +29,12 @@ pub struct Section<S> {
     pub stiffness: [[S; STRAINS]; STRAINS],
     /// Mass for each length [kg/m].
     pub mass: S,
-    /// Place of the mass centre along axes 2 and 3 [m].
+    /// Place of the mass centre along axes 2 and 3 \[m\].
     pub centre: [S; 2],
     /// Second moments of mass about axes 2 and 3 through the reference line, and the product integral of x2 x3 [kg m]; the polar one
     /// is the sum of the first two.
     pub inertia: [S; 3],
-    /// Damping proportional to stiffness: stress eta C dstrain/dt [s].
+    /// Damping proportional to stiffness: stress eta C dstrain/dt \[s\].
     pub damping: S,
     /// Whether stiffness has entries off the diagonal, the mass centre lies beside the line, and damping is asked for: topology, so that
     /// a design variable that is zero now can still be differentiated.
@@ -55,18 +55,18 @@ pub struct SectionKind {
 /// Area, second moments, torsion constant and shear factors of a shape.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape<S> {
-    /// Area [m2].
+    /// Area \[m2\].
     pub area: S,
-    /// Second moments of area: integral of x3^2 and of x2^2 [m4], for bending about axes 2 and 3.
+    /// Second moments of area: integral of x3^2 and of x2^2 \[m4\], for bending about axes 2 and 3.
     pub second_moments: [S; 2],
-    /// Torsion constant [m4].
+    /// Torsion constant \[m4\].
     pub torsion: S,
     /// Shear factors along axes 2 and 3 [-].
     pub shear: [S; 2],
 }
 
 impl<S: Scalar> Shape<S> {
-    /// Solid rectangle, `width` along axis 2 and `height` along axis 3 [m].
+    /// Solid rectangle, `width` along axis 2 and `height` along axis 3 \[m\].
     ///
     /// Shear factors 10 (1 + nu) / (12 + 11 nu): Cowper (1966). Torsion: series of Saint-Venant, Timoshenko & Goodier, section 109.
     pub fn rectangle(width: S, height: S, poisson: S) -> Self {
@@ -79,7 +79,7 @@ impl<S: Scalar> Shape<S> {
         }
     }
 
-    /// Hollow rectangle of outer `width` and `height` with a thin `wall` [m].
+    /// Hollow rectangle of outer `width` and `height` with a thin `wall` \[m\].
     ///
     /// Shear factors: Cowper (1966), thin-walled box. Torsion: Bredt's formula on the middle line.
     pub fn box_section(width: S, height: S, wall: S, poisson: S) -> Self {
@@ -97,7 +97,7 @@ impl<S: Scalar> Shape<S> {
         }
     }
 
-    /// Solid circle of `diameter` [m]. Shear factor 6 (1 + nu) / (7 + 6 nu): Cowper (1966).
+    /// Solid circle of `diameter` \[m\]. Shear factor 6 (1 + nu) / (7 + 6 nu): Cowper (1966).
     pub fn circle(diameter: S, poisson: S) -> Self {
         let fourth = diameter.powi(4) * (PI / 64.0);
         let factor = (poisson + 1.0) * 6.0 / (poisson * 6.0 + 7.0);
@@ -109,7 +109,7 @@ impl<S: Scalar> Shape<S> {
         }
     }
 
-    /// Circular tube of outer `diameter` and `wall` [m]. Shear factor: Cowper (1966), hollow circle.
+    /// Circular tube of outer `diameter` and `wall` \[m\]. Shear factor: Cowper (1966), hollow circle.
     pub fn tube(diameter: S, wall: S, poisson: S) -> Self {
         let inner = diameter - wall * 2.0;
         let fourth = (diameter.powi(4) - inner.powi(4)) * (PI / 64.0);
@@ -157,7 +157,7 @@ fn box_shear_factor<S: Scalar>(breadth: S, depth: S, poisson: S) -> S {
 }
 
 impl<S: Scalar> Section<S> {
-    /// A section by its stiffnesses EA, GA2, GA3 [N], GJ, EI2, EI3 [N m2], without inertia.
+    /// A section by its stiffnesses EA, GA2, GA3 \[N\], GJ, EI2, EI3 [N m2], without inertia.
     pub fn new(stiffnesses: [S; STRAINS]) -> Self {
         let mut stiffness = [[S::zero(); STRAINS]; STRAINS];
         (0..STRAINS).for_each(|i| stiffness[i][i] = stiffnesses[i]);
@@ -191,7 +191,7 @@ impl<S: Scalar> Section<S> {
         self
     }
 
-    /// With the mass centre at (x2, x3) [m] beside the reference line, about which the second moments of mass are already.
+    /// With the mass centre at (x2, x3) \[m\] beside the reference line, about which the second moments of mass are already.
     #[must_use]
     pub fn with_centre(mut self, centre: [S; 2]) -> Self {
         self.centre = centre;
@@ -207,7 +207,7 @@ impl<S: Scalar> Section<S> {
         self
     }
 
-    /// With damping proportional to stiffness, eta [s].
+    /// With damping proportional to stiffness, eta \[s\].
     #[must_use]
     pub fn damped(mut self, damping: S) -> Self {
         self.damping = damping;
@@ -215,7 +215,7 @@ impl<S: Scalar> Section<S> {
         self
     }
 
-    /// The same section moved by (x2, x3) [m] away from the reference line: stiffness and inertia about the line.
+    /// The same section moved by (x2, x3) \[m\] away from the reference line: stiffness and inertia about the line.
     #[must_use]
     pub fn offset(mut self, [x2, x3]: [S; 2]) -> Self {
         // strains at the section's own origin: gamma + kappa x (0, x2, x3)

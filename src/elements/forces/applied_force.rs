@@ -2,11 +2,11 @@ use super::LoadFrame;
 use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// A force F = d f(t) [N] at a point of a body or at a point mass.
+/// A force F = d f(t) \[N\] at a point of a body or at a point mass.
 ///
 /// * `direction x, y, z`  d, in the world or, for a follower force, in the body frame [-]
-/// * `point x, y, z`  in the body frame [m]; ignored for a point
-/// * parameters of f(t) [N]
+/// * `point x, y, z`  in the body frame \[m\]; ignored for a point
+/// * parameters of f(t) \[N\]
 pub struct AppliedForce {
     /// What the force acts on.
     pub on: Anchor,

@@ -5,13 +5,13 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
 ///
-/// u = f_a* (x_b - x_a) [m] and w = 2 vec(f_a* f_b) [rad for small angles, at most 2] with the frames f_a = e_a e_af, f_b = e_b e_bf; where
+/// u = f_a* (x_b - x_a) \[m\] and w = 2 vec(f_a* f_b) [rad for small angles, at most 2] with the frames f_a = e_a e_af, f_b = e_b e_bf; where
 /// a body has natural coordinates, w is half the vector of F_a^T F_b - F_b^T F_a [at most 1] with the matrices of the frames;
-/// F = k u + c du/dt, M = k w + c dw/dt, V = 1/2 sum k u^2 + 1/2 sum k w^2 [J].
+/// F = k u + c du/dt, M = k w + c dw/dt, V = 1/2 sum k u^2 + 1/2 sum k w^2 \[J\].
 ///
 /// * `stiffness along x, y, z` [N/m], `stiffness about x, y, z` [N m/rad], 0 or greater
 /// * `damping along x, y, z` [N s/m], `damping about x, y, z` [N m s/rad], 0 or greater
-/// * `point a`, `point b`  in the frames of the bodies [m]: together at rest
+/// * `point a`, `point b`  in the frames of the bodies \[m\]: together at rest
 /// * `frame a e0..e3`, `frame b e0..e3`  e_af, e_bf, Euler parameters in the frames of the bodies: together at rest
 pub struct Bushing {
     /// First body.

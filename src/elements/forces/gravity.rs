@@ -1,11 +1,11 @@
 use crate::elements::{Anchor, Element, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// Weight of a body or point mass: V = -m g . x_c [J].
+/// Weight of a body or point mass: V = -m g . x_c \[J\].
 ///
-/// * `mass`  m [kg], 0 or greater
+/// * `mass`  m \[kg\], 0 or greater
 /// * `gravity x, y, z`  g [m/s2]
-/// * `centre x, y, z`  mass centre in the body frame [m]; ignored for a point
+/// * `centre x, y, z`  mass centre in the body frame \[m\]; ignored for a point
 pub struct Gravity {
     /// What the weight hangs on.
     pub on: Anchor,

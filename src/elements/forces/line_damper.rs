@@ -2,10 +2,10 @@ use crate::elements::joints::gap;
 use crate::elements::{Anchor, Element, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// A damper along the line between two points: tension c dl/dt [N], l = |x_b - x_a|.
+/// A damper along the line between two points: tension c dl/dt \[N\], l = |x_b - x_a|.
 ///
 /// * `damping`  c [N s/m], 0 or greater
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 pub struct LineDamper {
     /// First end.
     pub a: Anchor,
@@ -24,7 +24,7 @@ pub(super) const DAMPER_PARAMETERS: &[Parameter] = &[
     Parameter::new("point b z", "m"),
 ];
 
-/// x_b - x_a for the points of [`DAMPER_PARAMETERS`] [m].
+/// x_b - x_a for the points of [`DAMPER_PARAMETERS`] \[m\].
 pub(super) fn between<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vector3<S> {
     gap([a, b], q, &p[1..])
 }

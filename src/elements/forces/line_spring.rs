@@ -2,11 +2,11 @@ use crate::elements::joints::gap;
 use crate::elements::{Anchor, Element, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// A spring along the line between two points: V = k (l - l0)^2 / 2 [J], l = |x_b - x_a|.
+/// A spring along the line between two points: V = k (l - l0)^2 / 2 \[J\], l = |x_b - x_a|.
 ///
 /// * `stiffness`  k [N/m], 0 or greater
-/// * `rest length`  l0 [m], 0 or greater
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `rest length`  l0 \[m\], 0 or greater
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 pub struct LineSpring {
     /// First end.
     pub a: Anchor,

@@ -3,12 +3,12 @@ use crate::elements::joints::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
 use crate::scalar::Scalar;
 
-/// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt [N], s = n_a . (x_b - x_a).
+/// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt \[N\], s = n_a . (x_b - x_a).
 ///
 /// * `stiffness`  k [N/m], 0 or greater
 /// * `damping`  c [N s/m], 0 or greater
-/// * `rest displacement`  s0 [m]
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `rest displacement`  s0 \[m\]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct SlideSpringDamper {
     /// What guides: a body.

@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 
 /// A soft version of any joint g(q, p, t): springs and dampers in place of its equations, R = A^T (k g + c dg/dt) with A = dg/dq.
 ///
-/// V = 1/2 sum k_i g_i^2 [J]; a joint whose g depends on time does work of its own beside. Rows of joints that hold points together are in world axes: different stiffnesses stay with the world.
+/// V = 1/2 sum k_i g_i^2 \[J\]; a joint whose g depends on time does work of its own beside. Rows of joints that hold points together are in world axes: different stiffnesses stay with the world.
 ///
 /// * `stiffness i`  k_i of each equation [N/m or N m/rad], 0 or greater
 /// * `damping i`  c_i [N s/m or N m s/rad], 0 or greater

@@ -8,7 +8,7 @@ use crate::scalar::{Scalar, angle_about};
 ///
 /// * `stiffness`  k [N m/rad], 0 or greater
 /// * `damping`  c [N m s/rad], 0 or greater
-/// * `rest angle`  theta0 [rad]
+/// * `rest angle`  theta0 \[rad\]
 /// * `axis`, `reference a`  unit vectors in the frame of body a, at right angles
 /// * `reference b`  unit vector in the frame of body b
 pub struct TorsionSpringDamper {

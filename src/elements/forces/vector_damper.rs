@@ -2,10 +2,10 @@ use super::line_damper::{DAMPER_PARAMETERS, between};
 use crate::elements::{Anchor, Element, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) [N].
+/// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) \[N\].
 ///
 /// * `damping`  c [N s/m], 0 or greater
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 ///
 /// Source: Ebrahimi et al., eq. (65). [`LineDamper`](super::LineDamper) acts along the line only.
 pub struct VectorDamper {

@@ -2,7 +2,7 @@ use super::{ANGLE, angle_between};
 use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::Scalar;
 
-/// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 [rad].
+/// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 \[rad\].
 ///
 /// An angle read from two orientations is known up to whole turns, and so is g; phi itself goes on beyond them. The coordinate needs
 /// no inertia. A joint beside it holds the axis.

@@ -3,11 +3,11 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Two cables welded to each other at an angle: one place, and the angle phi between the slopes r_x.
 ///
-/// g = (r_b - r_a [m], (cos phi - r_ax . r_bx / (|r_ax| |r_bx|)) / sin phi [rad]), the last one the angle in excess of phi as long as that is
+/// g = (r_b - r_a \[m\], (cos phi - r_ax . r_bx / (|r_ax| |r_bx|)) / sin phi \[rad\]), the last one the angle in excess of phi as long as that is
 /// small. The stretch of the slopes stays free, and a cable has no torsion: the angle is all that a weld can hold. Its multiplier is
 /// the moment that opens the corner [N m].
 ///
-/// * `angle`  phi [rad], between 0 and pi; cables that go straight on share a node instead
+/// * `angle`  phi \[rad\], between 0 and pi; cables that go straight on share a node instead
 ///
 /// Source: the weld of Ebrahimi et al., section 6.3, in its least number of equations.
 pub struct CableCorner;

@@ -14,11 +14,11 @@ pub enum HeldSlope {
     Plane,
 }
 
-/// The end b of a cable held by a body a: the place [m], and the slope [-].
+/// The end b of a cable held by a body a: the place \[m\], and the slope [-].
 ///
 /// g = (r_b - x_a, (u_a . r_x, w_a . r_x) or R_a^T r_x - s or n_a . r_x). A cable has no torsion, so none of them holds it.
 ///
-/// * `point a`  in the frame of the body [m]
+/// * `point a`  in the frame of the body \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a at right angles to the slope, or `slope` s in that frame, or the `normal` n
 ///
 /// Source: Ebrahimi et al., eqs. (41), (42).

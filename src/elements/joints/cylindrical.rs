@@ -2,11 +2,11 @@ use super::{POINTS, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
-/// A slider that may turn: the point of b stays on an axis of a [m], and the axis of b parallel to it [-].
+/// A slider that may turn: the point of b stays on an axis of a \[m\], and the axis of b parallel to it [-].
 ///
 /// g = (u_a . d, w_a . d, u_a . n_b, w_a . n_b) with d = x_b - x_a
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
 pub struct CylindricalJoint {

@@ -2,12 +2,12 @@ use super::{POINTS, gap};
 use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::Scalar;
 
-/// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) [m].
+/// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) \[m\].
 ///
-/// The multiplier is the tension for a link at its length [N], negative in compression.
+/// The multiplier is the tension for a link at its length \[N\], negative in compression.
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
-/// * `length`  l [m], greater than 0
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
+/// * `length`  l \[m\], greater than 0
 pub struct DistanceJoint {
     /// First end.
     pub a: Anchor,

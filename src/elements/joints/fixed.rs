@@ -2,11 +2,11 @@ use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// Two bodies welded together: points held together [m], and twice the vector part of the remaining rotation is zero [rad].
+/// Two bodies welded together: points held together \[m\], and twice the vector part of the remaining rotation is zero \[rad\].
 ///
 /// g = (x_b - x_a, 2 vec(e_a* e_b e_ab*))
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
 pub struct FixedJoint {
     /// First body.

@@ -1,14 +1,14 @@
 use crate::elements::{Constraint, Parameter};
 use crate::scalar::Scalar;
 
-/// Two gears: r1 phi1 + r2 phi2 - c = 0 [m], for any ratio and any number of turns.
+/// Two gears: r1 phi1 + r2 phi2 - c = 0 \[m\], for any ratio and any number of turns.
 ///
 /// phi1 and phi2 are coordinates that count turns ([`AngleCoordinate`](super::AngleCoordinate)), usually of both gears against the
 /// body that carries their axes. With parallel axes radii of one sign are external gears, of opposite signs an internal gear or a
-/// belt. The multiplier is minus the tangential force at the pitch circles, positive where it turns both forwards [N].
+/// belt. The multiplier is minus the tangential force at the pitch circles, positive where it turns both forwards \[N\].
 ///
-/// * `pitch radius 1`, `pitch radius 2`  r1, r2 [m], not 0
-/// * `offset`  c [m]
+/// * `pitch radius 1`, `pitch radius 2`  r1, r2 \[m\], not 0
+/// * `offset`  c \[m\]
 pub struct GearJoint;
 
 impl Constraint for GearJoint {

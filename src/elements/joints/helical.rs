@@ -3,12 +3,12 @@ use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
-/// A screw: like a cylindrical joint, and b advances along the axis of a by the pitch with every turn [m].
+/// A screw: like a cylindrical joint, and b advances along the axis of a by the pitch with every turn \[m\].
 ///
 /// g = (u_a . d, w_a . d, u_a . n_b, w_a . n_b, (pitch / 2 pi) theta - s) with d = x_b - x_a, s = (u_a x w_a) . d, and theta the
 /// angle from u_a to the reference of b. Whole pitches are left out, so that any number of turns is exact.
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a that make a right-handed triad with the axis
 /// * `axis`  n_b, unit vector in the frame of b
 /// * `reference b`  unit vector in the frame of b at right angles to the axis: it stands along u_a where d = 0

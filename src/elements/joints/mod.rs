@@ -82,7 +82,7 @@ pub(crate) fn vectors(names: &[&str]) -> Vec<Parameter> {
     names.iter().flat_map(components).collect()
 }
 
-/// x_b - x_a for the points of the first six parameters [m].
+/// x_b - x_a for the points of the first six parameters \[m\].
 pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vector3<S> {
     let (qa, qb) = q.split_at(a.dofs());
     b.position(qb, Vector3::first_three(&p[3..])) - a.position(qa, Vector3::first_three(p))
@@ -97,7 +97,7 @@ pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vector3<
     }
 }
 
-/// For small angles the rotation that b has beyond `relative`, in the frame of a [rad]: 2 vec(e_a* e_b e_ab*) between Euler parameters,
+/// For small angles the rotation that b has beyond `relative`, in the frame of a \[rad\]: 2 vec(e_a* e_b e_ab*) between Euler parameters,
 /// otherwise (c_1 x d_1 + c_2 x d_2 + c_3 x d_3) / 2 with the axes d_k of b seen from a, and where they should be, c_k = R(e_ab) e_k.
 #[inline(always)]
 fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> Vector3<S> {
@@ -112,7 +112,7 @@ fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> 
     (beyond(0) + beyond(1) + beyond(2)) * S::from(0.5)
 }
 
-/// The angle about `axis` from `from` to `to` less `turn`, in [-pi, pi] [rad]: any number of whole turns is left out of it. Axis and zero mark
+/// The angle about `axis` from `from` to `to` less `turn`, in [-pi, pi] \[rad\]: any number of whole turns is left out of it. Axis and zero mark
 /// are vectors of a, the other mark is one of b.
 #[inline(always)]
 fn angle_beyond<S: Scalar>([a, b]: [&Frame<S>; 2], [axis, from, to]: [&[S]; 3], turn: S) -> S {

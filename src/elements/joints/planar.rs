@@ -2,11 +2,11 @@ use super::{POINTS, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
-/// Two faces that slide on each other: the points stay at one height [m] and the normals parallel [-].
+/// Two faces that slide on each other: the points stay at one height \[m\] and the normals parallel [-].
 ///
 /// g = (n_b . d, u_a . n_b, w_a . n_b) with d = x_b - x_a
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `tangent u`, `tangent w`  unit vectors of the plane in the frame of a, not parallel
 /// * `normal`  n_b, unit vector in the frame of b
 pub struct PlanarJoint {

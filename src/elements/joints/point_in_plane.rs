@@ -2,9 +2,9 @@ use super::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
-/// A point of b in a plane of a: g = n_a . (x_b - x_a) [m]. The multiplier is minus the force on b along the normal [N].
+/// A point of b in a plane of a: g = n_a . (x_b - x_a) \[m\]. The multiplier is minus the force on b along the normal \[N\].
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal`  n_a, unit vector in the frame of a
 pub struct PointInPlane {
     /// What guides: a body.

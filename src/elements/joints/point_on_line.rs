@@ -2,9 +2,9 @@ use super::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::Scalar;
 
-/// A point of b on a line of a: g = (u_a . d, w_a . d) with d = x_b - x_a [m].
+/// A point of b on a line of a: g = (u_a . d, w_a . d) with d = x_b - x_a \[m\].
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 pub struct PointOnLine {
     /// What guides: a body.

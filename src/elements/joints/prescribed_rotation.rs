@@ -2,14 +2,14 @@ use super::{ANGLE, angle_between};
 use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
-/// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 [rad].
+/// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 \[rad\].
 ///
 /// g lies in [-pi, pi], so any number of turns can be driven and a start half a turn off is seen. It only drives; a revolute joint
 /// beside it holds the axis. The multiplier is minus the driving moment on b [N m].
 ///
 /// * `axis`, `reference a`  unit vectors in the frame of a, at right angles
 /// * `reference b`  unit vector in the frame of b
-/// * parameters of f(t) [rad]
+/// * parameters of f(t) \[rad\]
 pub struct PrescribedRotation {
     /// First body.
     pub a: Anchor,

@@ -2,13 +2,13 @@ use super::{POINTS, gap, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
-/// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 [m].
+/// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 \[m\].
 ///
-/// The multiplier is minus the driving force on b along the axis [N].
+/// The multiplier is minus the driving force on b along the axis \[N\].
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `axis`  n_a, unit vector in the frame of a
-/// * parameters of f(t) [m]
+/// * parameters of f(t) \[m\]
 pub struct PrescribedTranslation {
     /// What guides: a body.
     pub a: Anchor,

@@ -2,12 +2,12 @@ use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// A slider without rotation: the point of b stays on a line of a [m], and twice the vector part of the remaining rotation is
-/// zero [rad].
+/// A slider without rotation: the point of b stays on a line of a \[m\], and twice the vector part of the remaining rotation is
+/// zero \[rad\].
 ///
 /// g = (u_a . d, w_a . d, 2 vec(e_a* e_b e_ab*)) with d = x_b - x_a
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
 pub struct PrismaticJoint {

@@ -2,19 +2,19 @@ use super::{ANGLE, POINTS, angle_between, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// A rack that rolls on a pinion, both on a common carrier: r theta - s = 0 [m].
+/// A rack that rolls on a pinion, both on a common carrier: r theta - s = 0 \[m\].
 ///
 /// theta is the angle of the pinion against the carrier, s = n_c . (x_rack - x_carrier). Whole turns are left out, so that any
 /// number of them is exact. It only couples; a revolute and a prismatic joint beside it guide pinion and rack. The multiplier is the
-/// force on the rack along n_c [N].
+/// force on the rack along n_c \[N\].
 ///
 /// Nodes: carrier, pinion, rack.
 ///
-/// * `point a`, `point b`  of the carrier and of the rack, in their frames [m]: s = 0 where they meet
+/// * `point a`, `point b`  of the carrier and of the rack, in their frames \[m\]: s = 0 where they meet
 /// * `axis`, `reference a`  unit vectors in the frame of the carrier, at right angles
 /// * `reference b`  unit vector in the frame of the pinion
 /// * `direction`  n_c, unit vector in the frame of the carrier
-/// * `pitch radius`  r [m], greater than 0
+/// * `pitch radius`  r \[m\], greater than 0
 pub struct RackAndPinion {
     /// Carrier, pinion and rack.
     pub nodes: [Anchor; 3],

@@ -2,11 +2,11 @@ use super::{POINTS, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// A hinge between two bodies: points held together [m] and the axis of b at right angles to two vectors of a [-].
+/// A hinge between two bodies: points held together \[m\] and the axis of b at right angles to two vectors of a [-].
 ///
 /// g = (x_b - x_a, u_a . n_b, w_a . n_b)
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the axis
 /// * `axis`  n_b, unit vector in the frame of b
 pub struct RevoluteJoint {

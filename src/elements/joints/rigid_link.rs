@@ -2,12 +2,12 @@ use super::{RELATIVE_ROTATION, remaining_rotation};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// A rigid connection between two nodes: b keeps its place in the frame of a [m] and, if it is a body, its orientation [rad].
+/// A rigid connection between two nodes: b keeps its place in the frame of a \[m\] and, if it is a body, its orientation \[rad\].
 ///
 /// g = (r_b - r_a - R_a c, 2 vec(e_a* e_b e_ab*)), the second only for a body: 3 or 6 equations. The first three multipliers are
-/// the force of b on a, in world components [N].
+/// the force of b on a, in world components \[N\].
 ///
-/// * `offset`  c, place of the node b in the frame of a [m]
+/// * `offset`  c, place of the node b in the frame of a \[m\]
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
 pub struct RigidLink {
     /// What guides: a body.

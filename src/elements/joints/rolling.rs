@@ -25,9 +25,9 @@ const fn new(name: &'static str, unit: &'static str) -> Parameter {
 ///
 /// It keeps nothing but the rolling: a [`PointInPlane`](super::PointInPlane) beside it keeps the centre at the distance r.
 ///
-/// * `centre`  of the sphere, in the frame of b [m]
+/// * `centre`  of the sphere, in the frame of b \[m\]
 /// * `u`, `w`, `normal`  unit vectors in the frame of a, at right angles
-/// * `radius`  r [m], greater than 0
+/// * `radius`  r \[m\], greater than 0
 ///
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
 pub struct RollingSphere {
@@ -87,13 +87,13 @@ fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vector3<S>, Vector3<S>) {
     (b.point(p), up * (-p[9] / up.length()))
 }
 
-/// The edge of a thin disc b touches a plane of a: g = n . (x_c + c - x_a) [m] with the vector c from the centre to the lowest point.
+/// The edge of a thin disc b touches a plane of a: g = n . (x_c + c - x_a) \[m\] with the vector c from the centre to the lowest point.
 ///
-/// * `centre`  of the disc, in the frame of b [m]
+/// * `centre`  of the disc, in the frame of b \[m\]
 /// * `axis`  of the disc, unit vector in the frame of b
 /// * `normal`  n, unit vector in the frame of a
-/// * `radius`  r [m], greater than 0
-/// * `point`  x_a, of the plane, in the frame of a [m]
+/// * `radius`  r \[m\], greater than 0
+/// * `point`  x_a, of the plane, in the frame of a \[m\]
 pub struct DiscOnPlane {
     /// The body with the plane.
     pub a: Anchor,

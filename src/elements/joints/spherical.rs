@@ -2,9 +2,9 @@ use super::{POINTS, gap};
 use crate::elements::{Anchor, Constraint, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// Two points held together: g = x_b - x_a [m]. The multipliers are the force of b on a, in world components [N].
+/// Two points held together: g = x_b - x_a \[m\]. The multipliers are the force of b on a, in world components \[N\].
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 pub struct SphericalJoint {
     /// First end.
     pub a: Anchor,

@@ -2,11 +2,11 @@ use super::{POINTS, components, vectors};
 use crate::elements::{Anchor, Constraint, Frame, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
-/// A universal (Cardan, Hooke) joint: points held together [m] and the two pins of the cross at right angles [-].
+/// A universal (Cardan, Hooke) joint: points held together \[m\] and the two pins of the cross at right angles [-].
 ///
 /// g = (x_b - x_a, n_a . n_b)
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]
+/// * `point a`, `point b`  in the frames of the bodies \[m\]
 /// * `pin a`  n_a, unit vector in the frame of a
 /// * `pin b`  n_b, unit vector in the frame of b
 pub struct UniversalJoint {

@@ -2,7 +2,7 @@ use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// Deflection of a cable's node b seen from its node a, across the tangent there: (n x t) . (r_b - r_a) [m] with t = r_x / |r_x| at a.
+/// Deflection of a cable's node b seen from its node a, across the tangent there: (n x t) . (r_b - r_a) \[m\] with t = r_x / |r_x| at a.
 ///
 /// * `normal x, y, z`  n, unit vector in the world: of the plane in which the cable bends
 ///

@@ -13,9 +13,9 @@ use smallvec::SmallVec;
 /// In an element kappa is largest at an end. With the same rho a smooth maximum over time of it is the smooth maximum over places,
 /// signs and times together.
 ///
-/// * `length`  l of each element [m]
+/// * `length`  l of each element \[m\]
 /// * `Young's modulus`  E [N/m2]
-/// * `distance`  z of the outermost fibres from the axis [m]
+/// * `distance`  z of the outermost fibres from the axis \[m\]
 ///
 /// Source: the aggregate of Kreisselmeier & Steinhauser (1979).
 pub struct CableLargestStress {

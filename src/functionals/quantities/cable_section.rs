@@ -18,8 +18,8 @@ pub enum CableMeasure {
 
 /// A strain or stress in one section of a cable; between two elements the mean of both sides.
 ///
-/// * `length`  l of each element [m]
-/// * `Young's modulus`  E [N/m2], `distance` z [m], for the stress
+/// * `length`  l of each element \[m\]
+/// * `Young's modulus`  E [N/m2], `distance` z \[m\], for the stress
 pub struct CableQuantity {
     /// What is read.
     pub measure: CableMeasure,

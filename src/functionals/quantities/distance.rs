@@ -3,9 +3,9 @@ use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector};
 
-/// Distance of two points: |x_b - x_a| [m]; where they meet its derivative is taken as zero.
+/// Distance of two points: |x_b - x_a| \[m\]; where they meet its derivative is taken as zero.
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]; ignored for nodes without axes
+/// * `point a`, `point b`  in the frames of the bodies \[m\]; ignored for nodes without axes
 pub struct Distance {
     /// First end.
     pub a: Anchor,

@@ -3,7 +3,7 @@ use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
-/// Angle of body b against body a about an axis of a, in (-pi, pi] [rad].
+/// Angle of body b against body a about an axis of a, in (-pi, pi] \[rad\].
 ///
 /// Over several turns measure the coordinate of [`AngleCoordinate`](crate::elements::joints::AngleCoordinate) instead.
 ///

@@ -3,9 +3,9 @@ use crate::elements::{Anchor, Frame, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
-/// Displacement of a point of b along an axis of body a: s = n_a . (x_b - x_a) [m].
+/// Displacement of a point of b along an axis of body a: s = n_a . (x_b - x_a) \[m\].
 ///
-/// * `point a`, `point b`  in the frames of the bodies [m]: s = 0 where they meet
+/// * `point a`, `point b`  in the frames of the bodies \[m\]: s = 0 where they meet
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct JointDisplacement {
     /// The body with the axis.

@@ -3,9 +3,9 @@ use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// Position of a point along a direction: d . x [m].
+/// Position of a point along a direction: d . x \[m\].
 ///
-/// * `point x, y, z`  in the body frame [m]; ignored for a point node
+/// * `point x, y, z`  in the body frame \[m\]; ignored for a point node
 /// * `direction x, y, z`  d, in the world [-]
 pub struct Position {
     /// What the point belongs to.

@@ -4,7 +4,7 @@ use crate::scalar::Scalar;
 
 /// A combination of the multipliers of one constraint: sum w_i mu_i.
 ///
-/// The first three multipliers of a joint that holds points together are the force of b on a in world components [N].
+/// The first three multipliers of a joint that holds points together are the force of b on a in world components \[N\].
 ///
 /// * `weight i`  w_i for each equation of the constraint
 pub struct Reaction {

@@ -2,7 +2,7 @@ use crate::elements::State;
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
-/// Length of the first three multipliers of one constraint: for a joint that holds points together the force between them [N].
+/// Length of the first three multipliers of one constraint: for a joint that holds points together the force between them \[N\].
 ///
 /// With fewer equations, of all of them. It has no derivative where it is zero.
 pub struct ReactionNorm;

@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 /// What is read in a section of a beam; components are counted as 0, 1, 2 for axial, 2, 3 and 3, 4, 5 for torsion, bending about 2, 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionMeasure {
-    /// N1, N2, N3 [N], M1, M2, M3 [N m].
+    /// N1, N2, N3 \[N\], M1, M2, M3 [N m].
     Force(usize),
     /// gamma1 - 1, gamma2, gamma3 [-], kappa1, kappa2, kappa3 [1/m], from the reference on.
     Strain(usize),
@@ -19,7 +19,7 @@ pub enum SectionMeasure {
 ///
 /// Between two elements it is the mean of both sides.
 ///
-/// Parameters: those of the tying points of each element; for a fibre E [N/m2], x2, x3 [m].
+/// Parameters: those of the tying points of each element; for a fibre E [N/m2], x2, x3 \[m\].
 pub struct SectionQuantity {
     /// What is read.
     pub measure: SectionMeasure,

@@ -2,10 +2,10 @@ use crate::elements::{Anchor, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
-/// Squared distance of a point from a target: |x - x*|^2 [m2].
+/// Squared distance of a point from a target: |x - x*|^2 \[m2\].
 ///
-/// * `point x, y, z`  in the body frame [m]; ignored for a point node
-/// * `target x, y, z`  x*, in the world [m]
+/// * `point x, y, z`  in the body frame \[m\]; ignored for a point node
+/// * `target x, y, z`  x*, in the world \[m\]
 pub struct TargetDistance {
     /// What the point belongs to.
     pub of: Anchor,

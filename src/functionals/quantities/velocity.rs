@@ -5,7 +5,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Velocity of a point along a direction: d . dx/dt [m/s].
 ///
-/// * `point x, y, z`  in the body frame [m]; ignored for a point node
+/// * `point x, y, z`  in the body frame \[m\]; ignored for a point node
 /// * `direction x, y, z`  d, in the world [-]
 pub struct Velocity {
     /// What the point belongs to.

@@ -10,7 +10,7 @@ use std::path::Path;
 /// A line through points of a body at one time.
 #[derive(Debug, Clone, Default)]
 pub struct Polyline {
-    /// Positions x, y, z [m].
+    /// Positions x, y, z \[m\].
     pub points: Vec<[f64; 3]>,
     /// Which colour: bodies of the same role share one.
     pub role: usize,
@@ -19,7 +19,7 @@ pub struct Polyline {
 /// The system at one time.
 #[derive(Debug, Clone, Default)]
 pub struct Frame {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// All lines of the system.
     pub lines: Vec<Polyline>,
@@ -30,7 +30,7 @@ pub struct Frame {
 pub struct Trail {
     /// The name in the key; an empty name is not listed.
     pub name: String,
-    /// Positions x, y, z [m].
+    /// Positions x, y, z \[m\].
     pub points: Vec<[f64; 3]>,
 }
 
@@ -57,7 +57,7 @@ pub struct Motion {
     pub frames: Vec<Frame>,
     /// Paths of points.
     pub trails: Vec<Trail>,
-    /// Points fixed to the ground, x, y, z [m].
+    /// Points fixed to the ground, x, y, z \[m\].
     pub anchors: Vec<[f64; 3]>,
     /// From where the motion is seen.
     pub view: View,
@@ -314,7 +314,7 @@ fn shown(point: &[f64; 3]) -> bool {
     point.iter().all(|&x| drawable(x, false))
 }
 
-/// To the right and upwards, as seen from the given side [m].
+/// To the right and upwards, as seen from the given side \[m\].
 fn flat(view: View, [x, y, z]: [f64; 3]) -> Place {
     match view {
         View::Xy => [x, y],

@@ -1,3 +1,6 @@
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use crate::linalg::simd::{Kernel, dispatch};
 
 /// Backward error up to which a solution is as good as one of a fresh factorization that was refined once.

@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::flexible_gmres::{FlexibleGmres, Progress};
 use super::system_matrix::{Products, SystemMatrix};
 use crate::linalg::LinearSolver;

@@ -1,5 +1,8 @@
 //! One front: assembly of entries and contributions, elimination, and the contribution to the front above.
 
+// equations, state, parameters, time and targets are arguments
+#![allow(clippy::too_many_arguments)]
+
 use super::entries::EntryBlock;
 use super::factors::{FrontStorage, Part};
 use super::kernels::{Target, solve_unit_lower, subtract_product};

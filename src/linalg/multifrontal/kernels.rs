@@ -1,5 +1,8 @@
 //! Dense kernels of fronts: own loops while the matrices are small, faer's where they are large.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use crate::linalg::simd::{Kernel, dispatch, multiply_add};
 use faer::linalg::matmul::matmul;
 use faer::prelude::ReborrowMut;

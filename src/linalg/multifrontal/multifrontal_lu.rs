@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::factors::Factors;
 use super::graph::Role;
 use super::substitution::{Side, Substitution};

@@ -1,3 +1,6 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::elimination_tree::{EliminationTree, NONE, postorder};
 use super::graph::Graph;
 

@@ -13,7 +13,7 @@ pub struct Analysis {
     pub flops: f64,
     /// Numbers in L and U.
     pub entries: usize,
-    /// Memory of the factorization at its peak [bytes]: factors, waiting contributions and indices.
+    /// Memory of the factorization at its peak \[bytes\]: factors, waiting contributions and indices.
     pub bytes: usize,
     /// Number of dense fronts.
     pub fronts: usize,

@@ -1,5 +1,8 @@
 //! Matrices for tests, and a dense elimination to compare with.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use crate::linalg::SparsePattern;
 
 /// Numbers between -1 and 1 without a visible order.

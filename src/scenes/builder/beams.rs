@@ -1,5 +1,8 @@
 //! Beams: lines with sections, their weight and loads, and what is read in their sections.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::{Drawing, MechanismBuilder};
 use crate::assembly::{ElementId, NodeId, NodeKind};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
@@ -13,7 +16,7 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 /// The reference line of a beam at t = 0, in the world, by the places of its nodes: both ends and one in the middle of each element.
 #[derive(Clone, Debug)]
 pub struct BeamLine<S> {
-    /// Nodes [m]: an odd number.
+    /// Nodes \[m\]: an odd number.
     points: Vec<Vector3<S>>,
     /// At each node, a direction that with the tangent spans the plane of axes 1 and 2 of the section.
     second_axes: Vec<Vector3<S>>,
@@ -44,7 +47,7 @@ impl<S: Scalar> BeamLine<S> {
         Self::through(&(0..=last).map(point).collect::<Vec<_>>(), second_axis)
     }
 
-    /// An arc of a circle of equal elements, from a point by `angle` [rad] about the unit vector `axis` through `centre`; section axis 2
+    /// An arc of a circle of equal elements, from a point by `angle` \[rad\] about the unit vector `axis` through `centre`; section axis 2
     /// along `axis`.
     pub fn arc(from: Vector3<S>, centre: Vector3<S>, axis: Vector3<S>, angle: S, elements: usize) -> Self {
         let last = (2 * elements).max(1);
@@ -52,7 +55,7 @@ impl<S: Scalar> BeamLine<S> {
         Self::through(&(0..=last).map(|i| centre + turned(i)).collect::<Vec<_>>(), axis)
     }
 
-    /// Turns the sections about the line, by an angle [rad] that grows linearly from 0 at the first node.
+    /// Turns the sections about the line, by an angle \[rad\] that grows linearly from 0 at the first node.
     #[must_use]
     pub fn twisted(mut self, angle: S) -> Self {
         let last = self.points.len().saturating_sub(1);
@@ -323,7 +326,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// A functional of a section force [N], moment [N m] or strain of a beam at a share of its length, from 0 to 1.
+    /// A functional of a section force \[N\], moment [N m] or strain of a beam at a share of its length, from 0 to 1.
     pub fn section_functional(&mut self, name: &str, over: Over, beam: &BeamMember, share: f64, measure: SectionMeasure) {
         let unit = match measure {
             SectionMeasure::Force(0..3) => "N",
@@ -339,7 +342,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_section(name, unit, over, (beam, share), measure, &[]);
     }
 
-    /// A functional of the axial stress of a fibre at (x2, x3) [m] of a section, for Young's modulus E [N/m2].
+    /// A functional of the axial stress of a fibre at (x2, x3) \[m\] of a section, for Young's modulus E [N/m2].
     pub fn fibre_stress_functional(
         &mut self,
         name: &str,

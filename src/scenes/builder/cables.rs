@@ -14,7 +14,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// A straight cable at t = 0, in the world, as long as in its reference.
 #[derive(Clone, Copy, Debug)]
 pub struct CableLine<S> {
-    /// Both ends [m].
+    /// Both ends \[m\].
     points: [Vector3<S>; 2],
     elements: usize,
     ends: [CableLineEnd; 2],
@@ -293,7 +293,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_cable_quantity((name, unit), over, (cable, share), measure, &[]);
     }
 
-    /// A functional of the axial stress E (eps + z kappa) of a cable [N/m2], for Young's modulus E [N/m2] and a distance z [m] of the fibre
+    /// A functional of the axial stress E (eps + z kappa) of a cable [N/m2], for Young's modulus E [N/m2] and a distance z \[m\] of the fibre
     /// from the axis: 0 without bending, positive on the outside of the bend.
     pub fn cable_stress_functional(
         &mut self,
@@ -343,7 +343,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A smooth maximum over time and length of the axial stress of a cable, tension or compression [N/m2], in fibres at a distance
-    /// `distance` [m] from the axis, for Young's modulus `young` [N/m2] and a sharpness [m2/N]; the mean over time is taken as in
+    /// `distance` \[m\] from the axis, for Young's modulus `young` [N/m2] and a sharpness [m2/N]; the mean over time is taken as in
     /// [`Over::SmoothMaximum`] with `normalized`, so that it does not depend on the unit of time.
     pub fn largest_cable_stress_functional(
         &mut self,
@@ -362,7 +362,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_functional(name, "N/m2", over, (&cable.nodes, &[]), quantity.into(), &p);
     }
 
-    /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal [m]: nodes (tangent,
+    /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal \[m\]: nodes (tangent,
     /// deflected).
     pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vector3<S>) {
         let normal = self.unit(name, normal);

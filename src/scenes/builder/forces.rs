@@ -22,7 +22,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.cable_gravity(gravity);
     }
 
-    /// A spring along the line between world points of two nodes: stiffness [N/m], rest length [m].
+    /// A spring along the line between world points of two nodes: stiffness [N/m], rest length \[m\].
     pub fn line_spring(
         &mut self,
         name: &str,
@@ -73,7 +73,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_element(name, &nodes, TorsionSpringDamper { a, b }.into(), &p)
     }
 
-    /// A spring and damper along a world axis fixed in a: [N/m], [N s/m], rest displacement [m] of the world point of b from `origin`.
+    /// A spring and damper along a world axis fixed in a: [N/m], [N s/m], rest displacement \[m\] of the world point of b from `origin`.
     pub fn slide_spring_damper(
         &mut self,
         name: &str,
@@ -100,7 +100,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &coefficients)
     }
 
-    /// A bushing at a world point [m], at rest as the bodies stand: stiffness and damping along (x, y, z) and about (x, y, z) of the
+    /// A bushing at a world point \[m\], at rest as the bodies stand: stiffness and damping along (x, y, z) and about (x, y, z) of the
     /// frame `axes` in the world [N/m, N m/rad], [N s/m, N m s/rad].
     pub fn bushing(
         &mut self,

@@ -11,7 +11,7 @@ use crate::functionals::{Functional, Measured, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// A functional of the position of a world point of a node along a direction [m].
+    /// A functional of the position of a world point of a node along a direction \[m\].
     pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
         let of = self.anchor(name, node);
         let p = [self.local_point(node, point).components(), direction.components()].concat();
@@ -25,14 +25,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_functional(name, "m/s", over, (&[node], &[]), Velocity { of }.into(), &p);
     }
 
-    /// A functional of the squared distance of a world point of a node from a target [m2].
+    /// A functional of the squared distance of a world point of a node from a target \[m2\].
     pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>) {
         let of = self.anchor(name, node);
         let p = [self.local_point(node, point).components(), target.components()].concat();
         self.add_functional(name, "m2", over, (&[node], &[]), TargetDistance { of }.into(), &p);
     }
 
-    /// A functional of the distance between world points of two nodes [m].
+    /// A functional of the distance between world points of two nodes \[m\].
     pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = self.points_between(nodes, points);
@@ -47,14 +47,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// A functional of the size of a joint's force: the length of its first three multipliers [N].
+    /// A functional of the size of a joint's force: the length of its first three multipliers \[N\].
     pub fn reaction_norm_functional(&mut self, name: &str, over: Over, joint: ConstraintId) {
         if self.model.constraints.get(joint.0).is_some() {
             self.add_functional(name, "N", over, (&[], &[joint]), ReactionNorm.into(), &[]);
         }
     }
 
-    /// A functional of the angle of b against a about a world axis, in (-pi, pi] and zero at the start [rad].
+    /// A functional of the angle of b against a about a world axis, in (-pi, pi] and zero at the start \[rad\].
     ///
     /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
     pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
@@ -71,7 +71,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_functional(name, "rad/s", over, (&nodes, &[]), JointRate { a, b }.into(), &p);
     }
 
-    /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on [m].
+    /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on \[m\].
     pub fn joint_displacement_functional(
         &mut self,
         name: &str,
@@ -109,12 +109,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_functional(name, "-", over, (&[node], &[]), Coordinate { of, index }.into(), &[]);
     }
 
-    /// A functional of the energy of all elements [J].
+    /// A functional of the energy of all elements \[J\].
     pub fn energy_functional(&mut self, name: &str, over: Over) {
         self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::Energy, over });
     }
 
-    /// A functional of the mass of all elements [kg].
+    /// A functional of the mass of all elements \[kg\].
     pub fn mass_functional(&mut self, name: &str, over: Over) {
         self.functionals.push(Functional { name: name.into(), unit: "kg", measured: Measured::Mass, over });
     }

@@ -18,14 +18,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.local_point(a, on_a).components().into_iter().chain(self.local_point(b, on_b).components()).collect()
     }
 
-    /// A spherical joint at a world point [m].
+    /// A spherical joint at a world point \[m\].
     pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let p = self.points_between(nodes, [point, point]);
         self.add_constraint(name, &nodes, SphericalJoint { a, b }.into(), &p)
     }
 
-    /// A massless link between two world points [m], as long as they are apart at the start.
+    /// A massless link between two world points \[m\], as long as they are apart at the start.
     pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2]) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.anchor(name, node));
         let mut p = self.points_between(nodes, ends);
@@ -46,7 +46,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.rotation(a).conjugate().times(self.rotation(b))
     }
 
-    /// A revolute joint at a world point [m] about a world axis.
+    /// A revolute joint at a world point \[m\] about a world axis.
     pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
@@ -54,7 +54,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, RevoluteJoint { a, b }.into(), &p)
     }
 
-    /// Two bodies welded together at a world point [m].
+    /// Two bodies welded together at a world point \[m\].
     pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let p = [self.points_between(nodes, [point; 2]), self.relative_rotation(nodes).0.to_vec()].concat();
@@ -71,7 +71,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, RigidLink { a, b }.into(), &p)
     }
 
-    /// A prismatic joint: b slides along a world axis of a without turning; the world point [m] is where forces are measured.
+    /// A prismatic joint: b slides along a world axis of a without turning; the world point \[m\] is where forces are measured.
     pub fn prismatic(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
@@ -80,7 +80,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, PrismaticJoint { a, b }.into(), &p)
     }
 
-    /// A cylindrical joint: b slides along and turns about a world axis through a world point [m].
+    /// A cylindrical joint: b slides along and turns about a world axis through a world point \[m\].
     pub fn cylindrical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let axis = self.unit(name, axis);
@@ -88,7 +88,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, CylindricalJoint { a, b }.into(), &p)
     }
 
-    /// A planar joint: b slides on the plane of a through a world point [m] with a world normal, and turns about the normal.
+    /// A planar joint: b slides on the plane of a through a world point \[m\] with a world normal, and turns about the normal.
     pub fn planar(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let normal = self.unit(name, normal);
@@ -96,7 +96,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, PlanarJoint { a, b }.into(), &p)
     }
 
-    /// A universal joint at a world point [m]; its cross has one pin in a and one in b, at right angles.
+    /// A universal joint at a world point \[m\]; its cross has one pin in a and one in b, at right angles.
     pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, pins: [Vector3<S>; 2]) -> ConstraintId {
         let [a, b] = nodes.map(|node| self.body_anchor(name, node));
         let [pin_a, pin_b] = pins.map(|pin| self.unit(name, pin));
@@ -114,7 +114,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, UniversalJoint { a, b }.into(), &p)
     }
 
-    /// A screw along a world axis through a world point [m]: b advances by the pitch [m per turn], negative for a left-handed thread.
+    /// A screw along a world axis through a world point \[m\]: b advances by the pitch [m per turn], negative for a left-handed thread.
     pub fn helical(
         &mut self,
         name: &str,
@@ -131,7 +131,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, HelicalJoint { a, b }.into(), &p)
     }
 
-    /// A world point [m] of b, a point or a body, on the line of a through it along a world direction.
+    /// A world point \[m\] of b, a point or a body, on the line of a through it along a world direction.
     pub fn point_on_line(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, along: Vector3<S>) -> ConstraintId {
         let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let normals =
@@ -140,7 +140,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, PointOnLine { a, b }.into(), &p)
     }
 
-    /// A world point [m] of b, a point or a body, in the plane of a through it with a world normal.
+    /// A world point \[m\] of b, a point or a body, in the plane of a through it with a world normal.
     pub fn point_in_plane(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
         let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
         let normal = self.unit(name, normal);
@@ -149,7 +149,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
-    /// touches the rack at `contact` [m]. Radius and direction follow; guide both by joints to the carrier.
+    /// touches the rack at `contact` \[m\]. Radius and direction follow; guide both by joints to the carrier.
     pub fn rack_and_pinion(
         &mut self,
         name: &str,
@@ -170,7 +170,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, RackAndPinion { nodes: kinds }.into(), &p)
     }
 
-    /// A coordinate that counts the angle of b against a about a world axis over any number of turns [rad], zero at the start.
+    /// A coordinate that counts the angle of b against a about a world axis over any number of turns \[rad\], zero at the start.
     ///
     /// It is a node: for gears, springs, drivers and functionals of the angle. A joint must hold the axis.
     pub fn joint_angle(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> NodeId {
@@ -191,7 +191,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// Gears on two joint angles with pitch radii [m], as they stand at the start: r1 phi1 + r2 phi2 stays.
+    /// Gears on two joint angles with pitch radii \[m\], as they stand at the start: r1 phi1 + r2 phi2 stays.
     ///
     /// External gears on parallel axes have radii of one sign, internal ones of opposite signs.
     pub fn gear(&mut self, name: &str, angles: [NodeId; 2], radii: [S; 2]) -> ConstraintId {
@@ -218,7 +218,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// Drives the angle of b against a about a world axis [rad]; the angle is zero at the start of the geometry.
+    /// Drives the angle of b against a about a world axis \[rad\]; the angle is zero at the start of the geometry.
     pub fn prescribed_rotation(
         &mut self,
         name: &str,
@@ -233,7 +233,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_constraint(name, &nodes, PrescribedRotation { a, b, angle }.into(), &p)
     }
 
-    /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` [m].
+    /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` \[m\].
     pub fn prescribed_translation(
         &mut self,
         name: &str,

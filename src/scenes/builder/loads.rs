@@ -7,7 +7,7 @@ use crate::functionals::{Functional, JointLoad, LoadKind, Measured, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// A functional of the force [N] or moment [N m] with which a joint or driver acts on one of its nodes, along a world direction
+    /// A functional of the force \[N\] or moment [N m] with which a joint or driver acts on one of its nodes, along a world direction
     /// that stays in the world or turns with the node; moments about a world point of the node. Norms ignore the direction.
     pub fn joint_load_functional(
         &mut self,

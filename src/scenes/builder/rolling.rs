@@ -7,8 +7,8 @@ use crate::elements::joints::{DiscOnPlane, RollingDisc, RollingSphere};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// A sphere rolls without sliding on a plane of another body: nodes (plane, sphere), world centre [m], world normal of the plane
-    /// towards the sphere, radius [m]. Names and joints: the contact, then the rolling.
+    /// A sphere rolls without sliding on a plane of another body: nodes (plane, sphere), world centre \[m\], world normal of the plane
+    /// towards the sphere, radius \[m\]. Names and joints: the contact, then the rolling.
     pub fn rolling_sphere(
         &mut self,
         [contact, rolling]: [&str; 2],
@@ -27,8 +27,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         [touching, self.add_constraint(rolling, &nodes, Nonholonomic(RollingSphere { a, b }).into(), &p)]
     }
 
-    /// A thin disc rolls on its edge without sliding on a plane of another body: nodes (plane, disc), world centre [m] and axis of the
-    /// disc, world point [m] and normal of the plane, radius [m]. Names and joints: the contact, then the rolling.
+    /// A thin disc rolls on its edge without sliding on a plane of another body: nodes (plane, disc), world centre \[m\] and axis of the
+    /// disc, world point \[m\] and normal of the plane, radius \[m\]. Names and joints: the contact, then the rolling.
     pub fn rolling_disc(
         &mut self,
         [contact, rolling]: [&str; 2],

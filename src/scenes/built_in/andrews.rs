@@ -14,7 +14,7 @@ use crate::scenes::{MechanismBuilder, Scene, Settings};
 pub struct Andrews;
 
 impl Andrews {
-    /// Directions from the first to the second pin of K1 to K7 at the start, from the published angles [rad].
+    /// Directions from the first to the second pin of K1 to K7 at the start, from the published angles \[rad\].
     pub const DIRECTIONS: [f64; 7] = {
         use std::f64::consts::{FRAC_PI_2, PI};
         let [beta, theta, gamma, phi, delta, omega, epsilon] = [

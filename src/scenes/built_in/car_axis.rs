@@ -72,16 +72,16 @@ impl Scene for CarAxis {
 const ROAD: [Parameter; 3] =
     [Parameter::non_negative("bump height", "m"), Parameter::new("frequency", "rad/s"), Parameter::positive("length", "m")];
 
-/// (xb, yb): y = r sin(w t), x = sqrt(L^2 - y^2) [m].
+/// (xb, yb): y = r sin(w t), x = sqrt(L^2 - y^2) \[m\].
 fn road_point<S: Scalar>(road: &[S], t: S) -> Vector3<S> {
     let y = road[0] * (road[1] * t).sin();
     Vector3::new((road[2] * road[2] - y * y).sqrt(), y, S::zero())
 }
 
-/// A spring from the road point to a point node: F = -k (l - l0) d / l [N], d = x - x_b(t), l = |d|.
+/// A spring from the road point to a point node: F = -k (l - l0) d / l \[N\], d = x - x_b(t), l = |d|.
 ///
 /// * `stiffness`  k [N/m]
-/// * `rest length`  l0 [m]
+/// * `rest length`  l0 \[m\]
 /// * parameters of the road
 struct RoadSpring;
 
@@ -102,7 +102,7 @@ impl Element for RoadSpring {
     }
 }
 
-/// Holds a point at right angles to the road: g = (x_b(t) . x) / L [m].
+/// Holds a point at right angles to the road: g = (x_b(t) . x) / L \[m\].
 struct AcrossRoad;
 
 impl Constraint for AcrossRoad {

@@ -32,11 +32,11 @@ impl Chain {
     }
 }
 
-/// Length of a bar [m].
+/// Length of a bar \[m\].
 const LENGTH: f64 = 0.1;
 /// Speed of the tip at the start, whatever the number of bars [m/s].
 const TIP_SPEED: f64 = 2.0;
-/// Radius of a round bar in the initial design [m].
+/// Radius of a round bar in the initial design \[m\].
 const RADIUS: f64 = 0.01;
 /// Mass of a bar of that radius per length [kg/m].
 const DENSITY: f64 = 2.0;

@@ -14,7 +14,7 @@ use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
 pub struct FlexibleFourBar {
     /// Elements of AB, BC, CD; even numbers, so that mid-span lies between two.
     pub elements: [usize; 3],
-    /// Duration [s] and number of steps.
+    /// Duration \[s\] and number of steps.
     pub run: (f64, usize),
 }
 
@@ -24,7 +24,7 @@ impl Default for FlexibleFourBar {
     }
 }
 
-/// EA, GA, GA [N], GJ, EI, EI [N m2], mass [kg/m] and inertia about an axis across [kg m] of bars of 16 mm and of 8 mm.
+/// EA, GA, GA \[N\], GJ, EI, EI [N m2], mass [kg/m] and inertia about an axis across [kg m] of bars of 16 mm and of 8 mm.
 const THICK: [f64; 8] = [5.2992e7, 1.68803e7, 1.68803e7, 733.488, 1130.50, 1130.50, 1.9968, 4.25984e-5];
 const THIN: [f64; 8] = [1.3248e7, 4.22008e6, 4.22008e6, 45.8430, 70.6560, 70.6560, 0.4992, 2.6624e-6];
 

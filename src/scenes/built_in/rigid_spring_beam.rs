@@ -18,7 +18,7 @@ pub struct RigidSpringBeam;
 const OBJECTIVE: &str = "displacement of B, squared, integral";
 const LENGTH: &str = "length of the beam";
 
-/// Diameter of the bar and width of the beam [m].
+/// Diameter of the bar and width of the beam \[m\].
 const WIDTH: f64 = 0.01;
 
 impl Scene for RigidSpringBeam {

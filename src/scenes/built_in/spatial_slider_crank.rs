@@ -12,9 +12,9 @@ use crate::scenes::{MechanismBuilder, Scene, Settings};
 pub struct SpatialSliderCrank;
 
 impl SpatialSliderCrank {
-    /// Bearing of the crank [m].
+    /// Bearing of the crank \[m\].
     pub const BEARING: [f64; 3] = [0.0, 0.1, 0.12];
-    /// Lengths of crank and rod [m].
+    /// Lengths of crank and rod \[m\].
     pub const LENGTHS: [f64; 2] = [0.08, 0.3];
 }
 

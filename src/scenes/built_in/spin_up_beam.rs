@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 /// further out, to first order, than the beam is long: 5.14e-4 m.
 pub struct SpinUpBeam;
 
-/// Duration of the spin-up [s].
+/// Duration of the spin-up \[s\].
 const SPIN_UP: f64 = 15.0;
 /// Its end rate [rad/s].
 const RATE: f64 = 6.0;

@@ -40,15 +40,15 @@ impl Default for Suspension {
 /// A wheel and what holds it, in the first design.
 struct Corner {
     name: &'static str,
-    /// Centre of the wheel [m].
+    /// Centre of the wheel \[m\].
     wheel: [f64; 3],
-    /// Heights of its joints, the upper one first [m].
+    /// Heights of its joints, the upper one first \[m\].
     joints: [f64; 2],
-    /// Ends of the wishbones at the chassis [m]: both of the upper one, both of the lower one.
+    /// Ends of the wishbones at the chassis \[m\]: both of the upper one, both of the lower one.
     points: [[f64; 3]; 4],
-    /// Upper end of the spring [m], stiffness [N/m], damping [N s/m].
+    /// Upper end of the spring \[m\], stiffness [N/m], damping [N s/m].
     absorber: [f64; 3],
-    /// Amplitude [m] and frequency [Hz] of the road.
+    /// Amplitude \[m\] and frequency \[Hz\] of the road.
     road: [f64; 2],
 }
 
@@ -72,25 +72,25 @@ const REAR: Corner = Corner {
 /// In the order of the variables, and on which side.
 const CORNERS: [(&Corner, f64); 4] = [(&FRONT, 1.0), (&REAR, 1.0), (&REAR, -1.0), (&FRONT, -1.0)];
 
-/// Bounds of a joint at the chassis on the right side [m], by wheel (front, rear) and place (first, second): x; y; and z (upper, lower).
+/// Bounds of a joint at the chassis on the right side \[m\], by wheel (front, rear) and place (first, second): x; y; and z (upper, lower).
 const X_BOUNDS: [[(f64, f64); 2]; 2] = [[(-1.35, -1.1), (-1.1, -0.8)], [(0.1, 0.35), (0.4, 0.65)]];
 const Y_BOUNDS: [(f64, f64); 2] = [(0.1, 0.35), (0.1, 0.3)];
 const Z_BOUNDS: [(f64, f64); 2] = [(0.1, 0.3), (-0.1, 0.1)];
 
-/// Distance of the wheel's joints from its centre, inwards [m].
+/// Distance of the wheel's joints from its centre, inwards \[m\].
 const INSIDE: f64 = 0.08;
-/// Distance of the spring's ends, inwards [m].
+/// Distance of the spring's ends, inwards \[m\].
 const LEAN: f64 = 0.15;
-/// Tie rod, behind the wheel's centre [m].
+/// Tie rod, behind the wheel's centre \[m\].
 const BEHIND: f64 = 0.12;
-/// Diameter and wall of the tubes [m].
+/// Diameter and wall of the tubes \[m\].
 const TUBE: [f64; 2] = [0.03, 0.005];
 /// Young's modulus [N/m2] and density [kg/m3].
 const STEEL: [f64; 2] = [2e11, 7800.0];
 /// Largest stress allowed [N/m2], and 1 / rho of its smooth maximum.
 const STRESS: f64 = 4e8;
 const STRESS_SCALE: f64 = 2e6;
-/// Shortest tube allowed [m].
+/// Shortest tube allowed \[m\].
 const LENGTH: f64 = 1e-3;
 
 /// Name of the stress of beam 1 to 16.
