@@ -14,7 +14,7 @@ impl Element for Duffing {
         Parameter::new("cubic stiffness", "N/m3"),
     ];
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        r[0] += p[0] * s.a[0] + p[1] * s.v[0] + p[2] * s.q[0] + p[3] * s.q[0] * s.q[0] * s.q[0];
+        r[0] = p[0] * s.a[0] + p[1] * s.v[0] + p[2] * s.q[0] + p[3] * s.q[0] * s.q[0] * s.q[0];
     }
 }
 

@@ -30,7 +30,7 @@
 
 use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Impulse, Jacobian, Level, Model, NodeId, NodeKind, ProductBars, ProductPoint,
-    Products, Residual, Shift, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+    Products, Residual, StageCoefficients, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
     AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, Nonholonomic, NonholonomicConstraint,
@@ -101,8 +101,8 @@ impl<E: Element> AnyElement for Shared<E> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
-    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.kinks(p)
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.0.breakpoints(p)
     }
     fn record_residual(&self) -> Result<Arc<Formula>, String> {
         self.0.record_residual()
@@ -131,8 +131,8 @@ impl<C: AnyConstraint> AnyConstraint for Shared<C> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameter_list()
     }
-    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.kink_times(p)
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.0.breakpoint_times(p)
     }
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         self.0.evaluate(numbers, t)
@@ -291,7 +291,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
         });
     };
     let assembled = Assembled::new(samples, build);
-    let shift = |gamma, beta, alpha| Equations::stage(Shift::new(gamma, beta, alpha), Level::Acceleration);
+    let shift = |gamma, beta, alpha| Equations::stage(StageCoefficients::new(gamma, beta, alpha), Level::Acceleration);
     let mut kinds = vec![shift(1.0, 0.0, 0.0), shift(0.0, 1.0, 0.0), shift(0.0, 0.0, 1.0), shift(0.7, -0.4, 1.3)];
     if has_impulse {
         kinds.push(Equations::variational(Variational { alpha: 0.3, h: 0.7, first: false }));
@@ -443,7 +443,7 @@ fn check_equation<C: AnyConstraint + 'static>(
     };
     let assembled = Assembled::new(samples, build);
     for level in [Level::Position, Level::Velocity, Level::Acceleration, Level::Stabilized] {
-        let equations = Equations::stage(Shift::new(0.7, 0.4, 1.3), level);
+        let equations = Equations::stage(StageCoefficients::new(0.7, 0.4, 1.3), level);
         assembled.check_matrix(&equations)?;
         assembled.check_products(&equations)?;
     }

@@ -124,23 +124,23 @@ fn steps_that_were_given_up_leave_no_trace() {
 }
 
 #[test]
-fn a_multistep_method_starts_again_at_a_kink_bit_by_bit() {
+fn a_multistep_method_starts_again_at_a_breakpoint_bit_by_bit() {
     let folder = Folder::new("restarted");
     let scene = scene("five-bar");
     for table in ["bdf2", "bdf3", "generalized-alpha", "newmark"] {
         let method = Method::new(table_by_name(table).expect("listed"), ConstraintLevel::Acceleration);
         let mut prepared = prepared(&*scene, method, 0.4, 20);
-        prepared.grid.kinks.insert(7);
+        prepared.grid.breakpoints.insert(7);
         same_wherever_kept(&mut prepared, &folder, table);
     }
 }
 
 #[test]
-fn a_run_along_a_kink_is_computed_again_bit_by_bit() {
+fn a_run_along_a_breakpoint_is_computed_again_bit_by_bit() {
     let scene = scene("five-bar");
     let mut prepared = prepared(&*scene, Prepared::default_method(), 0.4, 20);
-    // a kink where none of the scene's is: the acceleration is solved anew there
-    prepared.grid.kinks.insert(7);
+    // a breakpoint where none of the scene's is: the acceleration is solved anew there
+    prepared.grid.breakpoints.insert(7);
     let mut results = Vec::new();
     for keep in [Keep::Memory, Keep::Checkpoints(budget_for(&prepared, 2))] {
         prepared.keep = keep;

@@ -326,7 +326,7 @@ fn slope_by_differences(f: impl Fn(f64) -> f64, x: f64) -> f64 {
     (16.0 * bc - ab) / 15.0
 }
 
-/// Places where the formula has a kink (abs, max, tanh bounds) within reach of the differences are left out by comparing
+/// Places where the formula has a breakpoint (abs, max, tanh bounds) within reach of the differences are left out by comparing
 /// one-sided derivatives of the reference.
 fn smooth_around(formula: &RandomFormula, x: f64) -> bool {
     let slope = |x| Dual2_64::probe(x, |x| formula.at(x));
@@ -380,10 +380,10 @@ fn zero_perturbations_stay_zero<T: Probe>(name: &str) {
     let parts = T::probe(0.0, |x| (x * x).powf(1.5));
     assert!(parts.first.iter().all(|&d| d == 0.0), "{}", place("(x^2)^1.5", &parts));
     // the length of a vector that starts to grow from zero: infinite derivative of the root, zero perturbation below it;
-    // a kink has no second derivative, so types that carry one are left out
+    // a breakpoint has no second derivative, so types that carry one are left out
     let parts = T::probe(0.0, |x| (x * x).sqrt() + 1.0);
-    let kink_is_out_of_reach = !parts.second.is_empty();
-    assert!(kink_is_out_of_reach || parts.first.iter().all(|&d| d == 0.0), "{}", place("sqrt(x^2)", &parts));
+    let breakpoint_is_out_of_reach = !parts.second.is_empty();
+    assert!(breakpoint_is_out_of_reach || parts.first.iter().all(|&d| d == 0.0), "{}", place("sqrt(x^2)", &parts));
     let parts = T::probe(0.0, |x| x.powf(1.5));
     assert!(parts.first.iter().all(|&d| d == 0.0), "{}", place("x^1.5", &parts));
     let parts = T::probe(0.0, |x| x.powf(2.5));
@@ -503,7 +503,7 @@ fn products_and_absolute_values_of_complex_numbers_conjugate_nothing() {
     let (x, y) = (Complex64::new(2.0, 3e-30), Complex64::new(-5.0, 7e-30));
     assert_eq!(x * x, Complex64::new(4.0, 12e-30));
     assert_eq!(x * y, Complex64::new(-10.0, 2.0 * 7e-30 + 3e-30 * -5.0));
-    // the modulus would say (5, 0): a kink where the function of a real argument is smooth
+    // the modulus would say (5, 0): a breakpoint where the function of a real argument is smooth
     assert_eq!(y.abs(), Complex64::new(5.0, -7e-30));
     assert_eq!(Scalar::sqrt(y * y), Complex64::new(5.0, -7e-30));
 }

@@ -21,7 +21,7 @@ impl Element for Oscillator {
         let inside = S::from(self.wall).less(s.q[0].abs()).select(S::from(f64::NAN), S::one());
         r[0] += (s.a[0] + p[0] * s.q[0] - load) * inside;
     }
-    fn kinks(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
         self.jump.filter(|_| self.declared).into_iter().collect()
     }
 }
@@ -29,7 +29,7 @@ impl Element for Oscillator {
 /// Start at rest at 1.
 struct Swinging {
     jump: Option<f64>,
-    /// The jump is a kink that the element declares.
+    /// The jump is a breakpoint that the element declares.
     declared: bool,
     wall: f64,
     stiffness: f64,
@@ -83,9 +83,9 @@ fn steps_over(prepared: &Prepared, grid: &TimeGrid) -> Vec<StepRecord<f64>> {
 }
 
 #[test]
-fn several_steps_of_one_size_without_a_kink_lie_behind_a_multistep_step() {
+fn several_steps_of_one_size_without_a_breakpoint_lie_behind_a_multistep_step() {
     let grid = TimeGrid::uniform(1.0, 10, &[0.35, 0.7]).unwrap();
-    // 0, .1, .2, .3, .35*, .4, .5, .6, .7*, .8, .9, 1: a kink may be where the oldest state lies
+    // 0, .1, .2, .3, .35*, .4, .5, .6, .7*, .8, .9, 1: a breakpoint may be where the oldest state lies
     let made = |table: &str| -> String {
         let table = named(table);
         let letter = |index| if table.scheme_at(&grid, index) == Scheme::Main { 'm' } else { 's' };
@@ -176,16 +176,16 @@ fn the_error_follows_the_tolerance() {
 }
 
 #[test]
-fn chosen_steps_end_at_kinks_stay_below_the_longest_and_are_taken_again_by_other_runs() {
+fn chosen_steps_end_at_breakpoints_stay_below_the_longest_and_are_taken_again_by_other_runs() {
     let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
     let control = StepControl { longest: 0.13, ..StepControl::new(1e-5) };
     let prepared = prepared(&scene, "esdirk4", scene.settings().choosing_steps(control)).expect("sound");
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).expect("runs");
-    let kink = forward.grid.times.iter().position(|&t| t == 0.77).expect("a step ends at the kink");
-    assert!(forward.grid.kinks.contains(&kink) && forward.grid.kinks.len() == 1);
+    let breakpoint = forward.grid.times.iter().position(|&t| t == 0.77).expect("a step ends at the breakpoint");
+    assert!(forward.grid.breakpoints.contains(&breakpoint) && forward.grid.breakpoints.len() == 1);
     let steps = steps_over(&prepared, &forward.grid);
-    assert!(steps[kink].restart.is_some());
+    assert!(steps[breakpoint].restart.is_some());
     let longest = steps.iter().fold(0.0, |most: f64, step| most.max(step.h));
     assert!(longest <= 0.13 + 1e-15 && longest > 0.1, "{longest}");
     assert_eq!(forward.grid.times.last(), Some(&2.0));

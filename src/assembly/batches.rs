@@ -2,7 +2,7 @@
 
 use super::constraint_programs::ConstraintLayout;
 use super::element_programs::{ElementLayout, Force};
-use super::numbering::{Part, System};
+use super::numbering::{DofMap, System};
 use super::reduction::NodeReduction;
 use crate::elements::{ConstraintPhysics, RunScalar};
 use crate::program::{Formula, Program, ProgramCache, ProgramWork};
@@ -55,7 +55,7 @@ fn sorted<L>(
 }
 
 impl System<'_> {
-    fn reductions(&self, part: &Part) -> Box<[NodeReduction]> {
+    fn reductions(&self, part: &DofMap) -> Box<[NodeReduction]> {
         part.nodes.iter().map(|&node| self.reduction(node)).collect()
     }
 
@@ -69,7 +69,7 @@ impl System<'_> {
         match unknowns.local.map(|local| self.locals[local].form.turning()) {
             None => NodeReduction::Free { dofs },
             Some(Some(turning)) if !self.options.stabilized => {
-                NodeReduction::Turning { free: dofs - turning.coordinates(), turning }
+                NodeReduction::RotationCoordinates { free: dofs - turning.coordinates(), turning }
             }
             Some(_) => NodeReduction::Dense { dofs, unknowns: unknowns.columns.len() / copies },
         }
@@ -135,7 +135,7 @@ impl<S: Copy> Lane<'_, S> {
     }
     /// Sets arguments from a place on to those of a part's coordinates.
     #[inline(always)]
-    pub fn copy_segments(&mut self, first: usize, part: &Part, values: &[S]) -> usize {
+    pub fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
         let mut place = first;
         for segment in &part.segments {
             place = self.copy(place, &values[segment.clone()]);

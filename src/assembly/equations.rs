@@ -21,7 +21,7 @@ impl<S: Scalar> Rates<S> {
 
 /// How the unknown x moves accelerations, velocities and coordinates: (a, v, q) + (gamma, beta, alpha) x.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
+pub struct StageCoefficients {
     /// d a / d x.
     pub gamma: f64,
     /// d v / d x \[s\].
@@ -30,10 +30,10 @@ pub struct Shift {
     pub alpha: f64,
 }
 
-impl Shift {
+impl StageCoefficients {
     /// (gamma, beta, alpha).
     pub const fn new(gamma: f64, beta: f64, alpha: f64) -> Self {
-        Shift { gamma, beta, alpha }
+        StageCoefficients { gamma, beta, alpha }
     }
 
     /// Whether the coefficients are those of the other but for round-off: steps are differences of times.
@@ -60,9 +60,9 @@ pub enum Level {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equations {
     /// Shift of the point at which R is evaluated.
-    pub residual: Shift,
+    pub residual: StageCoefficients,
     /// Shift of the point at which constraints and reactions are evaluated.
-    pub constraint: Shift,
+    pub constraint: StageCoefficients,
     /// Constraint level.
     pub level: Level,
     /// Subtract R at the base point: the metric of a projection instead of the equation of motion.
@@ -73,15 +73,15 @@ pub struct Equations {
 
 impl Equations {
     /// The equation of motion at a stage: both points move together.
-    pub fn stage(shift: Shift, level: Level) -> Self {
+    pub fn stage(shift: StageCoefficients, level: Level) -> Self {
         Equations { residual: shift, constraint: shift, level, metric: false, variational: None }
     }
 
     /// A step of a variational integrator; the acceleration is what functionals read, in the first step that of half a step.
     pub fn variational(step: Variational) -> Self {
         let Variational { alpha, h, first } = step;
-        let residual = Shift::new(if first { 2.0 } else { 1.0 }, h, alpha * h * h);
-        let constraint = Shift::new(0.0, 0.0, h * h);
+        let residual = StageCoefficients::new(if first { 2.0 } else { 1.0 }, h, alpha * h * h);
+        let constraint = StageCoefficients::new(0.0, 0.0, h * h);
         Equations { residual, constraint, level: Level::Position, metric: false, variational: Some(step) }
     }
 
@@ -109,7 +109,7 @@ impl Equations {
 
     /// The acceleration for given (v, q).
     pub fn acceleration() -> Self {
-        Equations::stage(Shift::new(1.0, 0.0, 0.0), Level::Acceleration)
+        Equations::stage(StageCoefficients::new(1.0, 0.0, 0.0), Level::Acceleration)
     }
 
     /// True for an equilibrium: neither accelerations nor velocities move with the unknowns.
@@ -121,8 +121,8 @@ impl Equations {
     ///
     /// With (gamma, beta, alpha) of the stage and d = alpha x: R(a + gamma x, v + beta x, q + d) - R(a, v, q) + A^T nu = 0,
     /// g(q + d) = 0.
-    pub fn position_projection(stage: Shift) -> Self {
-        let constraint = Shift::new(0.0, 0.0, stage.alpha);
+    pub fn position_projection(stage: StageCoefficients) -> Self {
+        let constraint = StageCoefficients::new(0.0, 0.0, stage.alpha);
         Equations { residual: stage, constraint, level: Level::Position, metric: true, variational: None }
     }
 
@@ -130,16 +130,16 @@ impl Equations {
     ///
     /// With (gamma, beta, alpha) of the stage and w = beta x: R(a + gamma x, v + w, q + alpha x) - R(a, v, q) + A^T nu = 0,
     /// A (v + w) + g_t = 0.
-    pub fn velocity_projection(stage: Shift) -> Self {
-        let constraint = Shift::new(0.0, stage.beta, 0.0);
+    pub fn velocity_projection(stage: StageCoefficients) -> Self {
+        let constraint = StageCoefficients::new(0.0, stage.beta, 0.0);
         Equations { residual: stage, constraint, level: Level::Velocity, metric: true, variational: None }
     }
 
     /// Projection of an initial q onto g = 0 in the mass metric: x = d.
     pub fn initial_position_projection() -> Self {
-        let constraint = Shift::new(0.0, 0.0, 1.0);
+        let constraint = StageCoefficients::new(0.0, 0.0, 1.0);
         Equations {
-            residual: Shift::new(1.0, 0.0, 0.0),
+            residual: StageCoefficients::new(1.0, 0.0, 0.0),
             constraint,
             level: Level::Position,
             metric: true,
@@ -149,9 +149,9 @@ impl Equations {
 
     /// Projection of an initial v onto dg/dt = 0 in the mass metric: x = w.
     pub fn initial_velocity_projection() -> Self {
-        let constraint = Shift::new(0.0, 1.0, 0.0);
+        let constraint = StageCoefficients::new(0.0, 1.0, 0.0);
         Equations {
-            residual: Shift::new(1.0, 0.0, 0.0),
+            residual: StageCoefficients::new(1.0, 0.0, 0.0),
             constraint,
             level: Level::Velocity,
             metric: true,
@@ -173,7 +173,7 @@ impl Equations {
     /// Scaled rows of the one or two sets of constraints towards an unknown x that moves one coordinate, and towards y, from the
     /// entry of A and its derivatives along the motion.
     pub(crate) fn row_entries(&self, a: Rates<f64>) -> [[f64; 2]; 2] {
-        let Shift { gamma, beta, alpha } = self.constraint;
+        let StageCoefficients { gamma, beta, alpha } = self.constraint;
         match self.level {
             Level::Position => [[a.value, 0.0], [0.0; 2]],
             Level::Velocity => [[a.value + alpha / beta * a.first, 0.0], [0.0; 2]],
@@ -220,7 +220,7 @@ impl<S: Scalar> VectorsAvq<S> {
     }
 
     /// Writes base + shift x (+ alpha y) to `self`.
-    pub fn set_shifted(&mut self, base: &Self, shift: Shift, unknowns: &Unknowns<S>) {
+    pub fn set_shifted(&mut self, base: &Self, shift: StageCoefficients, unknowns: &Unknowns<S>) {
         let lists =
             [(&mut self.a, &base.a, shift.gamma), (&mut self.v, &base.v, shift.beta), (&mut self.q, &base.q, shift.alpha)];
         for (own, base, factor) in lists {
@@ -232,7 +232,7 @@ impl<S: Scalar> VectorsAvq<S> {
     }
 
     /// base + shift x (+ alpha y).
-    pub fn shifted(base: &Self, shift: Shift, unknowns: &Unknowns<S>) -> Self {
+    pub fn shifted(base: &Self, shift: StageCoefficients, unknowns: &Unknowns<S>) -> Self {
         let mut point = Self::zeros(base.q.len());
         point.set_shifted(base, shift, unknowns);
         point

@@ -1,9 +1,9 @@
 use super::batches::{BatchWork, ElementBatch, Lane, run_parts};
 use super::constraint_programs::{self, Asked};
 use super::element_programs::{self, Force};
-use super::numbering::{Contributor, NOWHERE, Part, System};
+use super::numbering::{DofMap, NOWHERE, ScatterMap, System};
 use super::reduction::{Columns, NodeReduction};
-use super::{Equations, Level, Residual, Shift, Unknowns, VectorsAvq};
+use super::{Equations, Level, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::program::Program;
 use smallvec::SmallVec;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Jacobian {
     /// Values in the order of the system's pattern.
     pub values: Vec<f64>,
-    bases: Vec<Bases>,
+    bases: Vec<NullSpaces>,
     point: Point,
     /// Coordinates of one node combined with their rates.
     combined: Vec<f64>,
@@ -64,7 +64,7 @@ impl Point {
 
 /// Bases of one node; empty where its unknowns are its coordinates.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bases {
+pub(super) struct NullSpaces {
     /// N_L: coordinates by reduced rows, row-major, at right angles to the reaction.
     pub left: Vec<f64>,
     /// N_R: coordinates (x, then y) by reduced columns, row-major, at right angles to the node's equations.
@@ -75,12 +75,12 @@ pub(super) struct Bases {
     scaled: [SmallVec<[f64; 9]>; 2],
 }
 
-impl Bases {
+impl NullSpaces {
     /// Writes the numbers that a program makes the bases of.
     fn write(&self, reduction: NodeReduction, place: usize, lane: &mut Lane<f64>) -> usize {
         let [left, right] = match reduction {
             NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => return place,
-            NodeReduction::Turning { .. } => [&self.scaled[0][..], &self.scaled[1]],
+            NodeReduction::RotationCoordinates { .. } => [&self.scaled[0][..], &self.scaled[1]],
             NodeReduction::Dense { .. } => [&self.left[..], &self.right],
         };
         let place = lane.copy(place, left);
@@ -134,7 +134,7 @@ impl Jacobian {
     pub fn new(system: &System) -> Self {
         Jacobian {
             values: vec![0.0; system.pattern.rows.len()],
-            bases: vec![Bases::default(); system.nodes.len()],
+            bases: vec![NullSpaces::default(); system.nodes.len()],
             point: Point::default(),
             combined: Vec::new(),
             work: BatchWork::default(),
@@ -291,7 +291,7 @@ impl Jacobian {
         &mut self,
         system: &System,
         equations: &Equations,
-        (node, places): (usize, &Contributor),
+        (node, places): (usize, &ScatterMap),
         unknowns: &Unknowns<f64>,
     ) {
         let (values, bases) = (&mut self.values, &self.bases);
@@ -355,7 +355,7 @@ impl Jacobian {
                 self.combined.clear();
                 let moving = q.iter().zip(v.iter().zip(a)).skip(free);
                 self.combined.extend(moving.map(|(q, (v, a))| by_value * q + by_rate * v + by_second * a));
-                let Bases { left, right, scaled: [of_left, of_right], plain } = bases;
+                let NullSpaces { left, right, scaled: [of_left, of_right], plain } = bases;
                 for (own, given, basis) in [(of_left, &reaction_q[free..], left), (of_right, &self.combined[..], right)] {
                     own.clear();
                     own.extend_from_slice(given);
@@ -466,7 +466,7 @@ impl Jacobian {
         reduced: &[f64],
         part: Option<usize>,
         unknowns: &mut Unknowns<S>,
-        levers: &[f64],
+        coordinate_scales: &[f64],
     ) -> f64 {
         let add = |target: &mut S, increment: f64| match part {
             None => target.add_to_value(increment),
@@ -479,7 +479,7 @@ impl Jacobian {
             if seeds.right.is_empty() && !seeds.stabilized {
                 for (dof, &dx) in system.model.nodes[node].dofs.clone().zip(z) {
                     add(&mut unknowns.x[dof], dx);
-                    let size = dx.abs() * levers[dof];
+                    let size = dx.abs() * coordinate_scales[dof];
                     largest = if size <= largest { largest } else { size };
                 }
                 continue;
@@ -491,7 +491,7 @@ impl Jacobian {
                     add(&mut unknowns.y[dof], dy);
                 }
                 // a maximum that keeps NaN
-                let size = (dx + dy).abs() * levers[dof];
+                let size = (dx + dy).abs() * coordinate_scales[dof];
                 largest = if size <= largest { largest } else { size };
             }
         }
@@ -521,7 +521,7 @@ impl Jacobian {
     }
 }
 
-pub(super) fn node_seeds<'a>(system: &System, bases: &'a [Bases], node: usize) -> NodeSeeds<'a> {
+pub(super) fn node_seeds<'a>(system: &System, bases: &'a [NullSpaces], node: usize) -> NodeSeeds<'a> {
     NodeSeeds {
         dofs: system.model.nodes[node].dofs.len(),
         columns: system.nodes[node].columns.len(),
@@ -546,13 +546,13 @@ fn element_matrix(batch: &ElementBatch, stabilized: bool, moves: [bool; 3]) -> A
 }
 
 /// Coefficients of a shift, and which of them are not zero.
-pub(super) fn numbers_of(Shift { gamma, beta, alpha }: Shift) -> ([f64; 3], [bool; 3]) {
+pub(super) fn numbers_of(StageCoefficients { gamma, beta, alpha }: StageCoefficients) -> ([f64; 3], [bool; 3]) {
     let all = [gamma, beta, alpha];
     (all, all.map(|coefficient| coefficient != 0.0))
 }
 
 /// Writes the numbers of the bases of a part's nodes.
-fn write_bases(bases: &[Bases], part: &Part, nodes: &[NodeReduction], mut place: usize, lane: &mut Lane<f64>) {
+fn write_bases(bases: &[NullSpaces], part: &DofMap, nodes: &[NodeReduction], mut place: usize, lane: &mut Lane<f64>) {
     for (&node, &reduction) in part.nodes.iter().zip(nodes) {
         place = bases[node].write(reduction, place, lane);
     }
@@ -560,7 +560,7 @@ fn write_bases(bases: &[Bases], part: &Part, nodes: &[NodeReduction], mut place:
 
 /// Adds entries of a block to their places in the matrix.
 #[inline(always)]
-fn add_entries(places: &Contributor, labels: &[u32], entries: impl Iterator<Item = f64>, values: &mut [f64]) {
+fn add_entries(places: &ScatterMap, labels: &[u32], entries: impl Iterator<Item = f64>, values: &mut [f64]) {
     for (&label, entry) in labels.iter().zip(entries) {
         // equations that are left out have none
         if let Some(value) = values.get_mut(places.positions[label as usize]) {

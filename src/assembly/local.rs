@@ -4,16 +4,16 @@
 //! (at acceleration level A + 2 beta dA/dt + ..., so C is not B^T), the matrix gets N_L^T J N_R, where N_L is orthogonal to B and
 //! N_R to C, both orthonormal. Unknowns move along N_R and are then brought back onto the node's equations.
 
-use super::numbering::{Local, System};
+use super::numbering::{NodeConstraint, System};
 use super::quadratic::UnitLength;
 use super::residual::{LocalVec, select};
-use super::{Equations, Level, Rates, Shift, Unknowns, VectorsAvq};
+use super::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
 
 /// Rows A (equations by coordinates, row-major) of a node's own constraint.
-pub(super) fn reaction_rows<S: RunScalar>(local: &Local, q: &[S]) -> LocalVec<S> {
+pub(super) fn reaction_rows<S: RunScalar>(local: &NodeConstraint, q: &[S]) -> LocalVec<S> {
     let mut rows: LocalVec<S> = SmallVec::from_elem(S::zero(), local.equations.len() * q.len());
     local.form.rows(q, &mut rows);
     rows
@@ -67,7 +67,7 @@ pub(super) fn add_combination<S: Scalar>(rows: &[S], multipliers: &[S], f: &mut 
 }
 
 /// C: derivative of the node's scaled equations with respect to its unknowns (x, or x then y), row-major, at a real point.
-pub(super) fn equation_rows(local: &Local, equations: &Equations, node: State<f64>) -> LocalVec<f64> {
+pub(super) fn equation_rows(local: &NodeConstraint, equations: &Equations, node: State<f64>) -> LocalVec<f64> {
     let n = node.q.len();
     let stabilized = equations.level == Level::Stabilized;
     let columns = if stabilized { 2 * n } else { n };
@@ -177,7 +177,7 @@ pub(super) fn restore<S: RunScalar>(
 
 /// One correction of every node that is off by more than round-off; the next evaluation follows anyway.
 fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
-    let Shift { gamma, beta, alpha } = equations.constraint;
+    let StageCoefficients { gamma, beta, alpha } = equations.constraint;
     let scale = equations.row_scales()[0];
     let [by_value, by_rate, by_second] = equations.row_weights();
     let mut rows = LocalVec::<S>::new();
@@ -222,7 +222,7 @@ fn correct_unit_length<S: RunScalar>(
     base: &VectorsAvq<S>,
     unknowns: &mut Unknowns<S>,
 ) {
-    let Shift { gamma, beta, alpha } = equations.constraint;
+    let StageCoefficients { gamma, beta, alpha } = equations.constraint;
     let places = start + unit.first..start + unit.first + 4;
     let x = &mut unknowns.x[places.clone()];
     let own = |base: &[S], factor: f64| std::array::from_fn::<S, 4, _>(|i| base[places.start + i] + x[i] * factor);

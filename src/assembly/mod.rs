@@ -26,7 +26,7 @@ mod reduction;
 mod residual;
 mod variational;
 
-pub use equations::{Equations, Level, Rates, Shift, Unknowns, VectorsAvq};
+pub use equations::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};
 pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};

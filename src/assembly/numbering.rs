@@ -21,7 +21,7 @@ pub struct SystemOptions {
 }
 
 /// A constraint inside a node, with the place of its multipliers in `local_mu`.
-pub(super) struct Local {
+pub(super) struct NodeConstraint {
     pub node: usize,
     pub equations: Range<usize>,
     pub physics: ConstraintPhysics,
@@ -45,7 +45,7 @@ pub(super) struct NodeUnknowns {
 }
 
 /// Where the numbers of one element or constraint stand in the vectors of the model.
-pub(super) struct Part {
+pub(super) struct DofMap {
     /// Coordinates, one range for each node.
     pub segments: SmallVec<[Range<usize>; 3]>,
     /// Number of coordinates.
@@ -56,10 +56,10 @@ pub(super) struct Part {
     pub parameters: Range<usize>,
 }
 
-impl Part {
+impl DofMap {
     fn new(model: &Model, ids: &[NodeId], parameters: Range<usize>) -> Self {
         let segments: SmallVec<[Range<usize>; 3]> = ids.iter().map(|id| model.nodes[id.0].dofs.clone()).collect();
-        Part {
+        DofMap {
             dofs: segments.iter().map(ExactSizeIterator::len).sum(),
             nodes: ids.iter().map(|id| id.0).collect(),
             segments,
@@ -81,7 +81,7 @@ impl Part {
 }
 
 /// A part that adds a dense block to the matrix.
-pub(super) struct Contributor {
+pub(super) struct ScatterMap {
     /// Place in the matrix values of each entry of the column-major block; `NOWHERE` where nothing is added.
     pub positions: Vec<usize>,
 }
@@ -96,18 +96,18 @@ pub struct System<'m> {
     /// Places of the matrix entries.
     pub pattern: Arc<SparsePattern>,
     pub(super) nodes: Vec<NodeUnknowns>,
-    pub(super) locals: Vec<Local>,
+    pub(super) locals: Vec<NodeConstraint>,
     pub(super) local_equations: usize,
     /// Column of each multiplier; `None` where dropped.
     pub(super) multiplier_columns: Vec<Option<usize>>,
     pub(super) stabilizer_columns: Vec<Option<usize>>,
-    pub(super) element_parts: Vec<Part>,
+    pub(super) element_parts: Vec<DofMap>,
     /// Joints and drivers, then the constraints inside nodes where these are not eliminated.
-    pub(super) constraint_parts: Vec<Part>,
-    pub(super) element_blocks: Vec<Contributor>,
-    pub(super) constraint_blocks: Vec<Contributor>,
+    pub(super) constraint_parts: Vec<DofMap>,
+    pub(super) element_blocks: Vec<ScatterMap>,
+    pub(super) constraint_blocks: Vec<ScatterMap>,
     /// Nodes with an eliminated constraint, or all of them at the stabilized level.
-    pub(super) node_blocks: Vec<(usize, Contributor)>,
+    pub(super) node_blocks: Vec<(usize, ScatterMap)>,
     /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
     batches: [OnceLock<Vec<ElementBatch>>; 2],
     constraint_batches: OnceLock<Vec<ConstraintBatch>>,
@@ -131,7 +131,7 @@ impl<'m> System<'m> {
                         free -= equations.len();
                         unknowns.local = Some(locals.len());
                     }
-                    locals.push(Local { node: index, equations, form: Quadratic::of(&physics), physics });
+                    locals.push(NodeConstraint { node: index, equations, form: Quadratic::of(&physics), physics });
                 }
                 columns += copies * free;
                 unknowns.columns.end = columns;
@@ -198,20 +198,20 @@ impl<'m> System<'m> {
             coupled.for_each_entry(|_, row, column| entries.push((column, row)));
         }
         let pattern = SparsePattern::from_entries(columns, entries);
-        let place = |list: Vec<Coupled>| -> Vec<Contributor> {
+        let place = |list: Vec<Coupled>| -> Vec<ScatterMap> {
             list.into_iter()
                 .map(|coupled| {
                     let mut positions = vec![NOWHERE; coupled.unknowns.len() * coupled.unknowns.len()];
                     coupled.for_each_entry(|local, row, column| {
                         positions[local] = pattern.position(row, column).unwrap_or(NOWHERE);
                     });
-                    Contributor { positions }
+                    ScatterMap { positions }
                 })
                 .collect()
         };
         let (element_blocks, constraint_blocks) = (place(elements), place(constraints));
         let node_blocks = block_nodes.into_iter().zip(place(node_blocks)).collect();
-        let part = |ids: &[NodeId], parameters: &Range<usize>| Part::new(model, ids, parameters.clone());
+        let part = |ids: &[NodeId], parameters: &Range<usize>| DofMap::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
         let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[NodeId(local.node)], &(0..0)));
         let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
@@ -274,7 +274,7 @@ impl<'m> System<'m> {
     }
 
     /// Node-local constraints that are eliminated.
-    pub(super) fn eliminated(&self) -> impl Iterator<Item = &Local> {
+    pub(super) fn eliminated(&self) -> impl Iterator<Item = &NodeConstraint> {
         self.locals.iter().filter(|_| !self.options.unreduced)
     }
 

@@ -1,7 +1,7 @@
 use super::batches::{BatchWork, run_parts};
 use super::constraint_programs::{self, Asked};
 use super::element_programs::{self, Force};
-use super::numbering::{Part, System};
+use super::numbering::{DofMap, System};
 use super::residual::LocalVec;
 use super::{Equations, Impulse, Level, Rates, Unknowns, VectorsAvq};
 use crate::elements::State;
@@ -79,7 +79,7 @@ struct Selection {
     programs: ProgramCache,
 }
 
-fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[Part], active: &[bool]) -> Vec<Selection> {
+fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: &[bool]) -> Vec<Selection> {
     let mut selections: Vec<Selection> = Vec::new();
     for (batch, parts) in parts.enumerate() {
         let mut places: HashMap<&[bool], usize> = HashMap::new();
@@ -275,7 +275,7 @@ impl Products {
 }
 
 /// Whether any number of a part's coordinates is not zero.
-fn any(part: &Part, values: &[f64]) -> bool {
+fn any(part: &DofMap, values: &[f64]) -> bool {
     part.segments.iter().any(|dofs| values.get(dofs.clone()).is_some_and(|own| own.iter().any(|&value| value != 0.0)))
 }
 

@@ -1,4 +1,4 @@
-use super::reduction::Turning;
+use super::reduction::RotationCoordinates;
 use super::{Level, Rates};
 use crate::elements::{ConstraintPhysics, State};
 use crate::program::Node;
@@ -15,7 +15,7 @@ pub(super) struct Quadratic {
     /// (equation, row, column, H).
     second: Vec<(usize, usize, usize, f64)>,
     unit_length: Option<UnitLength>,
-    turning: Option<Turning>,
+    turning: Option<RotationCoordinates>,
 }
 
 /// The one equation (x . x) h / 2 + c = 0 of four coordinates in a row: Euler parameters.
@@ -69,13 +69,14 @@ impl Quadratic {
         let mut quadratic = Quadratic { constant: constants, linear, second, unit_length: None, turning: None };
         let probe: Vec<f64> = (0..n).map(|i| 0.3 + 0.7 * (i as f64 * 1.7).sin()).collect();
         quadratic.unit_length = quadratic.as_unit_length();
-        quadratic.turning =
-            [Turning::Euler, Turning::Axes].into_iter().find(|turning| quadratic.is_free_in(*turning, &probe));
+        quadratic.turning = [RotationCoordinates::Euler, RotationCoordinates::Axes]
+            .into_iter()
+            .find(|turning| quadratic.is_free_in(*turning, &probe));
         quadratic
     }
 
     /// Whether all directions at right angles to the rows are turns.
-    fn is_free_in(&self, turning: Turning, probe: &[f64]) -> bool {
+    fn is_free_in(&self, turning: RotationCoordinates, probe: &[f64]) -> bool {
         let (n, count) = (probe.len(), self.constant.len());
         if n < turning.coordinates() || n - count != n - turning.coordinates() + 3 || !self.linear.is_empty() {
             return false;
@@ -91,7 +92,7 @@ impl Quadratic {
     }
 
     /// The coordinates that turn, if its rows leave them nothing else.
-    pub fn turning(&self) -> Option<Turning> {
+    pub fn turning(&self) -> Option<RotationCoordinates> {
         self.turning
     }
 

@@ -22,11 +22,11 @@ pub(super) enum NodeReduction {
         dofs: usize,
     },
     /// Some coordinates are unknowns; behind them rigidly turning ones have three.
-    Turning {
+    RotationCoordinates {
         /// Number of coordinates that are unknowns.
         free: usize,
         /// How the others turn.
-        turning: Turning,
+        turning: RotationCoordinates,
     },
     /// Any bases, all of whose entries are arguments.
     Dense {
@@ -40,27 +40,27 @@ pub(super) enum NodeReduction {
 /// Coordinates at the end of a node that turn rigidly: the directions in which the constraints let them move are known, and change
 /// smoothly with the pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Turning {
+pub(super) enum RotationCoordinates {
     /// Four Euler parameters.
     Euler,
     /// Three axes.
     Axes,
 }
 
-impl Turning {
+impl RotationCoordinates {
     /// Number of coordinates.
     pub fn coordinates(self) -> usize {
         match self {
-            Turning::Euler => 4,
-            Turning::Axes => 9,
+            RotationCoordinates::Euler => 4,
+            RotationCoordinates::Axes => 9,
         }
     }
 
-    /// Scales coordinates so that [`Turning::entry`] makes columns of unit length of them where they are a pose.
+    /// Scales coordinates so that [`RotationCoordinates::entry`] makes columns of unit length of them where they are a pose.
     pub fn scale(self, turning: &mut [f64]) {
         let square = turning.iter().fold(0.0, |sum, x| sum + x * x);
         // of three axes of length 1 every turn moves two
-        let scale = if self == Turning::Euler { 1.0 / square.sqrt() } else { (1.5 / square).sqrt() };
+        let scale = if self == RotationCoordinates::Euler { 1.0 / square.sqrt() } else { (1.5 / square).sqrt() };
         turning.iter_mut().for_each(|x| *x *= scale);
     }
 
@@ -83,7 +83,7 @@ impl Turning {
     /// What a coordinate moves by in a turn about one of three axes: the place of one of the scaled coordinates, and whether it is negated.
     pub fn entry(self, coordinate: usize, axis: usize) -> Option<(usize, bool)> {
         match self {
-            Turning::Euler => {
+            RotationCoordinates::Euler => {
                 const ROWS: [[(usize, bool); 3]; 4] = [
                     [(1, true), (2, true), (3, true)],
                     [(0, false), (3, true), (2, false)],
@@ -92,7 +92,7 @@ impl Turning {
                 ];
                 Some(ROWS[coordinate][axis])
             }
-            Turning::Axes => {
+            RotationCoordinates::Axes => {
                 let (first, own) = (3 * (coordinate / 3), coordinate % 3);
                 if own == axis {
                     return None;
@@ -110,7 +110,7 @@ impl NodeReduction {
     pub fn dofs(self) -> usize {
         match self {
             NodeReduction::Fixed { dofs } | NodeReduction::Free { dofs } | NodeReduction::Dense { dofs, .. } => dofs,
-            NodeReduction::Turning { free, turning } => free + turning.coordinates(),
+            NodeReduction::RotationCoordinates { free, turning } => free + turning.coordinates(),
         }
     }
 
@@ -119,7 +119,7 @@ impl NodeReduction {
         match self {
             NodeReduction::Fixed { .. } => 0,
             NodeReduction::Free { dofs } => dofs,
-            NodeReduction::Turning { free, .. } => free + 3,
+            NodeReduction::RotationCoordinates { free, .. } => free + 3,
             NodeReduction::Dense { unknowns, .. } => unknowns,
         }
     }
@@ -129,8 +129,8 @@ impl NodeReduction {
         let (kind, size, more) = match self {
             NodeReduction::Fixed { dofs } => (0, dofs, 0),
             NodeReduction::Free { dofs } => (1, dofs, 0),
-            NodeReduction::Turning { free, turning: Turning::Euler } => (2, free, 0),
-            NodeReduction::Turning { free, turning: Turning::Axes } => (3, free, 0),
+            NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Euler } => (2, free, 0),
+            NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => (3, free, 0),
             NodeReduction::Dense { dofs, unknowns } => (4, dofs, unknowns),
         };
         (kind + 8 * size + 8192 * more) as u32
@@ -141,7 +141,7 @@ impl NodeReduction {
         let copies = if stabilized { 2 } else { 1 };
         match self {
             NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => [0; 2],
-            NodeReduction::Turning { turning, .. } => [turning.coordinates(); 2],
+            NodeReduction::RotationCoordinates { turning, .. } => [turning.coordinates(); 2],
             NodeReduction::Dense { dofs, unknowns } => [dofs * unknowns, copies * dofs * copies * unknowns],
         }
     }
@@ -264,7 +264,7 @@ fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node], copies: usize)
     match node {
         NodeReduction::Fixed { .. } => {}
         NodeReduction::Free { .. } => rows.iter_mut().enumerate().for_each(|(i, row)| row[i] = one),
-        NodeReduction::Turning { free, turning } => {
+        NodeReduction::RotationCoordinates { free, turning } => {
             rows[..free].iter_mut().enumerate().for_each(|(i, row)| row[i] = one);
             for (coordinate, row) in rows[free..].iter_mut().enumerate() {
                 for axis in 0..3 {
@@ -283,10 +283,10 @@ fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node], copies: usize)
 
 #[cfg(test)]
 mod tests {
-    use super::Turning;
+    use super::RotationCoordinates;
 
     /// Rows of the basis for coordinates.
-    fn rows(turning: Turning, x: &[f64]) -> Vec<[f64; 3]> {
+    fn rows(turning: RotationCoordinates, x: &[f64]) -> Vec<[f64; 3]> {
         let entry = |i, axis| match turning.entry(i, axis) {
             Some((place, negated)) => {
                 if negated {
@@ -303,16 +303,16 @@ mod tests {
     #[test]
     fn turns_keep_the_length_of_euler_parameters_and_the_angles_between_axes() {
         let mut e = [0.3, -0.5, 0.7, 0.2];
-        Turning::Euler.scale(&mut e);
-        let basis = rows(Turning::Euler, &e);
+        RotationCoordinates::Euler.scale(&mut e);
+        let basis = rows(RotationCoordinates::Euler, &e);
         for axis in 0..3 {
             let product: f64 = (0..4).map(|i| e[i] * basis[i][axis]).sum();
             let length: f64 = (0..4).map(|i| basis[i][axis] * basis[i][axis]).sum();
             assert!(product.abs() < 1e-15 && (length - 1.0).abs() < 1e-15);
         }
         let mut axes = [0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0];
-        Turning::Axes.scale(&mut axes);
-        let basis = rows(Turning::Axes, &axes);
+        RotationCoordinates::Axes.scale(&mut axes);
+        let basis = rows(RotationCoordinates::Axes, &axes);
         for turn in 0..3 {
             for (first, second) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
                 let product = |a: usize, b: usize| -> f64 { (0..3).map(|i| axes[3 * a + i] * basis[3 * b + i][turn]).sum() };

@@ -1,7 +1,7 @@
 use super::batches::{BatchWork, run_parts};
 use super::constraint_programs::{Asked, values};
 use super::element_programs::Force;
-use super::numbering::{Local, System};
+use super::numbering::{NodeConstraint, System};
 use super::{Equations, Level, Rates, Unknowns, Variational, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
@@ -361,7 +361,7 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Sets the multipliers inside a node so that F (and Y) have no part along its reaction, and adds that reaction.
-    fn eliminate(&mut self, system: &System, equations: &Equations, local: &Local, unknowns: &mut Unknowns<S>) {
+    fn eliminate(&mut self, system: &System, equations: &Equations, local: &NodeConstraint, unknowns: &mut Unknowns<S>) {
         let dofs = system.model.nodes[local.node].dofs.clone();
         let rows = super::local::reaction_rows(local, &self.reaction_point(equations).q[dofs.clone()]);
         let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);

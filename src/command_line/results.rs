@@ -5,7 +5,9 @@ use costate::assembly::{Model, Node, NodeKind, VectorsAvq};
 use costate::functionals::{Functional, Measured, Sample};
 use costate::history::{Dense, Observer};
 use costate::integrators::{RunError, StartRecord, StepRecord};
-use costate::io::{Chart, CsvFile, Frame, Motion, Polyline, Progress, Series, Style, Trail, View, write_file, write_panels};
+use costate::io::{
+    Chart, CsvFile, Frame, MotionPicture, Polyline, Progress, Series, Style, Trail, View, write_file, write_panels,
+};
 use costate::scenes::{Drawn, NodePoint, Prepared};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -23,7 +25,7 @@ const FLAT: f64 = 1e-3;
 
 /// The state at one time, as pictures show it.
 #[derive(Clone, Debug, PartialEq)]
-struct Moment {
+struct Snapshot {
     t: f64,
     q: Vec<f64>,
     /// `None` if an element does not state its energy [J].
@@ -59,9 +61,9 @@ pub struct Results<'p> {
     output: Output,
     row: Vec<f64>,
     /// Every so many-th moment.
-    moments: Vec<Moment>,
+    moments: Vec<Snapshot>,
     stride: usize,
-    last: Option<Moment>,
+    last: Option<Snapshot>,
     count: usize,
     /// Finished steps.
     steps: usize,
@@ -127,7 +129,7 @@ impl<'p> Results<'p> {
             cause: error.to_string(),
             hint: "choose a folder on a disk with room (--out)".into(),
         })?;
-        let moment = Moment { t, q: q.to_vec(), energy, measured: self.row[measured..].to_vec() };
+        let moment = Snapshot { t, q: q.to_vec(), energy, measured: self.row[measured..].to_vec() };
         if self.count.is_multiple_of(self.stride) {
             self.moments.push(moment.clone());
             if self.moments.len() > 2 * MOST_POINTS {
@@ -263,15 +265,15 @@ fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
 }
 
 /// Every so many moments that a curve has no more points than a picture can show; the last one included.
-fn thinned(moments: &[Moment]) -> impl Iterator<Item = (usize, &Moment)> {
+fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)> {
     let stride = moments.len().div_ceil(MOST_POINTS).max(1);
     moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())
 }
 
 /// One panel for each direction in which something moves, one for free coordinates, one for the energy.
-fn charts(prepared: &Prepared, moments: &[Moment]) -> Vec<Chart> {
+fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
     let model = prepared.model();
-    let curve = |name: String, value: &dyn Fn(&Moment) -> f64| {
+    let curve = |name: String, value: &dyn Fn(&Snapshot) -> f64| {
         let points = thinned(moments).map(|(_, moment)| (moment.t, value(moment))).collect();
         Series { name, points, style: Style::Line }
     };
@@ -333,17 +335,17 @@ fn extent(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The time lapse; `None` if nothing of the scene has a place in space.
-fn motion(prepared: &Prepared, moments: &[Moment]) -> Option<Motion> {
+fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
     let sketch = prepared.mechanism.sketch();
     if sketch.lines.is_empty() && sketch.followed.is_empty() {
         return None;
     }
     let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
-    let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Moment| Polyline {
+    let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
         points: points.iter().map(|point| point.at(&moment.q)).collect(),
         role: usize::from(bodies && *drawn == Drawn::Link),
     };
-    let frame = |(index, moment): (usize, &Moment)| {
+    let frame = |(index, moment): (usize, &Snapshot)| {
         // springs and dampers of earlier times would hide the bodies
         let links = !bodies || index + 1 == moments.len();
         let of = |kind: Drawn| sketch.lines.iter().filter(move |line| line.0 == kind).map(|own| line(own, moment));
@@ -357,13 +359,13 @@ fn motion(prepared: &Prepared, moments: &[Moment]) -> Option<Motion> {
     let frames: Vec<Frame> = thinned(moments).map(frame).collect();
     let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
     let title = prepared.scene.scene_name();
-    let mut motion = Motion { title, frames, trails, anchors: sketch.anchors, view: View::Isometric };
+    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, view: View::Isometric };
     motion.view = view(&motion);
     Some(motion)
 }
 
 /// Along the direction in which nothing extends, or from a corner.
-fn view(motion: &Motion) -> View {
+fn view(motion: &MotionPicture) -> View {
     let lines = motion.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
     let trails = motion.trails.iter().flat_map(|trail| &trail.points);
     let points: Vec<&[f64; 3]> = lines.chain(trails).chain(&motion.anchors).collect();

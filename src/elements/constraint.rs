@@ -28,7 +28,7 @@ pub trait Constraint: Send + Sync + 'static {
     /// g(q, p, t), into `g`, which holds zeros before; scale the rows so that they are lengths or angles.
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
     /// Times at which the motion it prescribes is not smooth: steps end there.
-    fn kinks(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 }

@@ -139,7 +139,7 @@ pub trait AnyElement: Send + Sync {
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Times at which a load jumps.
-    fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64>;
     /// Records R(a, v, q, p, t).
     fn record_residual(&self) -> Recording;
     /// Records w_P P + w_F F as a function of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
@@ -166,8 +166,8 @@ impl<E: Element> AnyElement for E {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.kinks(p)
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.breakpoints(p)
     }
     fn record_residual(&self) -> Recording {
         let (n, m) = (self.dofs(), self.parameters().len());
@@ -245,8 +245,8 @@ impl ElementPhysics {
         self.own.parameter_list()
     }
     /// Times at which a load jumps.
-    pub fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.own.kink_times(p)
+    pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.own.breakpoint_times(p)
     }
     /// Whether its energies are complete.
     pub fn has_energies(&self) -> bool {
@@ -323,7 +323,7 @@ pub trait AnyConstraint: Send + Sync {
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Times at which the prescribed motion is not smooth.
-    fn kink_times(&self, p: &[f64]) -> Vec<f64>;
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64>;
     /// g or h of recorded numbers (v, q, p) and t.
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
 }
@@ -354,8 +354,8 @@ impl<C: Constraint> AnyConstraint for C {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
     }
-    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.kinks(p)
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.breakpoints(p)
     }
     fn evaluate(&self, [_, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         let mut g = vec![Recorded::from(0.0); self.equations()];
@@ -377,8 +377,8 @@ impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
     }
-    fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.0.kinks(p)
+    fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.0.breakpoints(p)
     }
     fn evaluate(&self, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
         let mut h = vec![Recorded::from(0.0); C::EQUATIONS];
@@ -438,8 +438,8 @@ impl ConstraintPhysics {
         self.own.parameter_list()
     }
     /// Times at which the prescribed motion is not smooth.
-    pub fn kink_times(&self, p: &[f64]) -> Vec<f64> {
-        self.own.kink_times(p)
+    pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
+        self.own.breakpoint_times(p)
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {

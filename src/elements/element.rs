@@ -70,7 +70,7 @@ pub trait Element: Send + Sync + 'static {
         S::zero()
     }
     /// Times at which a load jumps: steps end there and the acceleration is solved anew.
-    fn kinks(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 }

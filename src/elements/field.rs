@@ -60,7 +60,7 @@ pub trait Field: Send + Sync + 'static {
         S::zero()
     }
     /// Times at which a load jumps.
-    fn kinks(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 }
@@ -164,7 +164,7 @@ impl<F: Field> Element for Flexible<F> {
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         self.0.mass(p)
     }
-    fn kinks(&self, p: &[f64]) -> Vec<f64> {
-        self.0.kinks(p)
+    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+        self.0.breakpoints(p)
     }
 }

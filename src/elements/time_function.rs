@@ -87,15 +87,15 @@ impl TimeFunction {
     }
 
     /// Times at which f or one of its first two derivatives jumps.
-    pub fn kinks(&self, p: &[f64]) -> Vec<f64> {
+    pub fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
         match self {
             TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
             TimeFunction::Step { switch } => vec![*switch],
             TimeFunction::Lines(curve) => curve.curve().knots().to_vec(),
             TimeFunction::SmoothStart(inner) => match p {
                 [own @ .., duration] => {
-                    let mapped = inner.kinks(own).into_iter().filter(|kink| *kink > 0.0);
-                    mapped.map(|kink| time_started_at(kink, *duration)).chain([*duration]).collect()
+                    let mapped = inner.breakpoints(own).into_iter().filter(|breakpoint| *breakpoint > 0.0);
+                    mapped.map(|breakpoint| time_started_at(breakpoint, *duration)).chain([*duration]).collect()
                 }
                 [] => unreachable!("the start duration is the last parameter"),
             },

@@ -2,7 +2,7 @@ use super::flat::Flat;
 use super::memory::Listed;
 use super::schedule::split;
 use super::{History, Rerun, Usage};
-use crate::integrators::{Checkpoint, Marcher, Recorder, RunError, StartRecord, StepRecord, Steps, TimeGrid};
+use crate::integrators::{Checkpoint, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
@@ -186,7 +186,7 @@ fn missing(place: String) -> RunError {
     RunError::History { place, cause: "the run left no checkpoint".into(), hint: "run it again".into() }
 }
 
-fn resume(marcher: &mut Marcher<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
+fn resume(marcher: &mut Stepper<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
     let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(&packed.bytes));
     marcher.resume(&checkpoint.ok_or_else(|| missing(place()))?)
 }
@@ -229,7 +229,7 @@ impl History for Checkpoints {
 /// Steps computed again one after the other.
 struct Again<'h> {
     grid: &'h TimeGrid,
-    marcher: Marcher<'h, f64>,
+    marcher: Stepper<'h, f64>,
     kept: MutexGuard<'h, Kept>,
     slots: usize,
     /// Steps that are still to be handed out lie before this one.

@@ -3,7 +3,7 @@ use crate::integrators::{RunError, SolveRecord, StartRecord, StepRecord};
 
 /// The state at one time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Moment {
+pub struct Snapshot {
     /// Time \[s\].
     pub t: f64,
     /// Coordinates.
@@ -87,12 +87,12 @@ impl Dense {
     }
 
     /// The state at a time; outside the latest step that of the nearer end.
-    pub fn at(&self, t: f64) -> Moment {
+    pub fn at(&self, t: f64) -> Snapshot {
         let Dense { start, end } = self;
         let h = end.t - start.t;
         let share = if h > 0.0 { ((t - start.t) / h).clamp(0.0, 1.0) } else { 0.0 };
         let zeros = vec![0.0; end.q.len()];
-        let mut moment = Moment { t, q: zeros.clone(), v: zeros.clone(), a: zeros, mu: end.mu.clone() };
+        let mut moment = Snapshot { t, q: zeros.clone(), v: zeros.clone(), a: zeros, mu: end.mu.clone() };
         if h == 0.0 {
             (moment.q, moment.v) = (start.q.clone(), start.v.clone());
             moment.a = start.a.clone().unwrap_or_default();
@@ -121,11 +121,11 @@ impl Dense {
 ///
 /// # Errors
 /// [`RunError::Input`] for other times or a run without steps; what the history says where it can't give a step.
-pub fn moments(history: &dyn History, rerun: &Rerun<'_>, times: &[f64]) -> Result<Vec<Moment>, RunError> {
+pub fn moments(history: &dyn History, rerun: &Rerun<'_>, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
     let mut steps = history.forward(rerun)?;
     let start = history.start_record().ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;
     let mut dense = Dense::new(start);
-    let mut moments: Vec<Moment> = Vec::with_capacity(times.len());
+    let mut moments: Vec<Snapshot> = Vec::with_capacity(times.len());
     let mut latest = dense.span().0;
     for &t in times {
         // at the end of a step it is the next one that tells

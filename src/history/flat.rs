@@ -1,9 +1,9 @@
 //! Records as plain bytes, the same for files and checkpoints: numbers in order, little-endian, lists after their length.
 
-use crate::assembly::{Equations, Level, Shift, Unknowns, Variational, VectorsAvq};
+use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Between, Checkpoint, FactoredAt, KeptFactorization, Prediction, Scheme, SolveRecord, StageRecord, StartRecord,
-    StepRecord, Track,
+    Checkpoint, FactoredAt, KeptFactorization, Prediction, Scheme, SolveRecord, StageRecord, StartRecord, StepRecord,
+    StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -150,7 +150,7 @@ macro_rules! flat {
     )*};
 }
 flat! {
-    Shift { gamma, beta, alpha }
+    StageCoefficients { gamma, beta, alpha }
     Variational { alpha, h, first }
     Equations { residual, constraint, level, metric, variational }
     VectorsAvq<f64> { a, v, q }
@@ -161,7 +161,7 @@ flat! {
     StartRecord<f64> { dropped, position_projection, velocity_projection, acceleration }
     Track<f64> { times, rates, used }
     Prediction<f64> { tracks }
-    Between<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction }
+    StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction }
     FactoredAt<f64> { t, base, unknowns }
     KeptFactorization<f64> { factored, at, pivots, floors, measured, measured_for }
     Checkpoint<f64> { between, kept }

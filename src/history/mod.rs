@@ -14,7 +14,7 @@ mod rerun;
 mod schedule;
 
 pub use checkpoints::Checkpoints;
-pub use dense::{Dense, Moment, moments};
+pub use dense::{Dense, Snapshot, moments};
 pub use file::FileHistory;
 pub use memory::Memory;
 pub use nothing::Nothing;

@@ -1,4 +1,4 @@
-use crate::integrators::{Marcher, Method, Problem, RunError, StartPlan, Systems, TimeGrid};
+use crate::integrators::{Method, Problem, RunError, StartPlan, Stepper, Systems, TimeGrid};
 use std::sync::OnceLock;
 
 /// The run that a history belongs to: what it takes to compute some of it again.
@@ -28,8 +28,8 @@ impl<'r> Rerun<'r> {
     /// Workspace to go through it once more.
     ///
     /// # Errors
-    /// As for [`Marcher::new`].
-    pub fn marcher(&self) -> Result<Marcher<'_, f64>, RunError> {
-        Marcher::new(self.problem, self.method, self.systems(), self.plan)
+    /// As for [`Stepper::new`].
+    pub fn marcher(&self) -> Result<Stepper<'_, f64>, RunError> {
+        Stepper::new(self.problem, self.method, self.systems(), self.plan)
     }
 }

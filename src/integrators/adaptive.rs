@@ -3,12 +3,12 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::checkpoint::Between;
+use super::checkpoint::StepState;
 use super::course::Course;
 use super::load_steps::march_loading;
 use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::record::{Recorder, SolveRecord, StepRecord};
-use super::step::{First, Marcher};
+use super::step::{First, Stepper};
 use super::{Embedded, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 
 /// Error allowed in one step: absolute + relative times the size of each entry.
@@ -82,7 +82,7 @@ impl StepControl {
     }
 }
 
-/// Runs a problem with steps chosen by their error (equilibria: by the success of Newton's method); `stretches` holds the start, the kinks and the end.
+/// Runs a problem with steps chosen by their error (equilibria: by the success of Newton's method); `stretches` holds the start, the breakpoints and the end.
 ///
 /// Returns the steps taken, also where the run stopped early, and its end or the reason with step and time; steps before it have
 /// reached the recorder. Steps that were given up leave no trace: a run over the steps taken gives the same numbers bit by bit.
@@ -94,7 +94,7 @@ pub fn march_adaptive(
     plan: &StartPlan,
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
-    let mut grid = TimeGrid { times: vec![stretches.times[0]], kinks: Default::default() };
+    let mut grid = TimeGrid { times: vec![stretches.times[0]], breakpoints: Default::default() };
     let course = Course::new(stretches, &mut grid);
     let run = control.check(&method.table).and_then(|()| {
         let march = if method.table.is_static() { march_loading } else { march_choosing };
@@ -113,7 +113,7 @@ fn march_choosing(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
+    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
     recorder.start(marcher.start(course.t(), plan, None)?)?;
     let mut choice = Choice::new(&marcher, control, course);
     let mut before = marcher.checkpoint();
@@ -125,9 +125,9 @@ fn march_choosing(
             recorder.checkpoint(before.clone())?;
         }
         let reached = loop {
-            let kink = choice.course.at_kink();
+            let breakpoint = choice.course.at_breakpoint();
             let (span, reached) = choice.span();
-            match marcher.step_over(Scheme::Main, span, kink, None) {
+            match marcher.step_over(Scheme::Main, span, breakpoint, None) {
                 Ok(()) => {
                     let error = choice.error(marcher.record(), &before.between, &marcher.between);
                     if choice.accepts(error)? {
@@ -168,7 +168,7 @@ struct Choice<'c> {
 }
 
 impl<'c> Choice<'c> {
-    fn new(marcher: &Marcher<'c, f64>, control: &'c StepControl, course: Course<'c>) -> Self {
+    fn new(marcher: &Stepper<'c, f64>, control: &'c StepControl, course: Course<'c>) -> Self {
         let table = &marcher.method.table;
         let embedded = table.embedded.as_ref().expect("checked before the run");
         let nodes = marcher.problem.model.nodes.iter().filter(|node| !node.fixed);
@@ -197,7 +197,7 @@ impl<'c> Choice<'c> {
     /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
     ///
     /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.
-    fn first_step(&mut self, marcher: &mut Marcher<f64>) -> Result<(), RunError> {
+    fn first_step(&mut self, marcher: &mut Stepper<f64>) -> Result<(), RunError> {
         let state = marcher.between.clone();
         let (q, v, a) = (&state.carried[0], &state.carried[1], state.acceleration());
         let duration = self.course.span(f64::INFINITY).1 - self.course.t();
@@ -233,7 +233,7 @@ impl<'c> Choice<'c> {
     }
 
     /// Estimated error of a step as a share of the allowed one.
-    fn error(&mut self, step: &StepRecord<f64>, before: &Between<f64>, after: &Between<f64>) -> f64 {
+    fn error(&mut self, step: &StepRecord<f64>, before: &StepState<f64>, after: &StepState<f64>) -> f64 {
         let mut error = std::mem::take(&mut self.difference);
         let of = |place: usize, tolerance, error: &[f64]| {
             self.ratio(tolerance, error, [&before.carried[place], &after.carried[place]])

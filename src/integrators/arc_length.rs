@@ -11,7 +11,7 @@
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{Counters, RunError, StartPlan, Systems};
-use crate::assembly::{Equations, Level, Model, NodeId, Residual, Shift, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::State;
 
 /// How far and how closely a path is followed.
@@ -165,7 +165,7 @@ struct Trial {
 
 /// Unknowns are the displacements of coordinates.
 const EQUATIONS: Equations = {
-    let shift = Shift::new(0.0, 0.0, 1.0);
+    let shift = StageCoefficients::new(0.0, 0.0, 1.0);
     Equations { residual: shift, constraint: shift, level: Level::Position, metric: false, variational: None }
 };
 
@@ -360,7 +360,7 @@ impl Follower<'_> {
 
     /// Product of displacements, each with its lever \[m2\].
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).zip(&self.newton.levers).map(|((a, b), lever)| a * b * lever * lever).sum()
+        a.iter().zip(b).zip(&self.newton.coordinate_scales).map(|((a, b), lever)| a * b * lever * lever).sum()
     }
 
     fn product(&self, a: &Direction, b: &Direction) -> f64 {

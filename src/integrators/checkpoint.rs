@@ -6,7 +6,7 @@ use crate::elements::RunScalar;
 
 /// What goes from one step to the next, beside the kept factorizations.
 #[derive(Debug, PartialEq)]
-pub struct Between<S> {
+pub struct StepState<S> {
     /// Number of the next step.
     pub step: usize,
     /// Which table made the increments.
@@ -25,7 +25,7 @@ pub struct Between<S> {
     pub prediction: Prediction<S>,
 }
 
-impl<S: RunScalar> Between<S> {
+impl<S: RunScalar> StepState<S> {
     /// The acceleration solved last, at the start or in the last stage.
     pub(super) fn acceleration(&self) -> &[S] {
         &self.last.x
@@ -44,9 +44,9 @@ impl<S: RunScalar> Between<S> {
     }
 
     /// Equilibria go on in proportion to the load: the displacements h^2 x of a step are expected to be to those of the last one as their
-    /// sizes. Behind a kink the last step says nothing.
-    pub(super) fn expect_in_proportion(&mut self, t: f64, h: f64, kink: bool) {
-        if kink {
+    /// sizes. Behind a breakpoint the last step says nothing.
+    pub(super) fn expect_in_proportion(&mut self, t: f64, h: f64, breakpoint: bool) {
+        if breakpoint {
             self.last.x.fill(S::zero());
             self.prediction.clear(0);
             return;
@@ -88,7 +88,7 @@ impl<S> FactoredAt<S> {
 }
 
 clone_fields!(FactoredAt { t, base, unknowns });
-clone_fields!(Between { step, scheme, dropped, chosen_anew, carried, rate, last, prediction });
+clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, rate, last, prediction });
 
 /// What a Newton's method keeps from one system to the next.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,7 +116,7 @@ crate::assembly::empty_fields!(KeptFactorization { factored, at, pivots, floors,
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint<S> {
     /// Numbers of the run.
-    pub between: Between<S>,
+    pub between: StepState<S>,
     /// Of the accelerations, and of the stages with their projections.
     pub kept: [KeptFactorization<S>; 2],
 }

@@ -1,6 +1,6 @@
 use super::TimeGrid;
 
-/// Steps of any size laid one after the other; each stretch between kinks ends with one.
+/// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct Course<'c> {
     stretches: &'c TimeGrid,
     /// Steps taken.
@@ -30,9 +30,9 @@ impl<'c> Course<'c> {
         self.stretches.times[self.stretches.steps()] - self.stretches.times[0]
     }
 
-    /// Whether the next step starts at a kink.
-    pub fn at_kink(&self) -> bool {
-        self.grid.kinks.contains(&self.grid.steps())
+    /// Whether the next step starts at a breakpoint.
+    pub fn at_breakpoint(&self) -> bool {
+        self.grid.breakpoints.contains(&self.grid.steps())
     }
 
     /// A step of about the size `h`: start and end as elements see them, and its end.
@@ -47,16 +47,16 @@ impl<'c> Course<'c> {
         } else {
             t + h
         };
-        let at_kink = end == target && self.stretches.kinks.contains(&self.target);
-        ((t, if at_kink { end.next_down() } else { end }), end)
+        let at_breakpoint = end == target && self.stretches.breakpoints.contains(&self.target);
+        ((t, if at_breakpoint { end.next_down() } else { end }), end)
     }
 
     /// Takes the step to its end.
     pub fn advance(&mut self, end: f64) {
         self.grid.times.push(end);
         if end == self.stretches.times[self.target] {
-            if self.stretches.kinks.contains(&self.target) {
-                self.grid.kinks.insert(self.grid.steps());
+            if self.stretches.breakpoints.contains(&self.target) {
+                self.grid.breakpoints.insert(self.grid.steps());
             }
             self.target += 1;
         }

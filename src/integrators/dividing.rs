@@ -3,7 +3,7 @@
 use super::course::Course;
 use super::march::{Method, Problem, Run};
 use super::record::Recorder;
-use super::step::Marcher;
+use super::step::Stepper;
 use super::{RunError, StartPlan, Systems, TimeGrid};
 
 /// How often a step is halved before the run is given up.
@@ -21,7 +21,7 @@ pub fn march_dividing(
     plan: &StartPlan,
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
-    let mut grid = TimeGrid { times: vec![steps.times[0]], kinks: Default::default() };
+    let mut grid = TimeGrid { times: vec![steps.times[0]], breakpoints: Default::default() };
     let run = divide(problem, method, Course::new(steps, &mut grid), plan, recorder);
     (grid, run)
 }
@@ -34,7 +34,7 @@ fn divide(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
+    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
     recorder.start(marcher.start(course.t(), plan, None)?)?;
     let mut before = marcher.checkpoint();
     let mut rejected = 0;
@@ -50,7 +50,7 @@ fn divide(
         course.grid.times.push(reached);
         let scheme = method.table.scheme_at(course.grid, index);
         course.grid.times.pop();
-        match marcher.step_over(scheme, span, course.at_kink(), None) {
+        match marcher.step_over(scheme, span, course.at_breakpoint(), None) {
             Ok(()) => {}
             Err(RunError::NoConvergence { .. } | RunError::Singular { .. }) if halvings < MOST_HALVINGS => {
                 (halvings, rejected, left) = (halvings + 1, rejected + 1, 2 * left);

@@ -1,20 +1,20 @@
 use std::collections::BTreeSet;
 
-/// The ends of all steps, and which of them are kinks of a load or driver.
+/// The ends of all steps, and which of them are breakpoints of a load or driver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeGrid {
     /// Start, ends of steps; increasing.
     pub times: Vec<f64>,
     /// Indices into `times` at which the acceleration is solved anew.
-    pub kinks: BTreeSet<usize>,
+    pub breakpoints: BTreeSet<usize>,
 }
 
 impl TimeGrid {
-    /// Steps of equal size from 0 to `end`, divided where a kink falls inside one.
+    /// Steps of equal size from 0 to `end`, divided where a breakpoint falls inside one.
     ///
     /// # Errors
     /// An end or step number that is not positive, in words.
-    pub fn uniform(end: f64, steps: usize, kinks: &[f64]) -> Result<Self, String> {
+    pub fn uniform(end: f64, steps: usize, breakpoints: &[f64]) -> Result<Self, String> {
         if !(end > 0.0 && end.is_finite()) || steps == 0 {
             return Err(format!(
                 "a simulation needs an end time above 0 and at least 1 step, not {end} s and {steps} steps"
@@ -23,21 +23,21 @@ impl TimeGrid {
         let h = end / steps as f64;
         let mut times: Vec<f64> = (0..=steps).map(|i| if i == steps { end } else { i as f64 * h }).collect();
         let mut marked = Vec::new();
-        for &kink in kinks.iter().filter(|&&kink| kink > 0.0 && kink < end) {
-            // an end of a step within round-off of the kink is moved there; otherwise the step is divided
-            let place = times.partition_point(|&t| t < kink);
-            let near = |t: f64| (t - kink).abs() <= 1e-9 * h;
+        for &breakpoint in breakpoints.iter().filter(|&&breakpoint| breakpoint > 0.0 && breakpoint < end) {
+            // an end of a step within round-off of the breakpoint is moved there; otherwise the step is divided
+            let place = times.partition_point(|&t| t < breakpoint);
+            let near = |t: f64| (t - breakpoint).abs() <= 1e-9 * h;
             if near(times[place]) {
-                times[place] = kink;
+                times[place] = breakpoint;
             } else if near(times[place - 1]) {
-                times[place - 1] = kink;
+                times[place - 1] = breakpoint;
             } else {
-                times.insert(place, kink);
+                times.insert(place, breakpoint);
             }
-            marked.push(kink);
+            marked.push(breakpoint);
         }
-        let kinks = times.iter().enumerate().filter(|(_, t)| marked.contains(t)).map(|(i, _)| i).collect();
-        Ok(TimeGrid { times, kinks })
+        let breakpoints = times.iter().enumerate().filter(|(_, t)| marked.contains(t)).map(|(i, _)| i).collect();
+        Ok(TimeGrid { times, breakpoints })
     }
 
     /// Number of steps.
@@ -56,9 +56,9 @@ impl TimeGrid {
         (0..steps).map(|index| self.span(index)).map(|(t, end)| end - t).sum()
     }
 
-    /// Start and end of step `index` as elements see them: before a kink the end is the last number below it.
+    /// Start and end of step `index` as elements see them: before a breakpoint the end is the last number below it.
     pub fn span(&self, index: usize) -> (f64, f64) {
         let end = self.times[index + 1];
-        (self.times[index], if self.kinks.contains(&(index + 1)) { end.next_down() } else { end })
+        (self.times[index], if self.breakpoints.contains(&(index + 1)) { end.next_down() } else { end })
     }
 }

@@ -56,7 +56,7 @@ impl Newton<'_, f64> {
         self.counters.solves += 1;
         self.factorization.solve(&mut self.rhs);
         let mut unknowns = Residual::unknowns(&self.system);
-        self.jacobian.add_step(&self.system, &self.rhs, None, &mut unknowns, &self.levers);
+        self.jacobian.add_step(&self.system, &self.rhs, None, &mut unknowns, &self.coordinate_scales);
         unknowns
     }
 }

@@ -3,7 +3,7 @@
 use super::course::Course;
 use super::march::{Method, Problem, Run};
 use super::record::Recorder;
-use super::step::Marcher;
+use super::step::Stepper;
 use super::{RunError, Scheme, StartPlan, StepControl, Systems};
 
 /// First step, as a share of the load.
@@ -26,7 +26,7 @@ pub(super) fn march_loading(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
+    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
     recorder.start(marcher.start(course.t(), plan, None)?)?;
     let mut before = marcher.checkpoint();
     let mut h = FIRST * course.duration();
@@ -41,7 +41,7 @@ pub(super) fn march_loading(
             h = h.min(control.longest);
             let (span, reached) = course.span(h);
             let iterations = marcher.counters().iterations;
-            match marcher.step_over(Scheme::Main, span, course.at_kink(), None) {
+            match marcher.step_over(Scheme::Main, span, course.at_breakpoint(), None) {
                 Ok(()) => break (reached, !failed && marcher.counters().iterations - iterations <= QUICK),
                 Err(cause @ (RunError::NoConvergence { .. } | RunError::Singular { .. })) => {
                     (failed, rejected) = (true, rejected + 1);

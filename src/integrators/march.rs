@@ -2,7 +2,7 @@ use super::Counters;
 use super::newton::NewtonTolerance;
 use super::record::{Guide, Recorder, StageRecord};
 use super::{
-    Combination, ConstraintLevel, InitialState, Marcher, Quadrature, RunError, StartPlan, Systems, Table, TimeGrid,
+    Combination, ConstraintLevel, InitialState, Quadrature, RunError, StartPlan, Stepper, Systems, Table, TimeGrid,
 };
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
@@ -146,7 +146,7 @@ pub fn march_along<S: RunScalar>(
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Marcher::new(problem, method, &systems, plan)?;
+    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     recorder.start(marcher.start(grid.times[0], plan, guided_start)?)?;
     for index in 0..grid.steps() {

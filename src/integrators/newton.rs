@@ -101,7 +101,7 @@ pub struct Newton<'m, S> {
     /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
-    pub(super) levers: Vec<f64>,
+    pub(super) coordinate_scales: Vec<f64>,
 }
 
 impl<'m, S: RunScalar> Newton<'m, S> {
@@ -120,7 +120,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             guess: Unknowns::default(),
             counters: Counters::default(),
             factored: None,
-            levers: vec![1.0; system.model.dofs],
+            coordinate_scales: vec![1.0; system.model.dofs],
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
             factored_at: FactoredAt::default(),
             floors: [None; 3],
@@ -193,7 +193,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })
     }
 
-    /// Sets the levers from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
+    /// Sets the coordinate_scales from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
     pub(super) fn set_levers(&mut self, base: &VectorsAvq<S>) {
         let nodes = &self.system.model.nodes;
         let lengths = nodes.iter().filter(|node| node.kind != NodeKind::Coordinates(node.dofs.len()));
@@ -203,13 +203,13 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let lever = if largest > 0.0 { largest } else { 1.0 };
         let turning = |node: &&Node| matches!(node.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
         for node in nodes.iter().filter(turning) {
-            self.levers[node.dofs.start + 3..node.dofs.end].fill(lever);
+            self.coordinate_scales[node.dofs.start + 3..node.dofs.end].fill(lever);
         }
     }
 
     /// Largest number of a list of all coordinates, times its lever.
     pub(super) fn size(&self, values: &[S]) -> f64 {
-        values.iter().zip(&self.levers).fold(0.0, |s: f64, (x, lever)| s.max(x.value().abs() * lever))
+        values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, lever)| s.max(x.value().abs() * lever))
     }
 
     fn solve_value(
@@ -374,7 +374,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.factorization.solve(&mut self.rhs);
         self.counters.solves += 1;
         self.work.clone_from(unknowns);
-        let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.levers);
+        let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.coordinate_scales);
         [step, self.multiplier_step()]
     }
 
@@ -441,8 +441,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             let (mut largest, mut beyond) = (0.0_f64, 0.0_f64);
             for part in 0..S::PARTS {
                 let step = self.step(Some(part), unknowns);
-                let levers = self.levers.iter().chain(&self.levers);
-                let parts = unknowns.x.iter().chain(&unknowns.y).zip(levers);
+                let coordinate_scales = self.coordinate_scales.iter().chain(&self.coordinate_scales);
+                let parts = unknowns.x.iter().chain(&unknowns.y).zip(coordinate_scales);
                 // max() of floats would lose a NaN, a sum keeps it
                 let (scale, sum) = parts.fold((0.0_f64, 0.0), |(scale, sum), (x, lever)| {
                     let size = x.part(part).abs() * lever;
@@ -482,8 +482,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> f64 {
         let coefficients = equations.residual;
         let size = |read: &dyn Fn(&S) -> f64| {
-            let of =
-                |values: &[S]| values.iter().zip(&self.levers).fold(0.0, |s: f64, (x, lever)| s.max(read(x).abs() * lever));
+            let of = |values: &[S]| {
+                values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, lever)| s.max(read(x).abs() * lever))
+            };
             let moved = |values: &[S], by: f64| if by == 0.0 { 0.0 } else { of(values) / by.abs() };
             let own = of(&unknowns.x).max(of(&unknowns.y));
             own.max(moved(&base.v, coefficients.beta)).max(moved(&base.q, coefficients.alpha))
@@ -580,7 +581,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.solves += 1;
         self.jacobian.reduce(&self.system, &self.residual, part, &mut self.rhs);
         self.factorization.solve(&mut self.rhs);
-        self.jacobian.add_step(&self.system, &self.rhs, part, unknowns, &self.levers)
+        self.jacobian.add_step(&self.system, &self.rhs, part, unknowns, &self.coordinate_scales)
     }
 
     /// True if a matrix factored for one kind of equations serves the other: same coefficients of inertia, damping and stiffness. Stages

@@ -49,7 +49,13 @@ impl<S: RunScalar> Track<S> {
     }
 
     /// Takes note of the solution of a step: the increment from `before` (from zero without it). Each coordinate counts by its lever.
-    pub fn learn(&mut self, (t, h): (f64, f64), before: Option<&Unknowns<S>>, solution: &Unknowns<S>, levers: &[f64]) {
+    pub fn learn(
+        &mut self,
+        (t, h): (f64, f64),
+        before: Option<&Unknowns<S>>,
+        solution: &Unknowns<S>,
+        coordinate_scales: &[f64],
+    ) {
         let known = self.times.len();
         // the oldest one makes room
         if self.rates.len() <= known.min(MOST - 1) {
@@ -71,7 +77,7 @@ impl<S: RunScalar> Track<S> {
         let mut earlier: [&[S]; MOST] = [&[]; MOST];
         earlier.iter_mut().zip(&self.rates[..place]).for_each(|(own, rate)| *own = &rate.x[..latest.x.len()]);
         for (used, (error, weights)) in errors.iter_mut().zip(&weights).enumerate().take(place + 1) {
-            for (i, (own, lever)) in latest.x.iter().zip(levers).enumerate() {
+            for (i, (own, lever)) in latest.x.iter().zip(coordinate_scales).enumerate() {
                 let mut expected = 0.0;
                 for (rate, weight) in earlier[..used].iter().zip(weights) {
                     expected += weight * rate[i].value();

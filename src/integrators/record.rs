@@ -57,7 +57,7 @@ pub struct StepRecord<S> {
     pub scheme: Scheme,
     /// Redundant constraint equations that are left out.
     pub dropped: Vec<usize>,
-    /// Acceleration solved anew at the start: at a kink, or because other redundant equations are left out from here on.
+    /// Acceleration solved anew at the start: at a breakpoint, or because other redundant equations are left out from here on.
     pub restart: Option<SolveRecord<S>>,
     /// Stages.
     pub stages: Vec<StageRecord<S>>,

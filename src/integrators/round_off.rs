@@ -31,7 +31,7 @@ impl Table {
                 for step in first..grid.steps() {
                     let table = self.scheme(self.scheme_at(grid, step));
                     let (t, end) = grid.span(step);
-                    if grid.kinks.contains(&step) {
+                    if grid.breakpoints.contains(&step) {
                         table.restart(&mut carried);
                     }
                     let x = table.constrained_step(order, end - t, &mut carried, (step == first).then_some(struck));
@@ -130,12 +130,12 @@ mod tests {
     #[test]
     fn the_shortest_step_decides_in_every_table() {
         // 0.5 to 0.51 s is the sixth step
-        let kinked = TimeGrid::uniform(1.0, 10, &[0.51]).expect("steps");
+        let divided = TimeGrid::uniform(1.0, 10, &[0.51]).expect("steps");
         for table in tables() {
             for (level, power) in [(ConstraintLevel::Position, 2), (ConstraintLevel::Velocity, 1)] {
-                let [even, uneven] = [&tenths(10), &kinked].map(|grid| table.round_off(level, grid, 1e-3).acceleration);
+                let [even, uneven] = [&tenths(10), &divided].map(|grid| table.round_off(level, grid, 1e-3).acceleration);
                 // struck in that step and read in the same
-                let own = table.scheme(table.scheme_at(&kinked, 5)).stages.iter().enumerate();
+                let own = table.scheme(table.scheme_at(&divided, 5)).stages.iter().enumerate();
                 let solved = own.filter(|(_, stage)| stage.known.is_none());
                 let least = solved.fold(f64::INFINITY, |least: f64, (index, stage)| {
                     let held = if power == 2 { &stage.q } else { &stage.v };

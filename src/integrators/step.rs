@@ -1,18 +1,18 @@
 //! One step of any table at any constraint level: stages, update, projections.
 
 use super::Counters;
-use super::checkpoint::{Between, Checkpoint};
+use super::checkpoint::{Checkpoint, StepState};
 use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::newton::Newton;
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{Watch, dependent_equations, violated};
 use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Residual, Shift, System, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use std::sync::Arc;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
-pub struct Marcher<'m, S> {
+pub struct Stepper<'m, S> {
     pub(super) problem: &'m Problem<'m, S>,
     pub(super) method: &'m Method,
     constrained: bool,
@@ -22,11 +22,11 @@ pub struct Marcher<'m, S> {
     /// Whether other redundant equations may be chosen.
     chooses: bool,
     /// Before the step, where that may happen.
-    before: Between<S>,
+    before: StepState<S>,
     watch: Watch<S>,
     /// Work done with other choices of redundant equations.
     earlier: Counters,
-    pub(super) between: Between<S>,
+    pub(super) between: StepState<S>,
     record: StepRecord<S>,
     /// Carried vectors after the step.
     updated: Vec<Vec<S>>,
@@ -98,7 +98,7 @@ fn lifted<S: RunScalar>(real: &Unknowns<f64>) -> Unknowns<S> {
     }
 }
 
-impl<'m, S: RunScalar> Marcher<'m, S> {
+impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Workspace for a run.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     ) -> Result<Self, RunError> {
         let [acceleration, stage, start] = solvers(method, systems)?;
         let dropped = systems.plain.options.dropped.clone();
-        Ok(Marcher {
+        Ok(Stepper {
             problem,
             method,
             constrained: systems.plain.is_constrained(),
@@ -119,10 +119,10 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             stage,
             start,
             chooses: plan.choose_again,
-            before: Between::default(),
+            before: StepState::default(),
             watch: Watch::default(),
             earlier: Counters::default(),
-            between: Between { dropped, ..Between::default() },
+            between: StepState { dropped, ..StepState::default() },
             record: StepRecord::empty(),
             updated: Vec::new(),
         })
@@ -230,7 +230,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         let (rate, prediction) = (vec![S::zero(); rates], Prediction::default());
         let dropped = plan.dropped.clone();
         self.between =
-            Between { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
+            StepState { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
         if !guessed.is_empty() {
             self.between.last.mu = guessed;
@@ -259,38 +259,38 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let scheme = self.method.table.scheme_at(grid, index);
-        let kink = grid.kinks.contains(&index) || guided.is_some_and(|step| step.restart.is_some());
-        self.step_over(scheme, grid.span(index), kink, guided)?;
+        let breakpoint = grid.breakpoints.contains(&index) || guided.is_some_and(|step| step.restart.is_some());
+        self.step_over(scheme, grid.span(index), breakpoint, guided)?;
         Ok(&self.record)
     }
 
-    /// Makes the next step from the first to the second time; at a kink the acceleration is solved anew before it.
+    /// Makes the next step from the first to the second time; at a breakpoint the acceleration is solved anew before it.
     ///
     /// Where redundant equations are left out and the step fails, or those equations are violated after it, others are left out from
-    /// its beginning on. After an error only [`Marcher::resume`] is of use.
+    /// its beginning on. After an error only [`Stepper::resume`] is of use.
     pub(super) fn step_over(
         &mut self,
         scheme: Scheme,
         span: (f64, f64),
-        kink: bool,
+        breakpoint: bool,
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         if let Some(step) = guided {
             self.select(&step.dropped)?;
             self.between.dropped.clone_from(&step.dropped);
         }
-        let kink = kink || self.between.chosen_anew;
+        let breakpoint = breakpoint || self.between.chosen_anew;
         if std::mem::take(&mut self.between.chosen_anew) {
             let dropped = self.between.dropped.clone();
             self.select(&dropped)?;
             self.earlier.choices += 1;
         }
         if guided.is_some() || !self.chooses || self.between.dropped.is_empty() {
-            return self.try_step(scheme, span, kink, guided);
+            return self.try_step(scheme, span, breakpoint, guided);
         }
         let mut before = std::mem::take(&mut self.before);
         before.clone_from(&self.between);
-        let mut result = self.try_step(scheme, span, kink, None).and_then(|()| self.check_dropped(span.1));
+        let mut result = self.try_step(scheme, span, breakpoint, None).and_then(|()| self.check_dropped(span.1));
         if result.is_err() {
             let (q, v, count) = (&before.carried[0], &before.carried[1], before.dropped.len());
             let dropped = dependent_equations(self.problem, (q, v), span.0, Some(count));
@@ -309,7 +309,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// Leaves out another equation where a dropped one follows from the kept ones with a coefficient above [`WEAK`]: these are then
     /// nearly dependent, and errors of the stages grow by it. Exchanging the two makes them more independent by this factor.
     fn exchange(&mut self, t: f64) -> Result<(), RunError> {
-        let Between { step, dropped, carried, chosen_anew, .. } = &mut self.between;
+        let StepState { step, dropped, carried, chosen_anew, .. } = &mut self.between;
         if !step.is_multiple_of(WATCHED_EVERY) {
             return Ok(());
         }
@@ -340,7 +340,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
 
     /// Are the equations that were left out violated?
     fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
-        let Between { step, dropped, carried, .. } = &self.between;
+        let StepState { step, dropped, carried, .. } = &self.between;
         let worst = self.watch.worst(self.problem.model, &self.problem.p, dropped, &carried[0], t);
         worst.map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {t} s)"), worst)))
     }
@@ -363,7 +363,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         &mut self,
         scheme: Scheme,
         (t, end): (f64, f64),
-        kink: bool,
+        breakpoint: bool,
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         let method = self.method;
@@ -376,8 +376,8 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
         record.dropped.clone_from(&state.dropped);
         record.restart = None;
         if table.is_static() {
-            state.expect_in_proportion(t, h, kink);
-        } else if kink {
+            state.expect_in_proportion(t, h, breakpoint);
+        } else if breakpoint {
             let first = First::guided(guided.and_then(|step| step.restart.as_ref()));
             let mut solved = SolveRecord::empty();
             self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
@@ -427,7 +427,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
 
     fn solve_stages(
         &mut self,
-        state: &mut Between<S>,
+        state: &mut StepState<S>,
         record: &mut StepRecord<S>,
         table: &Table,
         (t, end): (f64, f64),
@@ -447,7 +447,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
                 add_scaled(&mut own.base.q, &earlier.rate, h * weight);
             }
             own.equations = self.method.stage_equations(table, index, h, self.constrained);
-            // a stage at the end of the step lies before the kink that may be there, whatever t + h rounds to
+            // a stage at the end of the step lies before the breakpoint that may be there, whatever t + h rounds to
             own.t = if stage.c <= 1.0 + 1e-12 { (t + stage.c * h).min(end) } else { t + stage.c * h };
             *known = stage.known;
             if let Some(place) = stage.known {
@@ -469,7 +469,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
-                track.learn((t, h), Some(&state.last), &own.unknowns, &self.stage.levers);
+                track.learn((t, h), Some(&state.last), &own.unknowns, &self.stage.coordinate_scales);
             }
             state.last.set(&own.unknowns);
             let factor = table.rate_factor(index, h);
@@ -482,16 +482,16 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
     /// At acceleration level: (q, v) back onto g = 0 and dg/dt = 0, each as one more system.
     fn project(
         &mut self,
-        state: &mut Between<S>,
+        state: &mut StepState<S>,
         record: &mut StepRecord<S>,
-        (t, shift): (f64, Shift),
+        (t, shift): (f64, StageCoefficients),
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         if !self.constrained || self.method.constraint_level() != ConstraintLevel::Acceleration {
             (record.position_projection, record.velocity_projection) = (None, None);
             return Ok(());
         }
-        let Between { carried, prediction, step, .. } = state;
+        let StepState { carried, prediction, step, .. } = state;
         let [q, v, ..] = &mut carried[..] else { unreachable!("q and v are carried first") };
         let place = || format!("step {}, projection (t = {t} s)", *step + 1);
         let a = record.stages.last().map_or(&[][..], |last| &last.solve.unknowns.x);
@@ -517,7 +517,7 @@ impl<'m, S: RunScalar> Marcher<'m, S> {
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
-                track.learn((record.t, 1.0), None, &own.unknowns, &self.stage.levers);
+                track.learn((record.t, 1.0), None, &own.unknowns, &self.stage.coordinate_scales);
             }
             if index == 0 {
                 add_scaled(q, &own.unknowns.x, shift.alpha);

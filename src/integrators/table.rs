@@ -1,5 +1,5 @@
 use super::TimeGrid;
-use crate::assembly::Shift;
+use crate::assembly::StageCoefficients;
 
 /// What a vector that goes from step to step is: how many times it has been differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +101,7 @@ pub struct Embedded {
     pub rates: Vec<f64>,
 }
 
-/// A one-step table for the steps that have too few steps of their own size, without a kink between, behind them.
+/// A one-step table for the steps that have too few steps of their own size, without a breakpoint between, behind them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Starter {
     /// The one-step table; it carries what the other one carries.
@@ -131,9 +131,9 @@ impl Table {
     }
 
     /// (gamma, beta, alpha) of a stage: how its own unknown moves it.
-    pub fn shift(&self, stage: usize, h: f64) -> Shift {
+    pub fn shift(&self, stage: usize, h: f64) -> StageCoefficients {
         let Stage { a, v, q, .. } = &self.stages[stage];
-        Shift::new(a.stages[stage], h * v.stages[stage], h * h * q.stages[stage])
+        StageCoefficients::new(a.stages[stage], h * v.stages[stage], h * h * q.stages[stage])
     }
 
     /// The table of a scheme.
@@ -151,7 +151,7 @@ impl Table {
         let own = size(index);
         let usable = |back: usize| {
             let point = index + 1 - back;
-            !grid.kinks.contains(&point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
+            !grid.breakpoints.contains(&point) && (size(point - 1) - own).abs() <= SAME_SIZE * own
         };
         if index >= starter.steps && (1..=starter.steps).all(usable) { Scheme::Main } else { Scheme::Starter }
     }

@@ -16,7 +16,7 @@
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{RunError, StartPlan, Systems};
-use crate::assembly::{Equations, Jacobian, Level, Residual, Shift, VectorsAvq};
+use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, VectorsAvq};
 use crate::linalg::{Eigenpair, eigenpairs};
 
 /// One mode: the motion is the real part of shape exp((growth + i frequency) t), and where it grows also one that fades as fast.
@@ -187,7 +187,7 @@ impl Operator<'_> {
         let Problem { p, .. } = self.problem;
         let mut unknowns = self.newton.released(&self.base, p, self.t);
         self.assemble_mass();
-        let equations = Equations::stage(Shift::new(0.0, 0.0, 1.0), Level::Position);
+        let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
         let Newton { system, residual, .. } = &mut self.newton;
         let mut stiffness = Jacobian::new(system);
         residual.evaluate(system, &equations, &self.base, &mut unknowns, p, self.t);
@@ -211,7 +211,7 @@ impl Operator<'_> {
     /// an equilibrium, stable or not, and that matrix.
     fn set_shift(&mut self, shift: f64) -> Result<(), RunError> {
         let Problem { model, p, .. } = self.problem;
-        let equations = Equations::stage(Shift::new(shift, 0.0, 1.0), Level::Position);
+        let equations = Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position);
         let mut unknowns = self.newton.released(&self.base, p, self.t);
         let no_equilibrium = |how: String| {
             Err(RunError::Input(format!(
@@ -224,7 +224,7 @@ impl Operator<'_> {
                 other => Err(other),
             };
         }
-        let size = |place: usize| (unknowns.x[place] * self.newton.levers[place]).abs();
+        let size = |place: usize| (unknowns.x[place] * self.newton.coordinate_scales[place]).abs();
         if let Some(dof) = (0..model.dofs).max_by(|&a, &b| size(a).total_cmp(&size(b)))
             && !(size(dof) <= AWAY * self.newton.size(&self.base.q))
         {
@@ -381,11 +381,11 @@ impl Operator<'_> {
             let mut unknowns = Residual::<f64>::unknowns(&self.newton.system);
             let mut reduced = vec![0.0; self.newton.system.size()];
             reduced[..self.nodes].copy_from_slice(&vector);
-            let Newton { system, jacobian, levers, .. } = &self.newton;
-            jacobian.add_step(system, &reduced, None, &mut unknowns, levers);
+            let Newton { system, jacobian, coordinate_scales, .. } = &self.newton;
+            jacobian.add_step(system, &reduced, None, &mut unknowns, coordinate_scales);
             unknowns.x
         });
-        let size = |i: &usize| re[*i].hypot(im[*i]) * self.newton.levers[*i];
+        let size = |i: &usize| re[*i].hypot(im[*i]) * self.newton.coordinate_scales[*i];
         let largest = (0..re.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
         // turned so that the largest entry is real and positive
         let turn = re[largest].hypot(im[largest]);

@@ -11,7 +11,7 @@ mod read;
 mod table;
 
 #[cfg(feature = "cli")]
-pub use drawing::{Chart, Frame, Motion, Polyline, Series, Style, Trail, View, write_panels};
+pub use drawing::{Chart, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_panels};
 pub use file::{IoError, write_file, write_with};
 #[cfg(feature = "cli")]
 pub use progress::Progress;

@@ -89,7 +89,7 @@ pub struct Prepared<'s> {
     pub mechanism: MechanismBuilder<f64>,
     /// How it is integrated.
     pub method: Method,
-    /// Its steps; with a control the stretches between kinks.
+    /// Its steps; with a control the stretches between breakpoints.
     pub grid: TimeGrid,
     /// How steps are chosen.
     pub control: Option<StepControl>,
@@ -141,13 +141,13 @@ impl<'s> Prepared<'s> {
         let variables = scene.design_variables();
         check_design(&variables, x).map_err(RunError::Input)?;
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
-        let kinks = mechanism.kinks();
+        let breakpoints = mechanism.breakpoints();
         let Settings { end, steps, control, divide, policy, .. } = settings;
         if let Some(control) = &control {
             control.check(&method.table)?;
         }
         let steps = if control.is_some() { 1 } else { steps };
-        let grid = TimeGrid::uniform(end, steps, &kinks).map_err(RunError::Input)?;
+        let grid = TimeGrid::uniform(end, steps, &breakpoints).map_err(RunError::Input)?;
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
         let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, divide, plan, keep };
         prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
@@ -247,10 +247,10 @@ impl<'s> Prepared<'s> {
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Times at which loads jump or drivers are not smooth.
-    pub fn kinks(&self) -> Vec<f64> {
+    pub fn breakpoints(&self) -> Vec<f64> {
         let p: Vec<f64> = self.numbers.p.iter().map(|p| p.value()).collect();
-        let elements = self.model.elements.iter().flat_map(|e| e.physics.kink_times(&p[e.parameters.clone()]));
-        let joints = self.model.constraints.iter().flat_map(|c| c.physics.kink_times(&p[c.parameters.clone()]));
+        let elements = self.model.elements.iter().flat_map(|e| e.physics.breakpoint_times(&p[e.parameters.clone()]));
+        let joints = self.model.constraints.iter().flat_map(|c| c.physics.breakpoint_times(&p[c.parameters.clone()]));
         elements.chain(joints).collect()
     }
 }

@@ -6,7 +6,7 @@ use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Functional, Values};
-use crate::history::{History, Keep, Moment, Observer, Rerun, Watch, moments};
+use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
     StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
@@ -24,7 +24,7 @@ pub struct Analysis<'m> {
     pub functionals: &'m [Functional],
     /// How it is integrated.
     pub method: &'m Method,
-    /// The steps, the same for every run; with a control the stretches between kinks, which each real run divides.
+    /// The steps, the same for every run; with a control the stretches between breakpoints, which each real run divides.
     pub grid: &'m TimeGrid,
     /// How real runs choose their steps; runs with derivative parts and the adjoint take the same ones.
     pub control: Option<StepControl>,
@@ -157,7 +157,7 @@ impl<'m> Analysis<'m> {
     ///
     /// # Errors
     /// [`RunError::Input`] for other times or a run that kept no steps; what the history says where it can't give a step.
-    pub fn motion(&self, forward: &Forward, times: &[f64]) -> Result<Vec<Moment>, RunError> {
+    pub fn motion(&self, forward: &Forward, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
         let problem = self.problem(&forward.numbers);
         moments(&*forward.history, &Rerun::new(&problem, self.method, &forward.grid, self.plan), times)
     }

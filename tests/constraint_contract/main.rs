@@ -51,10 +51,10 @@ fn samples(case: &Case) -> Vec<Sample> {
         q.extend(random.vector(case.scalars));
         let mu = random.vector(case.constraint.equation_count());
         let (a, v) = (random.vector(n), random.vector(n));
-        let kinks = case.constraint.kink_times(&case.p);
-        // differences of time do not reach over a kink
+        let breakpoints = case.constraint.breakpoint_times(&case.p);
+        // differences of time do not reach over a breakpoint
         let mut t = random.uniform(-1.0, 1.0);
-        while kinks.iter().any(|kink| (t - kink).abs() < 2e-3) {
+        while breakpoints.iter().any(|breakpoint| (t - breakpoint).abs() < 2e-3) {
             t = random.uniform(-1.0, 1.0);
         }
         Sample { a, v, q, mu, t }
@@ -409,13 +409,13 @@ fn multipliers_are_the_forces_that_the_joints_say() {
 }
 
 #[test]
-fn prescribed_motion_names_the_kinks_of_its_function() {
+fn prescribed_motion_names_the_breakpoints_of_its_function() {
     for (_, function, own) in drives() {
         let rotation = PrescribedRotation { a: Body, b: Body, angle: function.clone() };
         let translation = PrescribedTranslation { a: Body, b: Body, displacement: function.clone() };
         let p = [&[0.0; 9][..], &own].concat();
-        assert_eq!(rotation.kinks(&p), function.kinks(&own));
-        assert_eq!(translation.kinks(&p), function.kinks(&own));
+        assert_eq!(rotation.breakpoints(&p), function.breakpoints(&own));
+        assert_eq!(translation.breakpoints(&p), function.breakpoints(&own));
     }
 }
 

@@ -450,24 +450,24 @@ fn mass_is_that_of_the_kinetic_energy_in_translation() {
 }
 
 #[test]
-fn functions_of_time_are_twice_differentiable_away_from_steps_and_name_their_kinks() {
+fn functions_of_time_are_twice_differentiable_away_from_steps_and_name_their_breakpoints() {
     for (name, function, p) in time_functions() {
-        let kinks = function.kinks(&p);
+        let breakpoints = function.breakpoints(&p);
         for k in 0..400 {
             let t = -1.5 + 3.0 * f64::from(k) / 400.0 + 1e-4;
             let [left, right] = [t - 1e-6, t + 1e-6].map(|t| {
                 function.value(Dual2_64::new(t, 1.0, 0.0), &p.iter().map(|&p| p.into()).collect::<Vec<Dual2_64>>())
             });
-            if kinks.iter().all(|kink| (kink - t).abs() > 1e-5) {
+            if breakpoints.iter().all(|breakpoint| (breakpoint - t).abs() > 1e-5) {
                 assert_close(name, &[left.re, left.v1], &[right.re, right.v1], 1e-4, 1.0);
                 assert_close(name, &[left.v2], &[right.v2], 1e-3, 1.0);
             }
         }
-        // at a kink the value itself stays, except where the function is a step
+        // at a breakpoint the value itself stays, except where the function is a step
         let jumps = function.jump().is_some();
-        for kink in kinks {
-            let jump = function.value(kink + 1e-9, &p) - function.value(kink - 1e-9, &p);
-            assert_eq!(jump.abs() > 1e-6, jumps, "{name} at {kink}: {jump}");
+        for breakpoint in breakpoints {
+            let jump = function.value(breakpoint + 1e-9, &p) - function.value(breakpoint - 1e-9, &p);
+            assert_eq!(jump.abs() > 1e-6, jumps, "{name} at {breakpoint}: {jump}");
         }
     }
 }
@@ -486,12 +486,12 @@ fn a_smooth_start_begins_at_rest_and_ends_half_its_duration_late() {
     }
     // half the rate after half the duration
     assert_close("half", &[at(0.4).v1], &[1.5], 1e-14, 1.0);
-    // a jump happens at the time that its kink says, to the last bit
+    // a jump happens at the time that its breakpoint says, to the last bit
     for switch in [0.05, 0.3, 0.9] {
         let step = of(TimeFunction::Step { switch });
         let p = [0.8, -0.6, 0.8];
-        let kink = step.kinks(&p)[0];
-        assert_eq!([kink.next_down(), kink].map(|t| step.value(t, &p)), [0.8, -0.6], "{switch}");
+        let breakpoint = step.breakpoints(&p)[0];
+        assert_eq!([breakpoint.next_down(), breakpoint].map(|t| step.value(t, &p)), [0.8, -0.6], "{switch}");
         assert_eq!(step.jump(), Some(switch));
     }
 }

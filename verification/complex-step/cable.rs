@@ -62,7 +62,7 @@ impl CableSubject {
         let exact = CableSection::new(S::from(40.0), S::from(0.5), S::from(0.8));
         let section = match self {
             CableSubject::SmallStrain | CableSubject::Inertia | CableSubject::Weight => exact.small_strains(),
-            CableSubject::Element => exact.damped(S::from(0.02)),
+            CableSubject::Element => exact.damped(S::from(0.001)),
             _ => exact,
         };
         let [clamp, bend] = [[1.2, -0.5, 0.3], [1.1, 0.3, -0.4]].map(|x| shoulder + Vector3::from_f64(x));

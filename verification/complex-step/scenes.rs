@@ -193,13 +193,9 @@ impl Case {
     pub fn is_of_beams(&self) -> bool {
         matches!(self.subject, Subject::Beam(_))
     }
-    /// Of the flexible ones those that go with every integrator: elements of all formulas.
-    pub fn is_basic_flexible(&self) -> bool {
-        use {
-            BeamSubject::Element as Beam,
-            CableSubject::{Element as Cable, SmallStrain},
-        };
-        matches!(&self.subject, Subject::Beam(Beam(_)) | Subject::Cable(Cable | SmallStrain))
+    /// A beam itself, which goes with every integrator.
+    pub fn is_basic_beam(&self) -> bool {
+        matches!(self.subject, Subject::Beam(BeamSubject::Element(_)))
     }
     /// With flexible parts.
     pub fn is_flexible(&self) -> bool {

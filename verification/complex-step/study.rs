@@ -97,7 +97,7 @@ fn belongs(case: &Case, member: &Member, level: ConstraintLevel) -> bool {
     let default = level == ConstraintLevel::default();
     if case.is_flexible() {
         // steps are given: cables that ring ask for thousands
-        return default && !member.chooses_steps && (of_formulas || case.is_basic_flexible());
+        return default && !member.chooses_steps && (of_formulas || case.is_basic_beam());
     }
     member.name != VARIATIONAL && (case.is_basic() || of_formulas)
 }
@@ -300,7 +300,9 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
                 Some(rows) => rows,
                 None => nearby.insert(adjoints_nearby(&analysis, &x)?),
             };
-            let limit = EXACT.max(SCATTER * largest_difference(&up[index], &down[index]));
+            let pairs = [(&up[index], &down[index]), (&up[index], rows[1]), (&down[index], rows[1])];
+            let scatter = pairs.iter().fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)));
+            let limit = EXACT.max(SCATTER * scatter);
             let difference = worse(differences[0], differences[1]);
             if outcome.rounded.is_none_or(|[other, of_other]| !(difference / limit <= other / of_other)) {
                 outcome.rounded = Some([difference, limit]);

@@ -3,7 +3,8 @@
 use super::items::{Item, Physics};
 use crate::verification::Clock;
 use costate::assembly::{
-    Equations, Jacobian, Level, Model, NodeKind, PartPrograms, Residual, Shift, System, SystemOptions, VectorsAvq,
+    Equations, Jacobian, Level, Model, NodeKind, PartPrograms, Residual, StageCoefficients, System, SystemOptions,
+    VectorsAvq,
 };
 use costate::elements::{ConstraintPhysics, ElementPhysics, RunScalar, motion_derivatives};
 use costate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, compile_time, lanes};
@@ -146,7 +147,7 @@ pub const COPIES: usize = 40;
 /// Equations of an implicit step at acceleration level.
 fn equations() -> Equations {
     let h = 0.01;
-    Equations::stage(Shift::new(1.0, 0.25 * h, 0.0625 * h * h), Level::Acceleration)
+    Equations::stage(StageCoefficients::new(1.0, 0.25 * h, 0.0625 * h * h), Level::Acceleration)
 }
 
 /// Coordinates near those of nodes at rest.

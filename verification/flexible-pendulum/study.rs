@@ -64,7 +64,7 @@ fn meshes(report: &mut Report) -> Result<(), RunError> {
     report.inform("path/40 elements, 0.5 ms/tip at 4 s, x [m]", x);
     report.inform("path/40 elements, 0.5 ms/tip at 4 s, y [m]", y);
     report.at_most(figure(20, "largest distance of the tips by the length"), paths[3].distance(&finest) / 1.2, 1e-4);
-    // 4 for smooth motions; let go from rest the line begins with a kink of its accelerations at the hinge
+    // 4 for smooth motions; let go from rest the line begins with a breakpoint of its accelerations at the hinge
     for (k, name) in [(1, "5 to 10"), (2, "10 to 20")] {
         let order = (paths[k].distance(&finest) / paths[k + 1].distance(&finest)).log2();
         report.compare(format!("path/order in the length of elements, {name}"), order, 3.5, 0.5);

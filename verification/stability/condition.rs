@@ -1,6 +1,6 @@
 //! Condition of a stage matrix.
 
-use costate::assembly::{Equations, Jacobian, Level, Residual, Shift, VectorsAvq};
+use costate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, VectorsAvq};
 use costate::integrators::{ConstraintLevel, Systems};
 use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
 use costate::scenes::Prepared;
@@ -13,7 +13,7 @@ pub fn condition(prepared: &Prepared) -> Result<f64, String> {
     let (t, end) = prepared.grid.span(0);
     let (h, last) = (end - t, table.stages.len() - 1);
     let stage = &table.stages[last];
-    let shift = Shift::new(stage.a.stages[last], h * stage.v.stages[last], h * h * stage.q.stages[last]);
+    let shift = StageCoefficients::new(stage.a.stages[last], h * stage.v.stages[last], h * h * stage.q.stages[last]);
     let level = match prepared.method.level {
         ConstraintLevel::Position => Level::Position,
         ConstraintLevel::Velocity => Level::Stabilized,

@@ -58,7 +58,7 @@ impl Field for DistributedLoadField {
             force[i] += direction[i] * size;
         }
     }
-    fn kinks(&self, p: &[f64]) -> Vec<f64> {
-        self.size.kinks(&p[GEOMETRY..self.numbers()])
+    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+        self.size.breakpoints(&p[GEOMETRY..self.numbers()])
     }
 }

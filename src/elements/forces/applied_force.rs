@@ -41,7 +41,7 @@ impl Element for AppliedForce {
         }
         self.on.add_force(q, Vector3::first_three(&p[3..]), direction * self.size.value(t, &p[6..]), force);
     }
-    fn kinks(&self, p: &[f64]) -> Vec<f64> {
-        self.size.kinks(&p[6..])
+    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+        self.size.breakpoints(&p[6..])
     }
 }

@@ -34,7 +34,7 @@ impl Element for AppliedTorque {
         };
         self.on.add_moment(q, axis * self.size.value(t, &p[3..]), force);
     }
-    fn kinks(&self, p: &[f64]) -> Vec<f64> {
-        self.size.kinks(&p[3..])
+    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+        self.size.breakpoints(&p[3..])
     }
 }

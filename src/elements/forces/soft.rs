@@ -38,7 +38,7 @@ impl<J: Constraint> Element for Soft<J> {
             *s = c * rate;
         }
     }
-    fn kinks(&self, p: &[f64]) -> Vec<f64> {
-        self.0.kinks(&p[2 * self.0.equations()..])
+    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+        self.0.breakpoints(&p[2 * self.0.equations()..])
     }
 }

@@ -33,7 +33,7 @@ impl Constraint for PrescribedTranslation {
         let axis = Frame::of(self.a, q).direction(&p[6..]);
         g[0] = axis.dot(&gap([self.a, self.b], q, p)) - self.displacement.value(t, &p[9..]);
     }
-    fn kinks(&self, p: &[f64]) -> Vec<f64> {
-        self.displacement.kinks(&p[9..])
+    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+        self.displacement.breakpoints(&p[9..])
     }
 }

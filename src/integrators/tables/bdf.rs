@@ -5,7 +5,7 @@ use crate::integrators::{Carried, Combination, Stage, Starter, Table};
 
 /// Backward differentiation formula of `order` 1 to 3 for steps of equal size; order 1 is the implicit Euler rule.
 ///
-/// y_{n+1} = sum alpha_j y_{n-j} + h beta y'_{n+1} for y = q and y = v. The first steps, and those after a kink or a change of
+/// y_{n+1} = sum alpha_j y_{n-j} + h beta y'_{n+1} for y = q and y = v. The first steps, and those after a breakpoint or a change of
 /// size, are made by a one-step method.
 ///
 /// # Panics

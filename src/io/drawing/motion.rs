@@ -50,7 +50,7 @@ pub enum View {
 
 /// The picture of a motion, with the same scale in all directions.
 #[derive(Debug, Clone, Default)]
-pub struct Motion {
+pub struct MotionPicture {
     /// The line above the picture.
     pub title: String,
     /// The system in order of time; at most 40 frames, evenly spread over time, are drawn.
@@ -63,7 +63,7 @@ pub struct Motion {
     pub view: View,
 }
 
-impl Motion {
+impl MotionPicture {
     /// Writes the picture to `stem.png` (twice the size, for dense screens) and `stem.svg`, creating missing folders.
     ///
     /// # Errors
@@ -390,9 +390,13 @@ mod tests {
     use crate::io::file::tests::Folder;
 
     /// A made-up flexible double pendulum; not a solution of any equation.
-    fn pendulum(view: View) -> Motion {
-        let mut motion =
-            Motion { title: "Flexible double pendulum".into(), view, anchors: vec![[0.0; 3]], ..Motion::default() };
+    fn pendulum(view: View) -> MotionPicture {
+        let mut motion = MotionPicture {
+            title: "Flexible double pendulum".into(),
+            view,
+            anchors: vec![[0.0; 3]],
+            ..MotionPicture::default()
+        };
         let bar = |from: [f64; 3], angle: f64, swing: f64, bend: f64| -> Vec<[f64; 3]> {
             (0..=16)
                 .map(|k| f64::from(k) / 16.0)
@@ -461,7 +465,7 @@ mod tests {
         }
         // a square stays one: the trail is the only line of width 1.2
         let points = vec![[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 3.0, 0.0]];
-        let square = Motion { trails: vec![Trail { name: String::new(), points }], ..Motion::default() };
+        let square = MotionPicture { trails: vec![Trail { name: String::new(), points }], ..MotionPicture::default() };
         let lines = square.picture().shapes.into_iter().filter_map(|shape| match shape {
             super::super::picture::Shape::Line { points, width: 1.2, .. } => Some(points),
             _ => None,
@@ -484,12 +488,12 @@ mod tests {
         for view in [View::Xy, View::Isometric] {
             let broken = Polyline { points: vec![[f64::NAN; 3], [1.0, 2.0, 3.0], [f64::INFINITY, 0.0, 0.0]], role: 99 };
             let frame = Frame { time: 0.0, lines: vec![broken] };
-            let motion = Motion { frames: vec![frame.clone(), frame], view, ..Motion::default() };
+            let motion = MotionPicture { frames: vec![frame.clone(), frame], view, ..MotionPicture::default() };
             motion.write(&folder.0.join("one")).unwrap();
-            Motion { view, ..Motion::default() }.write(&folder.0.join("none")).unwrap();
+            MotionPicture { view, ..MotionPicture::default() }.write(&folder.0.join("none")).unwrap();
             let line = Polyline { points: vec![[1e-9, 5.0, 0.0], [2e-9, 5.0, 0.0]], role: 0 };
             let frames = vec![Frame { time: 0.0, lines: vec![line] }];
-            Motion { frames, view, ..Motion::default() }.write(&folder.0.join("small")).unwrap();
+            MotionPicture { frames, view, ..MotionPicture::default() }.write(&folder.0.join("small")).unwrap();
         }
         assert_eq!(folder.names().len(), 6);
     }
