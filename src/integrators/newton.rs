@@ -494,7 +494,9 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let of_numbers = p.iter().map(relative).fold(0.0, f64::max);
         let of_start = base.q.iter().fold(0.0, |s: f64, q| s.max(q.part(part).abs())) / largest_q;
         let share = ZERO_SHARE * of_numbers.max(of_start);
-        size(&|x| x.part(part)).max(share * size(&|x| x.value()))
+        // where values vanish too, the same share of what moves: of the numbers' own parts
+        let moves = p.iter().chain(&base.q).chain(&base.v).fold(0.0, |s: f64, x| s.max(x.part(part).abs()));
+        size(&|x| x.part(part)).max(share * size(&|x| x.value())).max(ZERO_SHARE * moves)
     }
 
     /// For a projection: the factor from its unknowns to the projected state, and the size of that state.
