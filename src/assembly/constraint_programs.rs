@@ -3,11 +3,14 @@
 //! All of them come from g(q, p, t) or h(v, q, p, t) alone: the reaction A^T mu is the gradient of mu . g with respect to q (of mu . h with
 //! respect to v), and time derivatives follow along the motion.
 
+use super::batches::Lane;
 use super::element_programs::gradient;
+use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
-use super::{Equations, Level};
-use crate::elements::{ConstraintPhysics, motion_derivatives};
+use super::{Equations, Level, Unknowns, VectorsAvq};
+use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives};
 use crate::program::{Graph, Node, Program};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Which of a constraint's equations is asked for.
@@ -66,6 +69,46 @@ impl ConstraintLayout {
     fn own(&self) -> usize {
         self.a()
     }
+    /// Writes the arguments of one constraint; without `eta` those stay as they are. Returns the place behind them.
+    #[inline(always)]
+    pub fn write<S: RunScalar>(
+        &self,
+        lane: &mut Lane<S>,
+        part: &DofMap,
+        (at, p, t): (&VectorsAvq<S>, &[S], f64),
+        [mu, eta]: [&[S]; 2],
+        scales: [f64; 2],
+    ) -> usize {
+        let mut place = lane.copy_segments(0, part, &at.v);
+        place = lane.copy_segments(place, part, &at.q);
+        place = lane.copy(place, &p[part.parameters.clone()]);
+        lane.set(place, S::from(t));
+        place = lane.copy_segments(place + 1, part, &at.a);
+        place = lane.copy(place, mu);
+        lane.copy(place, eta);
+        lane.copy(self.scales(), &scales.map(S::from))
+    }
+}
+
+/// What part of the constraints is taken at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConstraintPart {
+    /// Equations and reactions, which are taken at the same point.
+    Both,
+    /// Equations alone.
+    Equations,
+    /// Reactions alone, with a factor.
+    Reactions(f64),
+}
+
+impl ConstraintPart {
+    /// The factor of reactions.
+    pub(super) fn factor(self) -> f64 {
+        match self {
+            ConstraintPart::Reactions(factor) => factor,
+            _ => 1.0,
+        }
+    }
 }
 
 /// What is asked of a constraint: its two sets of equations, and whether reactions are.
@@ -99,6 +142,24 @@ impl Asked {
             Level::Stabilized => [Some(Order::Value), Some(Order::Rate)],
         };
         (Asked { equations, reactions: true }, scales)
+    }
+
+    /// The same of a part of the constraint.
+    pub fn part(part: ConstraintPart, equations: &Equations, nonholonomic: bool) -> (Self, [f64; 2]) {
+        let (mut asked, scales) = Self::at(equations, nonholonomic);
+        match part {
+            ConstraintPart::Both => {}
+            ConstraintPart::Equations => asked.reactions = false,
+            ConstraintPart::Reactions(_) => asked.equations = [None; 2],
+        }
+        (asked, scales)
+    }
+
+    /// The multipliers among those of all constraints that are read.
+    #[inline(always)]
+    pub fn multipliers<'u, S>(&self, unknowns: &'u Unknowns<S>, rows: Range<usize>) -> [&'u [S]; 2] {
+        let eta = if self.stabilized() { &unknowns.eta[rows.clone()] } else { &[] };
+        [&unknowns.mu[rows], eta]
     }
 
     /// Whether there are rate corrections.

@@ -1,7 +1,10 @@
 //! Programs of elements: residual or impulse, its matrix along reduced columns, and products with adjoint variables.
 
+use super::batches::Lane;
+use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
-use crate::elements::ElementPhysics;
+use super::{Impulse, VectorsAvq};
+use crate::elements::{ElementPhysics, RunScalar};
 use crate::program::{Formula, Graph, LinearForm, Node, Program};
 use std::sync::Arc;
 
@@ -44,9 +47,37 @@ impl ElementLayout {
     pub fn extra(&self) -> usize {
         self.weights() + if self.force == Force::Impulse { 2 } else { 0 }
     }
+    /// Writes the arguments of one element's formula; returns the place behind them.
+    #[inline(always)]
+    pub fn write<S: RunScalar>(
+        &self,
+        lane: &mut Lane<S>,
+        part: &DofMap,
+        (at, p, t): (&VectorsAvq<S>, &[S], f64),
+        weights: [f64; 2],
+    ) -> usize {
+        let mut place = 0;
+        for values in [&at.a, &at.v, &at.q] {
+            place = lane.copy_segments(place, part, values);
+        }
+        place = lane.copy(place, &p[part.parameters.clone()]);
+        lane.set(place, S::from(t));
+        if self.force == Force::Impulse {
+            lane.copy(self.weights(), &weights.map(S::from));
+        }
+        self.extra()
+    }
 }
 
 impl Force {
+    /// What elements add to F in a step, and the weights of an impulse.
+    pub fn of(impulse: Option<Impulse>) -> (Self, [f64; 2]) {
+        match impulse {
+            None => (Force::Residual, [0.0; 2]),
+            Some(impulse) => (Force::Impulse, impulse.weights()),
+        }
+    }
+
     /// The recorded formula.
     pub fn formula(self, physics: &ElementPhysics) -> &Arc<Formula> {
         match self {

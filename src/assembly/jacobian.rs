@@ -1,5 +1,5 @@
 use super::batches::{BatchWork, ElementBatch, Lane, run_parts};
-use super::constraint_programs::{self, Asked};
+use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::numbering::{DofMap, NOWHERE, ScatterMap, System};
 use super::reduction::{Columns, NodeReduction};
@@ -166,7 +166,7 @@ impl Jacobian {
 
     /// Whether the matrix is the same at all states and times, as its programs show: a linear system without constraints.
     pub fn is_constant(system: &System, equations: &Equations) -> bool {
-        let (force, _) = force_of(equations);
+        let (force, _) = Force::of(equations.variational.map(|step| step.now()));
         let (_, moves) = numbers_of(equations.residual);
         let stabilized = system.options.stabilized;
         system.constraint_batches().is_empty()
@@ -179,7 +179,7 @@ impl Jacobian {
     }
 
     fn add_elements(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
-        let (force, weights) = force_of(equations);
+        let (force, weights) = Force::of(equations.variational.map(|step| step.now()));
         let (shift, moves) = numbers_of(equations.residual);
         for batch in system.element_batches(force) {
             let layout = batch.layout;
@@ -196,16 +196,8 @@ impl Jacobian {
                 work,
                 |index, lane| {
                     let part = part(index);
-                    let mut place = 0;
-                    for own in [&point.at.a, &point.at.v, &point.at.q] {
-                        place = lane.copy_segments(place, part, own);
-                    }
-                    place = lane.copy(place, &p[part.parameters.clone()]);
-                    lane.set(place, t);
-                    if force == Force::Impulse {
-                        lane.copy(layout.weights(), &weights);
-                    }
-                    place = lane.copy(layout.extra(), &shift);
+                    let place = layout.write(lane, part, (&point.at, p, t), weights);
+                    let place = lane.copy(place, &shift);
                     write_bases(bases, part, &batch.nodes, place, lane);
                 },
                 |index, results| {
@@ -217,38 +209,33 @@ impl Jacobian {
     }
 
     fn add_constraints(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
-        if equations.variational.is_none() {
-            return self.add_constraints_at(system, (equations, [true; 2], 1.0), point, p, t);
-        }
+        let Some(step) = equations.variational else {
+            return self.add_constraints_at(system, (equations, ConstraintPart::Both), point, p, t);
+        };
         let time = equations.constraint_time(t);
-        self.add_constraints_at(system, (equations, [true, false], 1.0), point, p, time);
-        let factor = equations.variational.map_or(1.0, |step| step.reaction());
-        self.add_constraints_at(system, (equations, [false, true], factor), point, p, equations.reaction_time(t));
+        self.add_constraints_at(system, (equations, ConstraintPart::Equations), point, p, time);
+        let reactions = ConstraintPart::Reactions(step.reaction());
+        self.add_constraints_at(system, (equations, reactions), point, p, equations.reaction_time(t));
     }
 
-    /// Equations, reactions (with a factor), or both at one point.
+    /// Equations, reactions or both at one point.
     fn add_constraints_at(
         &mut self,
         system: &System,
-        (equations, [with_equations, with_reactions], factor): (&Equations, [bool; 2], f64),
+        (equations, which): (&Equations, ConstraintPart),
         point: &Point,
         p: &[f64],
         t: f64,
     ) {
         let (shift, mut moves) = numbers_of(equations.constraint);
         let mut at = &point.constraint_at;
-        if !with_equations {
+        if let ConstraintPart::Reactions(_) = which {
             // a reaction at the start of a step does not move
             (moves, at) = ([false; 3], &point.reaction_at);
         }
         for batch in system.constraint_batches() {
             let physics = system.constraint_of(batch);
-            let (mut asked, scales) = Asked::at(equations, physics.is_nonholonomic());
-            let stabilized = asked.stabilized();
-            asked.reactions = with_reactions;
-            if !with_equations {
-                asked.equations = [None; 2];
-            }
+            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             // behind those of residuals
             let code = asked.short_code(moves) | 1 << 31;
             let program = batch.programs.get(code, || constraint_programs::matrix(physics, asked, &batch.nodes, moves));
@@ -264,18 +251,9 @@ impl Jacobian {
                 work,
                 |index, lane| {
                     let part = part(index);
-                    let rows = system.equations_of(batch.parts[index]);
-                    let mut place = lane.copy_segments(0, part, &at.v);
-                    place = lane.copy_segments(place, part, &at.q);
-                    place = lane.copy(place, &p[part.parameters.clone()]);
-                    lane.set(place, t);
-                    place = lane.copy_segments(place + 1, part, &at.a);
-                    place = lane.copy(place, &unknowns.mu[rows.clone()]);
-                    if stabilized {
-                        lane.copy(place, &unknowns.eta[rows]);
-                    }
-                    place = lane.copy(layout.scales(), &scales);
-                    place = lane.copy(place, &shift);
+                    let multipliers = asked.multipliers(unknowns, system.equations_of(batch.parts[index]));
+                    let place = layout.write(lane, part, (at, p, t), multipliers, scales);
+                    let place = lane.copy(place, &shift);
                     write_bases(bases, part, &batch.nodes, place, lane);
                 },
                 |index, results| {
@@ -458,8 +436,8 @@ impl Jacobian {
         }
     }
 
-    /// Adds the step `reduced` to the unknowns: (x, y) += N_R z, multipliers directly. Returns the largest |d x + d y| times its
-    /// lever.
+    /// Adds the step `reduced` to the unknowns: (x, y) += N_R z, multipliers directly. Returns the largest |d x + d y|,
+    /// each times the scale of its coordinate.
     pub fn add_step<S: RunScalar>(
         &self,
         system: &System,
@@ -528,14 +506,6 @@ pub(super) fn node_seeds<'a>(system: &System, bases: &'a [NullSpaces], node: usi
         right: &bases[node].right,
         plain: bases[node].plain,
         stabilized: system.options.stabilized,
-    }
-}
-
-/// What elements add to F in some equations, and the weights of an impulse.
-fn force_of(equations: &Equations) -> (Force, [f64; 2]) {
-    match equations.variational {
-        None => (Force::Residual, [0.0; 2]),
-        Some(step) => (Force::Impulse, step.now().weights()),
     }
 }
 

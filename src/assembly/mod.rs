@@ -26,12 +26,13 @@ mod reduction;
 mod residual;
 mod variational;
 
+pub use constraint_programs::ConstraintPart;
 pub use equations::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};
 pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
 pub use numbering::{System, SystemOptions};
 pub use part_programs::PartPrograms;
-pub use products::{Adjoints, ConstraintPart, ProductBars, ProductPoint, Products};
+pub use products::{Adjoints, ProductBars, ProductPoint, Products};
 pub use residual::Residual;
 pub use variational::{Impulse, Variational};

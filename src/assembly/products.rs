@@ -1,5 +1,5 @@
 use super::batches::{BatchWork, run_parts};
-use super::constraint_programs::{self, Asked};
+use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::numbering::{DofMap, System};
 use super::residual::LocalVec;
@@ -55,17 +55,6 @@ pub struct ProductBars<'b> {
     pub at: &'b mut VectorsAvq<f64>,
     /// Adjoint of the parameters.
     pub p: &'b mut [f64],
-}
-
-/// What part of the constraints products are taken of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ConstraintPart {
-    /// Equations and reactions, which are taken at the same point.
-    Both,
-    /// Equations alone.
-    Equations,
-    /// Reactions alone, with a factor.
-    Reactions(f64),
 }
 
 /// Parts of a batch with the same parameters that are asked for.
@@ -126,10 +115,7 @@ impl Products {
         ProductPoint { at, p, t }: ProductPoint,
         bars: &mut [ProductBars],
     ) {
-        let (force, weights) = match impulse {
-            None => (Force::Residual, [0.0; 2]),
-            Some(impulse) => (Force::Impulse, impulse.weights()),
-        };
+        let (force, weights) = Force::of(impulse);
         let batches = system.element_batches(force);
         let Products { elements, active, work, chosen, .. } = self;
         let selections = elements[force as usize].get_or_insert_with(|| {
@@ -149,17 +135,8 @@ impl Products {
                     chosen.len(),
                     work,
                     |index, lane| {
-                        let part = part(index);
-                        let mut place = 0;
-                        for own in [&at.a, &at.v, &at.q] {
-                            place = lane.copy_segments(place, part, own);
-                        }
-                        place = lane.copy(place, &p[part.parameters.clone()]);
-                        lane.set(place, t);
-                        if force == Force::Impulse {
-                            lane.copy(layout.weights(), &weights);
-                        }
-                        lane.copy_segments(layout.extra(), part, &adjoint.f);
+                        let place = layout.write(lane, part(index), (at, p, t), weights);
+                        lane.copy_segments(place, part(index), &adjoint.f);
                     },
                     |index, results| {
                         let part = part(index);
@@ -197,17 +174,7 @@ impl Products {
         for Selection { batch, asked: parameters, parts, programs } in selections {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
-            let (mut asked, scales) = Asked::at(equations, physics.is_nonholonomic());
-            let stabilized = asked.stabilized();
-            let mut factor = 1.0;
-            match which {
-                ConstraintPart::Both => {}
-                ConstraintPart::Equations => asked.reactions = false,
-                ConstraintPart::Reactions(own) => {
-                    factor = own;
-                    asked.equations = [None; 2];
-                }
-            }
+            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let code = asked.short_code([false; 3]);
             let program = programs.get(code, || constraint_programs::products(physics, asked, parameters));
             for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
@@ -220,7 +187,7 @@ impl Products {
                         || (asked.equations[0].is_some() && equations)
                 }));
                 let part = |index: usize| &system.constraint_parts[chosen[index]];
-                let (n, count) = (layout.n, layout.equations);
+                let n = layout.n;
                 run_parts(
                     &program,
                     chosen.len(),
@@ -228,19 +195,11 @@ impl Products {
                     |index, lane| {
                         let part = part(index);
                         let rows = system.equations_of(chosen[index]);
-                        let mut place = lane.copy_segments(0, part, &at.v);
-                        place = lane.copy_segments(place, part, &at.q);
-                        place = lane.copy(place, &p[part.parameters.clone()]);
-                        lane.set(place, t);
-                        place = lane.copy_segments(place + 1, part, &at.a);
-                        place = lane.copy(place, &unknowns.mu[rows.clone()]);
-                        if stabilized {
-                            lane.copy(place, &unknowns.eta[rows.clone()]);
-                        }
-                        place = lane.copy(layout.scales(), &scales);
+                        let multipliers = asked.multipliers(unknowns, rows.clone());
+                        let mut place = layout.write(lane, part, (at, p, t), multipliers, scales);
                         if asked.reactions {
                             place = lane.copy_segments(place, part, &adjoint.f);
-                            if stabilized {
+                            if asked.stabilized() {
                                 place = lane.copy_segments(place, part, &adjoint.y);
                             }
                         }
@@ -268,7 +227,6 @@ impl Products {
                         }
                     },
                 );
-                debug_assert!(count > 0);
             }
         }
     }

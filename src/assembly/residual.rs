@@ -1,8 +1,8 @@
 use super::batches::{BatchWork, run_parts};
-use super::constraint_programs::{Asked, values};
+use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
 use super::numbering::{NodeConstraint, System};
-use super::{Equations, Level, Rates, Unknowns, Variational, VectorsAvq};
+use super::{Equations, Impulse, Level, Rates, Unknowns, Variational, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
@@ -122,13 +122,13 @@ impl<S: RunScalar> Residual<S> {
     /// Prepares for a solve from `base`: for a metric, R there is what is subtracted.
     pub fn start(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, p: &[S], t: f64) {
         if equations.metric {
-            self.add_elements(system, (Force::Residual, [0.0; 2]), base, p, t);
+            self.add_elements(system, None, base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
         }
         if let Some(step) = equations.variational {
             let mut before = std::mem::take(&mut self.constraint_base);
             Variational::write_moved(base, step.to_before(), &mut before);
-            self.add_elements(system, (Force::Impulse, step.before().weights()), &before, p, t + step.to_before());
+            self.add_elements(system, Some(step.before()), &before, p, t + step.to_before());
             std::mem::swap(&mut self.f, &mut self.base);
             self.constraint_base = before;
         }
@@ -173,10 +173,7 @@ impl<S: RunScalar> Residual<S> {
             }
         }
         let at = std::mem::take(&mut self.at);
-        match equations.variational {
-            Some(step) => self.add_elements(system, (Force::Impulse, step.now().weights()), &at, p, t),
-            None => self.add_elements(system, (Force::Residual, [0.0; 2]), &at, p, t),
-        }
+        self.add_elements(system, equations.variational.map(|step| step.now()), &at, p, t);
         self.at = at;
         if equations.subtracts() {
             for (f, &r) in self.f.iter_mut().zip(&self.base) {
@@ -255,8 +252,9 @@ impl<S: RunScalar> Residual<S> {
         (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
 
-    /// F = sum of what the elements add at `at`; an impulse has weights.
-    fn add_elements(&mut self, system: &System, (force, weights): (Force, [f64; 2]), at: &VectorsAvq<S>, p: &[S], t: f64) {
+    /// F = sum of what the elements add at `at`.
+    fn add_elements(&mut self, system: &System, impulse: Option<Impulse>, at: &VectorsAvq<S>, p: &[S], t: f64) {
+        let (force, weights) = Force::of(impulse);
         self.f.fill(S::zero());
         for batch in system.element_batches(force) {
             let (program, layout) = (batch.formula.values(), batch.layout);
@@ -267,16 +265,7 @@ impl<S: RunScalar> Residual<S> {
                 batch.parts.len(),
                 &mut self.work,
                 |index, lane| {
-                    let part = part(index);
-                    let mut place = 0;
-                    for values in [&at.a, &at.v, &at.q] {
-                        place = lane.copy_segments(place, part, values);
-                    }
-                    place = lane.copy(place, &p[part.parameters.clone()]);
-                    lane.set(place, S::from(t));
-                    if force == Force::Impulse {
-                        lane.copy(layout.weights(), &weights.map(S::from));
-                    }
+                    layout.write(lane, part(index), (at, p, t), weights);
                 },
                 |index, results| add_segments(&part(index).segments, results.iter(), f),
             );
@@ -286,33 +275,28 @@ impl<S: RunScalar> Residual<S> {
     /// Adds the reactions of joints to F (and Y), and writes their scaled equations to G.
     fn add_constraints(&mut self, system: &System, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) {
         let Some(step) = equations.variational else {
-            return self.add_constraints_at(system, (equations, [true; 2], 1.0), unknowns, p, t);
+            return self.add_constraints_at(system, (equations, ConstraintPart::Both), unknowns, p, t);
         };
         let time = equations.constraint_time(t);
-        self.add_constraints_at(system, (equations, [true, false], 1.0), unknowns, p, time);
+        self.add_constraints_at(system, (equations, ConstraintPart::Equations), unknowns, p, time);
         std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
         let time = equations.reaction_time(t);
-        self.add_constraints_at(system, (equations, [false, true], step.reaction()), unknowns, p, time);
+        self.add_constraints_at(system, (equations, ConstraintPart::Reactions(step.reaction())), unknowns, p, time);
         std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
     }
 
-    /// The same at one point: equations, reactions or both, these with a factor.
+    /// The same at one point: equations, reactions or both.
     fn add_constraints_at(
         &mut self,
         system: &System,
-        (equations, [with_equations, with_reactions], factor): (&Equations, [bool; 2], f64),
+        (equations, which): (&Equations, ConstraintPart),
         unknowns: &Unknowns<S>,
         p: &[S],
         t: f64,
     ) {
         for batch in system.constraint_batches() {
             let physics = system.constraint_of(batch);
-            let (mut asked, scales) = Asked::at(equations, physics.is_nonholonomic());
-            let sets = if asked.stabilized() { 2 } else { 1 };
-            asked.reactions = with_reactions;
-            if !with_equations {
-                asked.equations = [None; 2];
-            }
+            let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let (program, layout) =
                 (batch.programs.get(asked.short_code([false; 3]), || values(physics, asked)), batch.layout);
             let part = |index: usize| &system.constraint_parts[batch.parts[index]];
@@ -323,32 +307,20 @@ impl<S: RunScalar> Residual<S> {
                 batch.parts.len(),
                 work,
                 |index, lane| {
-                    let part = part(index);
-                    let mut place = lane.copy_segments(0, part, &at.v);
-                    place = lane.copy_segments(place, part, &at.q);
-                    place = lane.copy(place, &p[part.parameters.clone()]);
-                    lane.set(place, S::from(t));
-                    place = lane.copy_segments(place + 1, part, &at.a);
-                    place = lane.copy(place, &unknowns.mu[rows(index)]);
-                    if sets == 2 {
-                        lane.copy(place, &unknowns.eta[rows(index)]);
-                    }
-                    lane.copy(layout.scales(), &scales.map(S::from));
+                    let multipliers = asked.multipliers(unknowns, rows(index));
+                    layout.write(lane, part(index), (at, p, t), multipliers, scales);
                 },
                 |index, results| {
                     let mut results = results.iter();
-                    if with_reactions {
-                        let scaled = results.by_ref().take(layout.n);
-                        if factor == 1.0 {
-                            add_segments(&part(index).segments, scaled, f);
-                        } else {
-                            add_segments(&part(index).segments, scaled.map(|force| force * factor), f);
-                        }
-                        if sets == 2 {
+                    if asked.reactions {
+                        let reactions = results.by_ref().take(layout.n).map(|force| force * factor);
+                        add_segments(&part(index).segments, reactions, f);
+                        if asked.stabilized() {
                             add_segments(&part(index).segments, results.by_ref().take(layout.n), y);
                         }
                     }
-                    for target in [&mut *g, &mut *g_second].into_iter().take(if with_equations { sets } else { 0 }) {
+                    let sets = [&mut *g, &mut *g_second].into_iter().zip(asked.equations);
+                    for (target, _) in sets.filter(|(_, order)| order.is_some()) {
                         for (row, value) in rows(index).zip(results.by_ref().take(layout.equations)) {
                             if system.multiplier_columns[row].is_some() {
                                 target[row] = value;

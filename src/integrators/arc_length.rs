@@ -1,8 +1,8 @@
 //! Equilibrium paths through limits of the load, by their arc length (Riks 1979, Crisfield 1981).
 //!
 //! A path is (q, mu, t) with the load factor t. Its tangent has length one in the norm that counts displacements (each coordinate by its
-//! lever) and the load alike, |dq|^2 + psi^2 dt^2, where psi is the length that dq/dt has at the start: no unit matters. The next point
-//! lies in the plane at right angles to the tangent, an arc ahead; each correction solves twice with the same matrix, for the
+//! coordinate scale) and the load alike, |dq|^2 + psi^2 dt^2, where psi is the length that dq/dt has at the start: no unit matters.
+//! The next point lies in the plane at right angles to the tangent, an arc ahead; each correction solves twice with the same matrix, for the
 //! residual and for the load.
 
 // `!(x <= limit)` is how a NaN fails a check
@@ -296,7 +296,7 @@ impl Follower<'_> {
         unknowns.x.iter_mut().zip(&tangent.q).for_each(|(x, d)| *x = arc * d);
         unknowns.mu.iter_mut().zip(&from.mu).zip(&tangent.mu).for_each(|((mu, from), d)| *mu = from + arc * d);
         let mut load = from.load + arc * tangent.load;
-        self.newton.set_levers(&base);
+        self.newton.set_coordinate_scales(&base);
         let size = self.newton.size(&from.q).max(self.newton.size(&unknowns.x));
         let mut previous = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
@@ -346,7 +346,7 @@ impl Follower<'_> {
         let base = VectorsAvq { a: zeros.clone(), v: zeros, q: point.q.clone() };
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.mu.clone_from(&point.mu);
-        self.newton.set_levers(&base);
+        self.newton.set_coordinate_scales(&base);
         self.newton.linearize(&EQUATIONS, &base, &mut unknowns, p, point.load)?;
         Ok(self.along_load(&point.mu, point.load))
     }
@@ -358,9 +358,9 @@ impl Follower<'_> {
         Direction { q: x, mu, load: 1.0 }
     }
 
-    /// Product of displacements, each with its lever \[m2\].
+    /// Product of displacements, each scaled \[m2\].
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).zip(&self.newton.coordinate_scales).map(|((a, b), lever)| a * b * lever * lever).sum()
+        a.iter().zip(b).zip(&self.newton.coordinate_scales).map(|((a, b), scale)| a * b * scale * scale).sum()
     }
 
     fn product(&self, a: &Direction, b: &Direction) -> f64 {

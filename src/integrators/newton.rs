@@ -150,7 +150,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(&self.system, equations, base, p, t);
-        self.set_levers(base);
+        self.set_coordinate_scales(base);
         // a matrix for other coefficients converges slowly or not at all
         if self.factored.is_none_or(|old| !self.resembles(&old, equations)) {
             self.factored = None;
@@ -177,7 +177,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(&self.system, equations, base, p, t);
-        self.set_levers(base);
+        self.set_coordinate_scales(base);
         self.residual.keep_values = true;
         self.solve_parts(equations, base, unknowns, p, t)?;
         let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
@@ -193,23 +193,23 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })
     }
 
-    /// Sets the coordinate_scales from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
-    pub(super) fn set_levers(&mut self, base: &VectorsAvq<S>) {
+    /// Sets the scales of coordinates from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
+    pub(super) fn set_coordinate_scales(&mut self, base: &VectorsAvq<S>) {
         let nodes = &self.system.model.nodes;
         let lengths = nodes.iter().filter(|node| node.kind != NodeKind::Coordinates(node.dofs.len()));
         let largest = lengths
             .flat_map(|node| &base.q[node.dofs.start..node.dofs.start + 3])
             .fold(0.0, |largest: f64, q| largest.max(q.value().abs()));
-        let lever = if largest > 0.0 { largest } else { 1.0 };
+        let length = if largest > 0.0 { largest } else { 1.0 };
         let turning = |node: &&Node| matches!(node.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
         for node in nodes.iter().filter(turning) {
-            self.coordinate_scales[node.dofs.start + 3..node.dofs.end].fill(lever);
+            self.coordinate_scales[node.dofs.start + 3..node.dofs.end].fill(length);
         }
     }
 
-    /// Largest number of a list of all coordinates, times its lever.
+    /// Largest number of a list of all coordinates, each scaled.
     pub(super) fn size(&self, values: &[S]) -> f64 {
-        values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, lever)| s.max(x.value().abs() * lever))
+        values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, scale)| s.max(x.value().abs() * scale))
     }
 
     fn solve_value(
@@ -441,11 +441,11 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             let (mut largest, mut beyond) = (0.0_f64, 0.0_f64);
             for part in 0..S::PARTS {
                 let step = self.step(Some(part), unknowns);
-                let coordinate_scales = self.coordinate_scales.iter().chain(&self.coordinate_scales);
-                let parts = unknowns.x.iter().chain(&unknowns.y).zip(coordinate_scales);
+                let twice = self.coordinate_scales.iter().chain(&self.coordinate_scales);
+                let parts = unknowns.x.iter().chain(&unknowns.y).zip(twice);
                 // max() of floats would lose a NaN, a sum keeps it
-                let (scale, sum) = parts.fold((0.0_f64, 0.0), |(scale, sum), (x, lever)| {
-                    let size = x.part(part).abs() * lever;
+                let (scale, sum) = parts.fold((0.0_f64, 0.0), |(scale, sum), (x, of_coordinate)| {
+                    let size = x.part(part).abs() * of_coordinate;
                     (scale.max(size), sum + size)
                 });
                 if !(sum + step).is_finite() {
@@ -483,7 +483,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let coefficients = equations.residual;
         let size = |read: &dyn Fn(&S) -> f64| {
             let of = |values: &[S]| {
-                values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, lever)| s.max(read(x).abs() * lever))
+                values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, scale)| s.max(read(x).abs() * scale))
             };
             let moved = |values: &[S], by: f64| if by == 0.0 { 0.0 } else { of(values) / by.abs() };
             let own = of(&unknowns.x).max(of(&unknowns.y));

@@ -48,7 +48,7 @@ impl<S: RunScalar> Track<S> {
         }
     }
 
-    /// Takes note of the solution of a step: the increment from `before` (from zero without it). Each coordinate counts by its lever.
+    /// Takes note of the solution of a step: the increment from `before` (from zero without it). Each coordinate counts by its scale.
     pub fn learn(
         &mut self,
         (t, h): (f64, f64),
@@ -77,12 +77,12 @@ impl<S: RunScalar> Track<S> {
         let mut earlier: [&[S]; MOST] = [&[]; MOST];
         earlier.iter_mut().zip(&self.rates[..place]).for_each(|(own, rate)| *own = &rate.x[..latest.x.len()]);
         for (used, (error, weights)) in errors.iter_mut().zip(&weights).enumerate().take(place + 1) {
-            for (i, (own, lever)) in latest.x.iter().zip(coordinate_scales).enumerate() {
+            for (i, (own, scale)) in latest.x.iter().zip(coordinate_scales).enumerate() {
                 let mut expected = 0.0;
                 for (rate, weight) in earlier[..used].iter().zip(weights) {
                     expected += weight * rate[i].value();
                 }
-                *error = error.max((own.value() - expected).abs() * lever);
+                *error = error.max((own.value() - expected).abs() * scale);
             }
         }
         let best = (0..=place).fold(0, |best, used| if errors[used] < errors[best] { used } else { best });

@@ -1,4 +1,5 @@
 use super::Soft;
+use super::soft::as_soft_joint;
 use crate::elements::joints::{POINTS, gap};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
@@ -81,22 +82,9 @@ impl Element for Bushing {
         Parameter::non_negative("damping about z", "N m s/rad"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
-    }
+    as_soft_joint!();
+
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.soft().0.parameters()).collect()
-    }
-    fn strain_count(&self) -> usize {
-        self.soft().strain_count()
-    }
-    fn strains<S: Scalar>(&self, q: &[S], p: &[S], t: S, e: &mut [S]) {
-        self.soft().strains(q, p, t, e);
-    }
-    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
-        self.soft().stored(e, p)
-    }
-    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], t: S, s: &mut [S]) {
-        self.soft().damping(e, rate, p, t, s);
     }
 }

@@ -1,4 +1,5 @@
 use super::Soft;
+use super::soft::as_soft_joint;
 use crate::elements::joints::{POINTS, components, gap, vectors};
 use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
 use crate::scalar::Scalar;
@@ -49,23 +50,10 @@ impl SlideSpringDamper {
 impl Element for SlideSpringDamper {
     const DOFS: usize = 24;
 
-    fn dofs(&self) -> usize {
-        self.soft().dofs()
-    }
+    as_soft_joint!();
+
     fn parameters(&self) -> Vec<Parameter> {
         let own = [Parameter::non_negative("stiffness", "N/m"), Parameter::non_negative("damping", "N s/m")];
         own.into_iter().chain(self.soft().0.parameters()).collect()
-    }
-    fn strain_count(&self) -> usize {
-        self.soft().strain_count()
-    }
-    fn strains<S: Scalar>(&self, q: &[S], p: &[S], t: S, e: &mut [S]) {
-        self.soft().strains(q, p, t, e);
-    }
-    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
-        self.soft().stored(e, p)
-    }
-    fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], t: S, s: &mut [S]) {
-        self.soft().damping(e, rate, p, t, s);
     }
 }

@@ -11,6 +11,28 @@ use crate::scalar::Scalar;
 /// * parameters of the joint
 pub struct Soft<J>(pub J);
 
+/// The methods of an element that is a soft joint, given by its method `soft`, with other names of parameters.
+macro_rules! as_soft_joint {
+    () => {
+        fn dofs(&self) -> usize {
+            self.soft().dofs()
+        }
+        fn strain_count(&self) -> usize {
+            self.soft().strain_count()
+        }
+        fn strains<S: Scalar>(&self, q: &[S], p: &[S], t: S, e: &mut [S]) {
+            self.soft().strains(q, p, t, e);
+        }
+        fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+            self.soft().stored(e, p)
+        }
+        fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], t: S, s: &mut [S]) {
+            self.soft().damping(e, rate, p, t, s);
+        }
+    };
+}
+pub(super) use as_soft_joint;
+
 impl<J: Constraint> Element for Soft<J> {
     const DOFS: usize = J::DOFS;
 
