@@ -5,7 +5,7 @@
 
 use super::lagged::{LaggedSolver, Refactoring};
 use super::multifrontal::{MultifrontalLu, largest};
-use super::{DenseLu, LeftLookingLu, LinearSolver, Side, Singular, SparseLu, minimum_degree};
+use super::{DenseLu, LeftLookingLu, LinearSolver, Side, Singular, minimum_degree};
 use crate::linalg::SparsePattern;
 use std::sync::Arc;
 
@@ -17,8 +17,6 @@ pub enum Backend {
     Automatic,
     /// Dense LU.
     Dense,
-    /// Sparse LU with pivots searched in all rows at every factorization.
-    Sparse,
     /// Sparse LU with pivots kept from factorization to factorization.
     LeftLooking,
     /// Sparse LU of dense fronts, with pivots searched in each.
@@ -27,15 +25,13 @@ pub enum Backend {
 
 impl Backend {
     /// All, the choice by size first.
-    pub const ALL: [Backend; 5] =
-        [Backend::Automatic, Backend::Dense, Backend::Sparse, Backend::LeftLooking, Backend::Multifrontal];
+    pub const ALL: [Backend; 4] = [Backend::Automatic, Backend::Dense, Backend::LeftLooking, Backend::Multifrontal];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Automatic => "automatic",
             Backend::Dense => "dense",
-            Backend::Sparse => "sparse",
             Backend::LeftLooking => "left-looking",
             Backend::Multifrontal => "multifrontal",
         }
@@ -135,7 +131,6 @@ impl Factorization {
         };
         let (solver, work, backend) = match backend {
             Backend::Dense => dense(),
-            Backend::Sparse => (Box::new(SparseLu::new(pattern)?) as Box<dyn LinearSolver>, None, Backend::Sparse),
             Backend::Multifrontal => multifrontal(),
             Backend::LeftLooking => left_looking(f64::INFINITY).unwrap_or_else(dense),
             // dense kernels do several operations in the time of one of a left-looking factorization

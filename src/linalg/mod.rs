@@ -12,7 +12,6 @@ pub mod multifrontal;
 mod ordering;
 mod rank;
 mod simd;
-mod sparse;
 mod sparse_pattern;
 
 pub use dense::DenseLu;
@@ -22,7 +21,6 @@ pub use left_looking::LeftLookingLu;
 pub use multifrontal::Side;
 pub use ordering::{Ordering, minimum_degree};
 pub use rank::independent_rows;
-pub use sparse::SparseLu;
 pub use sparse_pattern::SparsePattern;
 
 /// A singular or non-finite matrix: the unknown that it does not determine.

@@ -1,3 +1,4 @@
+use super::Foreign;
 use super::patterns::Matrix;
 use std::ffi::{c_double, c_int, c_longlong, c_void};
 
@@ -58,26 +59,6 @@ impl Mumps {
         }
     }
 
-    /// Factors the matrix.
-    ///
-    /// # Errors
-    /// In words, with the code of MUMPS.
-    pub fn factor(&mut self) -> Result<(), String> {
-        // SAFETY: as many values as the analysis was given entries.
-        unsafe { mumps_factor(self.handle, self.values.as_mut_ptr()) };
-        self.check()
-    }
-
-    /// Replaces a right-hand side by the solution.
-    ///
-    /// # Errors
-    /// In words, with the code of MUMPS.
-    pub fn solve(&mut self, transposed: bool, rhs: &mut [f64]) -> Result<(), String> {
-        // SAFETY: one number for each unknown.
-        unsafe { mumps_solve(self.handle, c_int::from(transposed), rhs.as_mut_ptr()) };
-        self.check()
-    }
-
     /// Operations of the elimination, by the analysis.
     pub fn operations(&self) -> f64 {
         // SAFETY: the handle is that of `mumps_begin`.
@@ -88,6 +69,20 @@ impl Mumps {
     pub fn megabytes(&self) -> f64 {
         // SAFETY: as above.
         f64::from(unsafe { mumps_megabytes(self.handle) })
+    }
+}
+
+impl Foreign for Mumps {
+    fn factor(&mut self) -> Result<(), String> {
+        // SAFETY: as many values as the analysis was given entries.
+        unsafe { mumps_factor(self.handle, self.values.as_mut_ptr()) };
+        self.check()
+    }
+
+    fn solve(&mut self, transposed: bool, rhs: &mut [f64]) -> Result<(), String> {
+        // SAFETY: one number for each unknown.
+        unsafe { mumps_solve(self.handle, c_int::from(transposed), rhs.as_mut_ptr()) };
+        self.check()
     }
 }
 

@@ -2,6 +2,8 @@
 #![allow(clippy::needless_range_loop)]
 
 #[cfg(feature = "mumps")]
+mod faer_sparse;
+#[cfg(feature = "mumps")]
 mod mumps;
 mod patterns;
 
@@ -18,12 +20,8 @@ type Kind = fn(usize) -> Matrix;
 pub struct LinearSolvers;
 
 /// Unknowns from which a solver is left out: it would take minutes, or more memory than most machines have.
-const MOST: [(Backend, usize); 4] = [
-    (Backend::Dense, 2_000),
-    (Backend::LeftLooking, 12_000),
-    (Backend::Sparse, 60_000),
-    (Backend::Multifrontal, usize::MAX),
-];
+const MOST: [(Backend, usize); 3] =
+    [(Backend::Dense, 2_000), (Backend::LeftLooking, 12_000), (Backend::Multifrontal, usize::MAX)];
 /// Largest backward error of a solution: some roundings more than the best.
 const BACKWARD_ERROR: f64 = 1e-13;
 /// Unknowns of the mesh whose matrices are followed, and how many of them.
@@ -62,10 +60,10 @@ impl Study for LinearSolvers {
                 on_threads(1, || measure_lag(report, &matrix))?;
             }
             #[cfg(feature = "mumps")]
-            measure_mumps(report, &matrix)?;
+            measure_foreign(report, &matrix)?;
         }
         if !cfg!(feature = "mumps") {
-            report.note("MUMPS was not measured beside them: a program built with --features mumps does (it needs libmumps-seq-dev).");
+            report.note("MUMPS and faer's sparse LU were not measured beside them: a program built with --features mumps does (it needs libmumps-seq-dev).");
         }
         Ok(())
     }
@@ -114,29 +112,63 @@ fn measure_lag(report: &mut Report, matrix: &Matrix) -> Result<(), String> {
     Ok(())
 }
 
-/// The same of MUMPS.
+/// A solver that others wrote, with one matrix.
 #[cfg(feature = "mumps")]
-fn measure_mumps(report: &mut Report, matrix: &Matrix) -> Result<(), String> {
+trait Foreign {
+    /// Factors the matrix.
+    ///
+    /// # Errors
+    /// In words, with the error or code of the solver.
+    fn factor(&mut self) -> Result<(), String>;
+    /// Replaces a right-hand side by the solution.
+    ///
+    /// # Errors
+    /// As for [`Self::factor`].
+    fn solve(&mut self, transposed: bool, rhs: &mut [f64]) -> Result<(), String>;
+}
+
+/// Unknowns from which faer's sparse LU is left out.
+#[cfg(feature = "mumps")]
+const MOST_OF_FAER: usize = 60_000;
+
+/// The same of MUMPS and of faer's sparse LU.
+#[cfg(feature = "mumps")]
+fn measure_foreign(report: &mut Report, matrix: &Matrix) -> Result<(), String> {
+    if matrix.pattern.size <= MOST_OF_FAER {
+        measure_one(report, matrix, "sparse (faer)", || faer_sparse::FaerSparse::new(matrix))?;
+    }
+    let mumps = measure_one(report, matrix, "MUMPS", || mumps::Mumps::new(matrix))?;
     let name = format!("{}, MUMPS, 1 thread", matrix.name);
-    let watch = Watch::start(1);
-    let mut mumps = mumps::Mumps::new(matrix)?;
-    report.inform(format!("{name}/analysis [ms]"), 1e3 * watch.seconds());
-    let factor = fastest(1, || mumps.factor())?;
-    report.inform(format!("{name}/factorization [ms]"), 1e3 * factor);
     report.inform(format!("{name}/memory of the factorization [MB]"), mumps.megabytes());
     report.inform(format!("{name}/multiplications [1e6]"), 0.5e-6 * mumps.operations());
+    Ok(())
+}
+
+#[cfg(feature = "mumps")]
+fn measure_one<F: Foreign>(
+    report: &mut Report,
+    matrix: &Matrix,
+    solver: &str,
+    analyse: impl FnOnce() -> Result<F, String>,
+) -> Result<F, String> {
+    let name = format!("{}, {solver}, 1 thread", matrix.name);
+    let watch = Watch::start(1);
+    let mut foreign = analyse()?;
+    report.inform(format!("{name}/analysis [ms]"), 1e3 * watch.seconds());
+    let factor = fastest(1, || foreign.factor())?;
+    report.inform(format!("{name}/factorization [ms]"), 1e3 * factor);
     let rhs = right_hand_side(matrix.pattern.size);
     for transposed in [false, true] {
         let mut x = Vec::new();
         let solution = fastest(1, || {
             x.clone_from(&rhs);
-            mumps.solve(transposed, &mut x)
+            foreign.solve(transposed, &mut x)
         })?;
         let kind = if transposed { "transposed solution" } else { "solution" };
         report.inform(format!("{name}/{kind} [ms]"), 1e3 * solution);
         report.inform(format!("{name}/backward error of the {kind}"), backward_error(matrix, transposed, &x, &rhs));
     }
-    Ok(())
+    Ok(foreign)
 }
 
 fn right_hand_side(size: usize) -> Vec<f64> {
