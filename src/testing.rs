@@ -29,8 +29,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Impulse, Jacobian, Level, Model, NodeId, NodeKind, ProductBars, ProductPoint,
-    Products, Residual, StageCoefficients, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, NodeKind, ProductBars,
+    ProductPoint, Products, Residual, StageCoefficients, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
     AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, Nonholonomic, NonholonomicConstraint,
@@ -601,7 +601,7 @@ impl<'s> Assembled<'s> {
             let point = ProductPoint { at: &self.at, p: &self.p, t };
             let mut bars = [ProductBars { at: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
-            products.add_elements(&system, adjoints, (None, 1.0), point, &mut bars);
+            products.add_elements(&system, adjoints, (Force::Residual, 1.0), point, &mut bars);
             products.add_constraints(&system, (equations, ConstraintPart::Both), adjoints, &unknowns, point, &mut bars);
             (bar, bar_p)
         };
@@ -633,7 +633,7 @@ impl<'s> Assembled<'s> {
             let point = ProductPoint { at: &self.at, p: &self.p, t };
             let mut bars = [ProductBars { at: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
-            Products::new(active).add_elements(&system, adjoints, (Some(impulse), 1.0), point, &mut bars);
+            Products::new(active).add_elements(&system, adjoints, (Force::Impulse(impulse), 1.0), point, &mut bars);
             (bar, bar_p)
         };
         self.compare_products("impulse", found, &mut product_of)

@@ -3,18 +3,20 @@
 use super::batches::Lane;
 use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
-use super::{Impulse, VectorsAvq};
+use super::{Equations, Impulse, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::program::{Formula, Graph, LinearForm, Node, Program};
 use std::sync::Arc;
 
 /// What an element adds to F.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Force {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Force {
     /// R(a, v, q, p, t).
     Residual,
+    /// dR/da a of (a, v, q, p, t): M a, the metric of the projection of a start.
+    Inertia,
     /// w_P P + w_F F for a step of a variational integrator, with the weights among the arguments.
-    Impulse,
+    Impulse(Impulse),
 }
 
 /// Arguments of an element's formulas: (a, v, q), parameters, time, and the two weights of an impulse; those of its programs follow.
@@ -25,12 +27,12 @@ pub(super) struct ElementLayout {
     /// Number of parameters.
     pub parameters: usize,
     /// Whether there are weights of an impulse.
-    force: Force,
+    weighted: bool,
 }
 
 impl ElementLayout {
     pub fn new(n: usize, parameters: usize, force: Force) -> Self {
-        ElementLayout { n, parameters, force }
+        ElementLayout { n, parameters, weighted: matches!(force, Force::Impulse(_)) }
     }
     /// Place of the parameters, behind (a, v, q).
     pub fn p(&self) -> usize {
@@ -45,7 +47,7 @@ impl ElementLayout {
     }
     /// Place of what a program adds.
     pub fn extra(&self) -> usize {
-        self.weights() + if self.force == Force::Impulse { 2 } else { 0 }
+        self.weights() + if self.weighted { 2 } else { 0 }
     }
     /// Writes the arguments of one element's formula; returns the place behind them.
     #[inline(always)]
@@ -54,7 +56,7 @@ impl ElementLayout {
         lane: &mut Lane<S>,
         part: &DofMap,
         (at, p, t): (&VectorsAvq<S>, &[S], f64),
-        weights: [f64; 2],
+        force: Force,
     ) -> usize {
         let mut place = 0;
         for values in [&at.a, &at.v, &at.q] {
@@ -62,27 +64,41 @@ impl ElementLayout {
         }
         place = lane.copy(place, &p[part.parameters.clone()]);
         lane.set(place, S::from(t));
-        if self.force == Force::Impulse {
-            lane.copy(self.weights(), &weights.map(S::from));
+        if let Force::Impulse(impulse) = force {
+            lane.copy(self.weights(), &impulse.weights().map(S::from));
         }
         self.extra()
     }
 }
 
 impl Force {
-    /// What elements add to F in a step, and the weights of an impulse.
-    pub fn of(impulse: Option<Impulse>) -> (Self, [f64; 2]) {
-        match impulse {
-            None => (Force::Residual, [0.0; 2]),
-            Some(impulse) => (Force::Impulse, impulse.weights()),
+    /// Number of kinds.
+    pub(super) const KINDS: usize = 3;
+
+    /// What elements add at the point of the unknowns.
+    pub fn of(equations: &Equations) -> Self {
+        match equations.variational {
+            Some(step) => Force::Impulse(step.now()),
+            None if equations.is_of_inertia() => Force::Inertia,
+            None => Force::Residual,
+        }
+    }
+
+    /// Number of its kind.
+    pub(super) fn kind(self) -> usize {
+        match self {
+            Force::Residual => 0,
+            Force::Inertia => 1,
+            Force::Impulse(_) => 2,
         }
     }
 
     /// The recorded formula.
-    pub fn formula(self, physics: &ElementPhysics) -> &Arc<Formula> {
+    pub(super) fn formula(self, physics: &ElementPhysics) -> &Arc<Formula> {
         match self {
             Force::Residual => physics.residual(),
-            Force::Impulse => physics.impulse(),
+            Force::Inertia => physics.inertia(),
+            Force::Impulse(_) => physics.impulse(),
         }
     }
 }

@@ -65,7 +65,8 @@ pub struct Equations {
     pub constraint: StageCoefficients,
     /// Constraint level.
     pub level: Level,
-    /// Subtract R at the base point: the metric of a projection instead of the equation of motion.
+    /// The metric of a projection instead of the equation of motion: R less R at the base point, or M x where the unknowns move
+    /// accelerations alone.
     pub metric: bool,
     /// A step of a variational integrator instead of the equation of motion.
     pub variational: Option<Variational>,
@@ -92,9 +93,23 @@ impl Equations {
             && (self.level, self.metric, self.variational) == (other.level, other.metric, other.variational)
     }
 
+    /// True for the mass metric, M x: the unknowns move accelerations alone.
+    pub(crate) fn is_of_inertia(&self) -> bool {
+        self.metric && self.is_of_accelerations()
+    }
+
+    fn is_of_accelerations(&self) -> bool {
+        self.residual.beta == 0.0 && self.residual.alpha == 0.0
+    }
+
+    /// True for a metric that is the difference of R at two points.
+    pub(crate) fn is_difference(&self) -> bool {
+        self.metric && !self.is_of_accelerations()
+    }
+
     /// True where R, or what takes its place, at the base point is subtracted.
     pub(crate) fn subtracts(&self) -> bool {
-        self.metric || self.variational.is_some()
+        self.is_difference() || self.variational.is_some()
     }
 
     /// Time at which constraints hold, for equations at time `t` \[s\].
@@ -135,7 +150,7 @@ impl Equations {
         Equations { residual: stage, constraint, level: Level::Velocity, metric: true, variational: None }
     }
 
-    /// Projection of an initial q onto g = 0 in the mass metric: x = d.
+    /// Projection of an initial q onto g = 0 in the mass metric, x = d: M d + A^T nu = 0, g(q + d) = 0.
     pub fn initial_position_projection() -> Self {
         let constraint = StageCoefficients::new(0.0, 0.0, 1.0);
         Equations {
@@ -147,7 +162,7 @@ impl Equations {
         }
     }
 
-    /// Projection of an initial v onto dg/dt = 0 in the mass metric: x = w.
+    /// Projection of an initial v onto dg/dt = 0 in the mass metric, x = w: M w + A^T nu = 0, A (v + w) + g_t = 0.
     pub fn initial_velocity_projection() -> Self {
         let constraint = StageCoefficients::new(0.0, 1.0, 0.0);
         Equations {

@@ -166,7 +166,7 @@ impl Jacobian {
 
     /// Whether the matrix is the same at all states and times, as its programs show: a linear system without constraints.
     pub fn is_constant(system: &System, equations: &Equations) -> bool {
-        let (force, _) = Force::of(equations.variational.map(|step| step.now()));
+        let force = Force::of(equations);
         let (_, moves) = numbers_of(equations.residual);
         let stabilized = system.options.stabilized;
         system.constraint_batches().is_empty()
@@ -179,7 +179,7 @@ impl Jacobian {
     }
 
     fn add_elements(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
-        let (force, weights) = Force::of(equations.variational.map(|step| step.now()));
+        let force = Force::of(equations);
         let (shift, moves) = numbers_of(equations.residual);
         for batch in system.element_batches(force) {
             let layout = batch.layout;
@@ -196,7 +196,7 @@ impl Jacobian {
                 work,
                 |index, lane| {
                     let part = part(index);
-                    let place = layout.write(lane, part, (&point.at, p, t), weights);
+                    let place = layout.write(lane, part, (&point.at, p, t), force);
                     let place = lane.copy(place, &shift);
                     write_bases(bases, part, &batch.nodes, place, lane);
                 },

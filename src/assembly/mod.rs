@@ -27,6 +27,7 @@ mod residual;
 mod variational;
 
 pub use constraint_programs::ConstraintPart;
+pub use element_programs::Force;
 pub use equations::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};
 pub use jacobian::Jacobian;

@@ -109,7 +109,7 @@ pub struct System<'m> {
     /// Nodes with an eliminated constraint, or all of them at the stabilized level.
     pub(super) node_blocks: Vec<(usize, ScatterMap)>,
     /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
-    batches: [OnceLock<Vec<ElementBatch>>; 2],
+    batches: [OnceLock<Vec<ElementBatch>>; Force::KINDS],
     constraint_batches: OnceLock<Vec<ConstraintBatch>>,
 }
 
@@ -229,14 +229,14 @@ impl<'m> System<'m> {
             node_blocks,
             pattern: Arc::new(pattern),
             options,
-            batches: [const { OnceLock::new() }; 2],
+            batches: [const { OnceLock::new() }; Force::KINDS],
             constraint_batches: OnceLock::new(),
         }
     }
 
     /// Elements that are evaluated side by side.
     pub(super) fn element_batches(&self, force: Force) -> &[ElementBatch] {
-        self.batches[force as usize].get_or_init(|| self.sort_elements(force))
+        self.batches[force.kind()].get_or_init(|| self.sort_elements(force))
     }
 
     /// Constraints that are evaluated side by side.

@@ -3,7 +3,7 @@ use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::numbering::{DofMap, System};
 use super::residual::LocalVec;
-use super::{Equations, Impulse, Level, Rates, Unknowns, VectorsAvq};
+use super::{Equations, Level, Rates, Unknowns, VectorsAvq};
 use crate::elements::State;
 use crate::program::ProgramCache;
 use std::collections::HashMap;
@@ -91,8 +91,8 @@ fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: 
 
 /// Products of adjoint variables with the derivatives of elements and constraints.
 pub struct Products {
-    /// Residuals, impulses.
-    elements: [Option<Vec<Selection>>; 2],
+    /// By what elements add.
+    elements: [Option<Vec<Selection>>; Force::KINDS],
     constraints: Option<Vec<Selection>>,
     active: Vec<bool>,
     work: BatchWork<f64>,
@@ -103,22 +103,21 @@ impl Products {
     /// For parameters that depend on a design variable; the others get no derivative.
     pub fn new(active: &[bool]) -> Self {
         let (work, chosen) = (BatchWork::default(), Vec::new());
-        Products { elements: [None, None], constraints: None, active: active.to_vec(), work, chosen }
+        Products { elements: [None, None, None], constraints: None, active: active.to_vec(), work, chosen }
     }
 
-    /// Adds `sign` times the gradient of lambda . R(a, v, q, p, t), or of lambda . (w_P P + w_F F) for an impulse, for every functional.
+    /// Adds `sign` times the gradient of lambda times what elements add to F, for every functional.
     pub fn add_elements(
         &mut self,
         system: &System,
         adjoints: &[Adjoints],
-        (impulse, sign): (Option<Impulse>, f64),
+        (force, sign): (Force, f64),
         ProductPoint { at, p, t }: ProductPoint,
         bars: &mut [ProductBars],
     ) {
-        let (force, weights) = Force::of(impulse);
         let batches = system.element_batches(force);
         let Products { elements, active, work, chosen, .. } = self;
-        let selections = elements[force as usize].get_or_insert_with(|| {
+        let selections = elements[force.kind()].get_or_insert_with(|| {
             select(batches.iter().map(|batch| batch.parts.as_slice()), &system.element_parts, active)
         });
         for Selection { batch, asked, parts, programs } in selections {
@@ -135,7 +134,7 @@ impl Products {
                     chosen.len(),
                     work,
                     |index, lane| {
-                        let place = layout.write(lane, part(index), (at, p, t), weights);
+                        let place = layout.write(lane, part(index), (at, p, t), force);
                         lane.copy_segments(place, part(index), &adjoint.f);
                     },
                     |index, results| {

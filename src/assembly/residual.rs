@@ -2,7 +2,7 @@ use super::batches::{BatchWork, run_parts};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
 use super::numbering::{NodeConstraint, System};
-use super::{Equations, Impulse, Level, Rates, Unknowns, Variational, VectorsAvq};
+use super::{Equations, Level, Rates, Unknowns, Variational, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
@@ -119,16 +119,16 @@ impl<S: RunScalar> Residual<S> {
         }
     }
 
-    /// Prepares for a solve from `base`: for a metric, R there is what is subtracted.
+    /// Prepares for a solve from `base`: of a metric that is a difference, R there is what is subtracted.
     pub fn start(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, p: &[S], t: f64) {
-        if equations.metric {
-            self.add_elements(system, None, base, p, t);
+        if equations.is_difference() {
+            self.add_elements(system, Force::Residual, base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
         }
         if let Some(step) = equations.variational {
             let mut before = std::mem::take(&mut self.constraint_base);
             Variational::write_moved(base, step.to_before(), &mut before);
-            self.add_elements(system, Some(step.before()), &before, p, t + step.to_before());
+            self.add_elements(system, Force::Impulse(step.before()), &before, p, t + step.to_before());
             std::mem::swap(&mut self.f, &mut self.base);
             self.constraint_base = before;
         }
@@ -160,6 +160,9 @@ impl<S: RunScalar> Residual<S> {
             super::local::restore(system, equations, constraint_base, unknowns, self.keep_values, corrections, work);
         }
         self.at.set_shifted(base, equations.residual, unknowns);
+        if equations.is_of_inertia() {
+            self.at.a.iter_mut().zip(&unknowns.x).for_each(|(a, &x)| *a = x * equations.residual.gamma);
+        }
         self.constraint_at.set_shifted(constraint_base, equations.constraint, unknowns);
         self.constraint_base = moved;
         if let Some(step) = equations.variational {
@@ -173,7 +176,7 @@ impl<S: RunScalar> Residual<S> {
             }
         }
         let at = std::mem::take(&mut self.at);
-        self.add_elements(system, equations.variational.map(|step| step.now()), &at, p, t);
+        self.add_elements(system, Force::of(equations), &at, p, t);
         self.at = at;
         if equations.subtracts() {
             for (f, &r) in self.f.iter_mut().zip(&self.base) {
@@ -253,8 +256,7 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// F = sum of what the elements add at `at`.
-    fn add_elements(&mut self, system: &System, impulse: Option<Impulse>, at: &VectorsAvq<S>, p: &[S], t: f64) {
-        let (force, weights) = Force::of(impulse);
+    fn add_elements(&mut self, system: &System, force: Force, at: &VectorsAvq<S>, p: &[S], t: f64) {
         self.f.fill(S::zero());
         for batch in system.element_batches(force) {
             let (program, layout) = (batch.formula.values(), batch.layout);
@@ -265,7 +267,7 @@ impl<S: RunScalar> Residual<S> {
                 batch.parts.len(),
                 &mut self.work,
                 |index, lane| {
-                    layout.write(lane, part(index), (at, p, t), weights);
+                    layout.write(lane, part(index), (at, p, t), force);
                 },
                 |index, results| add_segments(&part(index).segments, results.iter(), f),
             );

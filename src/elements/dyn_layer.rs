@@ -212,6 +212,7 @@ pub struct ElementPhysics {
     parameters: usize,
     residual: OnceLock<Recording>,
     impulse: OnceLock<Recording>,
+    inertia: OnceLock<Arc<Formula>>,
     energies: OnceLock<Recording>,
 }
 
@@ -225,7 +226,7 @@ impl ElementPhysics {
     pub fn new(own: Box<dyn AnyElement>) -> Self {
         let (dofs, parameters) = (own.dof_count(), own.parameter_list().len());
         let [residual, impulse, energies] = [const { OnceLock::new() }; 3];
-        ElementPhysics { own, dofs, parameters, residual, impulse, energies }
+        ElementPhysics { own, dofs, parameters, residual, impulse, inertia: OnceLock::new(), energies }
     }
 
     /// Path of its type.
@@ -263,6 +264,15 @@ impl ElementPhysics {
     /// R(a, v, q, p, t).
     pub fn residual(&self) -> &Arc<Formula> {
         checked(self.residual.get_or_init(|| self.own.record_residual()))
+    }
+    /// dR/da a of (a, v, q, p, t): inertia forces alone, where R is linear in a.
+    pub fn inertia(&self) -> &Arc<Formula> {
+        self.inertia.get_or_init(|| {
+            self.residual().derived(|graph, x, outputs| {
+                let seeds: Vec<_> = x[..self.dofs].iter().map(|&a| (a, a)).collect();
+                graph.forward(outputs, &seeds)
+            })
+        })
     }
     /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
     pub fn impulse(&self) -> &Arc<Formula> {

@@ -182,6 +182,15 @@ impl Formula {
         })
     }
 
+    /// A formula of the same arguments whose results are made of this one's.
+    pub fn derived(&self, results: impl FnOnce(&mut Graph, &[Node], &[Node]) -> Vec<Node>) -> Arc<Formula> {
+        let _making = Making::begin();
+        let mut graph = lock(&self.graph).clone();
+        let inputs: Vec<Node> = (0..self.inputs).map(|index| graph.input(index)).collect();
+        let outputs = results(&mut graph, &inputs, &self.outputs);
+        Self::shared(self.inputs, outputs, graph)
+    }
+
     /// Looks at the recording.
     pub fn inspect<T>(&self, look: impl FnOnce(&mut Graph, &[Node]) -> T) -> T {
         look(&mut lock(&self.graph), &self.outputs)

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Jacobian, ProductBars, ProductPoint, Products, Residual, System, Unknowns,
+    Adjoints, ConstraintPart, Equations, Force, Jacobian, ProductBars, ProductPoint, Products, Residual, System, Unknowns,
     Variational, VectorsAvq,
 };
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
@@ -192,9 +192,9 @@ impl<'m> TransposedSolver<'m> {
         let mut at_bars = vec![VectorsAvq::zeros(dofs); asked.len()];
         let mut constraint_bars = at_bars.clone();
         let mut before = VectorsAvq::default();
-        // in a metric what stiff elements give at both points cancels, and would take other digits along: gathered on its own
-        let mut own_p = vec![vec![0.0; if equations.metric { p.len() } else { 0 }]; asked.len()];
-        let mut p_bars: Vec<&mut Vec<f64>> = if equations.metric {
+        // in a metric that is a difference what stiff elements give at both points cancels, and would take other digits along: gathered on its own
+        let mut own_p = vec![vec![0.0; if equations.is_difference() { p.len() } else { 0 }]; asked.len()];
+        let mut p_bars: Vec<&mut Vec<f64>> = if equations.is_difference() {
             own_p.iter_mut().collect()
         } else {
             back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect()
@@ -207,11 +207,11 @@ impl<'m> TransposedSolver<'m> {
             reaction_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
             before_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
             let mut into = product_bars(&mut at_bars, &mut p_bars);
-            products.add_elements(system, &all, (Some(step.now()), 1.0), point(&self.residual.at, *t), &mut into);
+            products.add_elements(system, &all, (Force::Impulse(step.now()), 1.0), point(&self.residual.at, *t), &mut into);
             Variational::write_moved(base, step.to_before(), &mut before);
             let mut into = product_bars(&mut before_bars, &mut p_bars);
             let there = point(&before, t + step.to_before());
-            products.add_elements(system, &all, (Some(step.before()), -1.0), there, &mut into);
+            products.add_elements(system, &all, (Force::Impulse(step.before()), -1.0), there, &mut into);
             let mut into = product_bars(&mut constraint_bars, &mut p_bars);
             let there = point(constraint_at, equations.constraint_time(*t));
             products.add_constraints(system, (equations, ConstraintPart::Equations), &all, &unknowns, there, &mut into);
@@ -221,15 +221,15 @@ impl<'m> TransposedSolver<'m> {
             products.add_constraints(system, (equations, which), &all, &unknowns, there, &mut into);
         } else {
             let mut into = product_bars(&mut at_bars, &mut p_bars);
-            products.add_elements(system, &all, (None, 1.0), point(&self.residual.at, *t), &mut into);
+            products.add_elements(system, &all, (Force::of(equations), 1.0), point(&self.residual.at, *t), &mut into);
             let mut into = product_bars(&mut constraint_bars, &mut p_bars);
             let there = point(constraint_at, *t);
             products.add_constraints(system, (equations, ConstraintPart::Both), &all, &unknowns, there, &mut into);
         }
-        if equations.metric {
+        if equations.is_difference() {
             let mut own: Vec<VectorsAvq<f64>> = vec![VectorsAvq::zeros(dofs); asked.len()];
             let mut into = product_bars(&mut own, &mut p_bars);
-            products.add_elements(system, &all, (None, -1.0), point(base, *t), &mut into);
+            products.add_elements(system, &all, (Force::Residual, -1.0), point(base, *t), &mut into);
             for (&k, own) in asked.iter().zip(own) {
                 base_bars[k] = own;
             }
@@ -269,7 +269,8 @@ impl<'m> TransposedSolver<'m> {
             }
             for i in 0..dofs {
                 // first what cancels
-                base_bar.a[i] = (base_bar.a[i] + at_bar.a[i]) + constraint_bar.a[i];
+                let of_elements = if equations.is_of_inertia() { 0.0 } else { at_bar.a[i] };
+                base_bar.a[i] = (base_bar.a[i] + of_elements) + constraint_bar.a[i];
                 base_bar.v[i] = (base_bar.v[i] + at_bar.v[i]) + constraint_bar.v[i];
                 base_bar.q[i] = (base_bar.q[i] + at_bar.q[i]) + constraint_bar.q[i];
             }

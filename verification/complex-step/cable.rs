@@ -12,6 +12,8 @@ use costate::scenes::{CableLine, CableMember, MechanismBuilder};
 pub enum CableSubject {
     /// The parameters of the first element, with exact strains.
     Element,
+    /// The same of a bowed one with damping.
+    Damped,
     /// With the formulas for small strains: those of its stiffness, of its inertia, of its weight.
     SmallStrain,
     Inertia,
@@ -22,13 +24,13 @@ pub enum CableSubject {
     End(HeldSlope),
 }
 
-use Reach::{Geometry, ProjectedMass, Stored};
+use Reach::{Force, Geometry, ProjectedMass, Stored};
 
 impl CableSubject {
     /// The part whose parameters are tested.
     pub fn part(self) -> &'static str {
         match self {
-            CableSubject::Element | CableSubject::SmallStrain => "cable, element 1",
+            CableSubject::Element | CableSubject::Damped | CableSubject::SmallStrain => "cable, element 1",
             CableSubject::Inertia => "inertia of cable, element 1",
             CableSubject::Weight => "weight of cable, element 1",
             CableSubject::Corner => "corner",
@@ -42,6 +44,9 @@ impl CableSubject {
             // length, stiffnesses, mass, gravity
             CableSubject::Element => {
                 vec![ProjectedMass, Stored, Stored, ProjectedMass, Stored, Stored, Stored]
+            }
+            CableSubject::Damped => {
+                vec![ProjectedMass, Stored, Stored, ProjectedMass, Stored, Stored, Stored, Force]
             }
             CableSubject::SmallStrain => vec![Stored; 3],
             CableSubject::Inertia => vec![ProjectedMass; 2],
@@ -62,11 +67,15 @@ impl CableSubject {
         let exact = CableSection::new(S::from(40.0), S::from(0.5), S::from(0.8));
         let section = match self {
             CableSubject::SmallStrain | CableSubject::Inertia | CableSubject::Weight => exact.small_strains(),
+            CableSubject::Damped => exact.damped(S::from(DAMPING)),
             _ => exact,
         };
         let [clamp, bend] = [[1.2, -0.5, 0.3], [1.1, 0.3, -0.4]].map(|x| shoulder + Vector3::from_f64(x));
         let first = m.cable("cable", CableLine::straight([clamp, bend], 2).clamped_start(), &section);
         let second = m.cable("second cable", CableLine::straight([bend, elbow], 2), &section);
+        if self == CableSubject::Damped {
+            ["cable", "second cable"].into_iter().for_each(|name| bow(m, name));
+        }
         let corner = m.cable_corner("corner", [first.end(), second.start()]);
         let nodes = [arm, second.end()];
         let end = match self {
@@ -78,5 +87,28 @@ impl CableSubject {
             _ => m.cable_weld("end", nodes, HeldSlope::Direction),
         };
         (first, [corner, end])
+    }
+}
+
+/// Damping of a cable [s].
+const DAMPING: f64 = 0.0005;
+/// Rise of a bowed cable by its length.
+const RISE: f64 = 0.1;
+
+/// Puts the nodes of a cable on a parabola: damping acts along the direction of the curvature, which a straight cable has none of.
+fn bow<S: Scalar>(m: &mut MechanismBuilder<S>, name: &str) {
+    let own = format!("{name}, node");
+    let nodes = m.model.nodes.iter().filter(|node| node.name.starts_with(&own));
+    let places: Vec<usize> = nodes.map(|node| node.dofs.start).collect();
+    let point = |place: usize| Vector3::first_three(&m.numbers.q[place..]);
+    let chord = point(places[places.len() - 1]) - point(places[0]);
+    let (side, length) = (chord.unit().perpendiculars()[0], chord.length());
+    for (i, &place) in places.iter().enumerate() {
+        let share = i as f64 / (places.len() - 1) as f64;
+        let rise = side * (length * S::from(4.0 * RISE * share * (1.0 - share)));
+        let slope = side * S::from(4.0 * RISE * (1.0 - 2.0 * share));
+        for (own, added) in m.numbers.q[place..].iter_mut().zip(rise.components().into_iter().chain(slope.components())) {
+            *own += added;
+        }
     }
 }

@@ -6,8 +6,9 @@ use costate::sensitivity::Analysis;
 /// Largest step, relative to the variables, and the factor from one to the next.
 const LARGEST: f64 = 8e-3;
 const FACTOR: f64 = 4.0;
-/// Number of steps.
-const COUNT: i32 = 5;
+/// Number of steps, and the most where they are too long.
+const COUNT: usize = 5;
+const MOST: usize = 7;
 
 /// The derivative of a functional along a direction, from separate real runs.
 #[derive(Clone, Copy, Debug)]
@@ -47,27 +48,42 @@ pub fn central(analysis: &Analysis, x: &[f64], direction: &[f64], step: f64) -> 
 }
 
 /// For each functional: central differences with several steps, two neighbours extrapolated each; of these that is taken which is
-/// expected to be nearest, judged by how far its neighbour is away and by the noise over its step.
+/// expected to be nearest, judged by how far its neighbour is away and by the noise over its step. Steps become shorter for as long as a
+/// functional would take the shortest, and not for its noise.
 pub fn quotients(analysis: &Analysis, x: &[f64], direction: &[f64]) -> Result<Vec<Quotient>, RunError> {
     let noise = noise(analysis, x, direction)?;
-    let steps: Vec<f64> = (0..COUNT).map(|k| LARGEST * FACTOR.powi(-k)).collect();
-    let differences: Vec<Vec<f64>> =
-        steps.iter().map(|&step| central(analysis, x, direction, step)).collect::<Result<_, _>>()?;
+    let (mut steps, mut differences) = (Vec::new(), Vec::new());
+    let mut step = LARGEST;
+    loop {
+        steps.push(step);
+        differences.push(central(analysis, x, direction, step)?);
+        if steps.len() >= COUNT {
+            let all = (0..noise.len()).map(|functional| best(&steps, &differences, functional, noise[functional]));
+            let (all, too_long): (Vec<Quotient>, Vec<bool>) = all.unzip();
+            if steps.len() == MOST || !too_long.contains(&true) {
+                return Ok(all);
+            }
+        }
+        step /= FACTOR;
+    }
+}
+
+/// The best quotient of one functional, and whether a shorter step would make it better.
+fn best(steps: &[f64], differences: &[Vec<f64>], functional: usize, noise: f64) -> (Quotient, bool) {
     let square = FACTOR * FACTOR;
-    let of = |functional: usize| {
-        let extrapolated: Vec<Quotient> = differences
-            .windows(2)
-            .zip(&steps[1..])
-            .map(|(pair, &step)| Quotient {
-                value: (square * pair[1][functional] - pair[0][functional]) / (square - 1.0),
-                step,
-                floor: (square / step + 1.0 / (FACTOR * step)) / (square - 1.0) * noise[functional],
-            })
-            .collect();
-        // the error falls with the fourth power of the step: that of the shorter one is a small share of the difference
-        let expected = |pair: &[Quotient]| ((pair[0].value - pair[1].value) / square).abs().max(pair[1].floor);
-        let best = extrapolated.windows(2).min_by(|a, b| expected(a).total_cmp(&expected(b)));
-        best.map_or(extrapolated[0], |pair| pair[1])
-    };
-    Ok((0..noise.len()).map(of).collect())
+    let extrapolated: Vec<Quotient> = differences
+        .windows(2)
+        .zip(&steps[1..])
+        .map(|(pair, &step)| Quotient {
+            value: (square * pair[1][functional] - pair[0][functional]) / (square - 1.0),
+            step,
+            floor: (square / step + 1.0 / (FACTOR * step)) / (square - 1.0) * noise,
+        })
+        .collect();
+    // the error falls with the fourth power of the step: that of the shorter one is a small share of the difference
+    let away = |pair: &[Quotient]| ((pair[0].value - pair[1].value) / square).abs();
+    let expected = |pair: &[Quotient]| away(pair).max(pair[1].floor);
+    let best = extrapolated.windows(2).min_by(|a, b| expected(a).total_cmp(&expected(b)));
+    let Some(pair) = best else { return (extrapolated[0], true) };
+    (pair[1], pair[1].step == steps[steps.len() - 1] && away(pair) > pair[1].floor)
 }

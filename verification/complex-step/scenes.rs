@@ -12,9 +12,9 @@ use costate::scenes::{MechanismBuilder, Scene, Settings};
 use std::sync::Arc;
 
 /// Length of every run [s].
-pub const END: f64 = 1.0;
+pub const END: f64 = 0.64;
 /// Steps of every run.
-pub const STEPS: usize = 50;
+pub const STEPS: usize = 32;
 /// Load steps of equilibria.
 const LOAD_STEPS: usize = 5;
 
@@ -173,6 +173,7 @@ pub fn list() -> Vec<Case> {
         beam("load-along-beam-world-lines", BeamSubject::Load(world, early), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
         cable("cable", CableSubject::Element),
+        cable("cable-damped", CableSubject::Damped),
         cable("cable-small-strains", CableSubject::SmallStrain),
         cable("inertia-of-cable", CableSubject::Inertia),
         cable("weight-of-cable", CableSubject::Weight),
@@ -205,8 +206,16 @@ impl Case {
     pub fn end(&self) -> f64 {
         if self.is_flexible() { 0.25 * END } else { END }
     }
-    /// One of the basic elements and constraints, which go with every integrator; what others add to them is their formula alone, and
-    /// that is the same for all integrators.
+    /// One that goes with every integrator: a body, a joint of two bodies, a nonholonomic constraint, a driver, a load that jumps.
+    pub fn goes_with_all(&self) -> bool {
+        use Subject::*;
+        let jumps = matches!(self.subject, Force(Anchor::Body, _, TimeFunction::Step { .. }));
+        let driven = matches!(self.subject, Rotation(TimeFunction::Sine));
+        jumps || driven || matches!(self.subject, RigidBody | Revolute | RollingDisc)
+    }
+
+    /// One of the basic elements and constraints, of which each further integrator gets a share; what others add to them is their formula
+    /// alone, and that is the same for all integrators.
     pub fn is_basic(&self) -> bool {
         use Subject::*;
         !matches!(
