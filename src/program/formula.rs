@@ -88,7 +88,12 @@ impl Formula {
     /// If it branches on a value: what was recorded would hold for other values only by chance.
     pub fn record(inputs: usize, formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
         let _making = Making::begin();
-        let (results, Recording { mut graph, looked, .. }) = record(&vec![f64::NAN; inputs], formula);
+        let (results, recording) = record(&vec![f64::NAN; inputs], formula);
+        Self::of_recording(inputs, results, recording)
+    }
+
+    fn of_recording(inputs: usize, results: Vec<Recorded>, recording: Recording) -> Result<Arc<Formula>, String> {
+        let Recording { mut graph, looked, .. } = recording;
         if looked {
             return Err(
                 "its formula looks at the value of a number (Scalar::value), and may take another branch for other \

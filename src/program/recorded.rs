@@ -45,16 +45,22 @@ impl Drop for Around {
 
 /// Records what `formula` does with its arguments, whose values are `values`; numbers that are not known are NaN.
 pub fn record<T>(values: &[f64], formula: impl FnOnce(&[Recorded]) -> T) -> (T, Recording) {
-    let around = Around(RECORDING.replace(Some(Recording::default())));
-    let arguments: Vec<Recorded> = values
-        .iter()
-        .enumerate()
-        .map(|(index, &value)| Recorded { value, place: with_graph(|graph| graph.input(index)).0 })
-        .collect();
+    let (around, arguments) = begin(values);
     let result = formula(&arguments);
+    (result, end(around))
+}
+
+// outside of the generic function: there is one for each formula
+fn begin(values: &[f64]) -> (Around, Vec<Recorded>) {
+    let around = Around(RECORDING.replace(Some(Recording::default())));
+    let argument = |(index, &value)| Recorded { value, place: with_graph(|graph| graph.input(index)).0 };
+    (around, values.iter().enumerate().map(argument).collect())
+}
+
+fn end(around: Around) -> Recording {
     let recording = RECORDING.take().unwrap_or_default();
     drop(around);
-    (result, recording)
+    recording
 }
 
 fn with_graph<T>(f: impl FnOnce(&mut Graph) -> T) -> T {
