@@ -13,7 +13,7 @@ pub trait Kernel {
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if std::arch::is_x86_feature_detected!("avx512vl") {
+        if has_avx512() {
             // SAFETY: the processor has the instructions.
             return unsafe { with_avx512(kernel) };
         }
@@ -23,6 +23,19 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
         }
     }
     kernel.run::<false>()
+}
+
+/// Whether kernels have 32 registers of eight numbers.
+#[inline]
+pub fn has_avx512() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx512vl")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        false
+    }
 }
 
 #[cfg(target_arch = "x86_64")]

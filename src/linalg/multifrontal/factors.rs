@@ -1,7 +1,7 @@
 //! Storage of the factors: one array for all fronts, and own ones for fronts that took up delayed pivots.
 
+use super::matrix_view::MatrixView;
 use super::symbolic::{Front, Symbolic};
-use faer::MatRef;
 
 /// What a factorization found in a front.
 #[derive(Default)]
@@ -38,9 +38,9 @@ pub struct FrontFactors<'f> {
     /// Places of the columns, likewise.
     pub columns: &'f [u32],
     /// L below the diagonal and U on and above it, in all rows of the columns whose pivots were looked for.
-    pub lower: MatRef<'f, f64>,
+    pub lower: MatrixView<'f>,
     /// U of the other columns, in the rows whose pivots were looked for.
-    pub upper: MatRef<'f, f64>,
+    pub upper: MatrixView<'f>,
 }
 
 /// The same while it is filled.
@@ -129,8 +129,8 @@ fn view<'f>(
         eliminated: outcome.eliminated,
         rows,
         columns,
-        lower: MatRef::from_column_major_slice(lower, summed + others, summed),
-        upper: MatRef::from_column_major_slice(upper, summed, others),
+        lower: MatrixView::new(lower, summed + others, summed),
+        upper: MatrixView::new(upper, summed, others),
     }
 }
 

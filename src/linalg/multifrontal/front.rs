@@ -6,12 +6,11 @@
 use super::entries::EntryBlock;
 use super::factors::{FrontStorage, Part};
 use super::kernels::{Target, solve_unit_lower, subtract_product};
+use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
 use super::symbolic::{Run, Symbolic};
 use crate::linalg::Singular;
 use crate::linalg::simd::{Kernel, dispatch};
-use faer::prelude::ReborrowMut;
-use faer::{MatMut, MatRef, Par};
 
 /// What a front leaves to the one above: a square matrix, the rows of delayed pivots first, column by column.
 #[derive(Clone, Copy)]
@@ -60,7 +59,7 @@ pub fn factor_front(
     children: &[Contribution<'_>],
     output: &mut impl Output,
     workspace: &mut Workspace,
-    par: Par,
+    threads: usize,
 ) -> Result<(), Singular> {
     let front = &symbolic.fronts[number];
     let delayed: usize = children.iter().map(|child| child.delayed_rows.len()).sum();
@@ -105,7 +104,7 @@ pub fn factor_front(
     }
 
     exchanges.clear();
-    let mut block = PivotBlock { values: &mut *lower, size, rows, columns, exchanges, is_last: front.is_last(), par };
+    let mut block = PivotBlock { values: &mut *lower, size, rows, columns, exchanges, is_last: front.is_last(), threads };
     let found = block.eliminate();
     if found < summed && front.is_last() {
         return Err(Singular { unknown: symbolic.order[columns[found] as usize] as usize });
@@ -113,22 +112,21 @@ pub fn factor_front(
     for column in upper.chunks_exact_mut(summed.max(1)) {
         exchanges.iter().for_each(|&(a, b)| column.swap(a as usize, b as usize));
     }
-    let lower = MatRef::from_column_major_slice(&*lower, size, summed);
-    let (mut upper, upper_delayed) = MatMut::from_column_major_slice_mut(upper, summed, others).split_at_row_mut(found);
-    solve_unit_lower(lower.submatrix(0, 0, found, found), upper.rb_mut(), par);
+    let lower = MatrixView::new(&*lower, size, summed);
+    let (mut upper, upper_delayed) = MatrixViewMut::new(upper, summed, others).split_rows(found);
+    solve_unit_lower(lower.block(0..found, 0..found), upper.reborrow(), threads);
 
     let left = summed - found;
     let order = left + others;
     let contribution = output.space(order * order);
-    let mut matrix = MatMut::from_column_major_slice_mut(&mut *contribution, order, order);
-    matrix.rb_mut().subcols_mut(0, left).copy_from(lower.submatrix(found, found, order, left));
-    let (top, bottom) = matrix.subcols_mut(left, others).split_at_row_mut(left);
+    let (mut delayed, matrix) = MatrixViewMut::new(&mut *contribution, order, order).split_columns(left);
+    delayed.copy_from(lower.block(found..size, found..summed));
+    let (mut top, bottom) = matrix.split_rows(left);
     if left > 0 {
-        let mut top = top;
-        top.copy_from(&upper_delayed);
-        subtract_product(top, Target::Reduced, lower.submatrix(found, 0, left, found), upper.as_ref(), par);
+        top.copy_from(upper_delayed.as_view());
+        subtract_product(top, Target::Reduced, lower.block(found..summed, 0..found), upper.as_view(), threads);
     }
-    subtract_product(bottom, Target::Replaced, lower.submatrix(summed, 0, others, found), upper.as_ref(), par);
+    subtract_product(bottom, Target::Replaced, lower.block(summed..size, 0..found), upper.as_view(), threads);
     for (_, _, later, source) in extensions() {
         let first = (summed - left, summed - left);
         let region = Region { rows: later, columns: later, values: contribution, length: order, first };

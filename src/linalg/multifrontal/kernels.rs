@@ -1,15 +1,16 @@
-//! Dense kernels of fronts: own loops while the matrices are small, faer's where they are large.
+//! Dense kernels of fronts: tiles of registers straight from the matrices while these are small, copied blocks where they are large.
 
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use super::matrix_view::{MatrixView, MatrixViewMut};
+use super::product::subtract_large_product;
 use crate::linalg::simd::{Kernel, dispatch, multiply_add};
-use faer::linalg::matmul::matmul;
-use faer::prelude::ReborrowMut;
-use faer::{Accum, MatMut, MatRef, Par};
 
-/// Operations beyond which faer's product is faster than the own one.
-const OWN_PRODUCT: usize = 1 << 17;
+/// Multiplications beyond which copies of the factors pay.
+const SMALL_PRODUCT: usize = 1 << 17;
+/// Columns of the result below which copies never pay: each entry of A is used too seldom.
+const FEW_COLUMNS: usize = 12;
 
 /// What a product does with the values that were there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,14 +21,18 @@ pub enum Target {
     Replaced,
 }
 
-/// C <- C - A B or C <- -A B; all columns contiguous.
-pub fn subtract_product(c: MatMut<'_, f64>, target: Target, a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) {
-    if c.nrows() * c.ncols() * a.ncols() <= OWN_PRODUCT {
+/// C <- C - A B or C <- -A B; the same bits with any number of threads.
+pub fn subtract_product(c: MatrixViewMut<'_>, target: Target, a: MatrixView<'_>, b: MatrixView<'_>, threads: usize) {
+    if c.columns() < FEW_COLUMNS || c.rows() * c.columns() * a.columns() <= SMALL_PRODUCT {
         dispatch(Product { c, target, a, b });
     } else {
-        let accum = if target == Target::Reduced { Accum::Add } else { Accum::Replace };
-        matmul(c, accum, a, b, -1.0, par);
+        subtract_large_product(c, target, a, b, threads);
     }
+}
+
+/// C <- C - A^T B.
+pub fn subtract_transposed_product(c: MatrixViewMut<'_>, a: MatrixView<'_>, b: MatrixView<'_>) {
+    dispatch(TransposedProduct { c, a, b });
 }
 
 /// Where a block of columns stands in memory.
@@ -38,9 +43,8 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(matrix: MatRef<'_, f64>) -> Self {
-        assert!(matrix.nrows() <= 1 || matrix.row_stride() == 1, "columns must be contiguous");
-        Columns { first: matrix.as_ptr(), stride: matrix.col_stride() as usize }
+    fn of(matrix: MatrixView<'_>) -> Self {
+        Columns { first: matrix.as_ptr(), stride: matrix.stride() }
     }
     /// # Safety
     /// The entry is one of the matrix.
@@ -52,10 +56,10 @@ impl Columns {
 }
 
 struct Product<'j> {
-    c: MatMut<'j, f64>,
+    c: MatrixViewMut<'j>,
     target: Target,
-    a: MatRef<'j, f64>,
-    b: MatRef<'j, f64>,
+    a: MatrixView<'j>,
+    b: MatrixView<'j>,
 }
 
 impl Kernel for Product<'_> {
@@ -63,9 +67,9 @@ impl Kernel for Product<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Product { c, target, a, b } = self;
-        let (rows, columns, depth) = (c.nrows(), c.ncols(), a.ncols());
-        assert!(a.nrows() == rows && b.ncols() == columns && b.nrows() == depth, "sizes of a product");
-        let tiles = Tiles { c: Columns::of(c.as_ref()), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
+        let (rows, columns, depth) = (c.rows(), c.columns(), a.columns());
+        assert!(a.rows() == rows && b.columns() == columns && b.rows() == depth, "sizes of a product");
+        let tiles = Tiles { c: Columns::of(c.as_view()), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
         let mut column = 0;
         // SAFETY: all tiles lie in the matrices, whose sizes were compared; C is ours alone.
         unsafe {
@@ -149,12 +153,80 @@ impl Tiles {
     }
 }
 
+/// C <- C - A^T B.
+struct TransposedProduct<'j> {
+    c: MatrixViewMut<'j>,
+    a: MatrixView<'j>,
+    b: MatrixView<'j>,
+}
+
+impl Kernel for TransposedProduct<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let TransposedProduct { mut c, a, b } = self;
+        let (rows, columns) = (c.rows(), c.columns());
+        assert!(a.columns() == rows && b.columns() == columns && a.rows() == b.rows(), "sizes of a product");
+        // rows outside: the columns of A are many and long, those of B are few
+        let mut row = 0;
+        while row + 3 <= rows {
+            let left = [a.column(row), a.column(row + 1), a.column(row + 2)];
+            let mut column = 0;
+            while column + 2 <= columns {
+                let sums = dots::<FUSED, 3, 2>(left, [b.column(column), b.column(column + 1)]);
+                for w in 0..2 {
+                    c.column_mut(column + w)[row..row + 3].iter_mut().zip(&sums[w]).for_each(|(c, sum)| *c -= sum);
+                }
+                column += 2;
+            }
+            if column < columns {
+                let [sums] = dots::<FUSED, 3, 1>(left, [b.column(column)]);
+                c.column_mut(column)[row..row + 3].iter_mut().zip(&sums).for_each(|(c, sum)| *c -= sum);
+            }
+            row += 3;
+        }
+        for row in row..rows {
+            for column in 0..columns {
+                let [[sum]] = dots::<FUSED, 1, 1>([a.column(row)], [b.column(column)]);
+                c.column_mut(column)[row] -= sum;
+            }
+        }
+    }
+}
+
+/// Sums of products of each of some vectors with each of some others, in lanes.
+#[inline(always)]
+fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b: [&[f64]; W]) -> [[f64; H]; W] {
+    const LANES: usize = 8;
+    let a = a.map(|a| a.as_chunks::<LANES>());
+    let b = b.map(|b| b.as_chunks::<LANES>());
+    let chunks = b.iter().map(|b| b.0.len()).chain(a.iter().map(|a| a.0.len())).min().unwrap_or(0);
+    let mut sums = [[[0.0; LANES]; H]; W];
+    for p in 0..chunks {
+        for w in 0..W {
+            for h in 0..H {
+                for lane in 0..LANES {
+                    sums[w][h][lane] = multiply_add::<FUSED>(a[h].0[p][lane], b[w].0[p][lane], sums[w][h][lane]);
+                }
+            }
+        }
+    }
+    let mut totals = [[0.0; H]; W];
+    for w in 0..W {
+        for h in 0..H {
+            let rest: f64 = a[h].1.iter().zip(b[w].1).map(|(a, b)| a * b).sum();
+            totals[w][h] = sums[w][h].iter().sum::<f64>() + rest;
+        }
+    }
+    totals
+}
+
 /// Unknowns of a triangular system that is solved in one go: a column of them fills a vector register.
 const TRIANGLE: usize = 8;
 
-/// B <- L^-1 B with a unit lower triangle.
-pub fn solve_unit_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>, par: Par) {
-    let size = l.nrows();
+/// B <- L^-1 B with a unit lower triangle; what stands above it is not read.
+pub fn solve_unit_lower(l: MatrixView<'_>, b: MatrixViewMut<'_>, threads: usize) {
+    let size = l.rows();
     if size <= 1 {
         return;
     }
@@ -162,17 +234,82 @@ pub fn solve_unit_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>, par: Par) {
         dispatch(UnitLower { l, b });
         return;
     }
-    let half = (size / 2).next_multiple_of(TRIANGLE);
-    let (top, _, left, bottom) = l.split_at(half, half);
-    let (mut first, mut second) = b.split_at_row_mut(half);
-    solve_unit_lower(top, first.rb_mut(), par);
-    subtract_product(second.rb_mut(), Target::Reduced, left, first.as_ref(), par);
-    solve_unit_lower(bottom, second, par);
+    let half = half_of(size);
+    let (mut first, mut second) = b.split_rows(half);
+    solve_unit_lower(l.block(0..half, 0..half), first.reborrow(), threads);
+    subtract_product(second.reborrow(), Target::Reduced, l.block(half..size, 0..half), first.as_view(), threads);
+    solve_unit_lower(l.block(half..size, half..size), second, threads);
+}
+
+/// B <- U^-1 B with an upper triangle; what stands below it is not read.
+pub fn solve_upper(u: MatrixView<'_>, mut b: MatrixViewMut<'_>) {
+    let size = u.rows();
+    if size <= TRIANGLE {
+        for column in 0..b.columns() {
+            let x = b.column_mut(column);
+            for p in (0..size).rev() {
+                let known = x[p] / u.column(p)[p];
+                x[p] = known;
+                x[..p].iter_mut().zip(u.column(p)).for_each(|(x, u)| *x -= u * known);
+            }
+        }
+        return;
+    }
+    let half = half_of(size);
+    let (mut first, mut second) = b.split_rows(half);
+    solve_upper(u.block(half..size, half..size), second.reborrow());
+    subtract_product(first.reborrow(), Target::Reduced, u.block(0..half, half..size), second.as_view(), 1);
+    solve_upper(u.block(0..half, 0..half), first);
+}
+
+/// B <- U^-T B with an upper triangle; what stands below it is not read.
+pub fn solve_upper_transposed(u: MatrixView<'_>, mut b: MatrixViewMut<'_>) {
+    let size = u.rows();
+    if size <= TRIANGLE {
+        for column in 0..b.columns() {
+            let x = b.column_mut(column);
+            for p in 0..size {
+                let known: f64 = u.column(p)[..p].iter().zip(&x[..p]).map(|(u, x)| u * x).sum();
+                x[p] = (x[p] - known) / u.column(p)[p];
+            }
+        }
+        return;
+    }
+    let half = half_of(size);
+    let (mut first, mut second) = b.split_rows(half);
+    solve_upper_transposed(u.block(0..half, 0..half), first.reborrow());
+    subtract_transposed_product(second.reborrow(), u.block(0..half, half..size), first.as_view());
+    solve_upper_transposed(u.block(half..size, half..size), second);
+}
+
+/// B <- L^-T B with a unit lower triangle; what stands above it is not read.
+pub fn solve_unit_lower_transposed(l: MatrixView<'_>, mut b: MatrixViewMut<'_>) {
+    let size = l.rows();
+    if size <= TRIANGLE {
+        for column in 0..b.columns() {
+            let x = b.column_mut(column);
+            for p in (0..size).rev() {
+                let known: f64 = l.column(p)[p + 1..].iter().zip(&x[p + 1..]).map(|(l, x)| l * x).sum();
+                x[p] -= known;
+            }
+        }
+        return;
+    }
+    let half = half_of(size);
+    let (mut first, mut second) = b.split_rows(half);
+    solve_unit_lower_transposed(l.block(half..size, half..size), second.reborrow());
+    subtract_transposed_product(first.reborrow(), l.block(half..size, 0..half), second.as_view());
+    solve_unit_lower_transposed(l.block(0..half, 0..half), first);
+}
+
+/// Where a triangle is divided.
+fn half_of(size: usize) -> usize {
+    (size / 2).next_multiple_of(TRIANGLE)
 }
 
 struct UnitLower<'j> {
-    l: MatRef<'j, f64>,
-    b: MatMut<'j, f64>,
+    l: MatrixView<'j>,
+    b: MatrixViewMut<'j>,
 }
 
 impl Kernel for UnitLower<'_> {
@@ -180,9 +317,9 @@ impl Kernel for UnitLower<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let UnitLower { l, b } = self;
-        let (size, columns) = (l.nrows(), b.ncols());
-        assert!(l.ncols() == size && b.nrows() == size && size <= TRIANGLE, "sizes of a triangular system");
-        let (l, b) = (Columns::of(l), Columns::of(b.as_ref()));
+        let (size, columns) = (l.rows(), b.columns());
+        assert!(l.columns() == size && b.rows() == size && size <= TRIANGLE, "sizes of a triangular system");
+        let (l, b) = (Columns::of(l), Columns::of(b.as_view()));
         let mut negative = [[0.0; TRIANGLE]; TRIANGLE];
         for p in 0..size {
             for row in p + 1..size {

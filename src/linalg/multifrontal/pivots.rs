@@ -1,9 +1,8 @@
 //! The elimination inside a front: blocks of columns, and a search for pivots among the rows that no later contribution changes.
 
 use super::kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
+use super::matrix_view::{MatrixView, MatrixViewMut};
 use crate::linalg::simd::{Kernel, dispatch};
-use faer::prelude::ReborrowMut;
-use faer::{MatMut, MatRef, Par};
 use std::ops::Range;
 
 /// Smallest pivot, as a share of the largest entry of its column.
@@ -32,7 +31,7 @@ pub struct PivotBlock<'j> {
     /// Whether every pivot has to be found, however much smaller than its column.
     pub is_last: bool,
     /// Threads for large products.
-    pub par: Par,
+    pub threads: usize,
 }
 
 impl PivotBlock<'_> {
@@ -72,13 +71,12 @@ impl PivotBlock<'_> {
         }
         let size = self.size;
         let (done, rest) = self.values[..columns.end * size].split_at_mut(columns.start * size);
-        let done = MatRef::from_column_major_slice(done, size, columns.start).subcols(pivots.start, pivots.len());
-        let rest = MatMut::from_column_major_slice_mut(rest, size, columns.len());
-        let (_, rest) = rest.split_at_row_mut(pivots.start);
-        let (mut upper, lower) = rest.split_at_row_mut(pivots.len());
-        solve_unit_lower(done.subrows(pivots.start, pivots.len()), upper.rb_mut(), self.par);
-        let below = done.subrows(pivots.end, size - pivots.end);
-        subtract_product(lower, Target::Reduced, below, upper.as_ref(), self.par);
+        let done = MatrixView::new(done, size, columns.start).block(pivots.start..size, pivots.clone());
+        let rest = MatrixViewMut::new(rest, size, columns.len()).block(pivots.start..size, 0..columns.len());
+        let (mut upper, lower) = rest.split_rows(pivots.len());
+        solve_unit_lower(done.block(0..pivots.len(), 0..pivots.len()), upper.reborrow(), self.threads);
+        let below = done.block(pivots.len()..done.rows(), 0..pivots.len());
+        subtract_product(lower, Target::Reduced, below, upper.as_view(), self.threads);
     }
 
     /// Exchanges two unknowns, rows and columns.

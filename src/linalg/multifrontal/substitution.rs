@@ -1,13 +1,13 @@
 //! Solutions with the factors, front by front, for any number of right-hand sides.
 
 use super::factors::{Factors, FrontFactors};
-use super::kernels::{dot, subtract_columns};
+use super::kernels::{
+    Target, dot, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
+    subtract_product, subtract_transposed_product,
+};
+use super::matrix_view::MatrixViewMut;
 use super::symbolic::Symbolic;
 use crate::linalg::simd::{Kernel, dispatch, multiply_add};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve as triangular;
-use faer::prelude::ReborrowMut;
-use faer::{Accum, MatMut, Par};
 use std::ops::Range;
 
 /// Which of the two systems is solved.
@@ -71,23 +71,22 @@ impl Substitution {
             let columns = lists.gather(residual, symbolic.size, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
             let order = lists.len();
-            let (mut own, mut rest) =
-                MatMut::from_column_major_slice_mut(front, order, columns).split_at_row_mut(eliminated);
-            let square = lower.submatrix(0, 0, eliminated, eliminated);
-            let left = rows.len() - eliminated;
+            let (mut own, mut rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
+            let pivots = 0..eliminated;
+            let square = lower.block(pivots.clone(), pivots.clone());
             match side {
                 Side::Plain => {
-                    triangular::solve_unit_lower_triangular_in_place(square, own.rb_mut(), Par::Seq);
-                    let below = lower.submatrix(eliminated, 0, order - eliminated, eliminated);
-                    matmul(rest, Accum::Add, below, own.as_ref(), -1.0, Par::Seq);
+                    solve_unit_lower(square, own.reborrow(), 1);
+                    let below = lower.block(eliminated..order, pivots);
+                    subtract_product(rest, Target::Reduced, below, own.as_view(), 1);
                 }
                 Side::Transposed => {
-                    triangular::solve_lower_triangular_in_place(square.transpose(), own.rb_mut(), Par::Seq);
-                    let (delayed, others) = rest.rb_mut().split_at_row_mut(left);
-                    let beside = lower.submatrix(0, eliminated, eliminated, left);
-                    matmul(delayed, Accum::Add, beside.transpose(), own.as_ref(), -1.0, Par::Seq);
-                    let beside = upper.subrows(0, eliminated);
-                    matmul(others, Accum::Add, beside.transpose(), own.as_ref(), -1.0, Par::Seq);
+                    solve_upper_transposed(square, own.reborrow());
+                    let (delayed, others) = rest.reborrow().split_rows(rows.len() - eliminated);
+                    let beside = lower.block(pivots.clone(), eliminated..rows.len());
+                    subtract_transposed_product(delayed, beside, own.as_view());
+                    let beside = upper.block(pivots, 0..upper.columns());
+                    subtract_transposed_product(others, beside, own.as_view());
                 }
             }
             for (values, (residual, solution)) in front
@@ -111,22 +110,23 @@ impl Substitution {
             let columns = lists.gather(solution, symbolic.size, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
             let order = lists.len();
-            let (mut own, rest) = MatMut::from_column_major_slice_mut(front, order, columns).split_at_row_mut(eliminated);
-            let rest = rest.as_ref();
-            let square = lower.submatrix(0, 0, eliminated, eliminated);
-            let left = rows.len() - eliminated;
+            let (mut own, rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
+            let rest = rest.as_view();
+            let pivots = 0..eliminated;
+            let square = lower.block(pivots.clone(), pivots.clone());
             match side {
                 Side::Plain => {
-                    let beside = lower.submatrix(0, eliminated, eliminated, left);
-                    matmul(own.rb_mut(), Accum::Add, beside, rest.subrows(0, left), -1.0, Par::Seq);
-                    let (beside, others) = (upper.subrows(0, eliminated), rest.subrows(left, order - eliminated - left));
-                    matmul(own.rb_mut(), Accum::Add, beside, others, -1.0, Par::Seq);
-                    triangular::solve_upper_triangular_in_place(square, own, Par::Seq);
+                    let left = rows.len() - eliminated;
+                    let beside = lower.block(pivots.clone(), eliminated..rows.len());
+                    subtract_product(own.reborrow(), Target::Reduced, beside, rest.block(0..left, 0..columns), 1);
+                    let (beside, others) =
+                        (upper.block(pivots, 0..upper.columns()), rest.block(left..rest.rows(), 0..columns));
+                    subtract_product(own.reborrow(), Target::Reduced, beside, others, 1);
+                    solve_upper(square, own);
                 }
                 Side::Transposed => {
-                    let below = lower.submatrix(eliminated, 0, order - eliminated, eliminated);
-                    matmul(own.rb_mut(), Accum::Add, below.transpose(), rest, -1.0, Par::Seq);
-                    triangular::solve_unit_upper_triangular_in_place(square.transpose(), own, Par::Seq);
+                    subtract_transposed_product(own.reborrow(), lower.block(eliminated..order, pivots), rest);
+                    solve_unit_lower_transposed(square, own);
                 }
             }
             for (values, solution) in front.chunks_exact(order.max(1)).zip(solution.chunks_mut(symbolic.size)) {
@@ -209,19 +209,19 @@ impl Kernel for ForwardOne<'_> {
             lists.gather(residual, symbolic.size, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
             match side {
-                Side::Plain => lower_triangle::<FUSED>(block(lower), lower.nrows(), eliminated, front),
+                Side::Plain => lower_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front),
                 Side::Transposed => {
                     let (own, rest) = front.split_at_mut(eliminated);
                     for pivot in 0..eliminated {
-                        let column = column(lower, pivot);
+                        let column = lower.column(pivot);
                         own[pivot] = (own[pivot] - dot::<FUSED>(&column[..pivot], &own[..pivot])) / column[pivot];
                     }
                     let (delayed, others) = rest.split_at_mut(rows.len() - eliminated);
                     for (index, value) in delayed.iter_mut().enumerate() {
-                        *value -= dot::<FUSED>(&column(lower, eliminated + index)[..eliminated], own);
+                        *value -= dot::<FUSED>(&lower.column(eliminated + index)[..eliminated], own);
                     }
                     for (index, value) in others.iter_mut().enumerate() {
-                        *value -= dot::<FUSED>(&column(upper, index)[..eliminated], own);
+                        *value -= dot::<FUSED>(&upper.column(index)[..eliminated], own);
                     }
                 }
             }
@@ -255,18 +255,18 @@ impl Kernel for BackwardOne<'_> {
                     let (own, rest) = front.split_at_mut(eliminated);
                     let (delayed, others) = rest.split_at(rows.len() - eliminated);
                     if eliminated > 0 && !delayed.is_empty() {
-                        let beside = &block(lower)[eliminated * lower.nrows()..];
-                        subtract_columns::<FUSED>(beside, lower.nrows(), delayed, own);
+                        let beside = &lower.entries()[eliminated * lower.rows()..];
+                        subtract_columns::<FUSED>(beside, lower.rows(), delayed, own);
                     }
                     if eliminated > 0 && !others.is_empty() {
-                        subtract_columns::<FUSED>(block(upper), upper.nrows(), others, own);
+                        subtract_columns::<FUSED>(upper.entries(), upper.rows(), others, own);
                     }
-                    upper_triangle::<FUSED>(block(lower), lower.nrows(), eliminated, front);
+                    upper_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
                 }
                 Side::Transposed => {
                     let (own, rest) = front.split_at_mut(eliminated);
                     for pivot in (0..eliminated).rev() {
-                        let column = column(lower, pivot);
+                        let column = lower.column(pivot);
                         let later = dot::<FUSED>(&column[pivot + 1..eliminated], &own[pivot + 1..]);
                         own[pivot] -= later + dot::<FUSED>(&column[eliminated..], rest);
                     }
@@ -358,16 +358,4 @@ fn upper_triangle<const FUSED: bool>(u: &[f64], stride: usize, count: usize, x: 
         }
         end = first;
     }
-}
-
-/// All numbers of a matrix that was given as one slice.
-#[inline(always)]
-fn block<'f>(matrix: faer::MatRef<'f, f64>) -> &'f [f64] {
-    // SAFETY: matrices of factors have no gaps between their columns.
-    unsafe { std::slice::from_raw_parts(matrix.as_ptr(), matrix.nrows() * matrix.ncols()) }
-}
-
-#[inline(always)]
-fn column<'f>(matrix: faer::MatRef<'f, f64>, column: usize) -> &'f [f64] {
-    &block(matrix)[column * matrix.nrows()..][..matrix.nrows()]
 }

@@ -4,7 +4,6 @@ use super::factors::{Factors, Part};
 use super::front::{Contribution, Output, Workspace, factor_front};
 use super::symbolic::Symbolic;
 use crate::linalg::Singular;
-use faer::Par;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -136,7 +135,7 @@ impl Task {
                 children.push(contribution);
             }
             children.reverse();
-            factor_front(symbolic, number, values, &mut own, &children, output, &mut self.workspace, Par::Seq)?;
+            factor_front(symbolic, number, values, &mut own, &children, output, &mut self.workspace, 1)?;
             waiting.height = end;
         }
         Ok(())
@@ -199,5 +198,5 @@ fn factor_subtree(symbolic: &Symbolic, values: &[f64], tasks: &mut [Running<'_>]
     let children: SmallVec<[Contribution<'_>; 8]> = children.collect();
     let output = &mut task.stacks[symbolic.fronts[number].depth % 2];
     output.height = 0;
-    factor_front(symbolic, number, values, part, &children, output, &mut task.workspace, Par::rayon(threads))
+    factor_front(symbolic, number, values, part, &children, output, &mut task.workspace, threads)
 }

@@ -1,0 +1,212 @@
+//! Views of matrices that stand column by column in memory, and of blocks of them.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+/// A matrix or a block of one: contiguous columns at equal distances.
+#[derive(Clone, Copy)]
+pub struct MatrixView<'m> {
+    first: *const f64,
+    rows: usize,
+    columns: usize,
+    stride: usize,
+    values: PhantomData<&'m [f64]>,
+}
+
+/// The same to write to; no other view of its entries is alive.
+pub struct MatrixViewMut<'m> {
+    first: *mut f64,
+    rows: usize,
+    columns: usize,
+    stride: usize,
+    values: PhantomData<&'m mut [f64]>,
+}
+
+// SAFETY: it is used as a shared reference to its entries.
+unsafe impl Send for MatrixView<'_> {}
+// SAFETY: as above.
+unsafe impl Sync for MatrixView<'_> {}
+// SAFETY: it is used as the only reference to its entries.
+unsafe impl Send for MatrixViewMut<'_> {}
+
+impl<'m> MatrixView<'m> {
+    /// All entries, column by column.
+    #[inline(always)]
+    pub fn new(values: &'m [f64], rows: usize, columns: usize) -> Self {
+        assert_eq!(Some(values.len()), rows.checked_mul(columns), "entries of a matrix of {rows} x {columns}");
+        MatrixView { first: values.as_ptr(), rows, columns, stride: rows, values: PhantomData }
+    }
+
+    /// Number of rows.
+    #[inline(always)]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[inline(always)]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Entries from one column to the next.
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The place of the first entry; with [`MatrixView::stride`] it leads to the others.
+    #[inline(always)]
+    pub fn as_ptr(&self) -> *const f64 {
+        self.first
+    }
+
+    /// Some of the rows and columns.
+    #[inline(always)]
+    pub fn block(self, rows: Range<usize>, columns: Range<usize>) -> Self {
+        check(&rows, self.rows, "rows");
+        check(&columns, self.columns, "columns");
+        // an empty block may begin behind the last entry
+        let first = self.first.wrapping_add(rows.start + columns.start * self.stride);
+        MatrixView { first, rows: rows.len(), columns: columns.len(), ..self }
+    }
+
+    /// One column.
+    #[inline(always)]
+    pub fn column(self, column: usize) -> &'m [f64] {
+        assert!(column < self.columns, "column {column} of {}", self.columns);
+        // SAFETY: a column of the matrix is contiguous, and shared for 'm.
+        unsafe { std::slice::from_raw_parts(self.first.add(column * self.stride), self.rows) }
+    }
+
+    /// The entries of a matrix without gaps between its columns.
+    #[inline(always)]
+    pub fn entries(self) -> &'m [f64] {
+        assert!(self.rows == self.stride || self.columns <= 1, "gaps between the columns of a matrix");
+        // SAFETY: the columns follow each other, and are shared for 'm.
+        unsafe { std::slice::from_raw_parts(self.first, self.rows * self.columns) }
+    }
+}
+
+impl<'m> MatrixViewMut<'m> {
+    /// All entries, column by column.
+    #[inline(always)]
+    pub fn new(values: &'m mut [f64], rows: usize, columns: usize) -> Self {
+        assert_eq!(Some(values.len()), rows.checked_mul(columns), "entries of a matrix of {rows} x {columns}");
+        MatrixViewMut { first: values.as_mut_ptr(), rows, columns, stride: rows, values: PhantomData }
+    }
+
+    /// Number of rows.
+    #[inline(always)]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[inline(always)]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The same to read.
+    #[inline(always)]
+    pub fn as_view(&self) -> MatrixView<'_> {
+        let MatrixViewMut { first, rows, columns, stride, .. } = *self;
+        MatrixView { first, rows, columns, stride, values: PhantomData }
+    }
+
+    /// The same for a shorter time.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> MatrixViewMut<'_> {
+        MatrixViewMut { ..*self }
+    }
+
+    /// Some of the rows and columns.
+    #[inline(always)]
+    pub fn block(self, rows: Range<usize>, columns: Range<usize>) -> Self {
+        check(&rows, self.rows, "rows");
+        check(&columns, self.columns, "columns");
+        let first = self.first.wrapping_add(rows.start + columns.start * self.stride);
+        MatrixViewMut { first, rows: rows.len(), columns: columns.len(), ..self }
+    }
+
+    /// The first rows, and the others.
+    pub fn split_rows(self, rows: usize) -> (Self, Self) {
+        let (all_rows, columns) = (self.rows, self.columns);
+        // two views of different entries
+        let other = MatrixViewMut { ..self };
+        (self.block(0..rows, 0..columns), other.block(rows..all_rows, 0..columns))
+    }
+
+    /// The first columns, and the others.
+    pub fn split_columns(self, columns: usize) -> (Self, Self) {
+        let (rows, all_columns) = (self.rows, self.columns);
+        // two views of different entries
+        let other = MatrixViewMut { ..self };
+        (self.block(0..rows, 0..columns), other.block(0..rows, columns..all_columns))
+    }
+
+    /// One column.
+    #[inline(always)]
+    pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
+        assert!(column < self.columns, "column {column} of {}", self.columns);
+        // SAFETY: a column of the matrix is contiguous, and this view the only one of it.
+        unsafe { std::slice::from_raw_parts_mut(self.first.add(column * self.stride), self.rows) }
+    }
+
+    /// The first `H` of some rows in the first `W` of some columns, if there are as many.
+    #[inline(always)]
+    pub fn tile_mut<const H: usize, const W: usize>(
+        &mut self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+    ) -> Option<[&mut [f64; H]; W]> {
+        check(&rows, self.rows, "rows");
+        check(&columns, self.columns, "columns");
+        if rows.len() < H || columns.len() < W {
+            return None;
+        }
+        let (first, stride) = (self.first.wrapping_add(rows.start + columns.start * self.stride), self.stride);
+        // SAFETY: these entries are in the matrix, those of one column are contiguous and not in another one.
+        Some(std::array::from_fn(|w| unsafe { &mut *first.add(w * stride).cast::<[f64; H]>() }))
+    }
+
+    /// Takes over the entries of a matrix of the same size.
+    pub fn copy_from(&mut self, source: MatrixView<'_>) {
+        assert_eq!((self.rows, self.columns), (source.rows, source.columns), "sizes of a matrix and its copy");
+        (0..self.columns).for_each(|column| self.column_mut(column).copy_from_slice(source.column(column)));
+    }
+}
+
+#[inline(always)]
+fn check(part: &Range<usize>, all: usize, what: &str) {
+    assert!(part.start <= part.end && part.end <= all, "{what} {part:?} of {all}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MatrixView, MatrixViewMut};
+
+    #[test]
+    fn blocks_and_halves_stand_where_they_were_cut() {
+        let mut values: Vec<f64> = (0..12).map(f64::from).collect();
+        let matrix = MatrixView::new(&values, 3, 4);
+        let block = matrix.block(1..3, 2..4);
+        assert_eq!((block.column(0), block.column(1)), (&[7.0, 8.0][..], &[10.0, 11.0][..]));
+        assert_eq!(matrix.block(0..3, 1..3).entries(), [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+        assert_eq!(matrix.block(3..3, 4..4).columns(), 0);
+        let (mut top, mut bottom) = MatrixViewMut::new(&mut values, 3, 4).split_rows(1);
+        top.column_mut(3)[0] = -1.0;
+        bottom.column_mut(0).fill(-2.0);
+        let (mut left, mut right) = bottom.split_columns(2);
+        right.copy_from(left.as_view());
+        left.column_mut(1)[1] = -3.0;
+        assert_eq!(values, [0.0, -2.0, -2.0, 3.0, 4.0, -3.0, 6.0, -2.0, -2.0, -1.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    #[should_panic(expected = "rows 1..4 of 3")]
+    fn a_block_beyond_the_matrix_is_refused() {
+        let _ = MatrixView::new(&[0.0; 12], 3, 4).block(1..4, 0..1);
+    }
+}
