@@ -1,37 +1,56 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use super::multifrontal::{
+    MatrixView, MatrixViewMut, Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product,
+};
+use super::simd::{Kernel, dispatch};
 use super::{LinearSolver, Singular};
 use crate::linalg::SparsePattern;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor;
-use faer::{Mat, Par};
+use std::ops::Range;
 
-/// Dense LU with partial pivoting: for up to about a hundred unknowns, where plain loops solve faster than blocked kernels.
+/// Dense LU with partial pivoting: for up to about a hundred unknowns.
 pub struct DenseLu {
     pattern: SparsePattern,
-    lu: Mat<f64>,
+    /// L below the diagonal and U on and above it, column by column.
+    lu: Vec<f64>,
+    /// The equation that stands in each row.
     rows: Vec<usize>,
-    rows_inverse: Vec<usize>,
     permuted: Vec<f64>,
-    memory: MemBuffer,
 }
 
 /// Pivots smaller than this, in a matrix whose rows and columns have the size 1, are taken for zero.
 const TINY_PIVOT: f64 = 1e-14;
+/// Columns that are eliminated before those behind them are changed.
+const PANEL: usize = 32;
+/// Columns that are eliminated one by one before the rest of their panel is changed.
+const STRIP: usize = 4;
 
 impl DenseLu {
     /// Workspace for a pattern.
     pub fn new(pattern: &SparsePattern) -> Self {
         let n = pattern.size;
-        let memory = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default());
-        DenseLu {
-            pattern: pattern.clone(),
-            lu: Mat::zeros(n, n),
-            rows: vec![0; n],
-            rows_inverse: vec![0; n],
-            permuted: vec![0.0; n],
-            memory: MemBuffer::new(memory),
+        DenseLu { pattern: pattern.clone(), lu: vec![0.0; n * n], rows: vec![0; n], permuted: vec![0.0; n] }
+    }
+
+    fn column(&self, column: usize) -> &[f64] {
+        let n = self.pattern.size;
+        &self.lu[column * n..][..n]
+    }
+
+    /// P A = L U with the largest pivot of each column.
+    fn eliminate(&mut self) {
+        let n = self.pattern.size;
+        self.rows.iter_mut().enumerate().for_each(|(row, equation)| *equation = row);
+        for first in (0..n).step_by(PANEL) {
+            let panel = first..(first + PANEL).min(n);
+            dispatch(Panel { lu: &mut self.lu, rows: &mut self.rows, size: n, columns: panel.clone() });
+            let (done, rest) = self.lu.split_at_mut(panel.end * n);
+            let done = MatrixView::new(done, n, panel.end);
+            let (_, rest) = MatrixViewMut::new(rest, n, n - panel.end).split_rows(first);
+            let (mut upper, lower) = rest.split_rows(panel.len());
+            solve_unit_lower(done.block(panel.clone(), panel.clone()), upper.reborrow(), 1);
+            subtract_product(lower, Target::Reduced, done.block(panel.end..n, panel), upper.as_view(), 1);
         }
     }
 
@@ -40,8 +59,8 @@ impl DenseLu {
         let mut x = vec![0.0; k + 1];
         x[k] = 1.0;
         for i in (0..k).rev() {
-            let sum: f64 = (i + 1..=k).map(|j| self.lu[(i, j)] * x[j]).sum();
-            x[i] = -sum / self.lu[(i, i)];
+            let sum: f64 = (i + 1..=k).map(|j| self.column(j)[i] * x[j]).sum();
+            x[i] = -sum / self.column(i)[i];
         }
         (0..=k).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs())).unwrap_or(k)
     }
@@ -53,19 +72,12 @@ impl LinearSolver for DenseLu {
         self.lu.fill(0.0);
         for column in 0..n {
             for place in self.pattern.column_starts[column]..self.pattern.column_starts[column + 1] {
-                self.lu[(self.pattern.rows[place], column)] = values[place];
+                self.lu[self.pattern.rows[place] + column * n] = values[place];
             }
         }
-        factor::lu_in_place(
-            self.lu.as_mut(),
-            &mut self.rows,
-            &mut self.rows_inverse,
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
+        self.eliminate();
         for k in 0..n {
-            let pivot = self.lu[(k, k)];
+            let pivot = self.column(k)[k];
             if !pivot.is_finite() {
                 return Err(Singular { unknown: k });
             }
@@ -81,11 +93,11 @@ impl LinearSolver for DenseLu {
         let x = &mut self.permuted;
         x.iter_mut().zip(&self.rows).for_each(|(x, &row)| *x = rhs[row]);
         for k in 0..n {
-            let (column, known) = (self.lu.col_as_slice(k), x[k]);
+            let (column, known) = (&self.lu[k * n..][..n], x[k]);
             x[k + 1..].iter_mut().zip(&column[k + 1..]).for_each(|(x, l)| *x -= l * known);
         }
         for k in (0..n).rev() {
-            let column = self.lu.col_as_slice(k);
+            let column = &self.lu[k * n..][..n];
             x[k] /= column[k];
             let known = x[k];
             x[..k].iter_mut().zip(column).for_each(|(x, u)| *x -= u * known);
@@ -97,14 +109,60 @@ impl LinearSolver for DenseLu {
         let n = self.pattern.size;
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for k in 0..n {
-            let column = self.lu.col_as_slice(k);
+            let column = self.column(k);
             rhs[k] = (rhs[k] - dot(&column[..k], &rhs[..k])) / column[k];
         }
         for k in (0..n).rev() {
-            let column = self.lu.col_as_slice(k);
+            let column = self.column(k);
             rhs[k] -= dot(&column[k + 1..], &rhs[k + 1..]);
         }
         self.permuted.copy_from_slice(rhs);
         self.permuted.iter().zip(&self.rows).for_each(|(&x, &row)| rhs[row] = x);
+    }
+}
+
+/// Eliminates some columns, a few at a time; rows are exchanged in all columns.
+struct Panel<'j> {
+    lu: &'j mut [f64],
+    rows: &'j mut [usize],
+    size: usize,
+    columns: Range<usize>,
+}
+
+impl Kernel for Panel<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let Panel { lu, rows, size, columns } = self;
+        for first in columns.clone().step_by(STRIP) {
+            let strip = first..(first + STRIP).min(columns.end);
+            for pivot in strip.clone() {
+                let below = &lu[pivot * size + pivot..(pivot + 1) * size];
+                let most = largest(below);
+                // not a number at all: the pivot says so
+                let row = pivot + below.iter().position(|value| value.abs() == most).unwrap_or(0);
+                if row != pivot {
+                    rows.swap(pivot, row);
+                    lu.chunks_exact_mut(size).for_each(|column| column.swap(pivot, row));
+                }
+                let inverse = 1.0 / lu[pivot * size + pivot];
+                let (done, rest) = lu[..strip.end * size].split_at_mut((pivot + 1) * size);
+                let below = &mut done[pivot * size + pivot + 1..];
+                below.iter_mut().for_each(|value| *value *= inverse);
+                for column in rest.chunks_exact_mut(size) {
+                    subtract_multiple::<FUSED>(below, column[pivot], &mut column[pivot + 1..]);
+                }
+            }
+            let (done, rest) = lu[..columns.end * size].split_at_mut(strip.end * size);
+            for column in rest.chunks_exact_mut(size) {
+                let (upper, lower) = column[first..].split_at_mut(strip.len());
+                for (p, pivot) in strip.clone().enumerate() {
+                    let known = upper[p];
+                    let l = &done[pivot * size + pivot + 1..];
+                    upper[p + 1..].iter_mut().zip(l).for_each(|(value, l)| *value -= l * known);
+                }
+                subtract_columns::<FUSED>(&done[first * size + strip.end..], size, upper, lower);
+            }
+        }
     }
 }
