@@ -25,6 +25,8 @@ const TINY_PIVOT: f64 = 1e-14;
 const PANEL: usize = 32;
 /// Columns that are eliminated one by one before the rest of their panel is changed.
 const STRIP: usize = 4;
+/// Unknowns up to which all columns of a panel are changed one by one.
+const SMALL: usize = 64;
 
 impl DenseLu {
     /// Workspace for a pattern.
@@ -134,8 +136,9 @@ impl Kernel for Panel<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let Panel { lu, rows, size, columns } = self;
-        for first in columns.clone().step_by(STRIP) {
-            let strip = first..(first + STRIP).min(columns.end);
+        let width = if size <= SMALL { PANEL } else { STRIP };
+        for first in columns.clone().step_by(width) {
+            let strip = first..(first + width).min(columns.end);
             for pivot in strip.clone() {
                 let below = &lu[pivot * size + pivot..(pivot + 1) * size];
                 let most = largest(below);

@@ -474,3 +474,50 @@ pub fn largest(values: &[f64]) -> f64 {
     }
     larger(rest, lanes[0])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Solves with each triangle of a matrix, plain and transposed, and returns the largest entries of the residuals.
+    fn residuals(size: usize, columns: usize) -> [f64; 4] {
+        let number = |i: usize| (1.0 + i as f64 * 2.3).sin() / size as f64;
+        let mut values: Vec<f64> = (0..size * size).map(number).collect();
+        (0..size).for_each(|i| values[i * (size + 1)] = 2.0 + number(i));
+        let rhs: Vec<f64> = (0..size * columns).map(|i| number(i + 5)).collect();
+        let matrix = MatrixView::new(&values, size, size);
+        let lower = |i: usize, j: usize| {
+            if i == j {
+                1.0
+            } else if i > j {
+                values[i + j * size]
+            } else {
+                0.0
+            }
+        };
+        let upper = |i: usize, j: usize| if i <= j { values[i + j * size] } else { 0.0 };
+        let residual = |entry: &dyn Fn(usize, usize) -> f64, solve: &dyn Fn(MatrixViewMut<'_>)| {
+            let mut x = rhs.clone();
+            solve(MatrixViewMut::new(&mut x, size, columns));
+            let left = |place: usize| {
+                let (row, column) = (place % size, place / size);
+                rhs[place] - (0..size).map(|j| entry(row, j) * x[j + column * size]).sum::<f64>()
+            };
+            (0..rhs.len()).fold(0.0, |most: f64, place| most.max(left(place).abs()))
+        };
+        [
+            residual(&lower, &|b| solve_unit_lower(matrix, b, 1)),
+            residual(&upper, &|b| solve_upper(matrix, b)),
+            residual(&|i, j| lower(j, i), &|b| solve_unit_lower_transposed(matrix, b)),
+            residual(&|i, j| upper(j, i), &|b| solve_upper_transposed(matrix, b)),
+        ]
+    }
+
+    #[test]
+    fn triangles_are_solved_plain_and_transposed() {
+        for (size, columns) in [(1, 1), (3, 2), (8, 5), (9, 1), (17, 4), (70, 13), (200, 32)] {
+            let residuals = residuals(size, columns);
+            assert!(residuals.iter().all(|&residual| residual < 1e-15), "{size} x {columns}: {residuals:?}");
+        }
+    }
+}

@@ -91,34 +91,8 @@ impl<const H: usize> Kernel for Packed<'_, H> {
                 let right = pack_right(b.block(terms.clone(), columns.clone()), &mut copy_of_b);
                 for rows in blocks(rows, rows_at_once) {
                     let left = pack_left::<H>(a.block(rows.clone(), terms.clone()), &mut copy_of_a);
-                    for (strip, right) in right.chunks_exact(terms.len()).enumerate() {
-                        let first = columns.start + strip * WIDTH;
-                        for (panel, left) in left.chunks_exact(terms.len()).enumerate() {
-                            let row = rows.start + panel * H;
-                            if let Some(out) = c.tile_mut::<H, WIDTH>(row..rows.end, first..columns.end) {
-                                let mut sums = [[0.0; H]; WIDTH];
-                                if target == Target::Reduced {
-                                    for w in 0..WIDTH {
-                                        sums[w] = *out[w];
-                                    }
-                                }
-                                let sums = add_products::<FUSED, H>(sums, left, right);
-                                out.into_iter().zip(sums).for_each(|(out, sums)| *out = sums);
-                            } else {
-                                let rows = row..rows.end.min(row + H);
-                                let mut sums = [[0.0; H]; WIDTH];
-                                if target == Target::Reduced {
-                                    for (sums, column) in sums.iter_mut().zip(first..columns.end) {
-                                        sums[..rows.len()].copy_from_slice(&c.column_mut(column)[rows.clone()]);
-                                    }
-                                }
-                                sums = add_products::<FUSED, H>(sums, left, right);
-                                for (sums, column) in sums.iter().zip(first..columns.end) {
-                                    c.column_mut(column)[rows.clone()].copy_from_slice(&sums[..rows.len()]);
-                                }
-                            }
-                        }
-                    }
+                    let c = c.reborrow().block(rows, columns.clone());
+                    add_packed::<FUSED, H>(c, target, left, right, terms.len());
                 }
             }
         }
@@ -131,14 +105,58 @@ fn blocks(length: usize, step: usize) -> impl Iterator<Item = Range<usize>> {
     (0..length).step_by(step).map(move |first| first..(first + step).min(length))
 }
 
-/// S + A B for a tile S.
+/// C <- C - A B or C <- -A B with the copies of A and -B.
 #[inline(always)]
-fn add_products<const FUSED: bool, const H: usize>(
-    mut sums: [[f64; H]; WIDTH],
+fn add_packed<const FUSED: bool, const H: usize>(
+    mut c: MatrixViewMut<'_>,
+    target: Target,
     left: &[[f64; H]],
     right: &[[f64; WIDTH]],
+    depth: usize,
+) {
+    for (strip, right) in right.chunks_exact(depth).enumerate() {
+        let columns = strip * WIDTH..c.columns();
+        for (panel, left) in left.chunks_exact(depth).enumerate() {
+            let rows = panel * H..c.rows();
+            if let Some(out) = c.tile_mut::<H, WIDTH>(rows.clone(), columns.clone()) {
+                let mut sums = [[0.0; H]; WIDTH];
+                if target == Target::Reduced {
+                    for w in 0..WIDTH {
+                        sums[w] = *out[w];
+                    }
+                }
+                let sums = add_products::<FUSED, H>(sums, left.iter(), right);
+                out.into_iter().zip(sums).for_each(|(out, sums)| *out = sums);
+                continue;
+            }
+            // at the edge, in tiles that leave less unused
+            let (parts, _) = left.as_flattened().as_chunks::<LOW>();
+            for part in 0..rows.len().min(H).div_ceil(LOW) {
+                let rows = rows.start + part * LOW..rows.end.min(rows.start + (part + 1) * LOW);
+                let mut sums = [[0.0; LOW]; WIDTH];
+                if target == Target::Reduced {
+                    for (sums, column) in sums.iter_mut().zip(columns.clone()) {
+                        sums[..rows.len()].copy_from_slice(&c.column_mut(column)[rows.clone()]);
+                    }
+                }
+                let left = parts[part..].iter().step_by(H / LOW);
+                let sums = add_products::<FUSED, LOW>(sums, left, right);
+                for (sums, column) in sums.iter().zip(columns.clone()) {
+                    c.column_mut(column)[rows.clone()].copy_from_slice(&sums[..rows.len()]);
+                }
+            }
+        }
+    }
+}
+
+/// S + A B for a tile S.
+#[inline(always)]
+fn add_products<'p, const FUSED: bool, const H: usize>(
+    mut sums: [[f64; H]; WIDTH],
+    left: impl Iterator<Item = &'p [f64; H]>,
+    right: &[[f64; WIDTH]],
 ) -> [[f64; H]; WIDTH] {
-    for (left, right) in left.iter().zip(right) {
+    for (left, right) in left.zip(right) {
         for w in 0..WIDTH {
             for h in 0..H {
                 sums[w][h] = multiply_add::<FUSED>(left[h], right[w], sums[w][h]);
@@ -201,4 +219,41 @@ fn pack_right<'c>(b: MatrixView<'_>, copy: &'c mut Vec<f64>) -> &'c [[f64; WIDTH
         }
     }
     packed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_size_gives_the_product_and_tiles_and_threads_do_not_change_its_bits() {
+        let number = |i: usize| (1.0 + i as f64 * 1.7).sin();
+        for (rows, columns, depth) in
+            [(1, 12, 3), (24, 6, 8), (25, 13, 300), (47, 31, 257), (200, 193, 40), (500, 1, 9), (193, 401, 600)]
+        {
+            let a: Vec<f64> = (0..rows * depth).map(number).collect();
+            let b: Vec<f64> = (0..depth * columns).map(|i| number(i + 7)).collect();
+            let before: Vec<f64> = (0..rows * columns).map(|i| number(i + 3)).collect();
+            for target in [Target::Reduced, Target::Replaced] {
+                let product = |threads: usize| {
+                    let mut c = before.clone();
+                    let (a, b) = (MatrixView::new(&a, rows, depth), MatrixView::new(&b, depth, columns));
+                    subtract_large_product(MatrixViewMut::new(&mut c, rows, columns), target, a, b, threads);
+                    c
+                };
+                let alone = product(1);
+                for (place, value) in alone.iter().enumerate() {
+                    let (row, column) = (place % rows, place / rows);
+                    let sum: f64 = (0..depth).map(|p| a[row + p * rows] * b[p + column * depth]).sum();
+                    let exact = if target == Target::Reduced { before[place] - sum } else { -sum };
+                    assert!((value - exact).abs() < 1e-14 * depth as f64, "{rows} x {columns} x {depth}: {value} {exact}");
+                }
+                let mut c = before.clone();
+                let (left, right) = (MatrixView::new(&a, rows, depth), MatrixView::new(&b, depth, columns));
+                dispatch(Packed::<LOW> { c: MatrixViewMut::new(&mut c, rows, columns), target, a: left, b: right });
+                assert!(c == alone, "{rows} x {columns} x {depth} in low tiles");
+                assert!([2, 3, 5].iter().all(|&threads| product(threads) == alone), "{rows} x {columns} x {depth}");
+            }
+        }
+    }
 }
