@@ -146,10 +146,10 @@ impl Check {
         let largest = largest_of(&differences);
         let mut scatter = None;
         if largest > LIMIT {
-            let [up, down] = prepared.complex_steps_nearby()?;
-            let pairs = up.iter().zip(&down);
+            let nearby = prepared.complex_steps_nearby()?;
+            let pairs = nearby.iter().flat_map(|one| nearby.iter().flat_map(move |other| one.iter().zip(other)));
             let apart: Vec<_> =
-                pairs.map(|(up, down)| relative_differences(&prepared.variables, &prepared.x, up, down)).collect();
+                pairs.map(|(one, other)| relative_differences(&prepared.variables, &prepared.x, one, other)).collect();
             scatter = Some(largest_of(&apart));
         }
         Ok(Check { complex_step, differences, largest, scatter })

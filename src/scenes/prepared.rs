@@ -180,23 +180,24 @@ impl<'s> Prepared<'s> {
         factorization.map(|factorization| factorization.plan()).map_err(|singular| RunError::of_pattern("start", singular))
     }
 
-    /// Complex-step gradients at the designs next to this one, all variables a rounding up and all a rounding down: how far these are apart
+    /// Complex-step gradients at designs next to this one, variables a rounding up or down in four patterns: how far these are apart
     /// is what no check of a derivative can see. Stiff members make it large, as a rounding of their length is a force.
     ///
     /// # Errors
     /// Those of the runs.
-    pub fn complex_steps_nearby(&self) -> Result<[Vec<Vec<f64>>; 2], RunError> {
-        let at = |up: bool| -> Result<Vec<Vec<f64>>, RunError> {
-            let moved = |(variable, &x): (&DesignVariable, &f64)| match if up { x.next_up() } else { x.next_down() } {
+    pub fn complex_steps_nearby(&self) -> Result<[Vec<Vec<f64>>; 4], RunError> {
+        let at = |is_up: fn(usize) -> bool| -> Result<Vec<Vec<f64>>, RunError> {
+            let next = |i: usize, x: f64| if is_up(i) { x.next_up() } else { x.next_down() };
+            let moved = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| match next(i, x) {
                 next if x != 0.0 && next >= variable.lower && next <= variable.upper => next,
                 _ => x,
             };
-            let x: Vec<f64> = self.variables.iter().zip(&self.x).map(moved).collect();
+            let x: Vec<f64> = self.variables.iter().zip(&self.x).enumerate().map(moved).collect();
             let analysis = self.analysis();
             let forward = analysis.forward(&x)?;
             Ok(analysis.complex_step(&x, &forward)?.rows)
         };
-        Ok([at(true)?, at(false)?])
+        Ok([at(|_| true)?, at(|_| false)?, at(|i| i % 2 == 0)?, at(|i| i % 2 == 1)?])
     }
 
     /// By how much the gradients of the functionals may differ from complex steps: by `least`, or by four times what a rounding of the
@@ -205,8 +206,12 @@ impl<'s> Prepared<'s> {
     /// # Errors
     /// Those of the runs.
     pub fn gradient_limits(&self, least: f64) -> Result<Vec<f64>, RunError> {
-        let [up, down] = self.complex_steps_nearby()?;
-        Ok(up.iter().zip(&down).map(|(up, down)| least.max(4.0 * largest_difference(up, down))).collect())
+        let nearby = self.complex_steps_nearby()?;
+        let apart = |k: usize| {
+            let pairs = nearby.iter().flat_map(|one| nearby.iter().map(move |other| (&one[k], &other[k])));
+            pairs.fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)))
+        };
+        Ok((0..self.functionals().len()).map(|k| least.max(4.0 * apart(k))).collect())
     }
 
     /// The scene's dependence on its design.
