@@ -347,7 +347,9 @@ impl Operator<'_> {
             let entry = |i: usize, j: usize| krylov.columns[j].get(i).copied().unwrap_or(0.0);
             let mut pairs = eigenpairs(size, entry).ok_or_else(|| {
                 RunError::Input(
-                    "the matrices of the vibrations hold numbers that are not finite: check masses and stiffnesses".into(),
+                    "the matrices of the vibrations hold numbers that are not finite, or the search for their eigenvalues does not \
+                     converge: check masses and stiffnesses"
+                        .into(),
                 )
             })?;
             let magnitude = |pair: &Eigenpair| pair.value[0].hypot(pair.value[1]);

@@ -37,8 +37,9 @@ pub fn eigenpairs(size: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Ve
         return Some(Vec::new());
     }
     let largest = matrix.amax();
-    if (&matrix - matrix.transpose()).amax() <= SYMMETRIC * largest {
-        return symmetric_eigenpairs(0.5 * (&matrix + matrix.transpose()));
+    let is_symmetric = (&matrix - matrix.transpose()).amax() <= SYMMETRIC * largest;
+    if is_symmetric && let Some(pairs) = symmetric_eigenpairs(0.5 * (&matrix + matrix.transpose())) {
+        return Some(pairs);
     }
     let (vectors, hessenberg) = Hessenberg::new(matrix).unpack();
     let (mut vectors, mut t) = (vectors.map(Complex64::from), hessenberg.map(Complex64::from));
