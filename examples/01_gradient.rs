@@ -6,13 +6,15 @@ use costate::prelude::*;
 
 struct Duffing;
 impl Element for Duffing {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("mass", "kg"),
         Parameter::non_negative("damping", "N s/m"),
         Parameter::new("stiffness", "N/m"),
         Parameter::new("cubic stiffness", "N/m3"),
     ];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         r[0] = p[0] * s.a[0] + p[1] * s.v[0] + p[2] * s.q[0] + p[3] * s.q[0] * s.q[0] * s.q[0];
     }

@@ -9,9 +9,11 @@ use costate::prelude::*;
 
 struct ParabolicWire;
 impl Constraint for ParabolicWire {
-    const DOFS: usize = 3;
     const EQUATIONS: usize = 2;
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("curvature", "1/m")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Point]
+    }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g[0] = q[2] - p[0] * q[0] * q[0] * 0.5;
         g[1] = q[1];

@@ -44,7 +44,9 @@ pub fn arm<S: Scalar>(angle: S, along: S, across: S) -> [S; 2] {
 /// Inertia of the seven bodies, spring and torque; parameters: J1 to J7, c2, c4, c6, then those of the spring and the torque.
 pub struct SevenBodies;
 impl Element for SevenBodies {
-    const DOFS: usize = 7;
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(7)]
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let inertia = (1..=7).map(|i| Parameter::named(format!("J{i}"), "kg m2"));
         let rest = ["c2", "c4", "c6", "xb - xc", "yb - yc", "sc", "sd", "stiffness", "rest length", "torque"];
@@ -72,8 +74,10 @@ impl Element for SevenBodies {
 /// The chains over body 3, bodies 5 and 4, bodies 7 and 6 end at the pin of body 2; parameters: rr to yb.
 pub struct Closure;
 impl Constraint for Closure {
-    const DOFS: usize = 7;
     const EQUATIONS: usize = 6;
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(7)]
+    }
     fn parameters(&self) -> Vec<Parameter> {
         NUMBERS[14..25].iter().map(|&(name, _, unit)| Parameter::new(name, unit)).collect()
     }

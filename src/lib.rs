@@ -71,7 +71,7 @@ pub mod testing;
 pub mod prelude {
     pub use crate::design::DesignVariable;
     pub use crate::elements::{
-        Admissible, Anchor, Constraint, Element, NonholonomicConstraint, Parameter, State, TimeFunction,
+        Admissible, Constraint, Element, NodeKind, NonholonomicConstraint, Parameter, State, TimeFunction,
     };
     pub use crate::functionals::{Over, Quantity};
     pub use crate::integrators::{ConstraintLevel, Method, RunError, table_by_name};

@@ -13,13 +13,15 @@
 //!
 //! struct Spring;
 //! impl Element for Spring {
-//!     const DOFS: usize = 1;
 //!     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m3")];
+//!     fn nodes(&self) -> Vec<NodeKind> {
+//!         vec![NodeKind::Coordinates(1)]
+//!     }
 //!     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
 //!         p[0] * q[0].powi(4) * 0.25
 //!     }
 //! }
-//! let samples = Sample::random(&[costate::assembly::NodeKind::Coordinates(1)], &[3.0], 12);
+//! let samples = Sample::random(&[NodeKind::Coordinates(1)], &[3.0], 12);
 //! check_element(&Arc::new(Spring), &samples).unwrap();
 //! ```
 
@@ -29,12 +31,12 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, NodeKind, ProductBars,
-    ProductPoint, Products, Residual, StageCoefficients, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, ProductBars, ProductPoint,
+    Products, Residual, StageCoefficients, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
-    AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, Nonholonomic, NonholonomicConstraint,
-    Parameter, State,
+    AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic,
+    NonholonomicConstraint, Parameter, State, dofs_of,
 };
 use crate::program::{Formula, ProgramWork, Recorded, record};
 use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
@@ -95,8 +97,8 @@ impl Sample {
 struct Shared<T>(Arc<T>);
 
 impl<E: Element> AnyElement for Shared<E> {
-    fn dof_count(&self) -> usize {
-        self.0.dofs()
+    fn node_kinds(&self) -> Vec<NodeKind> {
+        self.0.nodes()
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameters()
@@ -119,8 +121,8 @@ impl<E: Element> AnyElement for Shared<E> {
 }
 
 impl<C: AnyConstraint> AnyConstraint for Shared<C> {
-    fn dof_count(&self) -> usize {
-        self.0.dof_count()
+    fn node_kinds(&self) -> Vec<NodeKind> {
+        self.0.node_kinds()
     }
     fn equation_count(&self) -> usize {
         self.0.equation_count()
@@ -213,7 +215,7 @@ pub fn constraint_physics<C: AnyConstraint + 'static>(constraint: &Arc<C>) -> Co
 
 /// Whether an element's residual is written out.
 fn is_written<E: Element>(element: &E) -> bool {
-    let (n, m) = (element.dofs(), element.parameters().len());
+    let (n, m) = (dofs_of(&element.nodes()), element.parameters().len());
     let (_, recording) = record(&vec![f64::NAN; 3 * n + m + 1], |x| {
         let s = State { a: &x[..n], v: &x[n..2 * n], q: &x[2 * n..3 * n] };
         element.residual(s, &x[3 * n..3 * n + m], x[3 * n + m], &mut vec![Recorded::from(0.0); n]);

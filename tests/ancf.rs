@@ -93,7 +93,7 @@ impl Scene for Bar {
                     m.cable_weld("weld", [ground, cable.start()], slope);
                 }
                 let p = [&load.map(S::from)[..], &[S::zero(); 3], &[S::zero(), S::one()]].concat();
-                let force = AppliedForce { on: Anchor::Slope, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
+                let force = AppliedForce { on: NodeKind::Slope, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
                 m.element("load", &[cable.end()], force, &p);
                 let end = cable.end();
                 for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {

@@ -92,7 +92,7 @@ fn growing_force<S: Scalar>(
 ) {
     let p =
         [force.map(S::from).to_vec(), m.local_point(node, point).components().to_vec(), vec![S::zero(), S::one()]].concat();
-    m.element(name, &[node], AppliedForce { on: Anchor::Body, frame, size: TimeFunction::ConstantRate }, &p);
+    m.element(name, &[node], AppliedForce { on: NodeKind::Body, frame, size: TimeFunction::ConstantRate }, &p);
 }
 
 impl Scene for Bar {
@@ -120,7 +120,7 @@ impl Scene for Bar {
             What::Determinate => {
                 let beam = m.beam("beam", cantilever(LENGTH, ELEMENTS), &Section::new([number(STIFF); STRAINS]));
                 growing_force(m, "force", beam.end(), (LoadFrame::World, TIP[0]), along(LENGTH));
-                let moment = AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size: TimeFunction::Constant };
+                let moment = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::World, size: TimeFunction::Constant };
                 m.element("moment", &[beam.end()], moment, &[&TIP[1].map(S::from)[..], &[S::one()]].concat());
                 let direction = (LoadFrame::World, Vector3::from_f64(ALONG));
                 m.distributed_load("load", &beam, direction, TimeFunction::Constant, &[S::one()]);
@@ -503,7 +503,7 @@ const fn difference(component: usize) -> Interpolation {
 
 impl Field for Cable {
     const NODES: usize = 2;
-    const COMPONENTS: usize = 3;
+    const NODE: NodeKind = NodeKind::Point;
     const POINTS: &'static [&'static [Interpolation]] = &[&[difference(0), difference(1), difference(2)]];
     fn parameters(&self) -> Vec<Parameter> {
         vec![Parameter::non_negative("EA", "N"), Parameter::positive("length", "m")]

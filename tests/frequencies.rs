@@ -42,7 +42,7 @@ fn fixed_axis() -> Vector3<f64> {
 
 fn load<S: Scalar>(
     m: &mut MechanismBuilder<S>,
-    (node, on): (NodeId, Anchor),
+    (node, on): (NodeId, NodeKind),
     direction: [f64; 3],
     point: Vector3<S>,
     frame: LoadFrame,
@@ -128,7 +128,7 @@ impl Scene for Small {
                     m.torsion_spring_damper(&format!("spring {i}"), [last.0, link], axis, [S::one(), S::zero(), S::zero()]);
                     last = (link, top);
                 }
-                load(m, (last.0, Anchor::Body), [0.0, 0.0, -1.0], at(0.0, 2.0), LoadFrame::Body, size);
+                load(m, (last.0, NodeKind::Body), [0.0, 0.0, -1.0], at(0.0, 2.0), LoadFrame::Body, size);
             }
             What::Massless => {
                 let places = [at(1.0, 0.0), at(2.0, 0.0)];
@@ -148,7 +148,7 @@ impl Scene for Small {
                 for (name, side) in [("left", -1.0), ("right", 1.0)] {
                     m.line_spring(name, [ground, bob], [at(side, 0.0), at(0.0, 0.0)], S::from(STIFFNESS), S::from(0.9));
                 }
-                load(m, (bob, Anchor::Point), [1.0, 0.0, 0.0], at(0.0, 0.0), LoadFrame::World, 20.0);
+                load(m, (bob, NodeKind::Point), [1.0, 0.0, 0.0], at(0.0, 0.0), LoadFrame::World, 20.0);
             }
             What::Rolling => {
                 let centre = at(0.0, 0.5);

@@ -21,6 +21,7 @@ enum Mistake {
     ZeroPitch,
     SkewPins,
     PointForBody,
+    OtherNodes,
     NoAxis,
     BodyForAngle,
     LooseCoordinate,
@@ -30,7 +31,9 @@ struct Mistaken(Option<Mistake>);
 /// States a residual and no energies.
 struct Drag;
 impl Element for Drag {
-    const DOFS: usize = 7;
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Body]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
         r[0] += s.v[0];
     }
@@ -103,6 +106,11 @@ impl Scene for Mistaken {
                 let bob = m.point("bob", axis * x[0]);
                 m.point_mass("bob", bob, S::one());
                 m.cylindrical("sleeve", [rod, bob], axis * x[0], axis);
+            }
+            Some(OtherNodes) => {
+                // as many coordinates as a body
+                let numbers = m.coordinates("numbers", &[S::zero(); 7], &[S::zero(); 7]);
+                m.element("drag", &[numbers], Drag, &[]);
             }
             Some(BodyForAngle) => {
                 let angle = m.joint_angle("count", [ground, rod], hinge);
@@ -228,6 +236,11 @@ fn pins_of_a_universal_joint_that_are_not_at_right_angles_are_shown_with_their_a
 #[test]
 fn a_point_where_a_joint_needs_a_body_is_named() {
     assert_says(&refused(Mistake::PointForBody), &["\"sleeve\" needs a body", "\"bob\"", "joint for points"]);
+}
+
+#[test]
+fn an_element_on_nodes_of_another_kind_is_named_with_both_kinds() {
+    assert_says(&refused(Mistake::OtherNodes), &["\"drag\"", "takes hold of a body", "its nodes are 7 coordinates"]);
 }
 
 #[test]

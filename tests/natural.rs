@@ -105,7 +105,7 @@ impl Scene for Chain {
         m.line_spring("spring", [ground, bodies[3]], [vector([1.0, 1.0, 1.0]), tip], *stiffness, S::from(0.5));
         m.vector_damper("damper", [bodies[0], bodies[3]], [point(0), tip], S::from(0.3));
         for (i, frame) in [LoadFrame::World, LoadFrame::Body].into_iter().enumerate() {
-            let on = m.model.node(bodies[i]).kind.anchor().ok_or("bodies have places")?;
+            let on = m.model.node(bodies[i]).kind.in_space().ok_or("bodies have places")?;
             let local = |direction: [f64; 3]| {
                 if i == 1 {
                     m.local_direction(bodies[i], vector(direction)).components()

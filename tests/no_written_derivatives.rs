@@ -9,15 +9,15 @@ const CONTRACTS: [(&str, &str, &str); 5] = [
     (
         "elements/element.rs",
         "Element",
-        "dofs parameters residual kinetic potential add_force strain_count strains stored damping mass breakpoints",
+        "nodes parameters residual kinetic potential add_force strain_count strains stored damping mass breakpoints",
     ),
     (
         "elements/field.rs",
         "Field",
         "parameters parameters_of residual kinetic potential add_force strain_count strains stored damping mass breakpoints",
     ),
-    ("elements/constraint.rs", "Constraint", "dofs equations parameters g breakpoints"),
-    ("elements/nonholonomic.rs", "NonholonomicConstraint", "dofs parameters h breakpoints"),
+    ("elements/constraint.rs", "Constraint", "nodes equations parameters g breakpoints"),
+    ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
     ("functionals/quantity.rs", "Quantity", "dofs parameters value rated_count rated value_with_rates"),
 ];
 

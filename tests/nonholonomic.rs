@@ -4,7 +4,7 @@ mod support;
 
 use costate::design::DesignVariable;
 use costate::elements::joints::{RollingDisc, RollingSphere};
-use costate::elements::{Anchor, ConstraintPhysics, Nonholonomic, State, TimeFunction};
+use costate::elements::{ConstraintPhysics, NodeKind, Nonholonomic, State, TimeFunction};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, Scalar, SpatialVector, Vector3};
@@ -115,8 +115,12 @@ fn differences(scene: &(impl Scene + Sync), level: ConstraintLevel, table: &str)
 fn rows_and_reactions_follow_from_h() {
     let mut random = Random::new(3);
     let constraints: [(&str, ConstraintPhysics, usize); 2] = [
-        ("sphere", ConstraintPhysics::new(Box::new(Nonholonomic(RollingSphere { a: Anchor::Body, b: Anchor::Body }))), 13),
-        ("disc", ConstraintPhysics::new(Box::new(Nonholonomic(RollingDisc { a: Anchor::Body, b: Anchor::Body }))), 16),
+        (
+            "sphere",
+            ConstraintPhysics::new(Box::new(Nonholonomic(RollingSphere { a: NodeKind::Body, b: NodeKind::Body }))),
+            13,
+        ),
+        ("disc", ConstraintPhysics::new(Box::new(Nonholonomic(RollingDisc { a: NodeKind::Body, b: NodeKind::Body }))), 16),
     ];
     let complex = |x: &[f64]| x.iter().map(|&x| Complex64::from(x)).collect::<Vec<_>>();
     for (name, constraint, parameters) in &constraints {

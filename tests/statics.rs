@@ -16,7 +16,7 @@ fn vector(x: f64, y: f64, z: f64) -> [f64; 3] {
 fn ramped_force<S: Scalar>(
     m: &mut MechanismBuilder<S>,
     name: &str,
-    (node, on): (NodeId, Anchor),
+    (node, on): (NodeId, NodeKind),
     (direction, point): ([f64; 3], Vector3<S>),
     frame: LoadFrame,
     size: S,
@@ -65,7 +65,7 @@ impl Scene for Truss {
             m.line_damper(&format!("{name} damper"), [ground, apex], [foot, place], S::from(7.0));
         }
         let guide = m.point_on_line("guide", [ground, apex], place, Vector3::from_f64([0.0, 0.0, 1.0]));
-        ramped_force(m, "load", (apex, Anchor::Point), (vector(0.0, 0.0, -1.0), place), LoadFrame::World, *load);
+        ramped_force(m, "load", (apex, NodeKind::Point), (vector(0.0, 0.0, -1.0), place), LoadFrame::World, *load);
         let up = Vector3::from_f64([0.0, 0.0, 1.0]);
         m.position_functional("height", Over::Terminal, apex, place, up);
         m.position_functional("height at the start", Over::Initial, apex, place, up);
@@ -246,7 +246,7 @@ impl Scene for TwoLinks {
         if self.redundant {
             m.revolute("second hinge", [ground, upper], axis * S::from(0.3), axis);
         }
-        ramped_force(m, "pull", (lower, Anchor::Body), (vector(1.0, 0.0, 0.0), tip), LoadFrame::World, *pull);
+        ramped_force(m, "pull", (lower, NodeKind::Body), (vector(1.0, 0.0, 0.0), tip), LoadFrame::World, *pull);
         if self.velocity != 0.0 {
             m.set_velocity(lower, Vector3::from_f64([self.velocity, 0.0, 0.0]), Vector3::zeros());
         }
@@ -399,7 +399,7 @@ impl Scene for Loose {
         } else {
             m.point_mass("block", block, S::one());
         }
-        ramped_force(m, "load", (block, Anchor::Point), (vector(0.0, 0.0, -1.0), place), LoadFrame::World, x[0]);
+        ramped_force(m, "load", (block, NodeKind::Point), (vector(0.0, 0.0, -1.0), place), LoadFrame::World, x[0]);
         m.position_functional("height", Over::Terminal, block, place, Vector3::from_f64([0.0, 0.0, 1.0]));
         Ok(())
     }

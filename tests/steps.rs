@@ -14,8 +14,10 @@ struct Oscillator {
 }
 
 impl Element for Oscillator {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         let load = self.jump.map_or(S::zero(), |jump| t.less(S::from(jump)).select(S::zero(), S::one()));
         let inside = S::from(self.wall).less(s.q[0].abs()).select(S::from(f64::NAN), S::one());

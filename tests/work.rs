@@ -1,7 +1,7 @@
 //! Work counts and threads: lost efficiency turns red without a clock, and results do not depend on the number of threads.
 
 use costate::design::DesignVariable;
-use costate::elements::{Element, Parameter, State};
+use costate::elements::{Element, NodeKind, Parameter, State};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_named};
 use costate::scalar::Scalar;
@@ -85,8 +85,10 @@ fn one_and_many_threads_give_the_same_bits() {
 struct Spring;
 
 impl Element for Spring {
-    const DOFS: usize = 2;
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("stiffness", "N/m"), Parameter::new("damping", "N s/m")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1); 2]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let force = p[0] * (s.q[1] - s.q[0]) + p[1] * (s.v[1] - s.v[0]);
         r[0] -= force;
@@ -97,8 +99,10 @@ impl Element for Spring {
 struct Mass;
 
 impl Element for Mass {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         r[0] += p[0] * s.a[0];
     }

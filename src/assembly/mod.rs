@@ -31,7 +31,7 @@ pub use element_programs::Force;
 pub use equations::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};
 pub use jacobian::Jacobian;
-pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
+pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId};
 pub use numbering::{System, SystemOptions};
 pub use part_programs::PartPrograms;
 pub use products::{Adjoints, ProductBars, ProductPoint, Products};

@@ -1,5 +1,4 @@
-use crate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
-use crate::elements::{Anchor, AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics};
+use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
 use std::ops::Range;
 
 /// A node of the model.
@@ -11,66 +10,6 @@ pub struct ElementId(pub(crate) usize);
 /// A constraint of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ConstraintId(pub(crate) usize);
-
-/// What a node's coordinates are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NodeKind {
-    /// Position of a point \[m\].
-    Point,
-    /// Position of a body frame \[m\] and its Euler parameters, kept at unit length inside the node.
-    Body,
-    /// Position of a body frame \[m\] and its axes u, v, w in the world, kept orthonormal inside the node: natural coordinates.
-    Natural,
-    /// Position of a point of a cable \[m\] and the slope dr/dx along its reference length.
-    Slope,
-    /// Any number of coordinates with the meaning that the user's elements give them.
-    Coordinates(usize),
-}
-
-impl NodeKind {
-    /// Number of coordinates.
-    pub fn dofs(self) -> usize {
-        match self {
-            NodeKind::Coordinates(count) => count,
-            _ => self.anchor().map_or(0, Anchor::dofs),
-        }
-    }
-
-    /// How elements take hold of it; `None` for a node without a place in space.
-    pub fn anchor(self) -> Option<Anchor> {
-        match self {
-            NodeKind::Point => Some(Anchor::Point),
-            NodeKind::Body => Some(Anchor::Body),
-            NodeKind::Natural => Some(Anchor::Natural),
-            NodeKind::Slope => Some(Anchor::Slope),
-            NodeKind::Coordinates(_) => None,
-        }
-    }
-
-    /// True for rigid bodies, which have axes and take moments.
-    pub fn has_axes(self) -> bool {
-        self.anchor().is_some_and(Anchor::has_axes)
-    }
-
-    /// The constraint inside the node, if it has one.
-    pub fn local_constraint(self) -> Option<ConstraintPhysics> {
-        match self {
-            NodeKind::Body => Some(ConstraintPhysics::new(Box::new(EulerParameterNorm))),
-            NodeKind::Natural => Some(ConstraintPhysics::new(Box::new(OrthonormalAxes))),
-            _ => None,
-        }
-    }
-
-    /// Name of coordinate `index`.
-    pub fn coordinate_name(self, index: usize) -> String {
-        match self {
-            NodeKind::Coordinates(_) => format!("coordinate {index}"),
-            NodeKind::Natural => ["x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz", "wx", "wy", "wz"][index].to_string(),
-            NodeKind::Slope => ["x", "y", "z", "slope x", "slope y", "slope z"][index].to_string(),
-            NodeKind::Point | NodeKind::Body => ["x", "y", "z", "e0", "e1", "e2", "e3"][index].to_string(),
-        }
-    }
-}
 
 /// A set of coordinates with a name.
 pub struct Node {

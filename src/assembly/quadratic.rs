@@ -198,8 +198,8 @@ impl Quadratic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::Constraint;
     use crate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
+    use crate::elements::{Constraint, NodeKind};
 
     #[test]
     fn closed_form_equals_the_constraint_with_its_rows_and_rates() {
@@ -234,8 +234,10 @@ mod tests {
     fn other_constraints_are_refused() {
         struct Cubic;
         impl Constraint for Cubic {
-            const DOFS: usize = 1;
             const EQUATIONS: usize = 1;
+            fn nodes(&self) -> Vec<NodeKind> {
+                vec![NodeKind::Coordinates(1)]
+            }
             fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
                 g[0] = q[0] * q[0] * q[0];
             }

@@ -1,7 +1,8 @@
 //! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg.
 
 use super::failure::Failure;
-use costate::assembly::{Model, Node, NodeKind, VectorsAvq};
+use costate::assembly::{Model, Node, VectorsAvq};
+use costate::elements::NodeKind;
 use costate::functionals::{Functional, Measured, Sample};
 use costate::history::{Dense, Observer};
 use costate::integrators::{RunError, StartRecord, StepRecord};
@@ -392,8 +393,10 @@ mod tests {
     /// R = a + q: an oscillator without a place in space, and without energies.
     struct Oscillator;
     impl Element for Oscillator {
-        const DOFS: usize = 1;
         const PARAMETERS: &'static [Parameter] = &[];
+        fn nodes(&self) -> Vec<NodeKind> {
+            vec![NodeKind::Coordinates(1)]
+        }
         fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
             r[0] += s.a[0] + s.q[0];
         }

@@ -1,4 +1,4 @@
-use super::Parameter;
+use super::{NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A holonomic constraint g(q, p, t) = 0: nothing but g is written.
@@ -6,17 +6,13 @@ use crate::scalar::Scalar;
 /// The reaction A^T mu with A = dg/dq, the velocity level dg/dt = 0, the acceleration level d2g/dt2 = 0, projections and
 /// all their derivatives are made of its recording.
 pub trait Constraint: Send + Sync + 'static {
-    /// Number of coordinates of all its nodes together; the largest if [`dofs`](Constraint::dofs) chooses.
-    const DOFS: usize;
     /// Number of equations; the largest if [`equations`](Constraint::equations) chooses.
     const EQUATIONS: usize;
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
 
-    /// Number of coordinates of this instance.
-    fn dofs(&self) -> usize {
-        Self::DOFS
-    }
+    /// Kinds of its nodes, in the order in which their coordinates stand: a model is checked against them.
+    fn nodes(&self) -> Vec<NodeKind>;
     /// Number of equations of this instance.
     fn equations(&self) -> usize {
         Self::EQUATIONS

@@ -2,6 +2,7 @@
 
 use super::lagrangian::{Energies, impulse, is_linear_in, residual};
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
+use crate::elements::NodeKind;
 use crate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
 use crate::scalar::{Complex64, Scalar, Tangents};
 use num_dual::Derivative;
@@ -134,8 +135,8 @@ pub trait AnyElement: Send + Sync {
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
-    /// Number of coordinates.
-    fn dof_count(&self) -> usize;
+    /// Kinds of its nodes.
+    fn node_kinds(&self) -> Vec<NodeKind>;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Times at which a load jumps.
@@ -160,8 +161,8 @@ fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorde
 }
 
 impl<E: Element> AnyElement for E {
-    fn dof_count(&self) -> usize {
-        self.dofs()
+    fn node_kinds(&self) -> Vec<NodeKind> {
+        self.nodes()
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
@@ -170,14 +171,14 @@ impl<E: Element> AnyElement for E {
         self.breakpoints(p)
     }
     fn record_residual(&self) -> Recording {
-        let (n, m) = (self.dofs(), self.parameters().len());
+        let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
         Formula::record(3 * n + m + 1, |x| {
             let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
             residual(self, State { a, v, q }, p, t[0])
         })
     }
     fn record_impulse(&self) -> Recording {
-        let (n, m) = (self.dofs(), self.parameters().len());
+        let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
         let mut depends = false;
         let formula = Formula::record(3 * n + m + 3, |x| {
             let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
@@ -193,7 +194,7 @@ impl<E: Element> AnyElement for E {
         formula
     }
     fn record_energies(&self) -> Recording {
-        let (n, m) = (self.dofs(), self.parameters().len());
+        let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
         Formula::record(2 * n + m, |x| {
             let [v, q, p] = arguments(x, [n, n, m]);
             let Energies { kinetic, potential } = Energies::of(self, [v, q, p], Recorded::from(0.0));
@@ -203,6 +204,11 @@ impl<E: Element> AnyElement for E {
     fn has_energies(&self) -> bool {
         super::lagrangian::has_energies(self)
     }
+}
+
+/// Number of coordinates of some nodes.
+pub(crate) fn dofs_of(nodes: &[NodeKind]) -> usize {
+    nodes.iter().map(|kind| kind.dofs()).sum()
 }
 
 /// An element of a model with its recordings, each made when it is first asked for.
@@ -224,7 +230,7 @@ fn checked(recording: &Recording) -> &Arc<Formula> {
 impl ElementPhysics {
     /// An element, recorded when that is first asked for.
     pub fn new(own: Box<dyn AnyElement>) -> Self {
-        let (dofs, parameters) = (own.dof_count(), own.parameter_list().len());
+        let (dofs, parameters) = (dofs_of(&own.node_kinds()), own.parameter_list().len());
         let [residual, impulse, energies] = [const { OnceLock::new() }; 3];
         ElementPhysics { own, dofs, parameters, residual, impulse, inertia: OnceLock::new(), energies }
     }
@@ -324,8 +330,8 @@ pub trait AnyConstraint: Send + Sync {
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
-    /// Number of coordinates.
-    fn dof_count(&self) -> usize;
+    /// Kinds of its nodes.
+    fn node_kinds(&self) -> Vec<NodeKind>;
     /// Number of equations.
     fn equation_count(&self) -> usize;
     /// Whether it restricts velocities only.
@@ -340,7 +346,7 @@ pub trait AnyConstraint: Send + Sync {
 
 /// Records g or h as a function of (v, q, p, t).
 fn record(constraint: &dyn AnyConstraint) -> Recording {
-    let (n, m) = (constraint.dof_count(), constraint.parameter_list().len());
+    let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
     let mut linear = true;
     let formula = Formula::record(2 * n + m + 1, |x| {
         let [v, q, p, t] = arguments(x, [n, n, m, 1]);
@@ -352,8 +358,8 @@ fn record(constraint: &dyn AnyConstraint) -> Recording {
 }
 
 impl<C: Constraint> AnyConstraint for C {
-    fn dof_count(&self) -> usize {
-        self.dofs()
+    fn node_kinds(&self) -> Vec<NodeKind> {
+        self.nodes()
     }
     fn equation_count(&self) -> usize {
         self.equations()
@@ -375,8 +381,8 @@ impl<C: Constraint> AnyConstraint for C {
 }
 
 impl<C: NonholonomicConstraint> AnyConstraint for Nonholonomic<C> {
-    fn dof_count(&self) -> usize {
-        self.0.dofs()
+    fn node_kinds(&self) -> Vec<NodeKind> {
+        self.0.nodes()
     }
     fn equation_count(&self) -> usize {
         C::EQUATIONS
@@ -419,7 +425,7 @@ pub struct ConstraintPhysics {
 impl ConstraintPhysics {
     /// A constraint, recorded when that is first asked for.
     pub fn new(own: Box<dyn AnyConstraint>) -> Self {
-        let (dofs, equations, parameters) = (own.dof_count(), own.equation_count(), own.parameter_list().len());
+        let (dofs, equations, parameters) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list().len());
         ConstraintPhysics { own, dofs, equations, parameters, formula: OnceLock::new() }
     }
 

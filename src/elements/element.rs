@@ -1,4 +1,4 @@
-use super::Parameter;
+use super::{NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// Accelerations, velocities and coordinates of an element's nodes, one after the other.
@@ -26,15 +26,11 @@ pub struct State<'a, S> {
 /// Every list that a method writes to holds zeros before. Every physical number is a parameter in `p`; the element itself holds topology
 /// and options only. Choices that depend on numbers go through [`Scalar::select`] and its kin.
 pub trait Element: Send + Sync + 'static {
-    /// Number of coordinates of all its nodes together; the largest if [`dofs`](Element::dofs) chooses.
-    const DOFS: usize;
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
 
-    /// Number of coordinates of this instance.
-    fn dofs(&self) -> usize {
-        Self::DOFS
-    }
+    /// Kinds of its nodes, in the order in which their coordinates stand: a model is checked against them.
+    fn nodes(&self) -> Vec<NodeKind>;
     /// Parameters of this instance.
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()

@@ -1,4 +1,4 @@
-use super::{Element, Parameter, State};
+use super::{Element, NodeKind, Parameter, State};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -20,8 +20,8 @@ pub struct Interpolation {
 pub trait Field: Send + Sync + 'static {
     /// Number of nodes.
     const NODES: usize;
-    /// Number of coordinates of each node.
-    const COMPONENTS: usize;
+    /// Kind of all its nodes.
+    const NODE: NodeKind;
     /// Interpolated numbers of each point.
     const POINTS: &'static [&'static [Interpolation]];
 
@@ -76,7 +76,7 @@ fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S]) -> Few<S> {
     let number = |row: &Interpolation| {
         let mut sum = x[row.component] * row.weights[0];
         for node in 1..F::NODES {
-            sum += x[node * F::COMPONENTS + row.component] * row.weights[node];
+            sum += x[node * F::NODE.dofs() + row.component] * row.weights[node];
         }
         sum
     };
@@ -87,7 +87,7 @@ fn interpolate<F: Field, S: Scalar>(rows: &[Interpolation], x: &[S]) -> Few<S> {
 fn distribute<F: Field, S: Scalar>(rows: &[Interpolation], h: &[S], x: &mut [S]) {
     for (row, &h) in rows.iter().zip(h) {
         for node in 0..F::NODES {
-            x[node * F::COMPONENTS + row.component] += h * row.weights[node];
+            x[node * F::NODE.dofs() + row.component] += h * row.weights[node];
         }
     }
 }
@@ -105,8 +105,9 @@ impl<F: Field> Flexible<F> {
 }
 
 impl<F: Field> Element for Flexible<F> {
-    const DOFS: usize = F::NODES * F::COMPONENTS;
-
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![F::NODE; F::NODES]
+    }
     fn parameters(&self) -> Vec<Parameter> {
         self.0.parameters()
     }

@@ -1,4 +1,4 @@
-use super::Anchor;
+use super::NodeKind;
 use crate::scalar::{Scalar, SpatialVector, Vector3, combine_columns};
 
 /// Where the frame of a node stands in the world, whatever the coordinates of the node are: joints between axes see no more of it.
@@ -13,13 +13,13 @@ pub struct Frame<S> {
 impl<S: Scalar> Frame<S> {
     /// The frame of a node with the coordinates `q`.
     #[inline(always)]
-    pub fn of(anchor: Anchor, q: &[S]) -> Self {
+    pub fn of(anchor: NodeKind, q: &[S]) -> Self {
         Frame { origin: Vector3::first_three(q), axes: anchor.axes(q) }
     }
 
     /// The frames of two nodes whose coordinates follow each other.
     #[inline(always)]
-    pub fn pair([a, b]: [Anchor; 2], q: &[S]) -> [Self; 2] {
+    pub fn pair([a, b]: [NodeKind; 2], q: &[S]) -> [Self; 2] {
         let (qa, qb) = q.split_at(a.dofs());
         [Frame::of(a, qa), Frame::of(b, qb)]
     }

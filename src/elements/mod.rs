@@ -8,13 +8,13 @@
 //! Sign: the residual is inertia + internal - applied = 0; a constraint adds A^T mu with A = dg/dq, so the force of the
 //! constraint on the bodies is -A^T mu.
 
-mod anchor;
 mod constraint;
 mod dyn_layer;
 mod element;
 mod field;
 mod frame;
 mod lagrangian;
+mod node_kind;
 mod nonholonomic;
 mod parameter;
 mod time_function;
@@ -24,15 +24,15 @@ pub mod flexible;
 pub mod forces;
 pub mod joints;
 
-pub use anchor::Anchor;
 pub use constraint::Constraint;
-pub(crate) use dyn_layer::instantiate_here;
 pub use dyn_layer::{
     AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, motion_derivatives,
 };
+pub(crate) use dyn_layer::{dofs_of, instantiate_here};
 pub use element::{Element, State};
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
+pub use node_kind::NodeKind;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
 pub use time_function::TimeFunction;

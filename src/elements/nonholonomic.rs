@@ -1,4 +1,4 @@
-use super::Parameter;
+use super::{NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A constraint on velocities, h(v, q, p, t) = B(q, p, t) v + b(q, p, t) = 0, that is no derivative of any g: rolling, blades, wheels.
@@ -6,17 +6,13 @@ use crate::scalar::Scalar;
 /// Nothing but h is written. The reaction B^T mu, the acceleration level dh/dt = 0, projections of velocities and all their
 /// derivatives are made of its recording. Coordinates are not restricted by it: their projection leaves it alone.
 pub trait NonholonomicConstraint: Send + Sync + 'static {
-    /// Number of coordinates of all its nodes together; the largest if [`dofs`](NonholonomicConstraint::dofs) chooses.
-    const DOFS: usize;
     /// Number of equations.
     const EQUATIONS: usize;
     /// Its physical numbers, in the order of `p`.
     const PARAMETERS: &'static [Parameter] = &[];
 
-    /// Number of coordinates of this instance.
-    fn dofs(&self) -> usize {
-        Self::DOFS
-    }
+    /// Kinds of its nodes, in the order in which their coordinates stand: a model is checked against them.
+    fn nodes(&self) -> Vec<NodeKind>;
     /// Parameters of this instance.
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()

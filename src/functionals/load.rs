@@ -1,5 +1,5 @@
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Anchor, ConstraintPhysics, Frame, Parameter};
+use crate::elements::{ConstraintPhysics, Frame, NodeKind, Parameter};
 use crate::program::Formula;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
@@ -33,7 +33,7 @@ pub struct JointLoad {
     /// Coordinates of the node among those of the joint.
     pub node: Range<usize>,
     /// What they are.
-    pub on: Anchor,
+    pub on: NodeKind,
     formula: OnceLock<Arc<Formula>>,
 }
 
@@ -49,7 +49,7 @@ impl JointLoad {
     ];
 
     /// A load of one of a joint's nodes.
-    pub fn new(kind: LoadKind, frame: LoadFrame, node: Range<usize>, on: Anchor) -> Self {
+    pub fn new(kind: LoadKind, frame: LoadFrame, node: Range<usize>, on: NodeKind) -> Self {
         JointLoad { kind, frame, node, on, formula: OnceLock::new() }
     }
 

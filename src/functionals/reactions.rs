@@ -4,8 +4,8 @@
 //! solved multipliers: mu* = argmin |mu*| subject to A^T mu* = F. Rows of K, orthonormalized, are Q; then A = M Q with M = A Q^T,
 //! and mu* = M (M^T M)^-1 Q F, a smooth function of the state that depends on the choice K only by round-off.
 
-use crate::assembly::{Model, NodeKind};
-use crate::elements::{Anchor, RunScalar};
+use crate::assembly::Model;
+use crate::elements::{NodeKind, RunScalar};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 type Matrix<S> = Vec<Vec<S>>;
@@ -81,7 +81,7 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64
                             let e = Quaternion::from_slice(&place[3..]);
                             e.g_times(Quaternion::from_slice(&force[3..])) * S::from(0.5)
                         }
-                        _ => Anchor::Natural.moment(place, force),
+                        _ => NodeKind::Natural.moment(place, force),
                     };
                     target
                         .iter_mut()

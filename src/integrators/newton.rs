@@ -1,8 +1,8 @@
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::failure::{Failure, FailureKind};
-use crate::assembly::{Equations, Jacobian, Level, Node, NodeKind, Residual, System, Unknowns, VectorsAvq};
-use crate::elements::{FormulaWork, RunScalar};
+use crate::assembly::{Equations, Jacobian, Level, Node, Residual, System, Unknowns, VectorsAvq};
+use crate::elements::{FormulaWork, NodeKind, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -679,8 +679,10 @@ mod tests {
     struct PushedMass;
 
     impl Element for PushedMass {
-        const DOFS: usize = 1;
         const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg"), Parameter::new("force", "N")];
+        fn nodes(&self) -> Vec<NodeKind> {
+            vec![NodeKind::Coordinates(1)]
+        }
         fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
             r[0] += p[0] * s.a[0] - p[1];
         }

@@ -4,9 +4,9 @@
 use super::newton::Newton;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
-use crate::assembly::{Equations, Model, NodeId, NodeKind, Residual, System, SystemOptions, VectorsAvq};
+use crate::assembly::{Equations, Model, NodeId, Residual, System, SystemOptions, VectorsAvq};
 use crate::elements::bodies::OrthonormalAxes;
-use crate::elements::{ConstraintPhysics, State};
+use crate::elements::{ConstraintPhysics, NodeKind, State};
 use crate::linalg::{Backend, independent_rows};
 use crate::scalar::Quaternion;
 use std::sync::Arc;

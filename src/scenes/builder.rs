@@ -9,10 +9,10 @@ mod rolling;
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
 
-use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId, NodeKind};
+use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::ModelNumbers;
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
-use crate::elements::{Anchor, AnyConstraint, AnyElement, Frame, Nonholonomic, NonholonomicConstraint};
+use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
@@ -157,7 +157,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn angular_velocity(&self, node: NodeId) -> Vector3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         let (v, q) = (&self.numbers.v[dofs.clone()], &self.numbers.q[dofs.clone()]);
-        kind.anchor().map_or_else(Vector3::zeros, |anchor| anchor.angular_velocity(v, q))
+        kind.angular_velocity(v, q)
     }
 
     /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
@@ -174,7 +174,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         match kind {
             NodeKind::Body => Quaternion::from_slice(&self.numbers.q[dofs.start + 3..]),
-            NodeKind::Natural => Quaternion::of_columns(&Anchor::Natural.axes(&self.numbers.q[dofs.clone()])),
+            NodeKind::Natural => Quaternion::of_columns(&NodeKind::Natural.axes(&self.numbers.q[dofs.clone()])),
             _ => Quaternion::identity(),
         }
     }
@@ -191,29 +191,29 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn local_direction(&self, node: NodeId, direction: Vector3<S>) -> Vector3<S> {
         let Node { kind, dofs, .. } = &self.model.nodes[node.0];
         match kind {
-            NodeKind::Natural => Frame::of(Anchor::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
+            NodeKind::Natural => Frame::of(NodeKind::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
             _ => self.rotation(node).rotate_back(direction),
         }
     }
 
-    fn anchor(&mut self, owner: &str, node: NodeId) -> Anchor {
-        self.model.nodes[node.0].kind.anchor().unwrap_or_else(|| {
+    fn kind_in_space(&mut self, owner: &str, node: NodeId) -> NodeKind {
+        self.model.nodes[node.0].kind.in_space().unwrap_or_else(|| {
             let name = &self.model.nodes[node.0].name;
             self.mistakes.push(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
-            Anchor::Point
+            NodeKind::Point
         })
     }
 
     /// How to take hold of a body: axes and angles need one.
-    fn body_anchor(&mut self, owner: &str, node: NodeId) -> Anchor {
+    fn kind_of_body(&mut self, owner: &str, node: NodeId) -> NodeKind {
         let Node { kind, name, .. } = &self.model.nodes[node.0];
-        if let Some(anchor) = kind.anchor().filter(|anchor| anchor.has_axes()) {
-            return anchor;
+        if kind.has_axes() {
+            return *kind;
         }
         self.mistakes.push(format!(
             "\"{owner}\" needs a body, which has axes, but node \"{name}\" is none: make it a body, or take a joint for points"
         ));
-        Anchor::Body
+        NodeKind::Body
     }
 
     /// A vector of length one along an axis or normal.
@@ -228,15 +228,24 @@ impl<S: Scalar> MechanismBuilder<S> {
         Vector3::from_f64([1.0, 0.0, 0.0])
     }
 
-    fn check_sizes(&mut self, name: &str, nodes: &[NodeId], dofs: usize, parameters: usize, given: usize) -> bool {
-        let have = self.model.dof_count(nodes);
-        if have != dofs {
-            self.mistakes.push(format!("\"{name}\" works on {dofs} coordinates, but its nodes have {have}"));
-        }
+    fn check_parameters(&mut self, name: &str, parameters: usize, given: usize) -> bool {
         if parameters != given {
             self.mistakes.push(format!("\"{name}\" has {parameters} parameters, but {given} values were given"));
         }
-        have == dofs && parameters == given
+        parameters == given
+    }
+
+    fn check_nodes(&mut self, name: &str, nodes: &[NodeId], kinds: &[NodeKind]) -> bool {
+        let have: Vec<NodeKind> = nodes.iter().map(|node| self.model.nodes[node.0].kind).collect();
+        if have != kinds {
+            let list = |kinds: &[NodeKind]| match kinds {
+                [] => "nothing".to_string(),
+                _ => kinds.iter().map(|kind| kind.words()).collect::<Vec<_>>().join(", "),
+            };
+            let (wanted, have) = (list(kinds), list(&have));
+            self.mistakes.push(format!("\"{name}\" takes hold of {wanted}, but its nodes are {have}"));
+        }
+        have == kinds
     }
 
     /// Adds any element with its parameters.
@@ -245,7 +254,8 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     fn add_element(&mut self, name: &str, nodes: &[NodeId], element: Box<dyn AnyElement>, p: &[S]) -> ElementId {
-        let sound = self.check_sizes(name, nodes, element.dof_count(), element.parameter_list().len(), p.len());
+        let sound = self.check_parameters(name, element.parameter_list().len(), p.len())
+            & self.check_nodes(name, nodes, &element.node_kinds());
         if !sound {
             return ElementId(usize::MAX);
         }
@@ -265,7 +275,8 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     fn add_constraint(&mut self, name: &str, nodes: &[NodeId], constraint: Box<dyn AnyConstraint>, p: &[S]) -> ConstraintId {
-        let sound = self.check_sizes(name, nodes, constraint.dof_count(), constraint.parameter_list().len(), p.len());
+        let sound = self.check_parameters(name, constraint.parameter_list().len(), p.len())
+            & self.check_nodes(name, nodes, &constraint.node_kinds());
         if !sound {
             return ConstraintId(usize::MAX);
         }
@@ -289,8 +300,8 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
         self.masses.push((node, mass, centre));
         let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
-        match self.body_anchor(name, node) {
-            Anchor::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
+        match self.kind_of_body(name, node) {
+            NodeKind::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
             _ => self.add_element(name, &[node], RigidBody.into(), &p),
         }
     }
@@ -323,7 +334,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         quantity: Box<dyn AnyQuantity>,
         p: &[S],
     ) {
-        if !self.check_sizes(name, nodes, quantity.dof_count(), quantity.parameter_list().len(), p.len()) {
+        let (have, wanted) = (self.model.dof_count(nodes), quantity.dof_count());
+        if have != wanted {
+            self.mistakes.push(format!("\"{name}\" works on {wanted} coordinates, but its nodes have {have}"));
+        }
+        if !self.check_parameters(name, quantity.parameter_list().len(), p.len()) || have != wanted {
             return;
         }
         let parameters = self.model.add_parameters(p.len());

@@ -1,6 +1,6 @@
 use super::builder::MechanismBuilder;
-use crate::assembly::{NodeId, NodeKind};
-use crate::elements::{Anchor, Parameter};
+use crate::assembly::NodeId;
+use crate::elements::{NodeKind, Parameter};
 use crate::functionals::Measured;
 use crate::scalar::{SpatialVector, Vector3};
 use std::ops::Range;
@@ -9,7 +9,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodePoint {
     dofs: Range<usize>,
-    anchor: Anchor,
+    kind: NodeKind,
     fixed: bool,
     /// In the frame of the body \[m\]; zero for other nodes.
     local: [f64; 3],
@@ -18,7 +18,7 @@ pub struct NodePoint {
 impl NodePoint {
     /// Its place in the world \[m\] at coordinates `q` of the whole mechanism.
     pub fn at(&self, q: &[f64]) -> [f64; 3] {
-        self.anchor.position(&q[self.dofs.clone()], Vector3::from(self.local)).components()
+        self.kind.position(&q[self.dofs.clone()], Vector3::from(self.local)).components()
     }
 }
 
@@ -71,13 +71,13 @@ impl MechanismBuilder<f64> {
                 && let Some(point) = self.node_point(node, local)
             {
                 let name =
-                    if point.anchor.has_axes() { format!("point of {}", functional.name) } else { self.node_name(&point) };
+                    if point.kind.has_axes() { format!("point of {}", functional.name) } else { self.node_name(&point) };
                 sketch.follow(name, point);
             }
         }
         for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Point) {
-            let (dofs, anchor) = (node.dofs.clone(), Anchor::Point);
-            sketch.follow(node.name.clone(), NodePoint { dofs, anchor, fixed: node.fixed, local: [0.0; 3] });
+            let (dofs, kind) = (node.dofs.clone(), NodeKind::Point);
+            sketch.follow(node.name.clone(), NodePoint { dofs, kind, fixed: node.fixed, local: [0.0; 3] });
         }
         if sketch.followed.is_empty() {
             // of a beam its ends
@@ -100,9 +100,9 @@ impl MechanismBuilder<f64> {
     /// `None` for a node without a place in space.
     fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
         let node = &self.model.nodes[node.0];
-        let anchor = node.kind.anchor()?;
-        let local = if anchor.has_axes() { local } else { [0.0; 3] };
-        Some(NodePoint { dofs: node.dofs.clone(), anchor, fixed: node.fixed, local })
+        let kind = node.kind.in_space()?;
+        let local = if kind.has_axes() { local } else { [0.0; 3] };
+        Some(NodePoint { dofs: node.dofs.clone(), kind, fixed: node.fixed, local })
     }
 
     /// The three parameters `name x`, `name y`, `name z`.

@@ -1,7 +1,6 @@
 use super::Prepared;
-use crate::assembly::NodeKind;
 use crate::elements::bodies::OrthonormalAxes;
-use crate::elements::{Constraint, State};
+use crate::elements::{Constraint, NodeKind, State};
 use crate::scalar::Quaternion;
 
 /// How far a state is from the constraints, at the worst of them.

@@ -9,13 +9,13 @@ use costate::elements::joints::{
     RevoluteJoint, RigidLink, SphericalJoint, UniversalJoint,
 };
 use costate::elements::joints::{RollingDisc, RollingSphere};
-use costate::elements::{Anchor, Constraint, ConstraintPhysics, Nonholonomic, NonholonomicConstraint, TimeFunction};
+use costate::elements::{Constraint, ConstraintPhysics, NodeKind, Nonholonomic, NonholonomicConstraint, TimeFunction};
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::testing::{self, Sample, check_constraint, check_nonholonomic};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use Anchor::{Body, Natural, Point, Slope};
+use NodeKind::{Body, Natural, Point, Slope};
 
 /// Where the last body b stands relative to the first a: its turn, and the vector from the point of a to the point of b, both seen
 /// from a.
@@ -77,11 +77,11 @@ pub type ConstraintCheck = dyn Fn(&[Sample]) -> Result<(), String>;
 pub struct Rolling {
     pub name: String,
     pub constraint: Box<ConstraintCheck>,
-    pub nodes: [Anchor; 2],
+    pub nodes: [NodeKind; 2],
     pub p: Vec<f64>,
 }
 
-fn rolling<C: NonholonomicConstraint>(name: &str, nodes: [Anchor; 2], constraint: C) -> Rolling {
+fn rolling<C: NonholonomicConstraint>(name: &str, nodes: [NodeKind; 2], constraint: C) -> Rolling {
     let p = (0..constraint.parameters().len()).map(|i| 0.6 + 0.5 * (1.7 * i as f64 + 0.3).sin()).collect();
     let constraint = Arc::new(Nonholonomic(constraint));
     let check = move |samples: &[Sample]| check_nonholonomic(&constraint, samples);
@@ -103,7 +103,7 @@ pub struct Case {
     pub name: String,
     pub constraint: ConstraintPhysics,
     pub contract: Box<dyn Contract>,
-    pub nodes: Vec<Anchor>,
+    pub nodes: Vec<NodeKind>,
     /// Nodes of one coordinate behind the others.
     pub scalars: usize,
     pub p: Vec<f64>,
@@ -115,18 +115,12 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn new<C: Constraint>(
-        name: impl Into<String>,
-        constraint: C,
-        nodes: &[Anchor],
-        p: &[f64],
-        placed: Placement,
-    ) -> Case {
+    pub fn new<C: Constraint>(name: impl Into<String>, constraint: C, p: &[f64], placed: Placement) -> Case {
         let (name, constraint) = (name.into(), Arc::new(constraint));
-        let places: usize = nodes.iter().map(|node| node.dofs()).sum();
-        let scalars = constraint.dofs() - places;
+        let (nodes, others): (Vec<_>, Vec<_>) = constraint.nodes().into_iter().partition(|kind| kind.in_space().is_some());
+        let scalars = others.iter().map(|kind| kind.dofs()).sum();
         let mut ignored = vec![];
-        if let [a, b] = *nodes {
+        if let [a, b] = nodes[..] {
             ignored.extend((!a.has_axes()).then_some("point a"));
             ignored.extend((!b.has_axes()).then_some("point b"));
         }
@@ -134,7 +128,7 @@ impl Case {
             name,
             constraint: testing::constraint_physics(&constraint),
             contract: Box::new(constraint),
-            nodes: nodes.to_vec(),
+            nodes,
             scalars,
             p: p.to_vec(),
             placed,
@@ -191,7 +185,7 @@ pub const NORMAL_W: Vector3<f64> = Vector3::new(0.0, 1.0, 0.0);
 const X: Vector3<f64> = Vector3::new(1.0, 0.0, 0.0);
 const Y: Vector3<f64> = Vector3::new(0.0, 1.0, 0.0);
 const Z: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
-const PAIRS: [[Anchor; 2]; 10] = [
+const PAIRS: [[NodeKind; 2]; 10] = [
     [Point, Point],
     [Point, Body],
     [Body, Point],
@@ -204,13 +198,13 @@ const PAIRS: [[Anchor; 2]; 10] = [
     [Slope, Slope],
 ];
 /// Nodes of two bodies.
-const BODIES: [[Anchor; 2]; 4] = [[Body, Body], [Natural, Natural], [Body, Natural], [Natural, Body]];
+const BODIES: [[NodeKind; 2]; 4] = [[Body, Body], [Natural, Natural], [Body, Natural], [Natural, Body]];
 
 /// A body and what it guides.
-const GUIDED: [[Anchor; 2]; 5] = [[Body, Point], [Body, Body], [Natural, Slope], [Natural, Natural], [Natural, Body]];
+const GUIDED: [[NodeKind; 2]; 5] = [[Body, Point], [Body, Body], [Natural, Slope], [Natural, Natural], [Natural, Body]];
 
 /// The name of a joint between two bodies.
-fn between(name: &str, [a, b]: [Anchor; 2]) -> String {
+fn between(name: &str, [a, b]: [NodeKind; 2]) -> String {
     if [a, b] == [Body, Body] { name.into() } else { format!("{name} {a:?} to {b:?}") }
 }
 
@@ -233,53 +227,53 @@ pub fn cases() -> Vec<Case> {
     let screwed = Placement { turn: Quaternion::about(AXIS, 1.3 * TAU / pitch), ..slid };
     let rolled = Placement { offset: NORMAL_W * (radius * 2.9), pinion: Quaternion::about(AXIS, 2.9), ..together };
     let mut list = vec![
-        Case::new("Euler parameter norm", EulerParameterNorm, &[Body], &[], together),
-        Case::new("orthonormal axes", OrthonormalAxes, &[Natural], &[], together),
-        Case::new("gear", GearJoint, &[], &[0.5, -0.2, 0.31], Placement { scalars: [1.02, 1.0], ..together })
+        Case::new("Euler parameter norm", EulerParameterNorm, &[], together),
+        Case::new("orthonormal axes", OrthonormalAxes, &[], together),
+        Case::new("gear", GearJoint, &[0.5, -0.2, 0.31], Placement { scalars: [1.02, 1.0], ..together })
             .shows("roll", &[], |placed| Placement { scalars: [3.02, 6.0], ..placed })
             .shows("turn the first", &[0], |placed| placed.counted(2.0 * STEP)),
     ];
     for [a, b] in BODIES {
         list.extend([
-        Case::new(between("fixed", [a, b]), FixedJoint { a, b }, &[a, b], &[&points[..], &skew.0].concat(), together)
+        Case::new(between("fixed", [a, b]), FixedJoint { a, b }, &[&points[..], &skew.0].concat(), together)
             .shows("turn about x", &[3], |placed| placed.turned(X, STEP))
             .shows("turn about y", &[4], |placed| placed.turned(Y, STEP))
             .shows("turn about z", &[5], |placed| placed.turned(Z, STEP))
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("Euler parameters of the other sign", &[], |placed| Placement { turn: Quaternion(placed.turn.0.map(|e| -e)), ..placed }),
-        Case::new(between("revolute", [a, b]), RevoluteJoint { a, b }, &[a, b], &[&points[..], &along].concat(), hinged)
+        Case::new(between("revolute", [a, b]), RevoluteJoint { a, b }, &[&points[..], &along].concat(), hinged)
             .shows("turn about the axis", &[], |placed| placed.turned(AXIS, 2.0))
             .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
             .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
-        Case::new(between("prismatic", [a, b]), PrismaticJoint { a, b }, &[a, b], &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
+        Case::new(between("prismatic", [a, b]), PrismaticJoint { a, b }, &[&points[..], &across, &skew.0].concat(), together.shifted(AXIS * 1.3))
             .shows("shift along the axis", &[], |placed| placed.shifted(AXIS * 0.8))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP))
             .shows("turn about y", &[3], |placed| placed.turned(Y, STEP)),
-        Case::new(between("cylindrical", [a, b]), CylindricalJoint { a, b }, &[a, b], &[&points[..], &along].concat(), slid)
+        Case::new(between("cylindrical", [a, b]), CylindricalJoint { a, b }, &[&points[..], &along].concat(), slid)
             .shows("turn about and shift along the axis", &[], |placed| placed.turned(AXIS, 2.0).shifted(AXIS * 0.8))
             .shows("shift across", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("tilt about u", &[3], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[2], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new(between("planar", [a, b]), PlanarJoint { a, b }, &[a, b], &[&points[..], &along].concat(), lying)
+        Case::new(between("planar", [a, b]), PlanarJoint { a, b }, &[&points[..], &along].concat(), lying)
             .shows("turn about the normal and slide", &[], |placed| placed.turned(AXIS, 2.0).shifted(NORMAL_U * 0.8))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)),
-        Case::new(between("planar where the points meet", [a, b]), PlanarJoint { a, b }, &[a, b], &[&points[..], &along].concat(), hinged)
+        Case::new(between("planar where the points meet", [a, b]), PlanarJoint { a, b }, &[&points[..], &along].concat(), hinged)
             .shows("tilt about u", &[2], |placed| placed.turned(NORMAL_U, STEP))
             .shows("tilt about w", &[1], |placed| placed.turned(NORMAL_W, STEP)),
-        Case::new(between("universal", [a, b]), UniversalJoint { a, b }, &[a, b], &[&points[..], &AXIS.components(), &NORMAL_U.components()].concat(), hinged)
+        Case::new(between("universal", [a, b]), UniversalJoint { a, b }, &[&points[..], &AXIS.components(), &NORMAL_U.components()].concat(), hinged)
             .shows("turn about the pin of a", &[], |placed| placed.turned(AXIS, 0.5))
             .shows("turn about the pin of b", &[], |placed| placed.turned(placed.turn.rotate(NORMAL_U), 0.5))
             .shows("turn about neither", &[3], |placed| placed.turned(AXIS.cross(&placed.turn.rotate(NORMAL_U)), STEP))
             .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
-        Case::new(between("helical", [a, b]), HelicalJoint { a, b }, &[a, b], &[&points[..], &along, &NORMAL_U.components(), &[pitch]].concat(), screwed)
+        Case::new(between("helical", [a, b]), HelicalJoint { a, b }, &[&points[..], &along, &NORMAL_U.components(), &[pitch]].concat(), screwed)
             .shows("six turns on", &[], |placed| placed.turned(AXIS, 6.0 * TAU).shifted(AXIS * (6.0 * 0.35)))
             .shows("shift along the axis", &[4], |placed| placed.shifted(AXIS * STEP))
             .shows("shift across", &[1], |placed| placed.shifted(NORMAL_W * STEP)),
-        Case::new(between("rack and pinion", [a, b]), RackAndPinion { nodes: [a, b, b] }, &[a, b, b], &[&points[..], &angle, &NORMAL_W.components(), &[radius]].concat(), rolled)
+        Case::new(between("rack and pinion", [a, b]), RackAndPinion { nodes: [a, b, b] }, &[&points[..], &angle, &NORMAL_W.components(), &[radius]].concat(), rolled)
             .shows("turn and lift the rack", &[], |placed| placed.turned(NORMAL_U, 0.4).shifted(AXIS * 0.3))
             .shows("shift the rack", &[0], |placed| placed.shifted(NORMAL_W * STEP)),
-        Case::new(between("angle coordinate", [a, b]), AngleCoordinate { a, b }, &[a, b], &angle, hinged.counted(0.7))
+        Case::new(between("angle coordinate", [a, b]), AngleCoordinate { a, b }, &angle, hinged.counted(0.7))
             .shows("any shift", &[], |placed| placed.shifted(Vector3::new(0.4, -0.7, 1.9)))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("count on", &[0], |placed| placed.counted(STEP)),
@@ -289,49 +283,49 @@ pub fn cases() -> Vec<Case> {
         let relative = if b.has_axes() { &skew.0[..] } else { &[] };
         let offset = POINT_A - if b.has_axes() { skew.rotate(POINT_B) } else { Vector3::zeros() };
         let rows = if b.has_axes() { vec![3] } else { vec![] };
-        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink { a, b }, &[a, b], &[&offset.components(), relative].concat(), together)
+        list.push(Case::new(format!("rigid link {a:?} to {b:?}"), RigidLink { a, b }, &[&offset.components(), relative].concat(), together)
             .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP))
             .shows("turn about x with the node in place", &rows, |placed| {
                 let turned = placed.turned(X, STEP);
                 let point = if b.has_axes() { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vector3::zeros() };
                 turned.shifted(point)
             }));
-        list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine { a, b }, &[a, b], &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
+        list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine { a, b }, &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
             .shows("any turn and shift along the line", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(AXIS))
             .shows("shift along u", &[0], |placed| placed.shifted(NORMAL_U * STEP))
             .shows("shift along w", &[1], |placed| placed.shifted(NORMAL_W * STEP)));
-        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane { a, b }, &[a, b], &[&points[..], &AXIS.components()].concat(), together.shifted(NORMAL_W))
+        list.push(Case::new(format!("{b:?} in plane of {a:?}"), PointInPlane { a, b }, &[&points[..], &AXIS.components()].concat(), together.shifted(NORMAL_W))
             .shows("any turn and slide", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(NORMAL_U))
             .shows("lift", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
     for [a, b] in PAIRS {
-        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint { a, b }, &[a, b], &points, together)
+        list.push(Case::new(format!("spherical {a:?} to {b:?}"), SphericalJoint { a, b }, &points, together)
             .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
             .shows("shift along x", &[0], |placed| placed.shifted(X * STEP))
             .shows("shift along z", &[2], |placed| placed.shifted(Z * -STEP)));
         let length = 1.7;
         let apart = Placement { offset: AXIS * length, ..together };
-        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[a, b], &[&points[..], &[length]].concat(), apart)
+        list.push(Case::new(format!("distance {a:?} to {b:?}"), DistanceJoint { a, b }, &[&points[..], &[length]].concat(), apart)
             .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
             .shows("another direction", &[], |placed| Placement { offset: Vector3::new(-1.7, 0.0, 0.0), ..placed })
             .shows("stretch", &[0], |placed| placed.shifted(AXIS * STEP)));
     }
-    list.push(Case::new("cable corner", CableCorner, &[Slope, Slope], &[0.9], Placement::default().turned(NORMAL_W, 0.9))
+    list.push(Case::new("cable corner", CableCorner, &[0.9], Placement::default().turned(NORMAL_W, 0.9))
         .shows("turn about one of the cables", &[], |placed| placed.turned(AXIS, 0.7))
         .shows("opened", &[3], |placed| placed.turned(NORMAL_W, STEP))
         .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)));
     for a in [Body, Natural] {
         let slope = AXIS.components();
         list.extend([
-            Case::new(format!("cable clamped to {a:?}"), CableEnd { a, held: HeldSlope::Direction }, &[a, Slope], &[&POINT_A.components()[..], &across].concat(), Placement::default())
+            Case::new(format!("cable clamped to {a:?}"), CableEnd { a, held: HeldSlope::Direction }, &[&POINT_A.components()[..], &across].concat(), Placement::default())
                 .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
                 .shows("tilt about u", &[4], |placed| placed.turned(NORMAL_U, STEP))
                 .shows("tilt about w", &[3], |placed| placed.turned(NORMAL_W, STEP))
                 .shows("shift along z", &[2], |placed| placed.shifted(Z * STEP)),
-            Case::new(format!("cable welded to {a:?}"), CableEnd { a, held: HeldSlope::Vector }, &[a, Slope], &[&POINT_A.components()[..], &slope].concat(), Placement::default())
+            Case::new(format!("cable welded to {a:?}"), CableEnd { a, held: HeldSlope::Vector }, &[&POINT_A.components()[..], &slope].concat(), Placement::default())
                 .shows("turn about the cable", &[], |placed| placed.turned(AXIS, 0.7))
                 .shows("shift along x", &[0], |placed| placed.shifted(X * STEP)),
-            Case::new(format!("cable on a hinge of {a:?}"), CableEnd { a, held: HeldSlope::Plane }, &[a, Slope], &[POINT_A.components(), NORMAL_W.components()].concat(), Placement::default())
+            Case::new(format!("cable on a hinge of {a:?}"), CableEnd { a, held: HeldSlope::Plane }, &[POINT_A.components(), NORMAL_W.components()].concat(), Placement::default())
                 .shows("turn about the hinge", &[], |placed| placed.turned(NORMAL_W, 0.7))
                 .shows("tilt", &[3], |placed| placed.turned(NORMAL_U, STEP))
                 .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)),
@@ -342,7 +336,7 @@ pub fn cases() -> Vec<Case> {
         let driven = Placement { turn: Quaternion::about(AXIS, now), ..Placement::default() };
         let p = [&angle[..], &own].concat();
         for [a, b] in BODIES {
-        list.push(Case::new(between(&format!("{of_time} rotation"), [a, b]), PrescribedRotation { a, b, angle: function.clone() }, &[a, b], &p, driven)
+        list.push(Case::new(between(&format!("{of_time} rotation"), [a, b]), PrescribedRotation { a, b, angle: function.clone() }, &p, driven)
             .shows("any shift", &[], |placed| placed.shifted(Vector3::new(0.4, -0.7, 1.9)))
             .shows("turn about the axis", &[0], |placed| placed.turned(AXIS, STEP))
             .shows("turn back about the axis", &[0], |placed| placed.turned(AXIS, -STEP)));
@@ -350,7 +344,7 @@ pub fn cases() -> Vec<Case> {
         for [a, b] in GUIDED {
             let slid = Placement { offset: AXIS * now + NORMAL_W * 0.4, ..together };
             let drive = PrescribedTranslation { a, b, displacement: function.clone() };
-            list.push(Case::new(format!("{of_time} translation of {b:?} by {a:?}"), drive, &[a, b], &[&points[..], &AXIS.components(), &own].concat(), slid)
+            list.push(Case::new(format!("{of_time} translation of {b:?} by {a:?}"), drive, &[&points[..], &AXIS.components(), &own].concat(), slid)
                 .shows("any turn", &[], |placed| placed.turned(NORMAL_W, 1.2))
                 .shows("shift across the axis", &[], |placed| placed.shifted(NORMAL_U * 0.8))
                 .shows("shift along the axis", &[0], |placed| placed.shifted(AXIS * STEP)));

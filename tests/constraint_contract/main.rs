@@ -5,10 +5,10 @@ mod cases;
 mod support;
 
 use cases::{AXIS, Case, Move, NORMAL_U, NORMAL_W, NOW, Placement, STEP, cases, drives, rollings};
-use costate::elements::Anchor::Body;
+use costate::elements::NodeKind::Body;
 use costate::elements::bodies::EulerParameterNorm;
 use costate::elements::joints::{PrescribedRotation, PrescribedTranslation};
-use costate::elements::{Anchor, Constraint, RunScalar, State, TimeFunction};
+use costate::elements::{Constraint, NodeKind, RunScalar, State, TimeFunction};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, SpatialVector, TANGENTS, Tangents, Vector3};
 use costate::testing;
 use std::f64::consts::TAU;
@@ -296,7 +296,7 @@ fn prescribed_rotation_follows_several_turns_and_sees_every_angle_off() {
     let drive = PrescribedRotation { a: Body, b: Body, angle: TimeFunction::ConstantRate };
     let (offset, rate) = (0.2, 9.0);
     let p = [&AXIS.components()[..], &NORMAL_U.components(), &NORMAL_U.components(), &[offset, rate]].concat();
-    let case = Case::new("driven", drive, &[Body, Body], &p, Placement::default());
+    let case = Case::new("driven", drive, &p, Placement::default());
     let of_a = Quaternion::about(Vector3::new(0.48, -0.6, 0.64), 1.1);
     // 4 seconds are almost 6 turns forwards, and as many backwards
     for k in -40..=40 {
@@ -471,7 +471,7 @@ fn constraints_depend_on_time_where_they_prescribe_a_motion() {
 fn separable_constraints_couple_no_two_nodes() {
     let (mut separable, mut coupled) = (0, 0);
     for case in cases().iter().filter(|case| case.nodes.len() == 2 && case.scalars == 0) {
-        let nodes: Vec<usize> = case.nodes.iter().map(|node: &Anchor| node.dofs()).collect();
+        let nodes: Vec<usize> = case.nodes.iter().map(|node: &NodeKind| node.dofs()).collect();
         let mut couples = false;
         for sample in samples(case) {
             for column in 0..sample.q.len() {

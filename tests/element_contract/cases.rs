@@ -16,11 +16,11 @@ use costate::elements::joints::{
     PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
     SphericalJoint, UniversalJoint,
 };
-use costate::elements::{Anchor, Constraint, Element, ElementPhysics, Field, Flexible, TimeFunction};
+use costate::elements::{Constraint, Element, ElementPhysics, Field, Flexible, NodeKind, TimeFunction};
 use costate::testing::element_physics;
 use std::sync::Arc;
 
-use Anchor::{Body, Natural, Point, Slope};
+use NodeKind::{Body, Natural, Point, Slope};
 
 /// What a rigid motion of all nodes does to the element.
 #[derive(Clone, Copy, PartialEq)]
@@ -36,7 +36,7 @@ pub struct Case {
     pub name: String,
     pub element: Arc<dyn Contract>,
     pub physics: ElementPhysics,
-    pub nodes: Vec<Anchor>,
+    pub nodes: Vec<NodeKind>,
     /// Coordinates behind those of the nodes.
     pub scalars: usize,
     pub p: Vec<f64>,
@@ -50,9 +50,10 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn new(name: impl Into<String>, element: impl Element, nodes: &[Anchor], p: &[f64]) -> Case {
-        let scalars = element.dofs() - nodes.iter().map(|node| node.dofs()).sum::<usize>();
-        let (name, element, nodes, p) = (name.into(), Arc::new(element), nodes.to_vec(), p.to_vec());
+    pub fn new(name: impl Into<String>, element: impl Element, p: &[f64]) -> Case {
+        let (nodes, others): (Vec<_>, Vec<_>) = element.nodes().into_iter().partition(|kind| kind.in_space().is_some());
+        let scalars = others.iter().map(|kind| kind.dofs()).sum();
+        let (name, element, p) = (name.into(), Arc::new(element), p.to_vec());
         let physics = element_physics(&element);
         Case {
             name,
@@ -68,28 +69,28 @@ impl Case {
         }
     }
     /// A soft joint with the same coefficients for all rows, since rows along the axes of the world are among them.
-    fn soft<J: Constraint>(name: &str, joint: J, nodes: &[Anchor], p: &[f64]) -> Case {
+    fn soft<J: Constraint>(name: &str, joint: J, p: &[f64]) -> Case {
         let coefficients = [vec![3.1; joint.equations()], vec![0.7; joint.equations()]].concat();
         let kind = if ["rotation", "translation"].contains(&name) { "drive" } else { "spring damper" };
-        Case::new(format!("soft {name} {kind}"), Soft(joint), nodes, &[&coefficients[..], p].concat())
+        Case::new(format!("soft {name} {kind}"), Soft(joint), &[&coefficients[..], p].concat())
     }
     /// A flexible element of three bodies' nodes; each parameter differs from the others.
     fn flexible<F: Field>(name: String, field: F) -> Case {
         let p: Vec<f64> = (0..field.parameters().len()).map(|i| 0.6 + 0.5 * (1.7 * i as f64 + 0.3).sin()).collect();
-        Case { neighbours: true, ..Case::new(name, Flexible(field), &[Body; 3], &p) }
+        Case { neighbours: true, ..Case::new(name, Flexible(field), &p) }
     }
     /// An element of a cable between two nodes.
     fn cable(name: &str, element: impl Element, p: &[f64]) -> Case {
-        Case { neighbours: true, ..Case::new(name, element, &[Slope, Slope], p) }
+        Case { neighbours: true, ..Case::new(name, element, p) }
     }
     pub fn without_energies(self) -> Case {
         Case { without_energies: true, ..self }
     }
-    fn bound_to_world(self, bound: bool) -> Case {
+    pub fn bound_to_world(self, bound: bool) -> Case {
         Case { motion: if bound { BoundToWorld } else { Invariant }, ..self }
     }
     /// `name` is not read if its node has no axes.
-    fn ignoring(mut self, name: &'static str, node: Anchor) -> Case {
+    fn ignoring(mut self, name: &'static str, node: NodeKind) -> Case {
         if !node.has_axes() {
             self.ignored.push(name);
         }
@@ -97,8 +98,8 @@ impl Case {
     }
 }
 
-const ANCHORS: [Anchor; 4] = [Point, Body, Natural, Slope];
-pub const PAIRS: [[Anchor; 2]; 8] = [
+const ANCHORS: [NodeKind; 4] = [Point, Body, Natural, Slope];
+pub const PAIRS: [[NodeKind; 2]; 8] = [
     [Point, Point],
     [Point, Body],
     [Body, Point],
@@ -109,9 +110,9 @@ pub const PAIRS: [[Anchor; 2]; 8] = [
     [Point, Natural],
 ];
 /// Nodes of two bodies.
-const BODIES: [[Anchor; 2]; 4] = [[Body, Body], [Natural, Natural], [Body, Natural], [Natural, Body]];
+const BODIES: [[NodeKind; 2]; 4] = [[Body, Body], [Natural, Natural], [Body, Natural], [Natural, Body]];
 /// A body and what it guides.
-const GUIDED: [[Anchor; 2]; 5] = [[Body, Point], [Body, Body], [Natural, Slope], [Natural, Natural], [Natural, Body]];
+const GUIDED: [[NodeKind; 2]; 5] = [[Body, Point], [Body, Body], [Natural, Slope], [Natural, Natural], [Natural, Body]];
 pub const FRAMES: [LoadFrame; 2] = [LoadFrame::World, LoadFrame::Body];
 
 #[rustfmt::skip]
@@ -119,9 +120,9 @@ pub fn cases() -> Vec<Case> {
     let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
     let torsion = [3.1, 0.7, 0.2, 0.6, 0.0, 0.8, 0.8, 0.0, -0.6, 0.0, 1.0, 0.0];
     let mut list = vec![
-        Case::new("point mass", PointMass, &[Point], &[1.7]),
-        Case::new("rigid body", RigidBody, &[Body], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
-        Case::new("natural body", NaturalBody, &[Natural], &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
+        Case::new("point mass", PointMass, &[1.7]),
+        Case::new("rigid body", RigidBody, &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
+        Case::new("natural body", NaturalBody, &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
         Case::cable("inertia of a cable", CableInertia, &[0.8, 1.3]),
         Case::cable("weight of a cable", CableGravity, &[0.8, 1.3, 0.4, -0.9, -9.8]).bound_to_world(true),
         Case::cable("cable", Cable { damped: false }, &[0.8, 5.0, 2.0, 1.3, 0.0, 0.0, 0.0]),
@@ -134,41 +135,40 @@ pub fn cases() -> Vec<Case> {
     let guide = [&ends[..], &u, &w, &axis].concat();
     let angle = [axis, u, w].concat();
     let six = [3.0, 5.0, 7.0, 2.0, 4.0, 6.0];
-    list.push(Case::new("coordinate spring damper", CoordinateSpringDamper { of: 3, index: 1 }, &[], &[3.1, 0.7, 0.2]));
-    list.push(Case::soft("gear", GearJoint, &[], &[0.5, -0.2, 0.3]));
+    list.push(Case::new("coordinate spring damper", CoordinateSpringDamper { of: NodeKind::Coordinates(3), index: 1 }, &[3.1, 0.7, 0.2]));
+    list.push(Case::soft("gear", GearJoint, &[0.5, -0.2, 0.3]));
     for [a, b] in BODIES {
-    let both = [a, b];
     list.extend([
-        Case::new("torsion spring damper", TorsionSpringDamper { a, b }, &both, &torsion),
-        Case::new("bushing spring damper", Bushing { a, b }, &both, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
-        Case::soft("fixed", FixedJoint { a, b }, &both, &[&ends[..], &turned].concat()),
-        Case::soft("revolute", RevoluteJoint { a, b }, &both, &guide),
-        Case::soft("cylindrical", CylindricalJoint { a, b }, &both, &guide),
-        Case::soft("planar", PlanarJoint { a, b }, &both, &guide),
-        Case::soft("prismatic", PrismaticJoint { a, b }, &both, &[&guide[..12], &turned].concat()),
-        Case::soft("universal", UniversalJoint { a, b }, &both, &guide[..12]),
-        Case::soft("helical", HelicalJoint { a, b }, &both, &[&guide[..], &u, &[2.5]].concat()),
-        Case::soft("rack and pinion", RackAndPinion { nodes: [a, b, a] }, &[a, b, a], &[&ends[..], &angle, &w, &[0.4]].concat()),
-        Case::soft("angle coordinate", AngleCoordinate { a, b }, &both, &angle),
+        Case::new("torsion spring damper", TorsionSpringDamper { a, b }, &torsion),
+        Case::new("bushing spring damper", Bushing { a, b }, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
+        Case::soft("fixed", FixedJoint { a, b }, &[&ends[..], &turned].concat()),
+        Case::soft("revolute", RevoluteJoint { a, b }, &guide),
+        Case::soft("cylindrical", CylindricalJoint { a, b }, &guide),
+        Case::soft("planar", PlanarJoint { a, b }, &guide),
+        Case::soft("prismatic", PrismaticJoint { a, b }, &[&guide[..12], &turned].concat()),
+        Case::soft("universal", UniversalJoint { a, b }, &guide[..12]),
+        Case::soft("helical", HelicalJoint { a, b }, &[&guide[..], &u, &[2.5]].concat()),
+        Case::soft("rack and pinion", RackAndPinion { nodes: [a, b, a] }, &[&ends[..], &angle, &w, &[0.4]].concat()),
+        Case::soft("angle coordinate", AngleCoordinate { a, b }, &angle),
         // with 0.2 rad a sample is so near half a turn that differences reach over its jump
-        Case::soft("rotation", PrescribedRotation { a, b, angle: TimeFunction::Sine }, &both, &[&angle[..], &[0.3, 1.4, 2.3, 0.6]].concat()),
+        Case::soft("rotation", PrescribedRotation { a, b, angle: TimeFunction::Sine }, &[&angle[..], &[0.3, 1.4, 2.3, 0.6]].concat()),
     ]);
     }
     for [a, b] in GUIDED {
         let slide = [&[3.1, 0.7, 0.2], &ends[..], &axis].concat();
         let link = if b.has_axes() { &[0.3, -0.2, 0.5, 0.8, 0.36, 0.48, 0.0][..] } else { &ends[..3] };
         list.extend([
-            Case::new(format!("slide spring damper of {b:?} on {a:?}"), SlideSpringDamper { a, b }, &[a, b], &slide),
-            Case::soft("point on line", PointOnLine { a, b }, &[a, b], &guide[..12]),
-            Case::soft("point in plane", PointInPlane { a, b }, &[a, b], &guide[..9]),
-            Case::soft("rigid link", RigidLink { a, b }, &[a, b], link),
-            Case::soft("translation", PrescribedTranslation { a, b, displacement: TimeFunction::Sine }, &[a, b],
+            Case::new(format!("slide spring damper of {b:?} on {a:?}"), SlideSpringDamper { a, b }, &slide),
+            Case::soft("point on line", PointOnLine { a, b }, &guide[..12]),
+            Case::soft("point in plane", PointInPlane { a, b }, &guide[..9]),
+            Case::soft("rigid link", RigidLink { a, b }, link),
+            Case::soft("translation", PrescribedTranslation { a, b, displacement: TimeFunction::Sine },
                 &[&ends[..], &axis, &[0.2, 1.4, 2.3, 0.6]].concat()),
         ].map(|case| case.ignoring("point b", b)));
     }
     for [a, b] in PAIRS {
-        list.push(Case::soft("spherical", SphericalJoint { a, b }, &[a, b], &ends).ignoring("point a", a).ignoring("point b", b));
-        list.push(Case::soft("distance", DistanceJoint { a, b }, &[a, b], &[&ends[..], &[0.9]].concat())
+        list.push(Case::soft("spherical", SphericalJoint { a, b }, &ends).ignoring("point a", a).ignoring("point b", b));
+        list.push(Case::soft("distance", DistanceJoint { a, b }, &[&ends[..], &[0.9]].concat())
             .ignoring("point a", a).ignoring("point b", b));
     }
     for (coupled, damped, eccentric) in [(false, false, false), (true, false, true), (false, true, false), (true, true, true)] {
@@ -205,29 +205,29 @@ pub fn cases() -> Vec<Case> {
         }
     }
     for on in ANCHORS {
-        list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[on], &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
+        list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
             .bound_to_world(true).ignoring("centre", on));
     }
     for [a, b] in PAIRS {
-        let mut add = |name: &str, case: fn(String, [Anchor; 2], &[f64]) -> Case, own: &[f64]| {
+        let mut add = |name: &str, case: fn(String, [NodeKind; 2], &[f64]) -> Case, own: &[f64]| {
             list.push(case(format!("{name} {a:?} to {b:?}"), [a, b], &[own, &ends].concat()).ignoring("point a", a).ignoring("point b", b));
         };
-        add("line spring", |name, [a, b], p| Case::new(name, LineSpring { a, b }, &[a, b], p), &[5.0, 0.7]);
-        add("line damper", |name, [a, b], p| Case::new(name, LineDamper { a, b }, &[a, b], p), &[2.3]);
-        add("vector damper", |name, [a, b], p| Case::new(name, VectorDamper { a, b }, &[a, b], p), &[2.3]);
+        add("line spring", |name, [a, b], p| Case::new(name, LineSpring { a, b }, p), &[5.0, 0.7]);
+        add("line damper", |name, [a, b], p| Case::new(name, LineDamper { a, b }, p), &[2.3]);
+        add("vector damper", |name, [a, b], p| Case::new(name, VectorDamper { a, b }, p), &[2.3]);
     }
     for (of_time, size, own) in time_functions() {
         for frame in FRAMES {
             for on in [Body, Natural] {
                 let torque = AppliedTorque { on, frame, size: size.clone() };
-                list.push(Case::new(format!("{of_time} torque in {frame:?} on {on:?}"), torque, &[on], &[&[0.3, -0.5, 0.7], &own[..]].concat())
+                list.push(Case::new(format!("{of_time} torque in {frame:?} on {on:?}"), torque, &[&[0.3, -0.5, 0.7], &own[..]].concat())
                     .bound_to_world(frame == LoadFrame::World));
             }
             for on in ANCHORS {
                 let force = AppliedForce { on, frame, size: size.clone() };
                 let p = [&[0.3, -0.5, 0.7, 0.2, 0.4, -0.1], &own[..]].concat();
                 // a node without axes has no frame of its own, so its loads are all dead ones
-                list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &[on], &p)
+                list.push(Case::new(format!("{of_time} force in {frame:?} on {on:?}"), force, &p)
                     .bound_to_world(frame == LoadFrame::World || !on.has_axes()).ignoring("point", on));
             }
         }

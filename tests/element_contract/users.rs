@@ -1,7 +1,7 @@
 //! Elements as users write them: with a residual, with energies, with both, with choices, with points of interpolated fields.
 
 use super::cases::Case;
-use costate::elements::{Element, Field, Flexible, Interpolation, Parameter, State};
+use costate::elements::{Element, Field, Flexible, Interpolation, NodeKind, Parameter, State};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -9,7 +9,6 @@ use std::ops::Range;
 struct Duffing;
 
 impl Element for Duffing {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("mass", "kg"),
         Parameter::new("damping", "N s/m"),
@@ -18,6 +17,9 @@ impl Element for Duffing {
         Parameter::new("load", "N"),
         Parameter::new("angular frequency", "rad/s"),
     ];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         let q = s.q[0];
         r[0] += p[0] * s.a[0] + p[1] * s.v[0] + p[2] * q + p[3] * q * q * q - p[4] * (p[5] * t).sin();
@@ -28,9 +30,11 @@ impl Element for Duffing {
 struct Bead;
 
 impl Element for Bead {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::positive("mass", "kg"), Parameter::new("shape", "1/m"), Parameter::new("gravity", "m/s2")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let slope = p[1] * q[0] * 2.0;
         p[0] * (slope * slope + 1.0) * v[0] * v[0] * 0.5
@@ -44,8 +48,10 @@ impl Element for Bead {
 struct WrittenBead;
 
 impl Element for WrittenBead {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = Bead::PARAMETERS;
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         Bead.kinetic(v, q, p)
     }
@@ -63,13 +69,15 @@ impl Element for WrittenBead {
 struct Floor;
 
 impl Element for Floor {
-    const DOFS: usize = 2;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("stiffness", "N/m1.5"),
         Parameter::new("damping", "N s/m"),
         Parameter::new("friction", "1"),
         Parameter::new("height", "m"),
     ];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(2)]
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
         let depth = p[3] - s.q[1];
         let touches = S::zero().less(depth);
@@ -84,13 +92,15 @@ impl Element for Floor {
 struct Bar;
 
 impl Element for Bar {
-    const DOFS: usize = 6;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("mass", "kg"),
         Parameter::positive("stiffness", "N/m"),
         Parameter::positive("damping", "N s/m"),
         Parameter::positive("length", "m"),
     ];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Point; 2]
+    }
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         v.iter().map(|&v| v * v).sum::<S>() * p[0] * 0.5
     }
@@ -106,6 +116,9 @@ impl Element for Bar {
     fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
         s[0] = p[2] * rate[0] * (e[0] * e[0] + 1.0);
     }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[0] * 2.0
+    }
 }
 
 /// A cable of two elements' length with curvature-free strains at two points.
@@ -120,7 +133,7 @@ const SECOND: [f64; 3] = [0.5, -2.0, 1.5];
 
 impl Field for Cable {
     const NODES: usize = 3;
-    const COMPONENTS: usize = 3;
+    const NODE: NodeKind = NodeKind::Point;
     const POINTS: &'static [&'static [Interpolation]] =
         &[&[row(0, &FIRST), row(1, &FIRST), row(2, &FIRST)], &[row(0, &SECOND), row(1, &SECOND), row(2, &SECOND)]];
     fn parameters(&self) -> Vec<Parameter> {
@@ -148,11 +161,11 @@ impl Field for Cable {
 
 pub fn users_own() -> Vec<Case> {
     vec![
-        Case::new("a user's oscillator", Duffing, &[], &[1.3, 0.4, 2.1, 0.8, 0.6, 1.9]).without_energies(),
-        Case::new("a user's bead", Bead, &[], &[1.3, 0.7, 9.8]),
-        Case::new("a user's bead, written", WrittenBead, &[], &[1.3, 0.7, 9.8]),
-        Case::new("a user's floor", Floor, &[], &[30.0, 0.4, 0.3, 0.1]).without_energies(),
-        Case::new("a user's bar", Bar, &[], &[1.3, 30.0, 0.4, 0.9]),
-        Case::new("a user's cable", Flexible(Cable), &[], &[30.0, 0.9, 0.4]),
+        Case::new("a user's oscillator", Duffing, &[1.3, 0.4, 2.1, 0.8, 0.6, 1.9]).without_energies(),
+        Case::new("a user's bead", Bead, &[1.3, 0.7, 9.8]),
+        Case::new("a user's bead, written", WrittenBead, &[1.3, 0.7, 9.8]),
+        Case::new("a user's floor", Floor, &[30.0, 0.4, 0.3, 0.1]).without_energies(),
+        Case::new("a user's bar", Bar, &[1.3, 30.0, 0.4, 0.9]),
+        Case::new("a user's cable", Flexible(Cable), &[30.0, 0.9, 0.4]).bound_to_world(true),
     ]
 }

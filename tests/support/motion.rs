@@ -1,15 +1,15 @@
 //! Random coordinates of nodes, and rigid motions of all nodes together.
 
 use super::Random;
-use costate::elements::Anchor;
+use costate::elements::NodeKind;
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
 /// Positions in [-1, 1) and, for bodies, Euler parameters or axes of the length that `norm` gives, for cables' nodes slopes of it.
-pub fn random_coordinates(nodes: &[Anchor], random: &mut Random, norm: impl Fn(&mut Random) -> f64) -> Vec<f64> {
+pub fn random_coordinates(nodes: &[NodeKind], random: &mut Random, norm: impl Fn(&mut Random) -> f64) -> Vec<f64> {
     let mut q = Vec::new();
     for node in nodes {
         q.extend(random.vector(3));
-        let size = if *node == Anchor::Body { 4 } else { 3 };
+        let size = if *node == NodeKind::Body { 4 } else { 3 };
         for _ in 0..(node.dofs() - 3) / size {
             let e = random.vector(size);
             let scale = norm(random) / e.iter().map(|e| e * e).sum::<f64>().sqrt();
@@ -28,7 +28,7 @@ pub struct RigidMotion {
 
 impl RigidMotion {
     /// Coordinates of the nodes after the motion.
-    pub fn of_coordinates(&self, nodes: &[Anchor], q: &[f64]) -> Vec<f64> {
+    pub fn of_coordinates(&self, nodes: &[NodeKind], q: &[f64]) -> Vec<f64> {
         let mut moved = self.of_rates(nodes, q);
         let mut first = 0;
         for node in nodes {
@@ -39,13 +39,13 @@ impl RigidMotion {
     }
 
     /// Velocities, accelerations or generalized forces after the motion: turned, not shifted.
-    pub fn of_rates(&self, nodes: &[Anchor], rates: &[f64]) -> Vec<f64> {
+    pub fn of_rates(&self, nodes: &[NodeKind], rates: &[f64]) -> Vec<f64> {
         let norm = self.rotation.norm_squared().sqrt();
         let turn = Quaternion(self.rotation.0.map(|e| e / norm));
         let mut turned = Vec::new();
         for node in nodes {
             let rate = &rates[turned.len()..][..node.dofs()];
-            if *node == Anchor::Body {
+            if *node == NodeKind::Body {
                 turned.extend(turn.rotate(Vector3::first_three(rate)).components());
                 turned.extend(turn.times(Quaternion::from_slice(&rate[3..])).0);
             } else {
@@ -58,11 +58,11 @@ impl RigidMotion {
 }
 
 /// Coordinates of a body's node at a place with the given rotation.
-pub fn body_coordinates(node: Anchor, position: Vector3<f64>, turn: Quaternion<f64>) -> Vec<f64> {
+pub fn body_coordinates(node: NodeKind, position: Vector3<f64>, turn: Quaternion<f64>) -> Vec<f64> {
     let rotation = match node {
-        Anchor::Body => turn.0.to_vec(),
-        Anchor::Natural => turn.columns().iter().flat_map(|axis| axis.components()).collect(),
-        Anchor::Point | Anchor::Slope => panic!("{node:?} is no body"),
+        NodeKind::Body => turn.0.to_vec(),
+        NodeKind::Natural => turn.columns().iter().flat_map(|axis| axis.components()).collect(),
+        _ => panic!("{node:?} is no body"),
     };
     [&position.components()[..], &rotation].concat()
 }

@@ -3,7 +3,7 @@
 use costate::assembly::Model;
 use costate::elements::flexible::Section;
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
-use costate::elements::{Anchor, TimeFunction};
+use costate::elements::{NodeKind, TimeFunction};
 use costate::history::Watch;
 use costate::integrators::{StepRecord, march_dividing};
 use costate::prelude::*;
@@ -153,11 +153,11 @@ impl Scene for Member {
             match *load {
                 TipLoad::Force(direction, course) => {
                     let p = [direction.map(S::from), [zero; 3], course.map(S::from)].concat();
-                    m.element(&name, &[beam.end()], AppliedForce { on: Anchor::Body, frame: LoadFrame::World, size }, &p);
+                    m.element(&name, &[beam.end()], AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size }, &p);
                 }
                 TipLoad::Moment(direction, course) => {
                     let p = [direction.map(S::from), course.map(S::from)].concat();
-                    m.element(&name, &[beam.end()], AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size }, &p);
+                    m.element(&name, &[beam.end()], AppliedTorque { on: NodeKind::Body, frame: LoadFrame::World, size }, &p);
                 }
             }
         }

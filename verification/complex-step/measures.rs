@@ -2,7 +2,7 @@
 
 use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
-use costate::elements::Anchor;
+use costate::elements::NodeKind;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::quantities::{
     CableMeasure, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure,
@@ -182,7 +182,7 @@ pub struct Seen {
     /// A body or a point.
     pub second: NodeId,
     /// Which of the two.
-    pub second_is: Anchor,
+    pub second_is: NodeKind,
     /// Where nothing moves.
     pub ground: NodeId,
     /// The joint of whose force the size is measured.
@@ -206,13 +206,13 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
     let (arm, second) = (&[seen.arm][..], &[seen.second][..]);
     // motions of the arm against a point that moves freely, or against the ground: the subject may keep what it joins from moving
     let tied = seen.joint != seen.shoulder && seen.equations == 3;
-    let free_point = seen.second_is == Anchor::Point && !tied;
-    let other = if free_point { (seen.second, Anchor::Point) } else { (seen.ground, Anchor::Body) };
+    let free_point = seen.second_is == NodeKind::Point && !tied;
+    let other = if free_point { (seen.second, NodeKind::Point) } else { (seen.ground, NodeKind::Body) };
     let angle = numbers(&[0.3, 0.5, 0.8, 0.8, 0.2, -0.5, 0.4, -0.7, 0.3]);
     let slide = numbers(&[0.3, 0.1, -0.2, -0.1, 0.2, 0.1, 0.5, -0.6, 0.4]);
     for &entry in list {
         let (name, over) = (name(entry), entry.1);
-        let of = Anchor::Body;
+        let of = NodeKind::Body;
         match entry.0 {
             Measure::Position => m.functional(&name, "m", over, (arm, &[]), Position { of }, &point_and_direction),
             Measure::Velocity => m.functional(&name, "m/s", over, (arm, &[]), Velocity { of }, &point_and_direction),

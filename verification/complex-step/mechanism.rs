@@ -5,7 +5,7 @@ use super::measures::Seen;
 use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::forces::{AppliedForce, AppliedTorque};
-use costate::elements::{Anchor, Constraint, joints};
+use costate::elements::{Constraint, NodeKind, joints};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::MechanismBuilder;
 use std::ops::Range;
@@ -81,7 +81,7 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
 /// Adds the soft version of a joint.
 fn softened<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) {
     let add = |m: &mut MechanismBuilder<S>| add_joint(kind, host, m);
-    let a = Anchor::Body;
+    let a = NodeKind::Body;
     match kind {
         Subject::Spherical(b) => soft(joints::SphericalJoint { a, b: *b }, add, m),
         Subject::Revolute => soft(joints::RevoluteJoint { a, b: a }, add, m),
@@ -138,7 +138,7 @@ impl Case {
 
         // a subject on one body needs no second one
         let alone =
-            matches!(self.subject, RigidBody | GravityOnBody | Force(Anchor::Body, ..) | Torque(..) | Beam(_) | Cable(_));
+            matches!(self.subject, RigidBody | GravityOnBody | Force(NodeKind::Body, ..) | Torque(..) | Beam(_) | Cable(_));
         let position = place([0.8, -0.2, -0.8]);
         let velocity = elbow_velocity + second_omega.cross(&(position - elbow));
         let light = matches!(
@@ -146,11 +146,11 @@ impl Case {
             PointMass
                 | GravityOnPoint
                 | VectorDamper
-                | Force(Anchor::Point, ..)
-                | Spherical(Anchor::Point)
-                | RigidLink(Anchor::Point)
-                | PointOnLine(Anchor::Point)
-                | PointInPlane(Anchor::Point)
+                | Force(NodeKind::Point, ..)
+                | Spherical(NodeKind::Point)
+                | RigidLink(NodeKind::Point)
+                | PointOnLine(NodeKind::Point)
+                | PointInPlane(NodeKind::Point)
         );
         let second = if alone {
             arm
@@ -161,7 +161,7 @@ impl Case {
             bob
         } else {
             let rotation = whole.times(Quaternion::about(at([-1.0, 2.0, 2.0]).unit(), S::from(-0.5)));
-            let natural = matches!(self.kind(), NaturalBody | Spherical(Anchor::Natural));
+            let natural = matches!(self.kind(), NaturalBody | Spherical(NodeKind::Natural));
             let link = if natural { m.natural_body("link", position, rotation) } else { m.body("link", position, rotation) };
             m.set_velocity(link, velocity, second_omega);
             let inertia = [0.06, 0.09, 0.07, -0.01, 0.012, 0.008].map(S::from);
@@ -227,12 +227,12 @@ impl Case {
             TorsionSpringDamper => drop(m.torsion_spring_damper(name, both, axis, [8.0, 0.5, -0.4].map(S::from))),
             Force(on, frame, size) => {
                 let p = [vec![0.5, -0.3, 0.8].into_iter().chain([0.2, -0.1, 0.3]).map(S::from).collect(), f].concat();
-                let node = if *on == Anchor::Body { arm } else { second };
+                let node = if *on == NodeKind::Body { arm } else { second };
                 m.element(name, &[node], AppliedForce { on: *on, frame: *frame, size: size.clone() }, &p);
             }
             Torque(frame, size) => {
                 let p = [[0.7, 0.4, -0.5].map(S::from).to_vec(), f].concat();
-                m.element(name, &[arm], AppliedTorque { on: Anchor::Body, frame: *frame, size: size.clone() }, &p);
+                m.element(name, &[arm], AppliedTorque { on: NodeKind::Body, frame: *frame, size: size.clone() }, &p);
             }
             SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, [60.0, 2.0, 0.1].map(S::from))),
             CoordinateSpringDamper => {
@@ -269,7 +269,7 @@ impl Case {
         let constraint = m.model.constraints.iter().find(|c| c.name == subject);
         let places = constraint.map_or(element.unwrap_or(0..0), |constraint| constraint.parameters.clone());
         let equations = constraint.map_or(3, |constraint| constraint.equations.len());
-        let second_is = m.model.node(second).kind.anchor().unwrap_or(Anchor::Body);
+        let second_is = m.model.node(second).kind.in_space().unwrap_or(NodeKind::Body);
         let joint = joint.unwrap_or(shoulder_joint);
         let shoulder = shoulder_joint;
         (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible, cable }, places)

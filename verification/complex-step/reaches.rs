@@ -2,7 +2,7 @@
 
 use super::measures::Reach;
 use super::scenes::{Case, Subject};
-use costate::elements::{Anchor, TimeFunction};
+use costate::elements::{NodeKind, TimeFunction};
 
 impl Case {
     /// What each design variable can reach.
@@ -25,9 +25,9 @@ impl Case {
             },
             _ => vec![Geometry; self.function.len()],
         };
-        let with_point = |points: &Anchor, before: usize, after: usize| match points {
-            Anchor::Body | Anchor::Natural => own(before + 3 + after, Geometry),
-            Anchor::Point | Anchor::Slope => [own(before, Geometry), own(3, Nothing), own(after, Geometry)].concat(),
+        let with_point = |points: &NodeKind, before: usize, after: usize| match points {
+            NodeKind::Body | NodeKind::Natural => own(before + 3 + after, Geometry),
+            _ => [own(before, Geometry), own(3, Nothing), own(after, Geometry)].concat(),
         };
         let inertia = if self.projected { ProjectedInertia } else { Inertia };
         let of_subject = match self.kind() {
@@ -45,13 +45,13 @@ impl Case {
             Subject::CoordinateSpringDamper => vec![Stored, Force, Stored],
             Subject::Bushing => [own(6, Stored), own(6, Force), own(14, Stored)].concat(),
             Subject::Soft(_) => unreachable!("its kind is that of a joint"),
-            Subject::Force(Anchor::Body | Anchor::Natural, _, f) => [own(6, Force), load(f)].concat(),
-            Subject::Force(Anchor::Point | Anchor::Slope, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
+            Subject::Force(NodeKind::Body | NodeKind::Natural, _, f) => [own(6, Force), load(f)].concat(),
+            Subject::Force(_, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
             Subject::Torque(_, f) => [own(3, Force), load(f)].concat(),
             Subject::Spherical(of) => with_point(of, 3, 0),
             Subject::PointOnLine(of) => with_point(of, 3, 6),
             Subject::PointInPlane(of) => with_point(of, 3, 3),
-            Subject::RigidLink(of) => own(if *of == Anchor::Body { 7 } else { 3 }, Geometry),
+            Subject::RigidLink(of) => own(if *of == NodeKind::Body { 7 } else { 3 }, Geometry),
             Subject::Revolute | Subject::Cylindrical | Subject::Planar => own(15, Geometry),
             Subject::Prismatic => own(16, Geometry),
             Subject::Universal => own(12, Geometry),

@@ -6,7 +6,7 @@ use super::measures;
 use costate::design::DesignVariable;
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
-use costate::elements::{Anchor, TimeFunction};
+use costate::elements::{NodeKind, TimeFunction};
 use costate::scalar::Scalar;
 use costate::scenes::{MechanismBuilder, Scene, Settings};
 use std::sync::Arc;
@@ -35,9 +35,9 @@ pub enum Subject {
     Bushing,
     /// The soft version of a joint.
     Soft(Box<Subject>),
-    Force(Anchor, LoadFrame, TimeFunction),
+    Force(NodeKind, LoadFrame, TimeFunction),
     Torque(LoadFrame, TimeFunction),
-    Spherical(Anchor),
+    Spherical(NodeKind),
     Revolute,
     Fixed,
     Distance,
@@ -46,9 +46,9 @@ pub enum Subject {
     Planar,
     Universal,
     Helical,
-    RigidLink(Anchor),
-    PointOnLine(Anchor),
-    PointInPlane(Anchor),
+    RigidLink(NodeKind),
+    PointOnLine(NodeKind),
+    PointInPlane(NodeKind),
     RackAndPinion,
     /// The first of the two joint angles of a pair of gears.
     JointAngle,
@@ -124,8 +124,8 @@ pub fn list() -> Vec<Case> {
         element("coordinate-spring-damper", CoordinateSpringDamper, &[]),
         element("bushing", Bushing, &[]),
         // soft versions differ in nothing but their joints: the contract tests hold all, these are enough here
-        element("soft-spherical", soft(Spherical(Anchor::Body)), &[]),
-        element("soft-spherical-point", soft(Spherical(Anchor::Point)), &[]),
+        element("soft-spherical", soft(Spherical(NodeKind::Body)), &[]),
+        element("soft-spherical-point", soft(Spherical(NodeKind::Point)), &[]),
         element("soft-revolute", soft(Revolute), &[]),
         element("soft-prismatic", soft(Prismatic), &[]),
         element("soft-universal", soft(Universal), &[]),
@@ -133,14 +133,14 @@ pub fn list() -> Vec<Case> {
         element("soft-gear", soft(Gear), &[]),
         element("soft-prescribed-rotation", soft(Rotation(Sine)), &[0.02, 0.4, 5.0, 0.2]),
         element("soft-prescribed-translation", soft(Translation(Sine)), &[0.02, 0.1, 5.0, 0.2]),
-        element("force-world-step", Force(Anchor::Body, world, Step { switch: 0.205 }), &[4.0, -6.0]),
-        element("force-body-table", Force(Anchor::Body, body, table), &[2.0, 7.0, -3.0, 5.0]),
-        element("force-point-sine", Force(Anchor::Point, world, Sine), &[1.0, 4.0, 9.0, 0.4]),
+        element("force-world-step", Force(NodeKind::Body, world, Step { switch: 0.205 }), &[4.0, -6.0]),
+        element("force-body-table", Force(NodeKind::Body, body, table), &[2.0, 7.0, -3.0, 5.0]),
+        element("force-point-sine", Force(NodeKind::Point, world, Sine), &[1.0, 4.0, 9.0, 0.4]),
         element("torque-world-rate", Torque(world, ConstantRate), &[0.3, 2.0]),
         element("torque-body-constant", Torque(body, Constant), &[0.7]),
-        constraint("spherical", Spherical(Anchor::Body), &[]),
-        constraint("spherical-point", Spherical(Anchor::Point), &[]),
-        constraint("spherical-natural", Spherical(Anchor::Natural), &[]),
+        constraint("spherical", Spherical(NodeKind::Body), &[]),
+        constraint("spherical-point", Spherical(NodeKind::Point), &[]),
+        constraint("spherical-natural", Spherical(NodeKind::Natural), &[]),
         constraint("revolute", Revolute, &[]),
         constraint("fixed", Fixed, &[]),
         constraint("distance", Distance, &[]),
@@ -149,12 +149,12 @@ pub fn list() -> Vec<Case> {
         constraint("planar", Planar, &[]),
         constraint("universal", Universal, &[]),
         constraint("helical", Helical, &[]),
-        constraint("rigid-link", RigidLink(Anchor::Body), &[]),
-        constraint("rigid-link-point", RigidLink(Anchor::Point), &[]),
-        constraint("point-on-line", PointOnLine(Anchor::Body), &[]),
-        constraint("point-on-line-point", PointOnLine(Anchor::Point), &[]),
-        constraint("point-in-plane", PointInPlane(Anchor::Body), &[]),
-        constraint("point-in-plane-point", PointInPlane(Anchor::Point), &[]),
+        constraint("rigid-link", RigidLink(NodeKind::Body), &[]),
+        constraint("rigid-link-point", RigidLink(NodeKind::Point), &[]),
+        constraint("point-on-line", PointOnLine(NodeKind::Body), &[]),
+        constraint("point-on-line-point", PointOnLine(NodeKind::Point), &[]),
+        constraint("point-in-plane", PointInPlane(NodeKind::Body), &[]),
+        constraint("point-in-plane-point", PointInPlane(NodeKind::Point), &[]),
         constraint("rack-and-pinion", RackAndPinion, &[]),
         constraint("joint-angle", JointAngle, &[]),
         constraint("gear", Gear, &[]),
@@ -209,7 +209,7 @@ impl Case {
     /// One that goes with every integrator: a body, a joint of two bodies, a nonholonomic constraint, a driver, a load that jumps.
     pub fn goes_with_all(&self) -> bool {
         use Subject::*;
-        let jumps = matches!(self.subject, Force(Anchor::Body, _, TimeFunction::Step { .. }));
+        let jumps = matches!(self.subject, Force(NodeKind::Body, _, TimeFunction::Step { .. }));
         let driven = matches!(self.subject, Rotation(TimeFunction::Sine));
         jumps || driven || matches!(self.subject, RigidBody | Revolute | RollingDisc)
     }

@@ -1,14 +1,14 @@
 //! Everything that is measured: each element, joint, driver, spring and load of the library, and what a user wrote.
 
 use super::user::{UserBeam, UserRevolute};
-use costate::assembly::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
+use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
 use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
 };
 use costate::elements::forces::*;
 use costate::elements::joints::*;
-use costate::elements::{Anchor, AnyConstraint, AnyElement, Flexible, Nonholonomic, TimeFunction};
+use costate::elements::{AnyConstraint, AnyElement, Flexible, Nonholonomic, TimeFunction};
 
 /// An element or a constraint with its type erased.
 pub enum Physics {
@@ -41,7 +41,7 @@ fn constraint<T: Into<Box<dyn AnyConstraint>>>(
 
 const BODIES: &[NodeKind] = &[Body, Body];
 const NATURAL: &[NodeKind] = &[Natural, Natural];
-const NATURAL_END: Anchor = Anchor::Natural;
+const NATURAL_END: NodeKind = NodeKind::Natural;
 const BEAM: &[NodeKind] = &[Body, Body, Body];
 const CABLE: &[NodeKind] = &[Slope, Slope];
 
@@ -51,7 +51,7 @@ fn beam(coupled: bool, damped: bool) -> Flexible<BeamField> {
 
 /// Kinds of elements.
 fn elements() -> Vec<Item> {
-    let (on, a, b) = (Anchor::Body, Anchor::Body, Anchor::Body);
+    let (on, a, b) = (NodeKind::Body, NodeKind::Body, NodeKind::Body);
     let frame = LoadFrame::Body;
     let load = || DistributedLoadField { frame: LoadFrame::World, size: TimeFunction::Constant };
     vec![
@@ -77,14 +77,17 @@ fn elements() -> Vec<Item> {
         element("vector damper", BODIES, move || VectorDamper { a, b }),
         element("slide spring and damper", BODIES, move || SlideSpringDamper { a, b }),
         element("torsion spring and damper", BODIES, move || TorsionSpringDamper { a, b }),
-        element("coordinate spring and damper", &[Coordinates(1)], move || CoordinateSpringDamper { of: 1, index: 0 }),
+        element("coordinate spring and damper", &[Coordinates(1)], move || CoordinateSpringDamper {
+            of: Coordinates(1),
+            index: 0,
+        }),
         element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint { a, b })) }),
     ]
 }
 
 /// Kinds of joints.
 fn joints() -> Vec<Item> {
-    let (a, b) = (Anchor::Body, Anchor::Body);
+    let (a, b) = (NodeKind::Body, NodeKind::Body);
     vec![
         constraint("spherical", BODIES, move || SphericalJoint { a, b }),
         constraint("revolute", BODIES, move || RevoluteJoint { a, b }),

@@ -3,10 +3,9 @@
 use super::items::{Item, Physics};
 use crate::verification::Clock;
 use costate::assembly::{
-    Equations, Jacobian, Level, Model, NodeKind, PartPrograms, Residual, StageCoefficients, System, SystemOptions,
-    VectorsAvq,
+    Equations, Jacobian, Level, Model, PartPrograms, Residual, StageCoefficients, System, SystemOptions, VectorsAvq,
 };
-use costate::elements::{ConstraintPhysics, ElementPhysics, RunScalar, motion_derivatives};
+use costate::elements::{ConstraintPhysics, ElementPhysics, NodeKind, RunScalar, motion_derivatives};
 use costate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, compile_time, lanes};
 use costate::scalar::{TANGENTS, Tangents};
 use num_dual::Derivative;

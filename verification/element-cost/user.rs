@@ -2,7 +2,7 @@
 //! library's recordings and programs serves them.
 
 use costate::elements::flexible::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS};
-use costate::elements::{Anchor, Constraint, Field, Frame, Interpolation, Parameter};
+use costate::elements::{Constraint, Field, Frame, Interpolation, NodeKind, Parameter};
 use costate::prelude::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scalar::tensor_times;
 use std::ops::Range;
@@ -28,7 +28,7 @@ impl UserBeam {
 
 impl Field for UserBeam {
     const NODES: usize = 3;
-    const COMPONENTS: usize = 7;
+    const NODE: NodeKind = NodeKind::Body;
     const POINTS: &'static [&'static [Interpolation]] =
         &[&AT_TYING_POINTS[0], &AT_TYING_POINTS[1], &AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
 
@@ -74,9 +74,11 @@ impl Field for UserBeam {
 pub struct UserRevolute;
 
 impl Constraint for UserRevolute {
-    const DOFS: usize = 14;
     const EQUATIONS: usize = 5;
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Body; 2]
+    }
     fn parameters(&self) -> Vec<Parameter> {
         ["axis", "normal u", "normal w", "point a", "point b"]
             .into_iter()
@@ -84,7 +86,7 @@ impl Constraint for UserRevolute {
             .collect()
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let [a, b] = Frame::pair([Anchor::Body; 2], q);
+        let [a, b] = Frame::pair([NodeKind::Body; 2], q);
         let axis = b.direction(p);
         g[..3].copy_from_slice(&(b.point(&p[12..]) - a.point(&p[9..])).components());
         g[3] = a.direction(&p[3..]).dot(&axis);

@@ -1,6 +1,6 @@
 //! Mechanisms whose moment of momentum about the vertical is a constant of motion.
 
-use costate::assembly::{Model, NodeKind};
+use costate::assembly::Model;
 use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{CableSection, Material};
 use costate::prelude::*;

@@ -1,4 +1,4 @@
-use crate::elements::{Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A rigid body in natural coordinates: position r of its frame and its axes u, v, w, whose mass matrix is constant.
@@ -41,9 +41,11 @@ impl NaturalBody {
 }
 
 impl Element for NaturalBody {
-    const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = super::rigid_body::INERTIA;
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Natural]
+    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let moments = Self::moments(p);

@@ -1,4 +1,4 @@
-use crate::elements::Constraint;
+use crate::elements::{Constraint, NodeKind};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Axes u, v, w of a body in natural coordinates, of unit length and at right angles:
@@ -10,9 +10,11 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 pub struct OrthonormalAxes;
 
 impl Constraint for OrthonormalAxes {
-    const DOFS: usize = 12;
     const EQUATIONS: usize = 6;
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Natural]
+    }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], _p: &[S], _t: S, g: &mut [S]) {
         let [u, v, w] = [3, 6, 9].map(|first| Vector3::first_three(&q[first..]));

@@ -1,4 +1,4 @@
-use crate::elements::{Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A mass at a point node: R = m a \[N\], T = m v . v / 2.
@@ -7,9 +7,11 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 pub struct PointMass;
 
 impl Element for PointMass {
-    const DOFS: usize = 3;
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Point]
+    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let velocity = Vector3::first_three(v);

@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 
 /// A rigid body with position r of its frame and Euler parameters e.
@@ -34,12 +34,14 @@ pub(super) const INERTIA: &[Parameter] = &[
 ];
 
 impl Element for RigidBody {
-    const DOFS: usize = 7;
     const PARAMETERS: &'static [Parameter] = INERTIA;
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Body]
+    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
-        let velocity = Anchor::Body.velocity(v, q, Vector3::first_three(&p[1..]));
+        let velocity = NodeKind::Body.velocity(v, q, Vector3::first_three(&p[1..]));
         let omega = Quaternion::from_slice(&q[3..]).g_times(Quaternion::from_slice(&v[3..])) * S::from(2.0);
         (velocity.dot(&velocity) * p[0] + omega.dot(&tensor_times(&p[4..], omega))) * 0.5
     }

@@ -1,5 +1,5 @@
 use super::shape::{AT_GAUSS_POINTS, AT_TYING_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter};
+use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, tensor_times};
 use std::ops::Range;
 
@@ -132,7 +132,7 @@ impl BeamField {
 
 impl Field for BeamField {
     const NODES: usize = NODES;
-    const COMPONENTS: usize = 7;
+    const NODE: NodeKind = NodeKind::Body;
     const POINTS: &'static [&'static [Interpolation]] =
         &[&AT_TYING_POINTS[0], &AT_TYING_POINTS[1], &AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
 

@@ -1,5 +1,5 @@
 use super::shape::{AT_GAUSS_POINTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter};
+use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ const NUMBERS: usize = 7;
 
 impl Field for BeamGravityField {
     const NODES: usize = NODES;
-    const COMPONENTS: usize = 7;
+    const NODE: NodeKind = NodeKind::Body;
     const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
 
     fn parameters(&self) -> Vec<Parameter> {

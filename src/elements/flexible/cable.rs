@@ -2,8 +2,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::cable_inertia::mass_matrix;
-use super::hermite::{COMPONENTS, CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
-use crate::elements::{Element, Parameter};
+use super::hermite::{CURVATURES_AT_THREE, NODES, SLOPES_AT_THREE, THREE_WEIGHTS};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Cable-beam of two nodes with position r and slope r_x = dr/dx, in space, without torsion and shear: absolute nodal coordinates
@@ -104,8 +104,9 @@ pub(super) fn derivatives<S: Scalar>(line: &Line<S>, point: usize, inverse: S) -
 }
 
 impl Element for Cable {
-    const DOFS: usize = NODES * COMPONENTS;
-
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Slope; NODES]
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = elastic_parameters();
         list.push(Parameter::positive("mass", "kg/m"));

@@ -1,5 +1,5 @@
-use super::hermite::{COMPONENTS, NODES};
-use crate::elements::{Element, Parameter};
+use super::hermite::NODES;
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// Weight of a cable element, integrated exactly: V = -m l g . (r_1 / 2 + l r_1x / 12 + r_2 / 2 - l r_2x / 12) \[J\].
@@ -19,7 +19,6 @@ fn shares<S: Scalar>(p: &[S]) -> [S; 4] {
 }
 
 impl Element for CableGravity {
-    const DOFS: usize = NODES * COMPONENTS;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("length", "m"),
         Parameter::non_negative("mass", "kg/m"),
@@ -28,6 +27,9 @@ impl Element for CableGravity {
         Parameter::new("gravity z", "m/s2"),
     ];
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Slope; NODES]
+    }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let shares = shares(p);

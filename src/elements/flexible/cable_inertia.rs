@@ -1,5 +1,5 @@
-use super::hermite::{COMPONENTS, NODES};
-use crate::elements::{Element, Parameter};
+use super::hermite::NODES;
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// Inertia of a cable element: R = M a with the constant matrix M = m l times the integral of S^T S, which is exact.
@@ -29,9 +29,11 @@ pub(super) fn mass_matrix<S: Scalar>(p: &[S]) -> [[S; 4]; 4] {
 }
 
 impl Element for CableInertia {
-    const DOFS: usize = NODES * COMPONENTS;
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("length", "m"), Parameter::positive("mass", "kg/m")];
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Slope; NODES]
+    }
     #[inline(always)]
     fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
         let matrix = mass_matrix(p);

@@ -1,6 +1,6 @@
 use super::shape::{AT_GAUSS_POINTS, NODES};
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Field, Flexible, Interpolation, Parameter, TimeFunction};
+use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ impl DistributedLoadField {
 
 impl Field for DistributedLoadField {
     const NODES: usize = NODES;
-    const COMPONENTS: usize = 7;
+    const NODE: NodeKind = NodeKind::Body;
     const POINTS: &'static [&'static [Interpolation]] = &[&AT_GAUSS_POINTS[0], &AT_GAUSS_POINTS[1], &AT_GAUSS_POINTS[2]];
 
     fn parameters(&self) -> Vec<Parameter> {

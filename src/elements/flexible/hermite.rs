@@ -1,11 +1,11 @@
 //! Cubic Hermite functions of two nodes with position and slope, on xi = x / l from 0 to 1, and where they are used.
 
-use crate::elements::Interpolation;
+use crate::elements::{Interpolation, NodeKind};
 
 /// Nodes of a cubic line.
 pub const NODES: usize = 2;
-/// Coordinates of a node: position r and slope dr/dx.
-pub const COMPONENTS: usize = 6;
+/// Coordinates of a node.
+pub const COMPONENTS: usize = NodeKind::Slope.dofs();
 
 /// Values of the functions of (r_1, r_1x, r_2, r_2x); those of the slopes times l.
 pub const fn values(xi: f64) -> [f64; 4] {

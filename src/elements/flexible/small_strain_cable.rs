@@ -1,6 +1,6 @@
 use super::cable::elastic_parameters;
-use super::hermite::{BENDING_AT_TWO, CHORD, COMPONENTS, NODES};
-use crate::elements::{Field, Flexible, Interpolation, Parameter};
+use super::hermite::{BENDING_AT_TWO, CHORD, NODES};
+use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ fn second_derivative<S: Scalar>(h: &[S], length: S) -> Vector3<S> {
 
 impl Field for SmallStrainCableField {
     const NODES: usize = NODES;
-    const COMPONENTS: usize = COMPONENTS;
+    const NODE: NodeKind = NodeKind::Slope;
     const POINTS: &'static [&'static [Interpolation]] = &[&CHORD, &BENDING_AT_TWO[0], &BENDING_AT_TWO[1]];
 
     fn parameters(&self) -> Vec<Parameter> {

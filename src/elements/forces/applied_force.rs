@@ -1,5 +1,5 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
+use crate::elements::{Element, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A force F = d f(t) \[N\] at a point of a body or at a point mass.
@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * parameters of f(t) \[N\]
 pub struct AppliedForce {
     /// What the force acts on.
-    pub on: Anchor,
+    pub on: NodeKind,
     /// Dead or follower load; a point has no frame to follow.
     pub frame: LoadFrame,
     /// Size over time.
@@ -17,7 +17,6 @@ pub struct AppliedForce {
 }
 
 impl Element for AppliedForce {
-    const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("direction x", "-"),
         Parameter::new("direction y", "-"),
@@ -27,8 +26,8 @@ impl Element for AppliedForce {
         Parameter::new("point z", "m"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.on.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.on]
     }
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N")).collect()

@@ -1,5 +1,5 @@
 use super::LoadFrame;
-use crate::elements::{Anchor, Element, Frame, Parameter, TimeFunction};
+use crate::elements::{Element, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A torque M = d f(t) [N m] on a rigid body.
@@ -8,7 +8,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * parameters of f(t) [N m]
 pub struct AppliedTorque {
     /// The body.
-    pub on: Anchor,
+    pub on: NodeKind,
     /// Fixed in the world or turning with the body.
     pub frame: LoadFrame,
     /// Size over time.
@@ -16,12 +16,11 @@ pub struct AppliedTorque {
 }
 
 impl Element for AppliedTorque {
-    const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("axis x", "-"), Parameter::new("axis y", "-"), Parameter::new("axis z", "-")];
 
-    fn dofs(&self) -> usize {
-        self.on.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.on]
     }
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.size.parameters("N m")).collect()

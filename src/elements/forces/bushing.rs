@@ -1,7 +1,7 @@
 use super::Soft;
 use super::soft::as_soft_joint;
 use crate::elements::joints::{POINTS, gap};
-use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
+use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
 
 /// A bushing: springs and dampers along and about the axes of a frame fixed in body a.
@@ -16,22 +16,21 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector};
 /// * `frame a e0..e3`, `frame b e0..e3`  e_af, e_bf, Euler parameters in the frames of the bodies: together at rest
 pub struct Bushing {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 /// (u, w) with the parameters behind stiffness and damping.
 struct Displacement {
-    ends: [Anchor; 2],
+    ends: [NodeKind; 2],
 }
 
 impl Constraint for Displacement {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
 
-    fn dofs(&self) -> usize {
-        self.ends.iter().map(|end| end.dofs()).sum()
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.ends.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let frame = |of| (0..4).map(move |i| Parameter::named(format!("frame {of} e{i}"), "-"));
@@ -39,7 +38,7 @@ impl Constraint for Displacement {
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        if self.ends == [Anchor::Body; 2] {
+        if self.ends == [NodeKind::Body; 2] {
             let frame = |e: &[S], own: &[S]| Quaternion::from_slice(e).times(Quaternion::from_slice(own));
             let (fa, fb) = (frame(&q[3..], &p[6..]), frame(&q[10..], &p[10..]));
             g[..3].copy_from_slice(&fa.rotate_back(gap(self.ends, q, p)).components());
@@ -66,7 +65,6 @@ impl Bushing {
 }
 
 impl Element for Bushing {
-    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness along x", "N/m"),
         Parameter::non_negative("stiffness along y", "N/m"),

@@ -1,4 +1,4 @@
-use crate::elements::{Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A spring and damper on one coordinate of a node: F = k (q - q0) + c dq/dt.
@@ -9,22 +9,21 @@ use crate::scalar::Scalar;
 /// * `damping`  c [N s/m, or N m s/rad], 0 or greater
 /// * `rest`  q0 [m, or rad]
 pub struct CoordinateSpringDamper {
-    /// Number of coordinates of the node.
-    pub of: usize,
+    /// Kind of the node.
+    pub of: NodeKind,
     /// Which one, from 0.
     pub index: usize,
 }
 
 impl Element for CoordinateSpringDamper {
-    const DOFS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness", "N/m, N m/rad"),
         Parameter::non_negative("damping", "N s/m, N m s/rad"),
         Parameter::new("rest", "m, rad"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.of
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.of]
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {

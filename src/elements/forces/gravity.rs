@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Weight of a body or point mass: V = -m g . x_c \[J\].
@@ -8,11 +8,10 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `centre x, y, z`  mass centre in the body frame \[m\]; ignored for a point
 pub struct Gravity {
     /// What the weight hangs on.
-    pub on: Anchor,
+    pub on: NodeKind,
 }
 
 impl Element for Gravity {
-    const DOFS: usize = 12;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("mass", "kg"),
         Parameter::new("gravity x", "m/s2"),
@@ -23,8 +22,8 @@ impl Element for Gravity {
         Parameter::new("centre z", "m"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.on.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.on]
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {

@@ -1,5 +1,5 @@
 use crate::elements::joints::gap;
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A damper along the line between two points: tension c dl/dt \[N\], l = |x_b - x_a|.
@@ -8,9 +8,9 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 pub struct LineDamper {
     /// First end.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second end.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 /// Parameters shared by the dampers between two points.
@@ -25,16 +25,15 @@ pub(super) const DAMPER_PARAMETERS: &[Parameter] = &[
 ];
 
 /// x_b - x_a for the points of [`DAMPER_PARAMETERS`] \[m\].
-pub(super) fn between<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vector3<S> {
+pub(super) fn between<S: Scalar>([a, b]: [NodeKind; 2], q: &[S], p: &[S]) -> Vector3<S> {
     gap([a, b], q, &p[1..])
 }
 
 impl Element for LineDamper {
-    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn strain_count(&self) -> usize {
         1

@@ -1,5 +1,5 @@
 use crate::elements::joints::gap;
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A spring along the line between two points: V = k (l - l0)^2 / 2 \[J\], l = |x_b - x_a|.
@@ -9,13 +9,12 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 pub struct LineSpring {
     /// First end.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second end.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Element for LineSpring {
-    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness", "N/m"),
         Parameter::non_negative("rest length", "m"),
@@ -27,8 +26,8 @@ impl Element for LineSpring {
         Parameter::new("point b z", "m"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn strain_count(&self) -> usize {
         1

@@ -1,7 +1,7 @@
 use super::Soft;
 use super::soft::as_soft_joint;
 use crate::elements::joints::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Element, Frame, Parameter};
+use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A spring and damper along an axis of body a: F = k (s - s0) + c ds/dt \[N\], s = n_a . (x_b - x_a).
@@ -13,23 +13,22 @@ use crate::scalar::Scalar;
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct SlideSpringDamper {
     /// What guides: a body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What slides.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 /// s - s0 with the parameters (s0, points, axis).
 struct Slide {
-    a: Anchor,
-    b: Anchor,
+    a: NodeKind,
+    b: NodeKind,
 }
 
 impl Constraint for Slide {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         [Parameter::new("rest displacement", "m")].into_iter().chain(POINTS).chain(vectors(&["axis"])).collect()
@@ -48,8 +47,6 @@ impl SlideSpringDamper {
 }
 
 impl Element for SlideSpringDamper {
-    const DOFS: usize = 24;
-
     as_soft_joint!();
 
     fn parameters(&self) -> Vec<Parameter> {

@@ -1,5 +1,5 @@
 use crate::elements::Admissible::NonNegative;
-use crate::elements::{Constraint, Element, Parameter};
+use crate::elements::{Constraint, Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A soft version of any joint g(q, p, t): springs and dampers in place of its equations, R = A^T (k g + c dg/dt) with A = dg/dq.
@@ -14,8 +14,8 @@ pub struct Soft<J>(pub J);
 /// The methods of an element that is a soft joint, given by its method `soft`, with other names of parameters.
 macro_rules! as_soft_joint {
     () => {
-        fn dofs(&self) -> usize {
-            self.soft().dofs()
+        fn nodes(&self) -> Vec<NodeKind> {
+            self.soft().nodes()
         }
         fn strain_count(&self) -> usize {
             self.soft().strain_count()
@@ -34,10 +34,8 @@ macro_rules! as_soft_joint {
 pub(super) use as_soft_joint;
 
 impl<J: Constraint> Element for Soft<J> {
-    const DOFS: usize = J::DOFS;
-
-    fn dofs(&self) -> usize {
-        self.0.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.nodes()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let each = |what, unit| {

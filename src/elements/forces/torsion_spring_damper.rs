@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Element, Frame, Parameter};
+use crate::elements::{Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, angle_about};
 
 /// A torsion spring and damper about an axis between two bodies: M = k (theta - theta0) + c dtheta/dt [N m].
@@ -13,13 +13,12 @@ use crate::scalar::{Scalar, angle_about};
 /// * `reference b`  unit vector in the frame of body b
 pub struct TorsionSpringDamper {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Element for TorsionSpringDamper {
-    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_negative("stiffness", "N m/rad"),
         Parameter::non_negative("damping", "N m s/rad"),
@@ -35,8 +34,8 @@ impl Element for TorsionSpringDamper {
         Parameter::new("reference b z", "-"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn strain_count(&self) -> usize {
         1

@@ -1,5 +1,5 @@
 use super::line_damper::{DAMPER_PARAMETERS, between};
-use crate::elements::{Anchor, Element, Parameter};
+use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A damper on the whole relative velocity of two points: force c (dx_b/dt - dx_a/dt) \[N\].
@@ -10,17 +10,16 @@ use crate::scalar::{Scalar, SpatialVector};
 /// Source: Ebrahimi et al., eq. (65). [`LineDamper`](super::LineDamper) acts along the line only.
 pub struct VectorDamper {
     /// First end.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second end.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Element for VectorDamper {
-    const DOFS: usize = 24;
     const PARAMETERS: &'static [Parameter] = DAMPER_PARAMETERS;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn strain_count(&self) -> usize {
         3

@@ -1,5 +1,5 @@
 use super::{ANGLE, angle_between};
-use crate::elements::{Anchor, Constraint, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A coordinate phi that counts the turns of b against a about an axis of body a: theta - phi = 0 \[rad\].
@@ -13,18 +13,17 @@ use crate::scalar::Scalar;
 /// * `reference b`  unit vector in the frame of b
 pub struct AngleCoordinate {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for AngleCoordinate {
-    const DOFS: usize = 25;
     const EQUATIONS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &ANGLE;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs() + 1
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b, NodeKind::Coordinates(1)]
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

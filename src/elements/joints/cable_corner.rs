@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Constraint, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Two cables welded to each other at an angle: one place, and the angle phi between the slopes r_x.
@@ -14,12 +14,14 @@ pub struct CableCorner;
 
 impl Constraint for CableCorner {
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("angle", "rad")];
-    const DOFS: usize = 12;
     const EQUATIONS: usize = 4;
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Slope; 2]
+    }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
-        let (a, b) = q.split_at(Anchor::Slope.dofs());
+        let (a, b) = q.split_at(NodeKind::Slope.dofs());
         g[..3].copy_from_slice(&(Vector3::first_three(b) - Vector3::first_three(a)).components());
         let [slope_a, slope_b] = [a, b].map(|node| Vector3::first_three(&node[3..]).unit());
         let (sine, cosine) = p[0].sin_cos();

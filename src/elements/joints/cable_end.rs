@@ -1,5 +1,5 @@
 use super::{components, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// What a body holds of the slope r_x of a cable's node, beside its place.
@@ -24,17 +24,16 @@ pub enum HeldSlope {
 /// Source: Ebrahimi et al., eqs. (41), (42).
 pub struct CableEnd {
     /// The body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What it holds of the slope.
     pub held: HeldSlope,
 }
 
 impl Constraint for CableEnd {
-    const DOFS: usize = 18;
     const EQUATIONS: usize = 6;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + Anchor::Slope.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, NodeKind::Slope]
     }
     fn equations(&self) -> usize {
         match self.held {

@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A slider that may turn: the point of b stays on an axis of a \[m\], and the axis of b parallel to it [-].
@@ -11,17 +11,16 @@ use crate::scalar::Scalar;
 /// * `axis`  n_b, unit vector in the frame of b
 pub struct CylindricalJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for CylindricalJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()

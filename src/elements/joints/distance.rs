@@ -1,5 +1,5 @@
 use super::{POINTS, gap};
-use crate::elements::{Anchor, Constraint, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) \[m\].
@@ -10,17 +10,16 @@ use crate::scalar::Scalar;
 /// * `length`  l \[m\], greater than 0
 pub struct DistanceJoint {
     /// First end.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second end.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for DistanceJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain([Parameter::positive("length", "m")]).collect()

@@ -1,5 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
-use crate::elements::{Anchor, Constraint, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// Two bodies welded together: points held together \[m\], and twice the vector part of the remaining rotation is zero \[rad\].
@@ -10,17 +10,16 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
 pub struct FixedJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for FixedJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(RELATIVE_ROTATION).collect()

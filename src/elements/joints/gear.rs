@@ -1,4 +1,4 @@
-use crate::elements::{Constraint, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// Two gears: r1 phi1 + r2 phi2 - c = 0 \[m\], for any ratio and any number of turns.
@@ -12,7 +12,6 @@ use crate::scalar::Scalar;
 pub struct GearJoint;
 
 impl Constraint for GearJoint {
-    const DOFS: usize = 2;
     const EQUATIONS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::non_zero("pitch radius 1", "m"),
@@ -20,6 +19,9 @@ impl Constraint for GearJoint {
         Parameter::new("offset", "m"),
     ];
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1); 2]
+    }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g[0] = p[0] * q[0] + p[1] * q[1] - p[2];

@@ -1,5 +1,5 @@
 use super::{POINTS, angle_beyond, components, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
@@ -15,17 +15,16 @@ use std::f64::consts::TAU;
 /// * `pitch`  [m per turn], not 0; negative for a left-handed thread
 pub struct HelicalJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for HelicalJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         let vectors = vectors(&["normal u", "normal w", "axis", "reference b"]);

@@ -43,7 +43,7 @@ pub use spherical::SphericalJoint;
 pub use universal::UniversalJoint;
 
 use super::dyn_layer::instantiate_here;
-use super::{Anchor, AnyConstraint, Frame, Nonholonomic, Parameter};
+use super::{AnyConstraint, Frame, NodeKind, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
@@ -83,7 +83,7 @@ pub(crate) fn vectors(names: &[&str]) -> Vec<Parameter> {
 }
 
 /// x_b - x_a for the points of the first six parameters \[m\].
-pub(crate) fn gap<S: Scalar>([a, b]: [Anchor; 2], q: &[S], p: &[S]) -> Vector3<S> {
+pub(crate) fn gap<S: Scalar>([a, b]: [NodeKind; 2], q: &[S], p: &[S]) -> Vector3<S> {
     let (qa, qb) = q.split_at(a.dofs());
     b.position(qb, Vector3::first_three(&p[3..])) - a.position(qa, Vector3::first_three(p))
 }
@@ -100,9 +100,9 @@ pub(crate) fn components<S: Scalar>(a: &Frame<S>, vectors: &[S], world: Vector3<
 /// For small angles the rotation that b has beyond `relative`, in the frame of a \[rad\]: 2 vec(e_a* e_b e_ab*) between Euler parameters,
 /// otherwise (c_1 x d_1 + c_2 x d_2 + c_3 x d_3) / 2 with the axes d_k of b seen from a, and where they should be, c_k = R(e_ab) e_k.
 #[inline(always)]
-fn remaining_rotation<S: Scalar>(ends: [Anchor; 2], q: &[S], relative: &[S]) -> Vector3<S> {
+fn remaining_rotation<S: Scalar>(ends: [NodeKind; 2], q: &[S], relative: &[S]) -> Vector3<S> {
     let relative = Quaternion::from_slice(relative);
-    if ends == [Anchor::Body; 2] {
+    if ends == [NodeKind::Body; 2] {
         let (ea, eb) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&q[10..]));
         return ea.conjugate().times(eb).times(relative.conjugate()).parts().1 * S::from(2.0);
     }
@@ -125,7 +125,7 @@ fn angle_beyond<S: Scalar>([a, b]: [&Frame<S>; 2], [axis, from, to]: [&[S]; 3], 
 
 /// The same between two bodies with the parameters [`ANGLE`].
 #[inline(always)]
-pub(crate) fn angle_between<S: Scalar>(ends: [Anchor; 2], q: &[S], p: &[S], turn: S) -> S {
+pub(crate) fn angle_between<S: Scalar>(ends: [NodeKind; 2], q: &[S], p: &[S], turn: S) -> S {
     let [a, b] = Frame::pair(ends, q);
     angle_beyond([&a, &b], [p, &p[3..], &p[6..]], turn)
 }

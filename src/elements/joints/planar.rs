@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// Two faces that slide on each other: the points stay at one height \[m\] and the normals parallel [-].
@@ -11,17 +11,16 @@ use crate::scalar::Scalar;
 /// * `normal`  n_b, unit vector in the frame of b
 pub struct PlanarJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for PlanarJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 3;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["tangent u", "tangent w", "normal"])).collect()

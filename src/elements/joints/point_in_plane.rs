@@ -1,5 +1,5 @@
 use super::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A point of b in a plane of a: g = n_a . (x_b - x_a) \[m\]. The multiplier is minus the force on b along the normal \[N\].
@@ -8,17 +8,16 @@ use crate::scalar::Scalar;
 /// * `normal`  n_a, unit vector in the frame of a
 pub struct PointInPlane {
     /// What guides: a body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What slides.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for PointInPlane {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal"])).collect()

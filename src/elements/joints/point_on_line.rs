@@ -1,5 +1,5 @@
 use super::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
 /// A point of b on a line of a: g = (u_a . d, w_a . d) with d = x_b - x_a \[m\].
@@ -8,17 +8,16 @@ use crate::scalar::Scalar;
 /// * `normal u`, `normal w`  unit vectors in the frame of a, both at right angles to the line
 pub struct PointOnLine {
     /// What guides: a body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What slides.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for PointOnLine {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 2;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal u", "normal w"])).collect()

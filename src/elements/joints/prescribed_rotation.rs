@@ -1,5 +1,5 @@
 use super::{ANGLE, angle_between};
-use crate::elements::{Anchor, Constraint, Parameter, TimeFunction};
+use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
 /// Drives the angle between two bodies about an axis of body a: theta - f(t) = 0 \[rad\].
@@ -12,20 +12,19 @@ use crate::scalar::Scalar;
 /// * parameters of f(t) \[rad\]
 pub struct PrescribedRotation {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
     /// Angle over time.
     pub angle: TimeFunction,
 }
 
 impl Constraint for PrescribedRotation {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &ANGLE;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         ANGLE.into_iter().chain(self.angle.parameters("rad")).collect()

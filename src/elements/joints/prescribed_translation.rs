@@ -1,5 +1,5 @@
 use super::{POINTS, gap, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter, TimeFunction};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
 /// Drives a point of b along an axis of body a: n_a . (x_b - x_a) - f(t) = 0 \[m\].
@@ -11,19 +11,18 @@ use crate::scalar::Scalar;
 /// * parameters of f(t) \[m\]
 pub struct PrescribedTranslation {
     /// What guides: a body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What is driven.
-    pub b: Anchor,
+    pub b: NodeKind,
     /// Displacement over time.
     pub displacement: TimeFunction,
 }
 
 impl Constraint for PrescribedTranslation {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["axis"])).chain(self.displacement.parameters("m")).collect()

@@ -1,5 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A slider without rotation: the point of b stays on a line of a \[m\], and twice the vector part of the remaining rotation is
@@ -12,17 +12,16 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a
 pub struct PrismaticJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for PrismaticJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal u", "normal w"])).chain(RELATIVE_ROTATION).collect()

@@ -1,5 +1,5 @@
 use super::{ANGLE, POINTS, angle_between, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A rack that rolls on a pinion, both on a common carrier: r theta - s = 0 \[m\].
@@ -17,15 +17,14 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `pitch radius`  r \[m\], greater than 0
 pub struct RackAndPinion {
     /// Carrier, pinion and rack.
-    pub nodes: [Anchor; 3],
+    pub nodes: [NodeKind; 3],
 }
 
 impl Constraint for RackAndPinion {
-    const DOFS: usize = 36;
     const EQUATIONS: usize = 1;
 
-    fn dofs(&self) -> usize {
-        self.nodes.iter().map(|node| node.dofs()).sum()
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.nodes.to_vec()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let radius = Parameter::positive("pitch radius", "m");

@@ -1,5 +1,5 @@
 use super::{POINTS, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A hinge between two bodies: points held together \[m\] and the axis of b at right angles to two vectors of a [-].
@@ -11,17 +11,16 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `axis`  n_b, unit vector in the frame of b
 pub struct RevoluteJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for RevoluteJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 5;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["normal u", "normal w", "axis"])).collect()

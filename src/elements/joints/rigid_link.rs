@@ -1,5 +1,5 @@
 use super::{RELATIVE_ROTATION, remaining_rotation};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// A rigid connection between two nodes: b keeps its place in the frame of a \[m\] and, if it is a body, its orientation \[rad\].
@@ -11,19 +11,18 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `e0..e3`  e_ab, Euler parameters of b relative to a; only for a body
 pub struct RigidLink {
     /// What guides: a body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What is carried along.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for RigidLink {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 6;
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("offset x", "m"), Parameter::new("offset y", "m"), Parameter::new("offset z", "m")];
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn equations(&self) -> usize {
         if self.b.has_axes() { 6 } else { 3 }

@@ -1,15 +1,15 @@
-use crate::elements::{Anchor, Constraint, Frame, NonholonomicConstraint, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, NonholonomicConstraint, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Velocity of the material point of a body that is at the world point `place` now [m/s]: v + omega x (place - r).
 #[inline(always)]
-fn velocity_at<S: Scalar>(body: Anchor, v: &[S], q: &[S], place: Vector3<S>) -> Vector3<S> {
+fn velocity_at<S: Scalar>(body: NodeKind, v: &[S], q: &[S], place: Vector3<S>) -> Vector3<S> {
     Vector3::first_three(v) + body.angular_velocity(v, q).cross(&(place - Vector3::first_three(q)))
 }
 
 /// The sliding velocity of b on a plane of a at their point of contact, along two directions u and w of the plane.
 #[inline(always)]
-fn sliding<S: Scalar>([a, b]: [Anchor; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2], contact: Vector3<S>, h: &mut [S]) {
+fn sliding<S: Scalar>([a, b]: [NodeKind; 2], v: &[S], q: &[S], [u, w]: [&[S]; 2], contact: Vector3<S>, h: &mut [S]) {
     let split = a.dofs();
     let velocity = velocity_at(b, &v[split..], &q[split..], contact) - velocity_at(a, v, q, contact);
     let frame = Frame::of(a, q);
@@ -32,13 +32,12 @@ const fn new(name: &'static str, unit: &'static str) -> Parameter {
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
 pub struct RollingSphere {
     /// The body with the plane.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What rolls.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl NonholonomicConstraint for RollingSphere {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 2;
     const PARAMETERS: &'static [Parameter] = &[
         new("centre x", "m"),
@@ -56,8 +55,8 @@ impl NonholonomicConstraint for RollingSphere {
         Parameter::positive("radius", "m"),
     ];
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], _t: S, h: &mut [S]) {
         let [a, b] = Frame::pair([self.a, self.b], q);
@@ -96,17 +95,16 @@ fn disc<S: Scalar>([a, b]: [Frame<S>; 2], p: &[S]) -> (Vector3<S>, Vector3<S>) {
 /// * `point`  x_a, of the plane, in the frame of a \[m\]
 pub struct DiscOnPlane {
     /// The body with the plane.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What rolls.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for DiscOnPlane {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 1;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         DISC.iter().cloned().chain(["point x", "point y", "point z"].map(|name| new(name, "m"))).collect()
@@ -129,17 +127,16 @@ impl Constraint for DiscOnPlane {
 /// Source: Bloch (2015), Nonholonomic Mechanics and Control, section 1.
 pub struct RollingDisc {
     /// The body with the plane.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What rolls.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl NonholonomicConstraint for RollingDisc {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 2;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         DISC.iter().cloned().chain(["u x", "u y", "u z", "w x", "w y", "w z"].map(|name| new(name, "-"))).collect()

@@ -1,5 +1,5 @@
 use super::{POINTS, gap};
-use crate::elements::{Anchor, Constraint, Parameter};
+use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// Two points held together: g = x_b - x_a \[m\]. The multipliers are the force of b on a, in world components \[N\].
@@ -7,18 +7,17 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]
 pub struct SphericalJoint {
     /// First end.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second end.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for SphericalJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 3;
     const PARAMETERS: &'static [Parameter] = &POINTS;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {

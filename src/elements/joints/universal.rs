@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::{Anchor, Constraint, Frame, Parameter};
+use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
 /// A universal (Cardan, Hooke) joint: points held together \[m\] and the two pins of the cross at right angles [-].
@@ -11,17 +11,16 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `pin b`  n_b, unit vector in the frame of b
 pub struct UniversalJoint {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Constraint for UniversalJoint {
-    const DOFS: usize = 24;
     const EQUATIONS: usize = 4;
 
-    fn dofs(&self) -> usize {
-        self.a.dofs() + self.b.dofs()
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![self.a, self.b]
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["pin a", "pin b"])).collect()

@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -14,7 +14,7 @@ impl Quantity for CableDeflection {
         &[Parameter::new("normal x", "-"), Parameter::new("normal y", "-"), Parameter::new("normal z", "-")];
 
     fn dofs(&self) -> usize {
-        2 * Anchor::Slope.dofs()
+        2 * NodeKind::Slope.dofs()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let slope = Vector3::first_three(&s.q[3..]);

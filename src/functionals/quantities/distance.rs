@@ -1,5 +1,5 @@
 use crate::elements::joints::{POINTS, gap};
-use crate::elements::{Anchor, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -8,9 +8,9 @@ use crate::scalar::{Scalar, SpatialVector};
 /// * `point a`, `point b`  in the frames of the bodies \[m\]; ignored for nodes without axes
 pub struct Distance {
     /// First end.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second end.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Quantity for Distance {

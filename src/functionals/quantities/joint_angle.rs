@@ -1,5 +1,5 @@
 use crate::elements::joints::{ANGLE, angle_between};
-use crate::elements::{Anchor, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -11,9 +11,9 @@ use crate::scalar::Scalar;
 /// * `reference b`  unit vector in the frame of b
 pub struct JointAngle {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Quantity for JointAngle {

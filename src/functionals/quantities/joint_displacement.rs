@@ -1,5 +1,5 @@
 use crate::elements::joints::{POINTS, components, gap, vectors};
-use crate::elements::{Anchor, Frame, Parameter, State};
+use crate::elements::{Frame, NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -9,9 +9,9 @@ use crate::scalar::Scalar;
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct JointDisplacement {
     /// The body with the axis.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What slides.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Quantity for JointDisplacement {
@@ -31,9 +31,9 @@ impl Quantity for JointDisplacement {
 /// Its rate ds/dt [m/s], with the same parameters.
 pub struct JointSpeed {
     /// The body with the axis.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// What slides.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Quantity for JointSpeed {

@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Frame, Parameter, State};
+use crate::elements::{Frame, NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
 
@@ -7,9 +7,9 @@ use crate::scalar::Scalar;
 /// * `axis`  n_a, unit vector in the frame of a
 pub struct JointRate {
     /// First body.
-    pub a: Anchor,
+    pub a: NodeKind,
     /// Second body.
-    pub b: Anchor,
+    pub b: NodeKind,
 }
 
 impl Quantity for JointRate {

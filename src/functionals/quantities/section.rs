@@ -37,7 +37,7 @@ impl SectionQuantity {
 
 impl Quantity for SectionQuantity {
     fn dofs(&self) -> usize {
-        self.places.len() * NODES * BeamField::COMPONENTS
+        self.places.len() * NODES * BeamField::NODE.dofs()
     }
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = Vec::new();
@@ -57,13 +57,13 @@ impl Quantity for SectionQuantity {
     }
     /// The strains at the tying points of all elements.
     fn rated<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
-        let (dofs, own) = (NODES * BeamField::COMPONENTS, self.parameters_of_an_element());
+        let (dofs, own) = (NODES * BeamField::NODE.dofs(), self.parameters_of_an_element());
         for (place, e) in e.chunks_exact_mut(STRAINS).enumerate() {
             let (element, point) = (place / TYING_POINTS, place % TYING_POINTS);
             let q = &q[element * dofs..];
             let number = |row: &Interpolation| {
                 let terms = row.weights.iter().enumerate();
-                terms.fold(S::zero(), |sum, (node, &weight)| sum + q[node * BeamField::COMPONENTS + row.component] * weight)
+                terms.fold(S::zero(), |sum, (node, &weight)| sum + q[node * BeamField::NODE.dofs() + row.component] * weight)
             };
             let h: Vec<S> = AT_TYING_POINTS[point].iter().map(number).collect();
             e.copy_from_slice(&BeamField::strains(&h, &p[element * own + point * own / TYING_POINTS..]));

@@ -1,4 +1,4 @@
-use crate::elements::{Anchor, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -8,7 +8,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `target x, y, z`  x*, in the world \[m\]
 pub struct TargetDistance {
     /// What the point belongs to.
-    pub of: Anchor,
+    pub of: NodeKind,
 }
 
 impl Quantity for TargetDistance {

@@ -1,5 +1,5 @@
 use super::POINT_AND_DIRECTION;
-use crate::elements::{Anchor, Parameter, State};
+use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 /// * `direction x, y, z`  d, in the world [-]
 pub struct Velocity {
     /// What the point belongs to.
-    pub of: Anchor,
+    pub of: NodeKind,
 }
 
 impl Quantity for Velocity {

@@ -4,11 +4,11 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::{Drawing, MechanismBuilder};
-use crate::assembly::{ElementId, NodeId, NodeKind};
+use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
 use crate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField, STRAINS, Section, TYING_POINTS};
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Flexible, TimeFunction};
+use crate::elements::{Flexible, NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};

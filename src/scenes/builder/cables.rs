@@ -1,12 +1,12 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
 use super::{Drawing, MechanismBuilder};
-use crate::assembly::{ConstraintId, ElementId, NodeId, NodeKind};
-use crate::elements::Flexible;
+use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::elements::flexible::{
     Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
 };
 use crate::elements::joints::{CableCorner, CableEnd, HeldSlope};
+use crate::elements::{Flexible, NodeKind};
 use crate::functionals::Over;
 use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -260,8 +260,8 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// The body and the slope at the start.
-    fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::Anchor, Vector3<S>)> {
-        let a = self.body_anchor(name, body);
+    fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::NodeKind, Vector3<S>)> {
+        let a = self.kind_of_body(name, body);
         let own = &self.model.nodes[node.0];
         if own.kind != NodeKind::Slope {
             self.mistakes.push(format!(

@@ -14,7 +14,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn gravity(&mut self, gravity: Vector3<S>) {
         for (node, mass, centre) in std::mem::take(&mut self.masses) {
             let name = format!("weight of {}", self.model.nodes[node.0].name);
-            let on = self.anchor(&name, node);
+            let on = self.kind_in_space(&name, node);
             let p: Vec<S> = [mass].into_iter().chain(gravity.components()).chain(centre.components()).collect();
             self.add_element(&name, &[node], Gravity { on }.into(), &p);
         }
@@ -31,21 +31,21 @@ impl<S: Scalar> MechanismBuilder<S> {
         stiffness: S,
         rest_length: S,
     ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
         let p = [vec![stiffness, rest_length], self.points_between(nodes, ends)].concat();
         self.add_element(name, &nodes, LineSpring { a, b }.into(), &p)
     }
 
     /// A damper along the line between world points of two nodes [N s/m].
     pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
         let p = [vec![damping], self.points_between(nodes, ends)].concat();
         self.add_element(name, &nodes, LineDamper { a, b }.into(), &p)
     }
 
     /// A damper on the whole relative velocity of world points of two nodes [N s/m].
     pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
         let p = [vec![damping], self.points_between(nodes, ends)].concat();
         self.add_element(name, &nodes, VectorDamper { a, b }.into(), &p)
     }
@@ -68,7 +68,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         [stiffness, damping, rest_angle]: [S; 3],
     ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let p = [vec![stiffness, damping, rest_angle], self.angle_frame(name, nodes, axis)].concat();
         self.add_element(name, &nodes, TorsionSpringDamper { a, b }.into(), &p)
     }
@@ -82,7 +82,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         coefficients: [S; 3],
     ) -> ElementId {
-        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
+        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis).components();
         let p = [&coefficients[..], &self.points_between(nodes, [origin, point]), &axis].concat();
@@ -91,10 +91,11 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
     pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, coefficients: [S; 3]) -> ElementId {
-        let Node { name: own, dofs, .. } = &self.model.nodes[node.0];
-        let of = dofs.len();
-        if index >= of {
-            self.mistakes.push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {of}: count from 0"));
+        let Node { name: own, kind, .. } = &self.model.nodes[node.0];
+        let (of, count) = (*kind, kind.dofs());
+        if index >= count {
+            self.mistakes
+                .push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0"));
             return ElementId(usize::MAX);
         }
         self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &coefficients)
@@ -110,7 +111,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         axes: Quaternion<S>,
         [stiffness, damping]: [[S; 6]; 2],
     ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let [on_a, on_b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
         let p = [&stiffness[..], &damping, &self.points_between(nodes, [point; 2]), &on_a, &on_b].concat();
         self.add_element(name, &nodes, Bushing { a, b }.into(), &p)
@@ -118,7 +119,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A soft version of the joint that `add` adds, which must be one of `joint`'s kind: springs and dampers for its equations.
     ///
-    /// `m.soft(RevoluteJoint { a: Anchor::Body, b: Anchor::Body }, [&stiffness, &damping], |m| m.revolute("mount", [frame, engine], point, axis));`
+    /// `m.soft(RevoluteJoint { a: NodeKind::Body, b: NodeKind::Body }, [&stiffness, &damping], |m| m.revolute("mount", [frame, engine], point, axis));`
     pub fn soft<J: Constraint>(
         &mut self,
         joint: J,

@@ -2,7 +2,7 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{ConstraintId, NodeId};
-use crate::elements::Anchor;
+use crate::elements::NodeKind;
 use crate::functionals::quantities::{
     Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm,
     TargetDistance, Velocity,
@@ -13,28 +13,28 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 impl<S: Scalar> MechanismBuilder<S> {
     /// A functional of the position of a world point of a node along a direction \[m\].
     pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        let of = self.anchor(name, node);
+        let of = self.kind_in_space(name, node);
         let p = [self.local_point(node, point).components(), direction.components()].concat();
         self.add_functional(name, "m", over, (&[node], &[]), Position { of }.into(), &p);
     }
 
     /// A functional of the velocity of a world point of a node along a direction [m/s].
     pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        let of = self.anchor(name, node);
+        let of = self.kind_in_space(name, node);
         let p = [self.local_point(node, point).components(), direction.components()].concat();
         self.add_functional(name, "m/s", over, (&[node], &[]), Velocity { of }.into(), &p);
     }
 
     /// A functional of the squared distance of a world point of a node from a target \[m2\].
     pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>) {
-        let of = self.anchor(name, node);
+        let of = self.kind_in_space(name, node);
         let p = [self.local_point(node, point).components(), target.components()].concat();
         self.add_functional(name, "m2", over, (&[node], &[]), TargetDistance { of }.into(), &p);
     }
 
     /// A functional of the distance between world points of two nodes \[m\].
     pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
         let p = self.points_between(nodes, points);
         self.add_functional(name, "m", over, (&nodes, &[]), Distance { a, b }.into(), &p);
     }
@@ -58,14 +58,14 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
     pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let p = self.angle_frame(name, nodes, axis);
         self.add_functional(name, "rad", over, (&nodes, &[]), JointAngle { a, b }.into(), &p);
     }
 
     /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
     pub fn joint_rate_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let axis = self.unit(name, axis);
         let p = self.local_direction(nodes[0], axis).components();
         self.add_functional(name, "rad/s", over, (&nodes, &[]), JointRate { a, b }.into(), &p);
@@ -97,10 +97,10 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_functional(name, "m/s", over, (&nodes, &[]), JointSpeed { a, b }.into(), &p);
     }
 
-    fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ([Anchor; 2], Vec<S>) {
+    fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ([NodeKind; 2], Vec<S>) {
         let axis = self.unit(name, axis);
         let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], axis).components()].concat();
-        ([self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])], p)
+        ([self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])], p)
     }
 
     /// A functional of one coordinate of a node.

@@ -1,13 +1,13 @@
 //! Joints and motion drivers.
 
 use super::MechanismBuilder;
-use crate::assembly::{ConstraintId, Node, NodeId, NodeKind};
-use crate::elements::TimeFunction;
+use crate::assembly::{ConstraintId, Node, NodeId};
 use crate::elements::joints::{
     AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
     PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
     SphericalJoint, UniversalJoint,
 };
+use crate::elements::{NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// How far from a right angle the pins of a universal joint may be.
@@ -20,14 +20,14 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A spherical joint at a world point \[m\].
     pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
         let p = self.points_between(nodes, [point, point]);
         self.add_constraint(name, &nodes, SphericalJoint { a, b }.into(), &p)
     }
 
     /// A massless link between two world points \[m\], as long as they are apart at the start.
     pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2]) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
         let mut p = self.points_between(nodes, ends);
         p.push((ends[1] - ends[0]).length());
         self.add_constraint(name, &nodes, DistanceJoint { a, b }.into(), &p)
@@ -48,7 +48,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A revolute joint at a world point \[m\] about a world axis.
     pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let axis = self.unit(name, axis);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
         self.add_constraint(name, &nodes, RevoluteJoint { a, b }.into(), &p)
@@ -56,14 +56,14 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Two bodies welded together at a world point \[m\].
     pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let p = [self.points_between(nodes, [point; 2]), self.relative_rotation(nodes).0.to_vec()].concat();
         self.add_constraint(name, &nodes, FixedJoint { a, b }.into(), &p)
     }
 
     /// Node b, a point or a body, carried along by body a as it stands at the start.
     pub fn rigid_link(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
+        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let mut p = self.local_point(nodes[0], self.position(nodes[1])).components().to_vec();
         if b.has_axes() {
             p.extend(self.relative_rotation(nodes).0);
@@ -73,7 +73,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A prismatic joint: b slides along a world axis of a without turning; the world point \[m\] is where forces are measured.
     pub fn prismatic(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let axis = self.unit(name, axis);
         let normals = &self.guide(nodes, axis)[..6];
         let p = [&self.points_between(nodes, [point; 2])[..], normals, &self.relative_rotation(nodes).0].concat();
@@ -82,7 +82,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A cylindrical joint: b slides along and turns about a world axis through a world point \[m\].
     pub fn cylindrical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let axis = self.unit(name, axis);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
         self.add_constraint(name, &nodes, CylindricalJoint { a, b }.into(), &p)
@@ -90,7 +90,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A planar joint: b slides on the plane of a through a world point \[m\] with a world normal, and turns about the normal.
     pub fn planar(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let normal = self.unit(name, normal);
         let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, normal)].concat();
         self.add_constraint(name, &nodes, PlanarJoint { a, b }.into(), &p)
@@ -98,7 +98,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A universal joint at a world point \[m\]; its cross has one pin in a and one in b, at right angles.
     pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, pins: [Vector3<S>; 2]) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let [pin_a, pin_b] = pins.map(|pin| self.unit(name, pin));
         let cosine = pin_a.dot(&pin_b).value();
         if cosine.abs() > RIGHT_ANGLE {
@@ -123,7 +123,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         pitch: S,
     ) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let axis = self.unit(name, axis);
         let reference = self.local_direction(nodes[1], axis.perpendiculars()[0]).components();
         let points = self.points_between(nodes, [point; 2]);
@@ -133,7 +133,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A world point \[m\] of b, a point or a body, on the line of a through it along a world direction.
     pub fn point_on_line(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, along: Vector3<S>) -> ConstraintId {
-        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
+        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let normals =
             self.unit(name, along).perpendiculars().map(|normal| self.local_direction(nodes[0], normal).components());
         let p = [self.points_between(nodes, [point; 2]), normals.concat()].concat();
@@ -142,7 +142,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A world point \[m\] of b, a point or a body, in the plane of a through it with a world normal.
     pub fn point_in_plane(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
-        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
+        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let normal = self.unit(name, normal);
         let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], normal).components()].concat();
         self.add_constraint(name, &nodes, PointInPlane { a, b }.into(), &p)
@@ -157,7 +157,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         [centre, contact]: [Vector3<S>; 2],
         axis: Vector3<S>,
     ) -> ConstraintId {
-        let kinds = nodes.map(|node| self.body_anchor(name, node));
+        let kinds = nodes.map(|node| self.kind_of_body(name, node));
         let [carrier, pinion, rack] = nodes;
         let axis = self.unit(name, axis);
         let arm = contact - centre;
@@ -174,7 +174,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// It is a node: for gears, springs, drivers and functionals of the angle. A joint must hold the axis.
     pub fn joint_angle(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> NodeId {
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let angle = self.coordinates(name, &[S::zero()], &[S::zero()]);
         let p = self.angle_frame(name, nodes, axis);
         self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate { a, b }.into(), &p);
@@ -228,7 +228,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         function_parameters: &[S],
     ) -> ConstraintId {
         self.check_driver(name, &angle);
-        let [a, b] = nodes.map(|node| self.body_anchor(name, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let p = [self.angle_frame(name, nodes, axis), function_parameters.to_vec()].concat();
         self.add_constraint(name, &nodes, PrescribedRotation { a, b, angle }.into(), &p)
     }
@@ -244,7 +244,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         function_parameters: &[S],
     ) -> ConstraintId {
         self.check_driver(name, &displacement);
-        let [a, b] = [self.body_anchor(name, nodes[0]), self.anchor(name, nodes[1])];
+        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis);
         let p =

@@ -29,8 +29,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let node = first..first + self.model.dof_count(&[on]);
         let body = self.model.nodes[on.0].kind.has_axes();
         let moment = matches!(kind, LoadKind::Moment | LoadKind::MomentNorm);
-        let anchor = self.model.nodes[on.0].kind.anchor().filter(|_| body || !moment);
-        let Some(anchor) = anchor else {
+        let held = self.model.nodes[on.0].kind.in_space().filter(|_| body || !moment);
+        let Some(held) = held else {
             let (node, what) = (&self.model.nodes[on.0].name, if moment { "moment" } else { "force" });
             self.mistakes.push(format!("\"{name}\" asks for a {what} on \"{node}\", which takes none"));
             return;
@@ -40,7 +40,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let p = [direction.components(), self.local_point(on, point).components()].concat();
         let parameters = self.model.add_parameters(p.len());
         self.numbers.p.extend(p);
-        let measured = Measured::Load { joint, parameters, load: JointLoad::new(kind, frame, node, anchor) };
+        let measured = Measured::Load { joint, parameters, load: JointLoad::new(kind, frame, node, held) };
         let unit = if moment { "N m" } else { "N" };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }

@@ -17,7 +17,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         normal: Vector3<S>,
         radius: S,
     ) -> [ConstraintId; 2] {
-        let [a, b] = nodes.map(|node| self.body_anchor(rolling, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(rolling, node));
         let normal = normal.unit();
         let touching = self.point_in_plane(contact, nodes, centre, normal);
         let [u, w] = normal.perpendiculars();
@@ -38,7 +38,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         radius: S,
     ) -> [ConstraintId; 2] {
         let [plane, disc] = nodes;
-        let [a, b] = nodes.map(|node| self.body_anchor(rolling, node));
+        let [a, b] = nodes.map(|node| self.kind_of_body(rolling, node));
         let normal = normal.unit();
         let [u, w] = normal.perpendiculars();
         let mut p = self.local_point(disc, centre).components().to_vec();

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::elements::forces::{AppliedTorque, LoadFrame};
-use crate::elements::{Anchor, TimeFunction};
+use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
@@ -104,7 +104,7 @@ impl Scene for Andrews {
         let post = at(0.014, 0.072);
         m.line_spring("spring", [ground, k3], [post, eye], *stiffness, *rest_length);
         m.draw(k3, &[pin, eye, b]);
-        let drive = AppliedTorque { on: Anchor::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
+        let drive = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
         m.element("drive", &[k1], drive, &[S::zero(), S::zero(), S::one(), *torque]);
 
         let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from_f64);

@@ -1,5 +1,5 @@
 use crate::design::DesignVariable;
-use crate::elements::{Constraint, Element, Parameter};
+use crate::elements::{Constraint, Element, NodeKind, Parameter};
 use crate::functionals::Over;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
@@ -86,8 +86,9 @@ fn road_point<S: Scalar>(road: &[S], t: S) -> Vector3<S> {
 struct RoadSpring;
 
 impl Element for RoadSpring {
-    const DOFS: usize = 3;
-
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Point]
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let own = [Parameter::non_negative("stiffness", "N/m"), Parameter::non_negative("rest length", "m")];
         own.into_iter().chain(ROAD).collect()
@@ -106,10 +107,12 @@ impl Element for RoadSpring {
 struct AcrossRoad;
 
 impl Constraint for AcrossRoad {
-    const DOFS: usize = 3;
     const EQUATIONS: usize = 1;
     const PARAMETERS: &'static [Parameter] = &ROAD;
 
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Point]
+    }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         g[0] = road_point(p, t).dot(&Vector3::first_three(q)) / p[2];
     }

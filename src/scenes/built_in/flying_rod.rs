@@ -1,5 +1,5 @@
 use crate::design::DesignVariable;
-use crate::elements::Anchor;
+use crate::elements::NodeKind;
 use crate::elements::TimeFunction;
 use crate::elements::flexible::Section;
 use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
@@ -45,12 +45,12 @@ impl Scene for FlyingRod {
         let pulse = TimeFunction::lines(vec![0.0, 2.5, 5.0])?;
         let zero = S::zero();
         let end = rod.start();
-        let push = AppliedForce { on: Anchor::Body, frame: LoadFrame::World, size: pulse.clone() };
+        let push = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size: pulse.clone() };
         let p = [[S::one(), zero, zero], [zero; 3], [zero, *force, zero]].concat();
         m.element("push", &[end], push, &p);
         for (name, axis, size) in [("moment about y", [0.0, 1.0, 0.0], -100.0), ("moment about z", [0.0, 0.0, 1.0], -200.0)]
         {
-            let torque = AppliedTorque { on: Anchor::Body, frame: LoadFrame::World, size: pulse.clone() };
+            let torque = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::World, size: pulse.clone() };
             m.element(name, &[end], torque, &[axis.map(S::from), [zero, S::from(size), zero]].concat());
         }
         m.position_functional("x of the upper end", Over::Terminal, rod.end(), upper, point(1.0, 0.0, 0.0));

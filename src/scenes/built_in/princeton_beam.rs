@@ -1,7 +1,7 @@
 use crate::design::DesignVariable;
 use crate::elements::flexible::Section;
 use crate::elements::forces::{AppliedForce, LoadFrame};
-use crate::elements::{Anchor, TimeFunction};
+use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -54,7 +54,7 @@ impl Scene for PrincetonBeam {
             m.beam("beam", BeamLine::straight([Vector3::zeros(), tip], self.elements, axis(1)).clamped_start(), &section);
         let (sine, cosine) = angle.sin_cos();
         let direction = axis(1) * sine + axis(2) * cosine;
-        let pull = AppliedForce { on: Anchor::Body, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
+        let pull = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
         let zero = S::zero();
         m.element("weight", &[beam.end()], pull, &[direction.components(), [zero; 3], [zero, *load, zero]].concat()[..8]);
         m.position_functional("soft displacement of the tip", Over::Terminal, beam.end(), tip, axis(1));

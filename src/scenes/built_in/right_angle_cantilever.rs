@@ -1,7 +1,7 @@
 use crate::design::DesignVariable;
 use crate::elements::flexible::Section;
 use crate::elements::forces::{AppliedForce, LoadFrame};
-use crate::elements::{Anchor, TimeFunction};
+use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -55,7 +55,7 @@ impl Scene for RightAngleCantilever {
         let line = BeamLine::straight([elbow, tip], self.elements, out).from_node(first.end());
         let second = m.beam("second arm", line, &section);
         let pulse = TimeFunction::lines(vec![0.0, 1.0, 2.0])?;
-        let push = AppliedForce { on: Anchor::Body, frame: LoadFrame::World, size: pulse };
+        let push = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size: pulse };
         let zero = S::zero();
         m.element("push", &[first.end()], push, &[out.components(), [zero; 3], [zero, *force, zero]].concat());
         m.position_functional("z of the tip", Over::Terminal, second.end(), tip, out);

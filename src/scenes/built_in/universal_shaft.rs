@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::elements::forces::{AppliedTorque, LoadFrame};
-use crate::elements::{Anchor, TimeFunction};
+use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
@@ -63,7 +63,7 @@ impl Scene for UniversalShaft {
         m.universal("universal joint", [input, output], Vector3::zeros(), [y, y.cross(&axes[1])]);
         let drive =
             m.prescribed_rotation("drive", [ground, input], axes[0], TimeFunction::ConstantRate, &[S::zero(), *rate]);
-        let braking = AppliedTorque { on: Anchor::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
+        let braking = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
         m.element("brake", &[output], braking, &[-S::one(), zero, zero, *brake]);
 
         let tip = axes[1] * S::from(0.4) + y * S::from(0.08);

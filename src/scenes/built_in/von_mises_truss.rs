@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::elements::forces::{AppliedForce, LoadFrame};
-use crate::elements::{Anchor, TimeFunction};
+use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{MechanismBuilder, Scene, Settings};
@@ -44,7 +44,7 @@ impl Scene for VonMisesTruss {
             m.line_spring(name, [ground, apex], [foot, place], *stiffness, (place - foot).length());
         }
         let guide = m.point_on_line("guide", [ground, apex], place, up);
-        let force = AppliedForce { on: Anchor::Point, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
+        let force = AppliedForce { on: NodeKind::Point, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
         let p = [&(-up).components()[..], &Vector3::zeros().components(), &[S::zero(), *load]].concat();
         m.element("load", &[apex], force, &p);
         m.draw(ground, &[Vector3::new(-*half_span, S::zero(), S::zero()), Vector3::new(*half_span, S::zero(), S::zero())]);

@@ -1,42 +1,85 @@
-use super::State;
+use super::bodies::{EulerParameterNorm, OrthonormalAxes};
+use super::{ConstraintPhysics, State};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns, rotation_gradient_transposed};
 
-/// What kind of node an element takes hold of.
+/// What a node's coordinates are, and how elements take hold of it.
+///
+/// A node of plain coordinates has no place in space: positions, axes and forces in the world are those of the others, and zero there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Anchor {
-    /// Three coordinates: the position itself; the body point is ignored.
+pub enum NodeKind {
+    /// Position of a point \[m\]; the body point of what takes hold of it is ignored.
     Point,
-    /// Seven coordinates: position of the body frame and Euler parameters.
+    /// Position of a body frame \[m\] and its Euler parameters, kept at unit length inside the node.
     Body,
-    /// Twelve coordinates: position of the body frame and its axes u, v, w in the world (natural coordinates).
+    /// Position of a body frame \[m\] and its axes u, v, w in the world, kept orthonormal inside the node: natural coordinates.
     Natural,
-    /// Six coordinates of a cable's node: position and slope dr/dx along the reference length; the body point is ignored.
+    /// Position of a point of a cable \[m\] and the slope dr/dx along its reference length; a body point is ignored.
     Slope,
+    /// Any number of coordinates with the meaning that the user's elements give them.
+    Coordinates(usize),
 }
 
-impl Anchor {
+impl NodeKind {
     /// Number of coordinates.
-    pub fn dofs(self) -> usize {
+    pub const fn dofs(self) -> usize {
         match self {
-            Anchor::Point => 3,
-            Anchor::Body => 7,
-            Anchor::Natural => 12,
-            Anchor::Slope => 6,
+            NodeKind::Point => 3,
+            NodeKind::Body => 7,
+            NodeKind::Natural => 12,
+            NodeKind::Slope => 6,
+            NodeKind::Coordinates(count) => count,
+        }
+    }
+
+    /// Itself, unless it has no place in space.
+    pub fn in_space(self) -> Option<Self> {
+        (!matches!(self, NodeKind::Coordinates(_))).then_some(self)
+    }
+
+    /// What it is in a message.
+    pub fn words(self) -> String {
+        match self {
+            NodeKind::Point => "a point".into(),
+            NodeKind::Body => "a body".into(),
+            NodeKind::Natural => "a body in natural coordinates".into(),
+            NodeKind::Slope => "a node of a cable".into(),
+            NodeKind::Coordinates(1) => "a coordinate".into(),
+            NodeKind::Coordinates(count) => format!("{count} coordinates"),
+        }
+    }
+
+    /// The constraint inside the node, if it has one.
+    pub fn local_constraint(self) -> Option<ConstraintPhysics> {
+        match self {
+            NodeKind::Body => Some(ConstraintPhysics::new(Box::new(EulerParameterNorm))),
+            NodeKind::Natural => Some(ConstraintPhysics::new(Box::new(OrthonormalAxes))),
+            _ => None,
+        }
+    }
+
+    /// Name of coordinate `index`.
+    pub fn coordinate_name(self, index: usize) -> String {
+        match self {
+            NodeKind::Coordinates(_) => format!("coordinate {index}"),
+            NodeKind::Natural => ["x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz", "wx", "wy", "wz"][index].to_string(),
+            NodeKind::Slope => ["x", "y", "z", "slope x", "slope y", "slope z"][index].to_string(),
+            NodeKind::Point | NodeKind::Body => ["x", "y", "z", "e0", "e1", "e2", "e3"][index].to_string(),
         }
     }
 
     /// True for rigid bodies: the node has axes, and takes moments.
     pub fn has_axes(self) -> bool {
-        matches!(self, Anchor::Body | Anchor::Natural)
+        matches!(self, NodeKind::Body | NodeKind::Natural)
     }
 
     /// World position of the body point `point` \[m\].
     #[inline(always)]
     pub fn position<S: Scalar>(self, q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vector3::first_three(q),
-            Anchor::Body => Vector3::first_three(q) + Quaternion::from_slice(&q[3..]).rotate(point),
-            Anchor::Natural => Vector3::first_three(q) + combine_columns(&columns(q), point),
+            NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Point | NodeKind::Slope => Vector3::first_three(q),
+            NodeKind::Body => Vector3::first_three(q) + Quaternion::from_slice(&q[3..]).rotate(point),
+            NodeKind::Natural => Vector3::first_three(q) + combine_columns(&columns(q), point),
         }
     }
 
@@ -44,12 +87,13 @@ impl Anchor {
     #[inline(always)]
     pub fn velocity<S: Scalar>(self, v: &[S], q: &[S], point: Vector3<S>) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vector3::first_three(v),
-            Anchor::Body => {
+            NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Point | NodeKind::Slope => Vector3::first_three(v),
+            NodeKind::Body => {
                 let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
                 Vector3::first_three(v) + e.rotate_rate(rate, point)
             }
-            Anchor::Natural => Vector3::first_three(v) + combine_columns(&columns(v), point),
+            NodeKind::Natural => Vector3::first_three(v) + combine_columns(&columns(v), point),
         }
     }
 
@@ -57,19 +101,23 @@ impl Anchor {
     #[inline(always)]
     pub fn acceleration<S: Scalar>(self, s: State<S>, point: Vector3<S>) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vector3::first_three(s.a),
-            Anchor::Body => {
+            NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Point | NodeKind::Slope => Vector3::first_three(s.a),
+            NodeKind::Body => {
                 let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
                 let second = Quaternion::from_slice(&s.a[3..]);
                 Vector3::first_three(s.a) + e.rotate_rate(second, point) + rate.rotate_rate(rate, point)
             }
-            Anchor::Natural => Vector3::first_three(s.a) + combine_columns(&columns(s.a), point),
+            NodeKind::Natural => Vector3::first_three(s.a) + combine_columns(&columns(s.a), point),
         }
     }
 
     /// Adds the generalized force of the world force `force` \[N\] at the body point `point`.
     #[inline(always)]
     pub fn add_force<S: Scalar>(self, q: &[S], point: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
+        if self.in_space().is_none() {
+            return;
+        }
         for i in 0..3 {
             generalized[i] += force[i];
         }
@@ -80,14 +128,14 @@ impl Anchor {
     #[inline(always)]
     pub fn add_turning<S: Scalar>(self, q: &[S], s: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {
         match self {
-            Anchor::Point | Anchor::Slope => {}
-            Anchor::Body => {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
+            NodeKind::Body => {
                 let moment = rotation_gradient_transposed(Quaternion::from_slice(&q[3..]), s, force);
                 for i in 0..4 {
                     generalized[3 + i] += moment[i];
                 }
             }
-            Anchor::Natural => {
+            NodeKind::Natural => {
                 for axis in 0..3 {
                     for i in 0..3 {
                         generalized[3 + 3 * axis + i] += force[i] * s[axis];
@@ -101,12 +149,12 @@ impl Anchor {
     #[inline(always)]
     pub fn angular_velocity<S: Scalar>(self, v: &[S], q: &[S]) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vector3::zeros(),
-            Anchor::Body => {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Body => {
                 let (e, rate) = (Quaternion::from_slice(&q[3..]), Quaternion::from_slice(&v[3..]));
                 e.rotate(e.g_times(rate) * S::from(2.0))
             }
-            Anchor::Natural => {
+            NodeKind::Natural => {
                 let (axes, rates) = (columns(q), columns(v));
                 (axes[0].cross(&rates[0]) + axes[1].cross(&rates[1]) + axes[2].cross(&rates[2])) * S::from(0.5)
             }
@@ -117,8 +165,8 @@ impl Anchor {
     #[inline(always)]
     pub fn add_moment<S: Scalar>(self, q: &[S], moment: Vector3<S>, generalized: &mut [S]) {
         match self {
-            Anchor::Point | Anchor::Slope => {}
-            Anchor::Body => {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {}
+            NodeKind::Body => {
                 // omega = 2 G de/dt, so a body-frame moment acts on e as 2 G^T m
                 let e = Quaternion::from_slice(&q[3..]);
                 let own = e.g_transposed_times(e.rotate_back(moment) * S::from(2.0));
@@ -126,7 +174,7 @@ impl Anchor {
                     generalized[3 + i] += own[i];
                 }
             }
-            Anchor::Natural => {
+            NodeKind::Natural => {
                 for (axis, column) in columns(q).into_iter().enumerate() {
                     let own = moment.cross(&column) * S::from(0.5);
                     for i in 0..3 {
@@ -137,17 +185,17 @@ impl Anchor {
         }
     }
 
-    /// Moment about the origin of the node that generalized forces hold, the inverse of [`add_moment`](Anchor::add_moment) for what is
+    /// Moment about the origin of the node that generalized forces hold, the inverse of [`add_moment`](NodeKind::add_moment) for what is
     /// free to turn: in the world [N m].
     #[inline(always)]
     pub fn moment<S: Scalar>(self, q: &[S], generalized: &[S]) -> Vector3<S> {
         match self {
-            Anchor::Point | Anchor::Slope => Vector3::zeros(),
-            Anchor::Body => {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => Vector3::zeros(),
+            NodeKind::Body => {
                 let e = Quaternion::from_slice(&q[3..]);
                 e.rotate(e.g_times(Quaternion::from_slice(&generalized[3..])) * S::from(0.5))
             }
-            Anchor::Natural => {
+            NodeKind::Natural => {
                 let (axes, forces) = (columns(q), columns(generalized));
                 axes[0].cross(&forces[0]) + axes[1].cross(&forces[1]) + axes[2].cross(&forces[2])
             }
@@ -158,12 +206,12 @@ impl Anchor {
     #[inline(always)]
     pub fn axes<S: Scalar>(self, q: &[S]) -> [Vector3<S>; 3] {
         match self {
-            Anchor::Point | Anchor::Slope => {
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => {
                 let (zero, one) = (S::zero(), S::one());
                 [Vector3::new(one, zero, zero), Vector3::new(zero, one, zero), Vector3::new(zero, zero, one)]
             }
-            Anchor::Body => Quaternion::from_slice(&q[3..]).columns(),
-            Anchor::Natural => columns(q),
+            NodeKind::Body => Quaternion::from_slice(&q[3..]).columns(),
+            NodeKind::Natural => columns(q),
         }
     }
 }
