@@ -36,7 +36,7 @@ use crate::assembly::{
 };
 use crate::elements::{
     AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic,
-    NonholonomicConstraint, Parameter, State, dofs_of,
+    NonholonomicConstraint, Parameter, State, StressFormulas, dofs_of,
 };
 use crate::program::{Formula, ProgramWork, Recorded, record};
 use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
@@ -117,6 +117,9 @@ impl<E: Element> AnyElement for Shared<E> {
     }
     fn has_energies(&self) -> bool {
         AnyElement::has_energies(&*self.0)
+    }
+    fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
+        self.0.record_stresses()
     }
 }
 

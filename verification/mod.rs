@@ -26,6 +26,8 @@ mod orders;
 mod rigid_benchmarks;
 #[path = "rigid-spring-beam/study.rs"]
 mod rigid_spring_beam;
+#[path = "robustness/study.rs"]
+mod robustness;
 #[path = "stability/study.rs"]
 mod stability;
 #[path = "suspension/study.rs"]
@@ -71,6 +73,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(gradient_cost::GradientCost),
         Box::new(chain::ChainCost),
         Box::new(stability::Stability),
+        Box::new(robustness::Robustness),
         Box::new(work_precision::WorkPrecision),
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(four_bar::FourBar),

@@ -29,16 +29,16 @@ pub(super) type ElementBatch = Batch<ElementLayout>;
 /// Constraints.
 pub(super) type ConstraintBatch = Batch<ConstraintLayout>;
 
-/// Sorts parts into batches, in the order in which their kinds first come.
+/// Sorts parts that have a formula into batches, in the order in which their kinds first come.
 fn sorted<L>(
     count: usize,
-    kind: impl Fn(usize) -> (Arc<Formula>, Box<[NodeReduction]>, bool),
+    kind: impl Fn(usize) -> Option<(Arc<Formula>, Box<[NodeReduction]>, bool)>,
     layout: impl Fn(usize) -> L,
 ) -> Vec<Batch<L>> {
     let mut batches: Vec<Batch<L>> = Vec::new();
     let mut places: HashMap<(*const Formula, Box<[NodeReduction]>, bool), usize> = HashMap::new();
     for part in 0..count {
-        let (formula, nodes, flag) = kind(part);
+        let Some((formula, nodes, flag)) = kind(part) else { continue };
         let place = *places.entry((Arc::as_ptr(&formula), nodes.clone(), flag)).or_insert_with(|| {
             batches.push(Batch {
                 parts: Vec::new(),
@@ -78,13 +78,10 @@ impl System<'_> {
     /// Elements by what they add to F.
     pub(super) fn sort_elements(&self, force: Force) -> Vec<ElementBatch> {
         let kind = |part: usize| {
-            let formula = Arc::clone(force.formula(&self.model.elements[part].physics));
-            (formula, self.reductions(&self.element_parts[part]), false)
+            let formula = Arc::clone(force.formula(&self.model.elements[part].physics)?);
+            Some((formula, self.reductions(&self.element_parts[part]), false))
         };
-        let layout = |part: usize| {
-            let own = &self.element_parts[part];
-            ElementLayout::new(own.dofs, own.parameters.len(), force)
-        };
+        let layout = |part: usize| ElementLayout::new(&self.model.elements[part].physics, force);
         sorted(self.model.elements.len(), kind, layout)
     }
 
@@ -92,7 +89,9 @@ impl System<'_> {
     pub(super) fn sort_constraints(&self) -> Vec<ConstraintBatch> {
         let physics = |part: usize| self.global_constraint(part).map(|joint| joint.physics);
         let kind = |part: usize| match physics(part) {
-            Some(own) => (Arc::clone(own.formula()), self.reductions(&self.constraint_parts[part]), own.is_nonholonomic()),
+            Some(own) => {
+                Some((Arc::clone(own.formula()), self.reductions(&self.constraint_parts[part]), own.is_nonholonomic()))
+            }
             None => unreachable!("each part has a constraint"),
         };
         let layout = |part: usize| match physics(part) {

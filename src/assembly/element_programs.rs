@@ -15,24 +15,31 @@ pub enum Force {
     Residual,
     /// dR/da a of (a, v, q, p, t): M a, the metric of the projection of a start.
     Inertia,
+    /// (de/dq)^T w, with the stresses w among the arguments: nothing for elements without strains.
+    Stresses,
     /// w_P P + w_F F for a step of a variational integrator, with the weights among the arguments.
     Impulse(Impulse),
 }
 
-/// Arguments of an element's formulas: (a, v, q), parameters, time, and the two weights of an impulse; those of its programs follow.
+/// Arguments of an element's formulas: (a, v, q), parameters, time, and weights of an impulse or stresses; those of its programs follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ElementLayout {
     /// Number of coordinates.
     pub n: usize,
     /// Number of parameters.
     pub parameters: usize,
-    /// Whether there are weights of an impulse.
-    weighted: bool,
+    /// Number of weights.
+    weights: usize,
 }
 
 impl ElementLayout {
-    pub fn new(n: usize, parameters: usize, force: Force) -> Self {
-        ElementLayout { n, parameters, weighted: matches!(force, Force::Impulse(_)) }
+    pub fn new(physics: &ElementPhysics, force: Force) -> Self {
+        let weights = match force {
+            Force::Residual | Force::Inertia => 0,
+            Force::Stresses => physics.stresses().map_or(0, |stresses| stresses.count),
+            Force::Impulse(_) => 2,
+        };
+        ElementLayout { n: physics.dof_count(), parameters: physics.parameter_count(), weights }
     }
     /// Place of the parameters, behind (a, v, q).
     pub fn p(&self) -> usize {
@@ -41,13 +48,13 @@ impl ElementLayout {
     pub fn t(&self) -> usize {
         self.p() + self.parameters
     }
-    /// Place of the two weights of an impulse.
+    /// Place of the weights: two of an impulse, or stresses.
     pub fn weights(&self) -> usize {
         self.t() + 1
     }
     /// Place of what a program adds.
     pub fn extra(&self) -> usize {
-        self.weights() + if self.weighted { 2 } else { 0 }
+        self.weights() + self.weights
     }
     /// Writes the arguments of one element's formula; returns the place behind them.
     #[inline(always)]
@@ -73,7 +80,7 @@ impl ElementLayout {
 
 impl Force {
     /// Number of kinds.
-    pub(super) const KINDS: usize = 3;
+    pub(super) const KINDS: usize = 4;
 
     /// What elements add at the point of the unknowns.
     pub fn of(equations: &Equations) -> Self {
@@ -90,15 +97,17 @@ impl Force {
             Force::Residual => 0,
             Force::Inertia => 1,
             Force::Impulse(_) => 2,
+            Force::Stresses => 3,
         }
     }
 
-    /// The recorded formula.
-    pub(super) fn formula(self, physics: &ElementPhysics) -> &Arc<Formula> {
+    /// The recorded formula; `None` where an element adds nothing.
+    pub(super) fn formula(self, physics: &ElementPhysics) -> Option<&Arc<Formula>> {
         match self {
-            Force::Residual => physics.residual(),
-            Force::Inertia => physics.inertia(),
-            Force::Impulse(_) => physics.impulse(),
+            Force::Residual => Some(physics.residual()),
+            Force::Inertia => Some(physics.inertia()),
+            Force::Stresses => physics.stresses().map(|stresses| &stresses.force),
+            Force::Impulse(_) => Some(physics.impulse()),
         }
     }
 }

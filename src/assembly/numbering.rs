@@ -48,8 +48,6 @@ pub(super) struct NodeUnknowns {
 pub(super) struct DofMap {
     /// Coordinates, one range for each node.
     pub segments: SmallVec<[Range<usize>; 3]>,
-    /// Number of coordinates.
-    pub dofs: usize,
     /// Nodes of the model.
     pub nodes: SmallVec<[usize; 3]>,
     /// Parameters.
@@ -59,12 +57,7 @@ pub(super) struct DofMap {
 impl DofMap {
     fn new(model: &Model, ids: &[NodeId], parameters: Range<usize>) -> Self {
         let segments: SmallVec<[Range<usize>; 3]> = ids.iter().map(|id| model.nodes[id.0].dofs.clone()).collect();
-        DofMap {
-            dofs: segments.iter().map(ExactSizeIterator::len).sum(),
-            nodes: ids.iter().map(|id| id.0).collect(),
-            segments,
-            parameters,
-        }
+        DofMap { nodes: ids.iter().map(|id| id.0).collect(), segments, parameters }
     }
 
     /// Place in the model's vectors of one of its coordinates.

@@ -103,7 +103,7 @@ impl Products {
     /// For parameters that depend on a design variable; the others get no derivative.
     pub fn new(active: &[bool]) -> Self {
         let (work, chosen) = (BatchWork::default(), Vec::new());
-        Products { elements: [None, None, None], constraints: None, active: active.to_vec(), work, chosen }
+        Products { elements: [const { None }; Force::KINDS], constraints: None, active: active.to_vec(), work, chosen }
     }
 
     /// Adds `sign` times the gradient of lambda times what elements add to F, for every functional.

@@ -1,6 +1,6 @@
 //! Elements and constraints with their types erased: what the framework sees of them are recorded formulas.
 
-use super::lagrangian::{Energies, impulse, is_linear_in, residual};
+use super::lagrangian::{Energies, impulse, is_linear_in, residual, strain_course, stress_deviation, stress_force};
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
 use crate::elements::NodeKind;
 use crate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
@@ -149,6 +149,22 @@ pub trait AnyElement: Send + Sync {
     fn record_energies(&self) -> Recording;
     /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
     fn has_energies(&self) -> bool;
+    /// Records what a search for its state needs beside the residual; `None` without strains.
+    fn record_stresses(&self) -> Option<Result<StressFormulas, String>>;
+}
+
+/// Stresses apart from the coordinates that they follow from: a search keeps those that its last correction foresaw, until the strains
+/// have come to them.
+#[derive(Clone)]
+pub struct StressFormulas {
+    /// Number of strains.
+    pub count: usize,
+    /// e(q_0), its change along d there, and e(q_1), of (q_0, d, q_1, p, t).
+    pub course: Arc<Formula>,
+    /// Stresses foreseen less stresses, s(e_0) + ds/de e' - s(e_1), of (e_0, e', e_1, p).
+    pub deviation: Arc<Formula>,
+    /// (de/dq)^T w of (a, v, q, p, t, w).
+    pub force: Arc<Formula>,
 }
 
 /// Arguments one after the other.
@@ -204,6 +220,25 @@ impl<E: Element> AnyElement for E {
     fn has_energies(&self) -> bool {
         super::lagrangian::has_energies(self)
     }
+    fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
+        let (n, m, count) = (dofs_of(&self.nodes()), self.parameters().len(), self.strain_count());
+        let record = || {
+            let course = Formula::record(3 * n + m + 1, |x| {
+                let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
+                strain_course(self, [from, d, to, p], t[0])
+            })?;
+            let deviation = Formula::record(3 * count + m, |x| {
+                let [start, change, end, p] = arguments(x, [count, count, count, m]);
+                stress_deviation(self, [start, change, end], p)
+            })?;
+            let force = Formula::record(3 * n + m + 1 + count, |x| {
+                let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
+                stress_force(self, [q, p, w], t[0])
+            })?;
+            Ok(StressFormulas { count, course, deviation, force })
+        };
+        (count > 0).then(record)
+    }
 }
 
 /// Number of coordinates of some nodes.
@@ -220,6 +255,7 @@ pub struct ElementPhysics {
     impulse: OnceLock<Recording>,
     inertia: OnceLock<Arc<Formula>>,
     energies: OnceLock<Recording>,
+    stresses: OnceLock<Option<StressFormulas>>,
 }
 
 /// The recording, which was checked before a run.
@@ -232,7 +268,16 @@ impl ElementPhysics {
     pub fn new(own: Box<dyn AnyElement>) -> Self {
         let (dofs, parameters) = (dofs_of(&own.node_kinds()), own.parameter_list().len());
         let [residual, impulse, energies] = [const { OnceLock::new() }; 3];
-        ElementPhysics { own, dofs, parameters, residual, impulse, inertia: OnceLock::new(), energies }
+        ElementPhysics {
+            own,
+            dofs,
+            parameters,
+            residual,
+            impulse,
+            inertia: OnceLock::new(),
+            energies,
+            stresses: OnceLock::new(),
+        }
     }
 
     /// Path of its type.
@@ -279,6 +324,10 @@ impl ElementPhysics {
                 graph.forward(outputs, &seeds)
             })
         })
+    }
+    /// Formulas of its stresses, if it has strains that can be recorded apart.
+    pub fn stresses(&self) -> Option<&StressFormulas> {
+        self.stresses.get_or_init(|| self.own.record_stresses().and_then(Result::ok)).as_ref()
     }
     /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
     pub fn impulse(&self) -> &Arc<Formula> {

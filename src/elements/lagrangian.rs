@@ -79,6 +79,32 @@ fn from_energies<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t:
     rate.into_iter().zip(force).map(|(rate, force)| rate - force).collect()
 }
 
+/// Force of given stresses, (de/dq)^T w.
+pub(super) fn stress_force<E: Element>(element: &E, [q, p, w]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+    gradient_of(&strains(element, q, p, t), w, q)
+}
+
+/// Strains at a place, their change along d there, and strains at another place, one list behind the other.
+pub(super) fn strain_course<E: Element>(element: &E, [from, d, to, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
+    let start = strains(element, from, p, t);
+    let moving: Vec<(Recorded, Recorded)> = from.iter().copied().zip(d.iter().copied()).collect();
+    let change = along_motion(&start, &moving);
+    [start, change, strains(element, to, p, t)].concat()
+}
+
+/// s(e_0) + ds/de e' - s(e_1) with the stresses s = dW/de.
+pub(super) fn stress_deviation<E: Element>(
+    element: &E,
+    [start, change, end]: [&[Recorded]; 3],
+    p: &[Recorded],
+) -> Vec<Recorded> {
+    let stresses = |e: &[Recorded]| gradient(element.stored(e, p), e);
+    let foreseen = stresses(start);
+    let moving: Vec<(Recorded, Recorded)> = start.iter().copied().zip(change.iter().copied()).collect();
+    let changes = along_motion(&foreseen, &moving);
+    foreseen.into_iter().zip(changes).zip(stresses(end)).map(|((start, change), end)| start + change - end).collect()
+}
+
 /// w_P P + w_F F; `None` for a written residual without energies whose mass matrix depends on its state.
 ///
 /// Such a residual with a constant mass matrix M gives P = M v and F = -R without accelerations.

@@ -26,7 +26,7 @@ pub mod joints;
 
 pub use constraint::Constraint;
 pub use dyn_layer::{
-    AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, motion_derivatives,
+    AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, motion_derivatives,
 };
 pub(crate) use dyn_layer::{dofs_of, instantiate_here};
 pub use element::{Element, State};

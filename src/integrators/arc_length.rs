@@ -296,7 +296,7 @@ impl Follower<'_> {
         unknowns.x.iter_mut().zip(&tangent.q).for_each(|(x, d)| *x = arc * d);
         unknowns.mu.iter_mut().zip(&from.mu).zip(&tangent.mu).for_each(|((mu, from), d)| *mu = from + arc * d);
         let mut load = from.load + arc * tangent.load;
-        self.newton.set_coordinate_scales(&base);
+        self.newton.set_coordinate_scales(&base, p);
         let size = self.newton.size(&from.q).max(self.newton.size(&unknowns.x));
         let mut previous = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
@@ -346,7 +346,7 @@ impl Follower<'_> {
         let base = VectorsAvq { a: zeros.clone(), v: zeros, q: point.q.clone() };
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.mu.clone_from(&point.mu);
-        self.newton.set_coordinate_scales(&base);
+        self.newton.set_coordinate_scales(&base, p);
         self.newton.linearize(&EQUATIONS, &base, &mut unknowns, p, point.load)?;
         Ok(self.along_load(&point.mu, point.load))
     }

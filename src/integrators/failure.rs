@@ -16,6 +16,8 @@ pub(super) enum FailureKind {
     Diverged,
     Stagnated,
     NotFinite,
+    /// What was found is no solution.
+    Unbalanced,
     /// Of the derivative parts alone, the value being a solution: what happened.
     Parts(&'static str),
 }
@@ -40,6 +42,7 @@ impl<S: RunScalar> Newton<'_, S> {
             FailureKind::Diverged => "diverged",
             FailureKind::Stagnated => "stagnated",
             FailureKind::NotFinite => "met a number that is not finite",
+            FailureKind::Unbalanced => "ended where the equations do not hold",
             FailureKind::Parts(how) => how,
         };
         let of_parts = matches!(failure.how, FailureKind::Parts(_));

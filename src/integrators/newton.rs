@@ -1,7 +1,7 @@
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
 use super::failure::{Failure, FailureKind};
-use crate::assembly::{Equations, Jacobian, Level, Node, Residual, System, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Jacobian, Level, Model, Node, Residual, System, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, NodeKind, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
 use smallvec::SmallVec;
@@ -61,6 +61,24 @@ const ZERO_SHARE: f64 = 1e-3;
 const STAGNATED: &str = "stagnated in the derivative parts";
 /// Corrections of derivative parts that shrink less than this do not converge any more.
 const SLOW_PARTS: f64 = 0.9;
+/// Correction beyond which nothing is round-off, as a displacement by the model's length.
+const NEAR: f64 = 1e-6;
+/// Coordinates that are smaller than this share of the lengths among the parameters say nothing about the size of the model.
+const NEGLIGIBLE: f64 = 1e-9;
+/// Displacement in one system beyond which a search is lost, by the model's length.
+const LOST: f64 = 1e6;
+/// What an equilibrium may leave for Newton's method to correct, as a displacement by the model's length, where round-off is less.
+const BALANCED: f64 = 1e-11;
+/// Searches for one equilibrium, each from where the last one ended.
+const MOST_SEARCHES: usize = 3;
+/// Corrections in a row that may grow, with a new matrix each.
+const MOST_GROWN: usize = 4;
+/// The same where stresses can be relieved instead.
+const MOST_GROWN_STRESSED: usize = 1;
+/// Growth of a correction after which stresses are relieved at once.
+const WILD: f64 = 100.0;
+/// Corrections with relieved stresses for one system.
+const MOST_RELIEVED: usize = 60;
 /// Relative correction up to which a guide counts as the solution of the same problem.
 const GUIDED: f64 = 1e-6;
 
@@ -100,6 +118,14 @@ pub struct Newton<'m, S> {
     formula_work: FormulaWork<f64>,
     /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
+    /// Whether elements have stresses that a search can relieve; looked up when a search first fails.
+    relievable: Option<bool>,
+    /// Coordinates from which the searches of a step set out: stresses there are trusted.
+    pub(super) trusted: Vec<f64>,
+    /// Length of the model by which displacements are judged.
+    length: f64,
+    /// Largest parameter that is a length, once a search has asked for it.
+    parameter_length: Option<f64>,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
     pub(super) coordinate_scales: Vec<f64>,
 }
@@ -122,6 +148,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: None,
             coordinate_scales: vec![1.0; system.model.dofs],
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
+            relievable: None,
+            trusted: Vec::new(),
+            length: 1.0,
+            parameter_length: None,
             factored_at: FactoredAt::default(),
             floors: [None; 3],
             measured: None,
@@ -150,12 +180,25 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(&self.system, equations, base, p, t);
-        self.set_coordinate_scales(base);
+        self.set_coordinate_scales(base, p);
         // a matrix for other coefficients converges slowly or not at all
         if self.factored.is_none_or(|old| !self.resembles(&old, equations)) {
             self.factored = None;
         }
-        self.solve_value(equations, base, unknowns, p, t)?;
+        self.guess.clone_from(unknowns);
+        let searched = if equations.is_static() {
+            self.solve_balanced(equations, base, unknowns, p, t)
+        } else {
+            self.solve_value(equations, base, unknowns, p, t)
+        };
+        if let Err(failure) = searched {
+            if !self.can_relieve(equations) {
+                return Err(failure);
+            }
+            unknowns.clone_from(&self.guess);
+            self.approach_relieved(equations, base, unknowns, p, t)?;
+            self.solve_balanced(equations, base, unknowns, p, t)?;
+        }
         self.residual.restore(&self.system, equations, base, unknowns);
         if S::PARTS > 0 {
             self.solve_parts(equations, base, unknowns, p, t)?;
@@ -177,7 +220,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Failure> {
         self.counters.systems += 1;
         self.residual.start(&self.system, equations, base, p, t);
-        self.set_coordinate_scales(base);
+        self.set_coordinate_scales(base, p);
         self.residual.keep_values = true;
         self.solve_parts(equations, base, unknowns, p, t)?;
         let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
@@ -194,17 +237,126 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     /// Sets the scales of coordinates from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
-    pub(super) fn set_coordinate_scales(&mut self, base: &VectorsAvq<S>) {
+    pub(super) fn set_coordinate_scales(&mut self, base: &VectorsAvq<S>, p: &[S]) {
         let nodes = &self.system.model.nodes;
         let lengths = nodes.iter().filter(|node| node.kind != NodeKind::Coordinates(node.dofs.len()));
         let largest = lengths
             .flat_map(|node| &base.q[node.dofs.start..node.dofs.start + 3])
             .fold(0.0, |largest: f64, q| largest.max(q.value().abs()));
-        let length = if largest > 0.0 { largest } else { 1.0 };
+        // a body whose frame stays at the origin has its length among the parameters
+        let own = *self.parameter_length.get_or_insert_with(|| parameter_length(self.system.model, p));
+        let length = match own.max(largest) {
+            0.0 => 1.0,
+            _ if largest > NEGLIGIBLE * own => largest,
+            _ => own,
+        };
         let turning = |node: &&Node| matches!(node.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
         for node in nodes.iter().filter(turning) {
             self.coordinate_scales[node.dofs.start + 3..node.dofs.end].fill(length);
         }
+        self.length = self.size(&base.q).max(length);
+    }
+
+    /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.
+    fn displacement(&self, equations: &Equations, step: f64) -> f64 {
+        step * equations.residual.alpha.abs().max(equations.constraint.alpha.abs()) / self.length
+    }
+
+    /// Whether stresses can be kept apart from displacements in a search for these unknowns.
+    fn can_relieve(&mut self, equations: &Equations) -> bool {
+        let displaces = equations.residual.alpha != 0.0 && !equations.metric && equations.variational.is_none();
+        displaces && *self.relievable.get_or_insert_with(|| Jacobian::can_relieve(&self.system))
+    }
+
+    /// Comes near to a solution with stresses that follow the strains only as far as each correction foresees it
+    /// ([`Jacobian::relieve`]): from coordinates whose stresses are trusted.
+    fn approach_relieved(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Failure> {
+        let mut before = std::mem::take(&mut self.trusted);
+        let trusted = before.clone();
+        let mut previous = f64::INFINITY;
+        // at first stresses are those at the place that is trusted
+        let mut change = vec![0.0; self.system.model.dofs];
+        let mut approach = || {
+            for iteration in 1..=MOST_RELIEVED {
+                let fail = |how, correction| Err(Failure { how, iterations: iteration, correction });
+                self.factored = None;
+                self.evaluate(equations, base, unknowns, p, t);
+                let size = self.residual_size();
+                if !size.is_finite() {
+                    return fail(FailureKind::NotFinite, size);
+                }
+                let values = |list: &[S]| list.iter().map(|x| x.value()).collect::<Vec<_>>();
+                let after = values(&self.residual.at.q);
+                if before.len() != after.len() {
+                    before.clone_from(&after);
+                }
+                self.jacobian.relieve(&self.system, &self.residual, [&before, &change], &values(p), t);
+                let factored = self.factorize(equations, unknowns, p, t);
+                factored.or_else(|singular| fail(FailureKind::Singular(singular.unknown), f64::NAN))?;
+                before = after;
+                self.counters.iterations += 1;
+                let alpha = equations.residual.alpha;
+                change.iter_mut().zip(&unknowns.x).for_each(|(change, x)| *change = -alpha * x.value());
+                let step = self.step(None, unknowns);
+                change.iter_mut().zip(&unknowns.x).for_each(|(change, x)| *change += alpha * x.value());
+                if !(step.is_finite() && self.displacement(equations, step) <= LOST) {
+                    return fail(FailureKind::Diverged, step);
+                }
+                if self.displacement(equations, step) <= NEAR {
+                    return Ok(());
+                }
+                previous = step;
+            }
+            Err(Failure { how: FailureKind::Stagnated, iterations: MOST_RELIEVED, correction: previous })
+        };
+        let result = approach();
+        self.trusted = trusted;
+        self.jacobian.end_relief();
+        self.factored = None;
+        result
+    }
+
+    /// Solves, and asks the matrix at the unknowns that were accepted what it would still correct: at most [`BALANCED`] of the model's
+    /// length, or round-off there.
+    fn solve_balanced(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Failure> {
+        let mut left = f64::NAN;
+        for _ in 0..MOST_SEARCHES {
+            self.solve_value(equations, base, unknowns, p, t)?;
+            self.factored = None;
+            self.evaluate(equations, base, unknowns, p, t);
+            self.factorize(equations, unknowns, p, t).map_err(|singular| Failure {
+                how: FailureKind::Singular(singular.unknown),
+                iterations: 0,
+                correction: f64::NAN,
+            })?;
+            let floors = self.round_off(equations, base, unknowns, p, t);
+            self.floors[kind(equations)] = Some(floors);
+            self.rhs.copy_from_slice(&self.exact);
+            self.factorization.solve(&mut self.rhs);
+            self.counters.solves += 1;
+            self.work.clone_from(unknowns);
+            let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.coordinate_scales);
+            left = self.displacement(equations, step);
+            let round_off = self.displacement(equations, floors[0]);
+            if left <= BALANCED.max(4.0 * round_off) && round_off <= NEAR {
+                return Ok(());
+            }
+        }
+        Err(Failure { how: FailureKind::Unbalanced, iterations: MOST_SEARCHES, correction: left })
     }
 
     /// Largest number of a list of all coordinates, each scaled.
@@ -223,13 +375,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         let fail = |how, iterations, correction| Err(Failure { how, iterations, correction });
         let mut previous = f64::INFINITY;
         let mut fresh = false;
+        // the last correction, where it was one of a matrix of this search and small enough that the next one is of the same
+        let mut comparable = false;
         let mut first_residual = None;
         let mut growth = 0;
         let (mut worst_rate, mut is_first_rate) = (0.0_f64, true);
         let (mut previous_reaction, mut worst_reaction_rate) = (f64::INFINITY, 0.0_f64);
-        if self.factored.is_some() {
-            self.guess.clone_from(unknowns);
-        }
         for iteration in 1..=MOST_ITERATIONS {
             self.evaluate(equations, base, unknowns, p, t);
             let size = self.residual_size();
@@ -251,14 +402,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                 fresh = true;
             }
             let kind = kind(equations);
-            let [floor, reaction_floor] = match self.floors[kind] {
-                Some(floors) => floors,
-                None => {
-                    let floors = self.round_off(equations, base, unknowns, p, t);
-                    self.evaluate(equations, base, unknowns, p, t);
-                    *self.floors[kind].insert(floors)
-                }
-            };
             self.counters.iterations += 1;
             let step = self.step(None, unknowns);
             let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
@@ -272,19 +415,32 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             } else {
                 1.0
             };
-            let reactions_settled = reaction_step * reaction_share <= (ROUND_OFF * reactions).max(reaction_floor)
-                || reaction_step <= 2.0 * reaction_floor;
             if !step.is_finite() {
                 return fail(FailureKind::NotFinite, iteration, step);
             }
+            // far from a solution, the last bits of large stresses would pass for those of the solution
+            let is_near = self.displacement(equations, step) <= NEAR;
+            let [floor, reaction_floor] = match self.floors[kind] {
+                Some(floors) if is_near => floors,
+                None if is_near => {
+                    self.evaluate(equations, base, unknowns, p, t);
+                    let floors = self.round_off(equations, base, unknowns, p, t);
+                    *self.floors[kind].insert(floors)
+                }
+                _ => [0.0; 2],
+            };
+            let reactions_settled = reaction_step * reaction_share <= (ROUND_OFF * reactions).max(reaction_floor)
+                || reaction_step <= 2.0 * reaction_floor;
             let rate = step / previous;
             if rate < STALLED {
                 worst_rate = worst_rate.max(rate);
             }
             // of the error that is left; the first correction says nothing about it
             let trusted = if is_first_rate { worst_rate.max(FIRST_RATE) } else { worst_rate };
+            // a matrix from amid a search may be stiff with stresses that the first correction took away: the second one is then too small
+            let is_vouched_for = !(fresh && is_first_rate && self.can_relieve(equations));
             is_first_rate &= previous.is_infinite();
-            let share = if rate > 0.0 && rate < STALLED { trusted / (1.0 - trusted) } else { 1.0 };
+            let share = if rate > 0.0 && rate < STALLED && is_vouched_for { trusted / (1.0 - trusted) } else { 1.0 };
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(equations, base).map(|(unit, size)| unit * step / size);
             let settled = match moved {
@@ -320,14 +476,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
                     (previous, worst_rate, is_first_rate) = (f64::INFINITY, 0.0, true);
                     continue;
                 }
-                if fresh && self.at_round_off(equations, unknowns, p, t, step, scale) {
+                if comparable && is_near && self.at_round_off(equations, unknowns, p, t, step, scale) {
                     self.floors[kind] = Some([step, reaction_floor.max(reaction_step)]);
                     return Ok(());
                 }
                 if fresh && rate > 1.0 {
                     // in a row: a slender beam that is bent is stretched by it, which the next correction takes back
                     growth += 1;
-                    if growth > 4 || step > 1e6 * scale.max(1.0) {
+                    let is_wild = growth > MOST_GROWN_STRESSED || rate > WILD;
+                    let most = if is_wild && self.can_relieve(equations) { 0 } else { MOST_GROWN };
+                    if growth > most || step > 1e6 * scale.max(1.0) {
                         return fail(FailureKind::Diverged, iteration, step / scale);
                     }
                 }
@@ -335,6 +493,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             if rate > SLOW && iteration > 1 {
                 self.factored = None;
             }
+            comparable = fresh && is_near;
             (previous, previous_reaction) = (step, reaction_step);
         }
         let scale = self.size(&unknowns.x).max(f64::MIN_POSITIVE);
@@ -657,6 +816,17 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
         size
     }
+}
+
+/// The largest of the parameters in metres: places of joints and masses, lengths.
+fn parameter_length<S: RunScalar>(model: &Model, p: &[S]) -> f64 {
+    let elements = model.elements.iter().map(|element| (element.physics.parameter_list(), &element.parameters));
+    let joints = model.constraints.iter().map(|joint| (joint.physics.parameter_list(), &joint.parameters));
+    let lengths = elements.chain(joints).flat_map(|(list, places)| {
+        let places = places.clone().zip(list);
+        places.filter(|(_, parameter)| parameter.unit == "m").map(|(place, _)| p[place].value().abs())
+    });
+    lengths.fold(0.0, f64::max)
 }
 
 /// Which of the three kinds of systems that share a matrix it is.

@@ -434,6 +434,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         let (h, step) = (end - t, state.step);
+        self.stage.trusted.clear();
+        self.stage.trusted.extend(state.carried[0].iter().map(|q| q.value()));
         let room = || StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() };
         record.stages.resize_with(table.stages.len(), room);
         for (index, stage) in table.stages.iter().enumerate() {

@@ -1,0 +1,48 @@
+//! A slender cantilever under a load across its tip.
+
+use costate::elements::flexible::Section;
+use costate::elements::forces::{AppliedForce, LoadFrame};
+use costate::prelude::*;
+use costate::scenes::BeamLine;
+
+/// A beam along x with EI = L = 1, mass 1 and EA = GA as given, clamped, under a dead load along y at its tip: one that grows with the
+/// load factor, or that is there from the start on.
+pub struct SlenderCantilever {
+    pub axial: f64,
+    pub load: f64,
+    pub elements: usize,
+    pub settings: Settings,
+    /// Whether the load is there from the start on.
+    pub sudden: bool,
+}
+
+/// Of a section that is as slender as EA = 1e7 says, by its length [kg m].
+const ROTARY_INERTIA: f64 = 1e-7;
+
+impl Scene for SlenderCantilever {
+    fn name(&self) -> String {
+        "slender-cantilever".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("load", self.load, (-100.0, 100.0), "N")]
+    }
+    fn settings(&self) -> Settings {
+        self.settings
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let (zero, one, axial) = (S::zero(), S::one(), S::from(self.axial));
+        let section = Section::new([axial, axial, axial, one, one, one]);
+        let section = section.with_inertia(one, [S::from(ROTARY_INERTIA); 2]);
+        let [along, across] = [Vector3::new(one, zero, zero), Vector3::new(zero, one, zero)];
+        let line = BeamLine::straight([Vector3::zeros(), along], self.elements, across);
+        let beam = m.beam("beam", line.clamped_start(), &section);
+        let size = if self.sudden { TimeFunction::Constant } else { TimeFunction::ConstantRate };
+        let of_time = if self.sudden { vec![x[0]] } else { vec![zero, x[0]] };
+        let pull = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size };
+        m.element("load", &[beam.end()], pull, &[&[zero, one, zero, zero, zero, zero], &of_time[..]].concat());
+        for (name, direction) in [("x of the tip", along), ("y of the tip", across)] {
+            m.position_functional(name, Over::Terminal, beam.end(), along, direction);
+        }
+        Ok(())
+    }
+}
