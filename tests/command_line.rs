@@ -320,8 +320,14 @@ fn output_that_nobody_reads_is_no_error() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_keeps_the_finished_steps() {
-    let folder = Folder::new("interrupt");
+fn ctrl_c_and_what_ends_batch_jobs_keep_the_finished_steps() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        finished_steps_survive(signal);
+    }
+}
+
+fn finished_steps_survive(signal: &str) {
+    let folder = Folder::new(&format!("interrupt{signal}"));
     let arguments = ["run", "five-bar", "--steps", "1000000"];
     let child = folder.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let begun = Instant::now();
@@ -331,7 +337,7 @@ fn ctrl_c_keeps_the_finished_steps() {
         std::thread::sleep(Duration::from_millis(10));
     }
     std::thread::sleep(Duration::from_millis(500));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{message}");
@@ -339,6 +345,50 @@ fn ctrl_c_keeps_the_finished_steps() {
     assert!(rows.len() > 1 && rows.len() < 1_000_001, "{} rows", rows.len());
     assert!(message.contains(&format!("interrupted after {} finished steps", rows.len() - 1)), "{message}");
     assert_eq!(folder.files("out/five-bar"), RESULTS);
+}
+
+#[test]
+fn a_run_that_is_killed_leaves_its_rows_under_a_name_that_says_so() {
+    let folder = Folder::new("killed");
+    let mut child = folder.command(&["run", "five-bar", "--steps", "1000000"]).stdout(Stdio::null()).spawn().unwrap();
+    let left = folder.0.join("out/five-bar/histories.unfinished.csv");
+    let begun = Instant::now();
+    while left.metadata().map_or(0, |file| file.len()) < 100_000 {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no rows are written");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let second = folder.run(&["run", "five-bar", "--end", "0.1", "--steps", "10"]);
+    let message = text(&second.stderr);
+    assert!(second.status.code() == Some(1) && message.contains("histories.unfinished.csv is being written"), "{message}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let (header, rows) = csv(&left);
+    assert!(rows.len() > 10 && rows.iter().all(|row| row.len() == header.len()), "{} rows", rows.len());
+    assert!(!folder.0.join("out/five-bar/histories.csv").exists());
+    assert_eq!(folder.run(&["run", "five-bar", "--end", "0.1", "--steps", "10"]).status.code(), Some(0));
+    assert_eq!(folder.files("out/five-bar"), RESULTS);
+}
+
+#[test]
+fn numbers_are_printed_where_a_picture_cannot_be_written() {
+    let folder = Folder::new("blocked-picture");
+    std::fs::create_dir_all(folder.0.join("out/pendulum/histories.png")).unwrap();
+    for command in ["run", "gradient"] {
+        let output = folder.run(&[command, "pendulum", "--end", "0.1", "--steps", "10"]);
+        let (said, message) = (text(&output.stdout), text(&output.stderr));
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains("histories.png") && message.contains("a folder of this name exists"), "{message}");
+        assert!(said.contains("functional") && said.contains("motion.png") && !said.contains("histories.png"), "{said}");
+        assert_eq!(said.contains("adjoint time / forward time"), command == "gradient", "{said}");
+    }
+}
+
+#[test]
+fn a_history_where_results_are_written_is_refused() {
+    let folder = Folder::new("history-on-results");
+    let output = folder.run(&["gradient", "pendulum", "--history", "file:out/pendulum/histories.csv"]);
+    let message = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && message.contains("results are written there"), "{message}");
 }
 
 #[test]

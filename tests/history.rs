@@ -334,14 +334,81 @@ fn a_folder_that_takes_no_file_is_refused_before_the_first_step() {
 fn a_full_disk_stops_the_run_and_leaves_an_older_file_alone() {
     let folder = Folder::new("full");
     let path = folder.0.join("run.bin");
-    fs::write(&path, "of an earlier run").expect("can be written");
+    // the header of an earlier version's file
+    let earlier = b"costate run 02\r\n of an earlier run";
+    fs::write(&path, earlier).expect("can be written");
     std::os::unix::fs::symlink("/dev/full", folder.0.join("run.bin.part")).expect("a link");
     let scene = scene("pendulum");
     let mut prepared = prepared(&*scene, Prepared::default_method(), 0.5, 30);
     prepared.keep = Keep::File(path.clone());
     let message = prepared.analysis().forward(&prepared.x).expect_err("the disk is full").to_string();
     assert_says(&message, &["start", "run.bin", "cannot be written", "No space left", "a disk with room"]);
-    assert_eq!(fs::read(&path).expect("untouched"), b"of an earlier run");
+    assert_eq!(fs::read(&path).expect("untouched"), earlier);
+}
+
+#[test]
+fn a_file_that_is_no_history_is_not_overwritten() {
+    let folder = Folder::new("thesis");
+    let path = folder.0.join("thesis.tex");
+    let scene = scene("pendulum");
+    let mut prepared = prepared(&*scene, Prepared::default_method(), 0.5, 30);
+    prepared.keep = Keep::File(path.clone());
+    for name in ["thesis.tex", "thesis.tex.part"] {
+        fs::write(folder.0.join(name), "five years of work").expect("can be written");
+        let message = prepared.analysis().forward(&prepared.x).expect_err("somebody's file").to_string();
+        assert_says(&message, &["history file", name, "is there and is no file of a run"]);
+        assert_eq!(fs::read(folder.0.join(name)).expect("untouched"), b"five years of work");
+        fs::remove_file(folder.0.join(name)).expect("was there");
+    }
+    prepared.analysis().forward(&prepared.x).expect("runs");
+}
+
+#[test]
+fn two_runs_do_not_mix_in_one_file() {
+    let folder = Folder::new("two");
+    let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
+    let (prepared, first) = in_file(&*scene, &path);
+    let mut x = prepared.x.clone();
+    x[0] *= 1.1;
+    let second = prepared.analysis().forward(&x).expect("runs");
+    // the second one stands in the file now
+    assert_says(&complaint(&prepared, &first), &["run.bin", "holds another run now", "run again"]);
+    prepared.analysis().adjoint(&x, &second).expect("has its file");
+    // and belongs to its own design
+    for result in [
+        prepared.analysis().adjoint(&prepared.x, &second),
+        prepared.analysis().tangent(&prepared.x, &second),
+        prepared.analysis().complex_step(&prepared.x, &second),
+    ] {
+        let message = result.expect_err("of another design").to_string();
+        assert_says(&message, &["belongs to another design", "variable 0", &x[0].to_string(), &prepared.x[0].to_string()]);
+    }
+    // a run that is going on has its file to itself
+    let going_on = FileHistory::create(&path).expect("is free");
+    let message = prepared.analysis().forward(&x).expect_err("is being written").to_string();
+    assert_says(&message, &["run.bin", "another run is writing it"]);
+    drop(going_on);
+    prepared.analysis().forward(&x).expect("is free again");
+}
+
+#[test]
+fn an_unfinished_run_is_kept_under_its_name_when_the_next_one_begins() {
+    let folder = Folder::new("unfinished");
+    let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
+    let mut prepared = prepared(&*scene, Prepared::default_method(), 0.5, 30);
+    prepared.keep = Keep::File(path.clone());
+    let mut steps = 0;
+    let mut watch = costate::history::Watch(|_: &costate::integrators::StepRecord<f64>| {
+        steps += 1;
+        steps < 7
+    });
+    let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut watch).expect("begins");
+    assert!(stopped.is_some());
+    prepared.analysis().forward(&prepared.x).expect("runs");
+    let (left, damage) = FileHistory::open(&folder.0.join("run.bin.unfinished")).expect("can be read");
+    assert_eq!((left.steps(), damage), (7, None));
+    let (whole, _) = FileHistory::open(&path).expect("can be read");
+    assert_eq!(whole.steps(), 30);
 }
 
 #[test]

@@ -12,6 +12,7 @@ use costate::program::making_time;
 use costate::scenes::Prepared;
 use costate::sensitivity::{Forward, Gradient};
 use serde_json::{Map, Value, json};
+use std::path::Path;
 use std::time::Instant;
 
 /// Options of `costate gradient`.
@@ -41,6 +42,22 @@ fn keep(text: &str) -> Result<Keep, String> {
         _ => {}
     }
     Err("it must be memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
+}
+
+/// Endings of the files that this program writes for people and other programs.
+const RESULTS: [&str; 3] = ["csv", "png", "svg"];
+
+/// Refuses to keep steps where a result of the same run will stand.
+fn check_history(keep: &Keep, folder: &Path) -> Result<(), Failure> {
+    let Keep::File(path) = keep else { return Ok(()) };
+    let is_result = path.extension().is_some_and(|ending| RESULTS.iter().any(|result| ending == *result));
+    if is_result && path.parent() == Some(folder) {
+        let path = path.display();
+        return Err(Failure::input(format!(
+            "--history file:{path}: results are written there; name a file with another ending"
+        )));
+    }
+    Ok(())
 }
 
 /// Largest relative difference between adjoint and complex step that passes.
@@ -75,6 +92,7 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     let scene = options.scene.scene()?;
     let mut prepared = options.scene.prepare(&*scene)?;
     prepared.keep = options.history.clone();
+    check_history(&prepared.keep, &options.scene.folder())?;
     let simulation = simulate(&prepared, &options.scene)?;
     if simulation.stopped.is_some() {
         report(&simulation, &prepared);
@@ -82,15 +100,20 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
         return simulation.stopped.map_or(Ok(()), Err);
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
-    let adjoint = timed("adjoint", forward, || analysis.adjoint(x, forward))?;
+    // what is there is said before what may fail
+    simulation.say_functionals(&prepared);
+    let adjoint = timed("adjoint", forward, || analysis.adjoint(x, forward)).inspect_err(|_| simulation.say_files())?;
     let check = if options.check {
-        let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward))?;
-        Some(Check::new(&prepared, &adjoint, complex_step)?)
+        let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward));
+        let check = complex_step.and_then(|complex_step| Check::new(&prepared, &adjoint, complex_step));
+        Some(check.inspect_err(|_| {
+            (0..prepared.functionals().len()).for_each(|row| say_gradient(&prepared, row, &adjoint, None));
+            simulation.say_files();
+        })?)
     } else {
         None
     };
 
-    simulation.say_functionals(&prepared);
     for row in 0..prepared.functionals().len() {
         say_gradient(&prepared, row, &adjoint, check.as_ref());
     }
@@ -114,7 +137,7 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
             brief(check.largest),
             check.limit()
         ))),
-        _ => Ok(()),
+        _ => simulation.unwritten.map_or(Ok(()), Err),
     }
 }
 

@@ -174,32 +174,31 @@ impl<'p> Results<'p> {
         Ok(())
     }
 
-    /// Finishes all files and returns their names; none if there is no finished step.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn finish(mut self, progress: &Progress) -> Result<Vec<PathBuf>, Failure> {
+    /// Finishes all files and returns their names, none if there is no finished step; and why others could not be written.
+    pub fn finish(mut self, progress: &Progress) -> (Vec<PathBuf>, Option<Failure>) {
+        let (mut files, mut unwritten) = (Vec::new(), None);
         if self.steps == 0 {
-            return Ok(Vec::new());
+            return (files, unwritten);
         }
-        self.add_end()?;
+        let mut keep = |written: Result<(), Failure>, own: &[PathBuf]| match written {
+            Ok(()) => files.extend_from_slice(own),
+            Err(failure) => unwritten = unwritten.take().or(Some(failure)),
+        };
+        keep(self.add_end().map_err(Failure::from), &[]);
         let folder = self.folder;
-        self.csv.finish()?;
+        keep(self.csv.finish_cut().map_err(Failure::from), &[folder.join(HISTORIES)]);
         progress.set(1);
-        let mut files = vec![folder.join(HISTORIES)];
         self.moments.extend(self.last.filter(|last| self.moments.last() != Some(last)));
-        let mut add_picture = |name: &str| files.extend([".png", ".svg"].map(|end| folder.join(format!("{name}{end}"))));
+        let picture = |name: &str| [".png", ".svg"].map(|end| folder.join(format!("{name}{end}")));
         let charts = charts(self.prepared, &self.moments);
         if !charts.is_empty() {
-            write_panels(&charts, &folder.join("histories"))?;
-            add_picture("histories");
+            keep(write_panels(&charts, &folder.join("histories")).map_err(Failure::from), &picture("histories"));
         }
         progress.set(2);
         if let Some(motion) = motion(self.prepared, &self.moments) {
-            motion.write(&folder.join("motion"))?;
-            add_picture("motion");
+            keep(motion.write(&folder.join("motion")).map_err(Failure::from), &picture("motion"));
         }
-        Ok(files)
+        (files, unwritten)
     }
 }
 
@@ -468,7 +467,8 @@ mod tests {
     fn a_scene_without_a_place_in_space_has_histories_but_no_picture_of_its_motion() {
         let (scene, folder) = (Thrown(None), Folder::new("free"));
         let prepared = Prepared::new(&scene).unwrap();
-        let files = ran(&prepared, &folder).finish(&Progress::new("writing", 3)).unwrap();
+        let (files, unwritten) = ran(&prepared, &folder).finish(&Progress::new("writing", 3));
+        assert!(unwritten.is_none(), "{unwritten:?}");
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["histories.csv", "histories.png", "histories.svg"]);
         let text = std::fs::read_to_string(&files[0]).unwrap();
@@ -485,7 +485,7 @@ mod tests {
         let results = ran(&prepared, &folder);
         assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&results.moments.len()), "{} moments", results.moments.len());
         assert_eq!(results.moments[1].t, prepared.grid.times[results.stride]);
-        results.finish(&Progress::new("writing", 3)).unwrap();
+        assert!(results.finish(&Progress::new("writing", 3)).1.is_none());
         let text = std::fs::read_to_string(folder.0.join(HISTORIES)).unwrap();
         assert_eq!(text.lines().count(), steps + 2);
     }

@@ -22,7 +22,7 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     let simulation = simulate(&prepared, options)?;
     report(&simulation, &prepared);
     say_json(options.json, &simulation.json(&prepared).into());
-    simulation.stopped.map_or(Ok(()), Err)
+    simulation.stopped.or(simulation.unwritten).map_or(Ok(()), Err)
 }
 
 /// Prints what a simulation gave; of one that stopped early only what holds for the finished steps.

@@ -29,6 +29,8 @@ pub struct Simulation {
     pub program_seconds: f64,
     /// Files written.
     pub files: Vec<PathBuf>,
+    /// Why other files could not be written.
+    pub unwritten: Option<Failure>,
     /// Why the run stopped before its end.
     pub stopped: Option<Failure>,
 }
@@ -81,12 +83,12 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if stopped.is_none() {
         stopped = not_finite(prepared, &forward);
     }
-    let files = results.finish(&Progress::new("writing", 3))?;
+    let (files, unwritten) = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
     let (chosen_steps, stopped) = (prepared.control.is_some(), stopped.map(|error| with_hint(error, prepared)));
-    Ok(Simulation { forward, chosen_steps, seconds: elapsed, program_seconds, files, stopped })
+    Ok(Simulation { forward, chosen_steps, seconds: elapsed, program_seconds, files, unwritten, stopped })
 }
 
 /// Says what will be simulated.

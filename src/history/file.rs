@@ -2,22 +2,30 @@ use super::flat::{Flat, checksum};
 use super::{History, Rerun, Usage};
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps, TimeGrid};
 use std::fmt;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// First bytes of every file.
-const HEADER: &[u8; 16] = b"costate run 02\r\n";
+/// First bytes of every file, before the identity of the run.
+const KIND: &[u8; 16] = b"costate run 03\r\n";
+/// The part of them that files of other versions have, too.
+const ANY_KIND: &[u8] = b"costate run ";
+/// Bytes before the first frame.
+const HEADER: u64 = KIND.len() as u64 + 8;
 /// Bytes of a frame beside its number and record: length, checksum, length.
 const FRAME: u64 = 24;
 
 /// A run in a file.
 ///
-/// Behind the header, each record stands in a frame: the length of what follows, a number (0 for the start, then the step), the
-/// record, a checksum of both, and the length again for the way back. While the run goes on the file is called `NAME.part`; it gets its
-/// name when the run is complete, and what is in it before stays readable: see [`FileHistory::open`].
+/// Behind the header with a number that no other run has, each record stands in a frame: the length of what follows, a number (0 for the
+/// start, then the step), the record, a checksum of both and of the run's number, and the length again for the way back. While the run goes on
+/// the file is called `NAME.part` and is locked; it gets its name when the run is complete, and what is in it before stays readable: see
+/// [`FileHistory::open`]. A part that an earlier run left with finished steps is kept as `NAME.unfinished`.
 pub struct FileHistory {
     path: PathBuf,
+    /// Of the run.
+    identity: u64,
     /// Under its own name, not that of a part.
     complete: bool,
     out: Option<Box<dyn Write + Send + Sync>>,
@@ -35,9 +43,26 @@ impl fmt::Debug for FileHistory {
 }
 
 fn part_of(path: &Path) -> PathBuf {
+    beside(path, ".part")
+}
+
+fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
-    name.push(".part");
+    name.push(ending);
     name.into()
+}
+
+/// Refuses what is there and is no file of a run.
+fn refuse_others(path: &Path) -> io::Result<()> {
+    let mut file = match File::open(path) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
+        other => other?,
+    };
+    let mut first = [0; ANY_KIND.len()];
+    if file.metadata()?.len() == 0 || file.read_exact(&mut first).is_ok() && first == *ANY_KIND {
+        return Ok(());
+    }
+    Err(io::Error::other(format!("{} is there and is no file of a run", path.display())))
 }
 
 fn failure(place: String, path: &Path, cause: impl fmt::Display, hint: impl Into<String>) -> RunError {
@@ -52,10 +77,10 @@ fn failure(place: String, path: &Path, cause: impl fmt::Display, hint: impl Into
 const ELSEWHERE: &str = "name a file on a disk with room, or keep the run in memory or as checkpoints";
 
 impl FileHistory {
-    /// A new file; folders above it are created, an older file of this name stays until the run is complete.
+    /// A new file; folders above it are created, the file of an older run of this name stays until the run is complete.
     ///
     /// # Errors
-    /// A file or folder that cannot be created.
+    /// A file or folder that cannot be created, another run that is writing this file, and a file of this name that is none of a run.
     pub fn create(path: &Path) -> Result<Self, RunError> {
         let refuse = |cause: &dyn fmt::Display| {
             RunError::Input(format!("history file {} cannot be created: {cause}; {ELSEWHERE}", path.display()))
@@ -66,15 +91,34 @@ impl FileHistory {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|cause| refuse(&cause))?;
         }
-        let file = File::create(part_of(path)).map_err(|cause| refuse(&cause))?;
+        let part = part_of(path);
+        for there in [path, &part] {
+            refuse_others(there).map_err(|cause| refuse(&cause))?;
+        }
+        let open = || File::options().write(true).create(true).truncate(false).open(&part).map_err(|cause| refuse(&cause));
+        let mut file = open()?;
+        file.try_lock().map_err(|cause| match cause {
+            TryLockError::WouldBlock => refuse(&"another run is writing it"),
+            TryLockError::Error(cause) => refuse(&cause),
+        })?;
+        if Self::open(&part).is_ok_and(|(left, _)| left.steps > 0) {
+            fs::rename(&part, beside(path, ".unfinished")).map_err(|cause| refuse(&cause))?;
+            file = open()?;
+            file.try_lock().map_err(|cause| refuse(&cause))?;
+        }
+        // of a device there is nothing to be cut off
+        let _ = file.set_len(0);
         Self::writing(path, Box::new(file))
     }
 
     /// The same with what takes the bytes of the part.
     fn writing(path: &Path, out: Box<dyn Write + Send + Sync>) -> Result<Self, RunError> {
         let (path, frame) = (path.to_path_buf(), Vec::new());
-        let mut own = FileHistory { path, complete: false, out: Some(out), start: None, steps: 0, bytes: 0, frame };
-        own.append(HEADER).map_err(|cause| own.unwritten("start".into(), &cause))?;
+        let identity = RandomState::new().hash_one(std::time::SystemTime::now());
+        let mut own =
+            FileHistory { path, identity, complete: false, out: Some(out), start: None, steps: 0, bytes: 0, frame };
+        let header = [&KIND[..], &identity.to_le_bytes()].concat();
+        own.append(&header).map_err(|cause| own.unwritten("start".into(), &cause))?;
         Ok(own)
     }
 
@@ -90,19 +134,17 @@ impl FileHistory {
     pub fn open(path: &Path) -> Result<(Self, Option<RunError>), RunError> {
         let unread = |cause: &dyn fmt::Display| failure("start".into(), path, cause, "give the file of an earlier run");
         let mut reader = Reader::open(path).map_err(|cause| unread(&format!("cannot be read: {cause}")))?;
-        let mut header = [0; HEADER.len()];
-        if reader.file.read_exact(&mut header).is_err() || header != *HEADER {
-            return Err(unread(&"is no file of a run"));
-        }
-        let frame = reader.frame_at(HEADER.len() as u64, 0).map_err(|cause| unread(&cause))?;
+        let identity = reader.identity().map_err(|cause| unread(&cause))?;
+        let frame = reader.frame_at(HEADER, 0).map_err(|cause| unread(&cause))?;
         let start = StartRecord::from_bytes(frame).ok_or_else(|| unread(&Damage::Unreadable))?;
         let mut own = FileHistory {
             path: path.to_path_buf(),
+            identity,
             complete: true,
             out: None,
             start: Some(start),
             steps: 0,
-            bytes: HEADER.len() as u64 + reader.length,
+            bytes: HEADER + reader.length,
             frame: Vec::new(),
         };
         loop {
@@ -139,7 +181,7 @@ impl FileHistory {
         record.put(&mut frame);
         let length = frame.len() as u64 - 8;
         frame[..8].copy_from_slice(&length.to_le_bytes());
-        checksum(&frame[8..]).put(&mut frame);
+        (checksum(&frame[8..]) ^ self.identity).put(&mut frame);
         length.put(&mut frame);
         let written = self.append(&frame);
         self.frame = frame;
@@ -156,10 +198,14 @@ impl FileHistory {
 
     fn open_for<'h>(&'h self, grid: &'h TimeGrid, position: u64, next: Option<usize>) -> Result<FromFile<'h>, RunError> {
         let path = self.place();
-        let reader = Reader::open(&path).map_err(|cause| {
+        let refuse = |cause: String| {
             let hint = "the gradient needs it: run again and leave the file in place until the gradient is there";
-            failure(grid.place(self.steps.saturating_sub(1)), &path, format!("cannot be read: {cause}"), hint)
-        })?;
+            failure(grid.place(self.steps.saturating_sub(1)), &path, cause, hint)
+        };
+        let mut reader = Reader::open(&path).map_err(|cause| refuse(format!("cannot be read: {cause}")))?;
+        if reader.identity().map_err(|cause| refuse(cause.to_string()))? != self.identity {
+            return Err(refuse("holds another run now".into()));
+        }
         Ok(FromFile { history: self, grid, reader, position, next, record: None })
     }
 }
@@ -188,15 +234,16 @@ impl History for FileHistory {
     }
     fn finish(&mut self) -> Result<(), RunError> {
         let part = self.place();
-        self.out = None;
         // some disks tell only now that they were full
         let stored = File::open(&part).and_then(|file| file.sync_all()).and_then(|()| fs::rename(&part, &self.path));
+        // locked until it has its name
+        self.out = None;
         stored.map_err(|cause| self.unwritten(format!("end, after step {}", self.steps), &cause))?;
         self.complete = true;
         Ok(())
     }
     fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        let mut steps = self.open_for(rerun.grid, HEADER.len() as u64, Some(0))?;
+        let mut steps = self.open_for(rerun.grid, HEADER, Some(0))?;
         steps.skip_start()?;
         Ok(Box::new(steps))
     }
@@ -273,6 +320,7 @@ impl Steps for FromFileBackward<'_> {
 /// What is wrong with a frame.
 enum Damage {
     CutOff { size: u64, needed: u64 },
+    OtherKind,
     Checksum,
     Unreadable,
     Io(io::Error),
@@ -282,6 +330,7 @@ impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Damage::CutOff { size, needed } => write!(f, "ends after {size} bytes, but at least {needed} are needed"),
+            Damage::OtherKind => f.write_str("is no file of a run, or of another version's"),
             Damage::Checksum => f.write_str("its record is damaged: the checksum differs"),
             Damage::Unreadable => f.write_str("its record is damaged: it is not that of a run of this program"),
             Damage::Io(cause) => write!(f, "cannot be read: {cause}"),
@@ -293,6 +342,8 @@ impl fmt::Display for Damage {
 struct Reader {
     file: File,
     size: u64,
+    /// Of the run.
+    identity: u64,
     /// Length of the frame read last.
     length: u64,
     bytes: Vec<u8>,
@@ -302,7 +353,18 @@ impl Reader {
     fn open(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
         let size = file.metadata()?.len();
-        Ok(Reader { file, size, length: 0, bytes: Vec::new() })
+        Ok(Reader { file, size, identity: 0, length: 0, bytes: Vec::new() })
+    }
+
+    /// Reads the header: the identity of the run.
+    fn identity(&mut self) -> Result<u64, Damage> {
+        self.load(0, HEADER).map_err(|_| Damage::OtherKind)?;
+        let (kind, mut identity) = self.bytes.split_at(KIND.len());
+        if kind != KIND {
+            return Err(Damage::OtherKind);
+        }
+        self.identity = u64::take(&mut identity).ok_or(Damage::OtherKind)?;
+        Ok(self.identity)
     }
 
     fn load(&mut self, begin: u64, count: u64) -> Result<(), Damage> {
@@ -326,7 +388,7 @@ impl Reader {
         self.load(begin, length + FRAME)?;
         let (body, mut tail) = self.bytes[8..].split_at(length as usize);
         let own = (u64::take(&mut tail), u64::take(&mut tail));
-        if own != (Some(checksum(body)), Some(length)) || !body.starts_with(&(number as u64).to_le_bytes()) {
+        if own != (Some(checksum(body) ^ self.identity), Some(length)) || !body.starts_with(&(number as u64).to_le_bytes()) {
             return Err(Damage::Checksum);
         }
         self.length = length + FRAME;
@@ -395,7 +457,7 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         let path = folder.join("run.bin");
         let frame = step(0).bytes().len() + 8 + FRAME as usize;
-        let before = HEADER.len() + start().bytes().len() + 8 + FRAME as usize;
+        let before = HEADER as usize + start().bytes().len() + 8 + FRAME as usize;
         for (room, steps) in [(before + 5 * frame, 5), (before + 6 * frame - 1, 5), (before + 3 * frame + 1, 3), (before, 0)]
         {
             let file = File::create(part_of(&path)).unwrap();

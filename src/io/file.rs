@@ -77,6 +77,13 @@ impl Aside {
         Ok(Self { target: target.to_path_buf(), part })
     }
 
+    /// The same under the name `NAME.unfinished.EXTENSION`, which stays if the program is killed.
+    pub(crate) fn unfinished(target: &Path) -> Result<Self, IoError> {
+        let aside = Self::beside(target)?;
+        let ending = target.extension().map_or("unfinished".into(), |old| format!("unfinished.{}", old.to_string_lossy()));
+        Ok(Self { part: target.with_extension(ending), target: aside.target.clone() })
+    }
+
     pub(crate) fn publish(self) -> Result<(), IoError> {
         fs::rename(&self.part, &self.target).map_err(|cause| IoError::new(&self.target, cause))
     }

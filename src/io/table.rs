@@ -3,7 +3,7 @@
 use super::file::{Aside, IoError};
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Writes a CSV file; see [`CsvFile`].
@@ -19,16 +19,25 @@ pub fn write_csv(path: &Path, header: &[String], rows: impl Iterator<Item = Vec<
 }
 
 /// A CSV file that is written row by row: one header line, then one line per row with 17 significant digits, so that reading gives
-/// the same bits. It appears under its name when it is finished, and not at all if it is dropped before.
+/// the same bits. It appears under its name when it is finished, and not at all if it is dropped before; while it is written it is called
+/// `NAME.unfinished.csv` and is locked. Rows behind one that could not be written are refused; those before it remain.
 ///
 /// Header names that contain a comma, a quote or a line break are quoted. Numbers read `NaN`, `inf` and `-inf` where they are.
 pub struct CsvFile {
     path: PathBuf,
     aside: Aside,
-    out: BufWriter<File>,
+    out: File,
+    /// Lines that are not in the file yet, and their ends.
+    text: Vec<u8>,
+    ends: Vec<usize>,
     columns: usize,
     rows: usize,
+    /// A row could not be written.
+    is_cut: bool,
 }
+
+/// Bytes that are written at once.
+const AT_ONCE: usize = 1 << 16;
 
 impl CsvFile {
     /// Begins a file with its header, creating missing folders.
@@ -36,12 +45,28 @@ impl CsvFile {
     /// # Errors
     /// A folder that cannot be created, or a file that cannot be written.
     pub fn create(path: &Path, header: &[String]) -> Result<Self, IoError> {
-        let aside = Aside::beside(path)?;
-        let file = File::create(&aside.part).map_err(|cause| IoError::new(path, cause))?;
-        let (path, out) = (path.to_path_buf(), BufWriter::new(file));
-        let mut own = CsvFile { path, aside, out, columns: header.len(), rows: 0 };
+        let aside = Aside::unfinished(path)?;
+        let open = || -> io::Result<File> {
+            let out = File::options().write(true).create(true).truncate(false).open(&aside.part)?;
+            out.try_lock()
+                .map_err(|cause| io::Error::other(format!("{} is being written: {cause}", aside.part.display())))?;
+            // of a device there is nothing to be cut off
+            let _ = out.set_len(0);
+            Ok(out)
+        };
+        let out = match open() {
+            Ok(out) => out,
+            Err(cause) => {
+                // another's is not removed
+                std::mem::forget(aside);
+                return Err(IoError::new(path, cause));
+            }
+        };
         let names: Vec<_> = header.iter().map(|name| quoted(name)).collect();
-        let written = writeln!(own.out, "{}", names.join(","));
+        let text = format!("{}\n", names.join(",")).into_bytes();
+        let (path, ends, columns) = (path.to_path_buf(), vec![text.len()], header.len());
+        let mut own = CsvFile { path, aside, out, text, ends, columns, rows: 0, is_cut: false };
+        let written = own.write();
         own.checked(written)?;
         Ok(own)
     }
@@ -57,15 +82,36 @@ impl CsvFile {
     }
 
     fn add(&mut self, row: &[f64]) -> io::Result<()> {
+        if self.is_cut {
+            return Err(io::Error::other("an earlier row could not be written"));
+        }
         let (index, found, expected) = (self.rows, row.len(), self.columns);
         if found != expected {
             return Err(io::Error::other(format!("row {index} has {found} numbers, the header has {expected} names")));
         }
         for (column, value) in row.iter().enumerate() {
             let comma = if column == 0 { "" } else { "," };
-            write!(self.out, "{comma}{value:.16e}")?;
+            write!(self.text, "{comma}{value:.16e}")?;
         }
-        writeln!(self.out)
+        self.text.push(b'\n');
+        self.ends.push(self.text.len());
+        if self.text.len() < AT_ONCE { Ok(()) } else { self.write() }
+    }
+
+    /// Writes whole lines: where that fails, as many as there is room for.
+    fn write(&mut self) -> io::Result<()> {
+        let begin = self.out.stream_position()?;
+        let Err(cause) = self.out.write_all(&self.text) else {
+            self.text.clear();
+            self.ends.clear();
+            return Ok(());
+        };
+        self.is_cut = true;
+        let there = self.out.stream_position()?.saturating_sub(begin);
+        let whole = self.ends.iter().rev().find(|&&end| end as u64 <= there).map_or(0, |&end| end as u64);
+        let _ = self.out.set_len(begin + whole);
+        self.text.clear();
+        Err(cause)
     }
 
     fn checked(&self, written: io::Result<()>) -> Result<(), IoError> {
@@ -77,9 +123,19 @@ impl CsvFile {
     /// # Errors
     /// A file that cannot be written or renamed.
     pub fn finish(mut self) -> Result<(), IoError> {
-        let written = self.out.flush();
+        let written = self.write();
         self.checked(written)?;
         self.aside.publish()
+    }
+
+    /// Gives the file its name with the rows that could be written.
+    ///
+    /// # Errors
+    /// As for [`CsvFile::finish`], but for a row that was refused already.
+    pub fn finish_cut(mut self) -> Result<(), IoError> {
+        let written = if self.is_cut { Ok(()) } else { self.write() };
+        let checked = self.checked(written);
+        self.aside.publish().and(checked)
     }
 }
 

@@ -39,6 +39,8 @@ pub struct Analysis<'m> {
 /// A real run with its functionals.
 #[derive(Debug)]
 pub struct Forward {
+    /// The design.
+    pub x: Vec<f64>,
     /// The numbers of the design.
     pub numbers: ModelNumbers<f64>,
     /// Its steps, as they were kept.
@@ -134,7 +136,7 @@ impl<'m> Analysis<'m> {
             Ok(run) => (run.counters, run.rejected, None),
             Err(error) => (Counters::default(), 0, Some(error)),
         };
-        Ok((Forward { numbers, history, grid, rejected, values, offsets, counters }, stopped))
+        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, offsets, counters }, stopped))
     }
 
     /// Values of the functionals alone: no step is kept.
@@ -185,6 +187,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// As there.
     pub fn adjoint_of(&self, x: &[f64], forward: &Forward, wanted: &[bool]) -> Result<Gradient, RunError> {
+        self.check_belonging(x, forward)?;
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
@@ -205,6 +208,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.check_belonging(x, forward)?;
         let mut gradient = self.empty_gradient();
         for (seeded, lanes) in seeded_designs(x) {
             let (values, counters) = self.perturbed_values(&seeded, forward)?;
@@ -221,6 +225,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.check_belonging(x, forward)?;
         let mut gradient = self.empty_gradient();
         for perturbed in complex_designs(x) {
             let (values, counters) = self.perturbed_values(&perturbed, forward)?;
@@ -288,6 +293,22 @@ impl<'m> Analysis<'m> {
     }
 
     /// Values of the functionals with derivative parts.
+    /// Whether a run is that of a design in this scene.
+    fn check_belonging(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
+        let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
+        let why = match differing {
+            Some(i) => format!("variable {i} is {} in the run and {} here", forward.x[i], x[i]),
+            None if x.len() != forward.x.len() => {
+                format!("the run has {} variables, {} are given", forward.x.len(), x.len())
+            }
+            None if self.map.real(x).map_err(RunError::Input)? != forward.numbers => "its model has other numbers".into(),
+            None => return Ok(()),
+        };
+        Err(RunError::Input(format!(
+            "the forward run belongs to another design: {why}; run forward at the design that is differentiated"
+        )))
+    }
+
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
         let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
