@@ -384,6 +384,22 @@ fn numbers_are_printed_where_a_picture_cannot_be_written() {
 }
 
 #[test]
+fn steps_that_do_not_resolve_the_motion_are_said() {
+    let folder = Folder::new("coarse");
+    let error_of = |steps: &str| {
+        let output = folder.run(&["run", "five-bar", "--end", "2", "--steps", steps, "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(text(&output.stdout).contains("largest estimated error of a step: "));
+        (json(&output)["largest_step_error"]["share"].as_f64().unwrap(), text(&output.stderr))
+    };
+    let (fine, nothing) = error_of("200");
+    assert!(fine < 1e-4 && !nothing.contains("warning"), "{fine:e} {nothing}");
+    let (coarse, warning) = error_of("40");
+    assert!(coarse > 2e-3 && warning.contains("warning: a step has an estimated error of"), "{coarse:e} {warning}");
+    assert!(warning.contains("\"bar 3\", e3, velocity") && warning.contains("--steps above 40"), "{warning}");
+}
+
+#[test]
 fn a_history_where_results_are_written_is_refused() {
     let folder = Folder::new("history-on-results");
     let output = folder.run(&["gradient", "pendulum", "--history", "file:out/pendulum/histories.csv"]);

@@ -178,6 +178,31 @@ fn the_error_follows_the_tolerance() {
 }
 
 #[test]
+fn equal_steps_say_what_error_chosen_ones_would_have_been_held_to() {
+    for table in ["sdirk4", "esdirk3", "esdirk4", "esdirk5"] {
+        let scene = Swinging::default();
+        let tolerance = 1e-4;
+        let chosen = chosen(&scene, table, StepControl::new(tolerance));
+        let prepared = prepared(&scene, table, scene.settings()).expect("sound");
+        let error = |forward: &costate::sensitivity::Forward| forward.error.expect("estimated");
+        let same = prepared.analysis().on_steps_of(&chosen).forward(&prepared.x).expect("runs");
+        // allowed was the tolerance of 1 and the size; what is said is a share of the largest size, of about 1
+        let share = error(&same).share;
+        assert!(share < 2.0 * tolerance && share > 0.01 * tolerance, "{table}: {share:e}");
+        // of half the size: by the order of the embedded solution, and one
+        let halved = TimeGrid::uniform(2.0, 320, &[]).expect("steps");
+        let whole = TimeGrid::uniform(2.0, 160, &[]).expect("steps");
+        let [whole, halved] = [whole, halved].map(|grid| {
+            let prepared = Prepared { grid, ..crate::prepared(&scene, table, scene.settings()).expect("sound") };
+            error(&prepared.analysis().forward(&prepared.x).expect("runs")).share
+        });
+        let order = f64::from(named(table).embedded.expect("has one").order as u32) + 1.0;
+        let observed = (whole / halved).log2();
+        assert!((observed - order).abs() < 0.1, "{table}: {observed} for {order}");
+    }
+}
+
+#[test]
 fn chosen_steps_end_at_breakpoints_stay_below_the_longest_and_are_taken_again_by_other_runs() {
     let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
     let control = StepControl { longest: 0.13, ..StepControl::new(1e-5) };

@@ -23,6 +23,11 @@ pub fn complain(message: &str) {
     let _ = writeln!(io::stderr(), "error: {message}");
 }
 
+/// Prints what a user should know about results that stand.
+pub fn warn(message: &str) {
+    let _ = writeln!(io::stderr(), "warning: {message}");
+}
+
 /// Prints the JSON object as the last line of stdout if it was asked for.
 pub fn say_json(wanted: bool, object: &Value) {
     if wanted {

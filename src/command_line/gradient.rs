@@ -128,7 +128,7 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
             say(format_args!("a rounding of the variables changes complex-step derivatives by {} of them", brief(scatter)));
         }
     }
-    say("");
+    simulation.say_resolution(&prepared);
     simulation.say_files();
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref()));
     match check {

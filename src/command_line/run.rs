@@ -35,5 +35,6 @@ pub fn report(simulation: &Simulation, prepared: &costate::scenes::Prepared) {
         say(format_args!("stopped after {done}{planned} steps: the files hold the finished ones\n"));
     }
     say_work(&[("simulation", simulation.work())]);
+    simulation.say_resolution(prepared);
     simulation.say_files();
 }

@@ -1,10 +1,10 @@
-use super::console::{count, json_number, say, seconds};
+use super::console::{count, json_number, say, seconds, warn};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::options::SceneOptions;
 use super::results::{Results, check_folder};
 use costate::history::{Observer, Usage};
-use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepRecord};
+use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepError, StepRecord};
 use costate::io::{Cell, Progress, Table};
 use costate::linalg::SolverPlan;
 use costate::program::{making_time, refuses_machine_code};
@@ -44,6 +44,9 @@ struct Watched<'p, 'g> {
     guard: &'g Guard,
 }
 
+/// Estimated error of a step, of the model's length or largest velocity, above which a motion counts as unresolved: where a chain of 100 bars cracks
+/// like a whip and loses a third of its energy in a step of 1 ms, the error is 5.6e-3.
+const COARSE: f64 = 2e-3;
 /// Marks of the progress bar: steps that choose their size do not tell how many there will be.
 const MARKS: f64 = 1000.0;
 
@@ -197,6 +200,19 @@ impl Simulation {
         work
     }
 
+    /// Says how well equal steps resolve the motion, and warns where they hardly do.
+    pub fn say_resolution(&self, prepared: &Prepared) {
+        let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error else { return };
+        let of = if in_velocity { "largest velocity" } else { "model's length" };
+        let name = prepared.model().dof_name(dof);
+        let place = format!("step {step} (t = {t} s), {name}{}", if in_velocity { ", velocity" } else { "" });
+        say(format_args!("largest estimated error of a step: {share:.1e} of the {of}, {place}\n"));
+        if share > COARSE {
+            let advice = format!("take smaller steps (--steps above {}), or --tolerance", prepared.grid.steps());
+            warn(&format!("a step has an estimated error of {:.1} % of the {of}, {place}: {advice}", 100.0 * share));
+        }
+    }
+
     /// Prints the files.
     pub fn say_files(&self) {
         for file in &self.files {
@@ -227,6 +243,11 @@ impl Simulation {
         object.insert("functionals".into(), functionals.into());
         for (name, value) in self.work() {
             object.insert(if name == "time_s" { "forward_s".into() } else { name.into() }, value);
+        }
+        if let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error {
+            let coordinate = prepared.model().dof_name(dof);
+            let error = json!({"share": json_number(share), "step": step, "t": json_number(t), "coordinate": coordinate, "velocity": in_velocity});
+            object.insert("largest_step_error".into(), error);
         }
         object.insert("files".into(), self.files.iter().map(|file| json!(file.display().to_string())).collect());
         if let Some(failure) = &self.stopped {

@@ -60,6 +60,7 @@ fn divide(
             }
             Err(error) => return Err(error),
         }
+        marcher.note_error();
         course.advance(reached);
         marcher.checkpoint_in(&mut before);
         left -= 1;

@@ -2,7 +2,8 @@ use super::Counters;
 use super::newton::NewtonTolerance;
 use super::record::{Guide, Recorder, StageRecord};
 use super::{
-    Combination, ConstraintLevel, InitialState, Quadrature, RunError, StartPlan, Stepper, Systems, Table, TimeGrid,
+    Combination, ConstraintLevel, InitialState, Quadrature, RunError, StartPlan, StepError, Stepper, Systems, Table,
+    TimeGrid,
 };
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
@@ -87,6 +88,8 @@ pub struct Run<S> {
     pub v: Vec<S>,
     /// Steps that were tried and given up for shorter ones.
     pub rejected: usize,
+    /// Largest estimated error of a step, where steps are given and the table has an embedded solution.
+    pub error: Option<StepError>,
     /// Work done.
     pub counters: Counters,
 }
@@ -149,6 +152,7 @@ pub fn march_along<S: RunScalar>(
     let mut marcher = Stepper::new(problem, method, &systems, plan)?;
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     recorder.start(marcher.start(grid.times[0], plan, guided_start)?)?;
+    let is_guided = guided_steps.is_some();
     for index in 0..grid.steps() {
         if recorder.wants_checkpoint(index) {
             recorder.checkpoint(marcher.checkpoint())?;
@@ -157,7 +161,11 @@ pub fn march_along<S: RunScalar>(
             Some(steps) => steps.next()?,
             None => None,
         };
-        if !recorder.step(marcher.step(grid, guided)?)? {
+        marcher.step(grid, guided)?;
+        if !is_guided {
+            marcher.note_error();
+        }
+        if !recorder.step(marcher.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }

@@ -123,7 +123,7 @@ pub struct Newton<'m, S> {
     /// Coordinates from which the searches of a step set out: stresses there are trusted.
     pub(super) trusted: Vec<f64>,
     /// Length of the model by which displacements are judged.
-    length: f64,
+    pub(super) length: f64,
     /// Largest parameter that is a length, once a search has asked for it.
     parameter_length: Option<f64>,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.

@@ -6,6 +6,7 @@ use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::newton::Newton;
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{Watch, dependent_equations, violated};
+use super::resolution::Resolution;
 use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
@@ -30,6 +31,7 @@ pub struct Stepper<'m, S> {
     record: StepRecord<S>,
     /// Carried vectors after the step.
     updated: Vec<Vec<S>>,
+    resolution: Resolution<S>,
 }
 
 /// Steps from one look at the choice of redundant equations to the next.
@@ -125,6 +127,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             between: StepState { dropped, ..StepState::default() },
             record: StepRecord::empty(),
             updated: Vec::new(),
+            resolution: Resolution::default(),
         })
     }
 
@@ -244,7 +247,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let counters = self.counters();
         let mut carried = self.between.carried.into_iter();
         let (q, v) = (carried.next().unwrap_or_default(), carried.next().unwrap_or_default());
-        Run { q, v, rejected, counters }
+        Run { q, v, rejected, counters, error: self.resolution.worst() }
+    }
+
+    /// Takes note of the estimated error of the step made last.
+    pub(super) fn note_error(&mut self) {
+        let (table, Newton { coordinate_scales, length, .. }) = (self.method.table.scheme(self.record.scheme), &self.stage);
+        // what was carried before the step was swapped away
+        self.resolution.note(table, self.between.step, &self.record, &self.updated, (coordinate_scales, *length));
     }
 
     /// The step made last.

@@ -9,7 +9,7 @@ use crate::functionals::{Functional, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
-    StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
+    StepError, StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
 
@@ -53,6 +53,8 @@ pub struct Forward {
     pub values: Vec<f64>,
     /// Offsets of the smooth maxima.
     pub offsets: Vec<Option<f64>>,
+    /// Largest estimated error of a step, where steps are given and the method has an embedded solution.
+    pub error: Option<StepError>,
     /// Work done.
     pub counters: Counters,
 }
@@ -132,11 +134,11 @@ impl<'m> Analysis<'m> {
         let Measuring { values, mut history, .. } = recorder;
         let run = run.and_then(|run| history.finish().map(|()| run));
         let (values, offsets) = values.finish();
-        let (counters, rejected, stopped) = match run {
-            Ok(run) => (run.counters, run.rejected, None),
-            Err(error) => (Counters::default(), 0, Some(error)),
+        let (counters, rejected, error, stopped) = match run {
+            Ok(run) => (run.counters, run.rejected, run.error, None),
+            Err(error) => (Counters::default(), 0, None, Some(error)),
         };
-        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, offsets, counters }, stopped))
+        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, offsets, error, counters }, stopped))
     }
 
     /// Values of the functionals alone: no step is kept.
@@ -292,7 +294,6 @@ impl<'m> Analysis<'m> {
         Ok(numbers)
     }
 
-    /// Values of the functionals with derivative parts.
     /// Whether a run is that of a design in this scene.
     fn check_belonging(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
         let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
@@ -309,6 +310,7 @@ impl<'m> Analysis<'m> {
         )))
     }
 
+    /// Values of the functionals with derivative parts.
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
         let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
