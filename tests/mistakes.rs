@@ -291,3 +291,83 @@ fn a_step_that_is_too_large_says_where_newton_stopped() {
     let message = prepared.analysis().forward(&[1.0]).expect_err("10 s per step").to_string();
     assert_says(&message, &["step ", "t = ", "Newton", "largest row", "smaller step"]);
 }
+
+/// A bead whose formula takes the root of its place.
+struct Root {
+    place: f64,
+}
+
+impl Element for Root {
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg"), Parameter::new("pull", "N")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        r[0] = p[0] * s.a[0] + p[1] + s.q[0].sqrt();
+    }
+}
+
+impl Scene for Root {
+    fn name(&self) -> String {
+        "root".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("mass", 2.0, (1.0, 3.0), "kg")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 20)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let ground = m.ground();
+        let rod = m.body("rod", Vector3::from_f64([0.5, 0.0, 0.0]), Quaternion::identity());
+        m.rigid_body("rod", rod, S::one(), Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
+        m.revolute("hinge", [ground, rod], Vector3::zeros(), Vector3::from_f64([0.0, 1.0, 0.0]));
+        let bead = m.coordinates("bead", &[S::from(self.place)], &[S::zero()]);
+        m.element("rooted bead", &[bead], Root { place: 0.0 }, &[x[0], S::from(3.0)]);
+        m.coordinate_functional("place", Over::Terminal, bead, 0);
+        Ok(())
+    }
+}
+
+#[test]
+fn an_element_that_gives_no_number_is_named_with_its_arguments() {
+    let message = match Prepared::new(&Root { place: -0.25 }) {
+        Err(error) => error.to_string(),
+        Ok(_) => panic!("a root of a negative number went unnoticed"),
+    };
+    assert_says(&message, &["start", "\"rooted bead\"", "row 0 of its formula is NaN", "q = (-2.5000e-1)", "mass = 2 kg"]);
+    // later: the bead falls below zero
+    let scene = Root { place: 0.5 };
+    let prepared = Prepared::new(&scene).expect("the start is sound");
+    let message = prepared.analysis().forward(&prepared.x).expect_err("falls out of its formula").to_string();
+    assert_says(&message, &["step ", "\"rooted bead\"", "row 0 of its formula is NaN", "q = (-", "pull = 3 N"]);
+}
+
+/// A spring between points that coincide has no direction.
+struct NoLength;
+
+impl Scene for NoLength {
+    fn name(&self) -> String {
+        "no length".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("stiffness", 2.0, (1.0, 3.0), "N/m")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 20)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let ground = m.ground();
+        let bob = m.point("bob", Vector3::zeros());
+        m.point_mass("bob", bob, S::one());
+        m.line_spring("string", [ground, bob], [Vector3::zeros(); 2], x[0], S::from(0.1));
+        Ok(())
+    }
+}
+
+#[test]
+fn a_spring_of_no_length_is_named() {
+    let prepared = Prepared::new(&NoLength).expect("its force is taken to be zero there");
+    let message = prepared.analysis().forward(&[2.0]).expect_err("its stiffness is no number").to_string();
+    assert_says(&message, &["step 1", "\"string\"", "a derivative of row", "is NaN", "stiffness = 2 N/m"]);
+}

@@ -84,7 +84,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let Watched { results, progress, .. } = watched;
     progress.finish();
     if stopped.is_none() {
-        stopped = not_finite(prepared, &forward);
+        stopped = prepared.analysis().check_values(&forward).err();
     }
     let (files, unwritten) = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
@@ -125,13 +125,6 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
     say(format_args!("linear systems of {}: {} LU{work}", count(unknowns, "unknown"), backend.name()));
     say("");
     Ok(())
-}
-
-fn not_finite(prepared: &Prepared, forward: &Forward) -> Option<RunError> {
-    let k = forward.values.iter().position(|value| !value.is_finite())?;
-    let (name, value) = (&prepared.functionals()[k].name, forward.values[k]);
-    let hint = "a smooth maximum needs steps that resolve its peak; try a smaller step or sharpness";
-    Some(RunError::Input(format!("functional \"{name}\" is {value}: {hint}")))
 }
 
 /// The failure, with the options that its advice is about.

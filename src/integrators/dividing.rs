@@ -52,7 +52,9 @@ fn divide(
         course.grid.times.pop();
         match marcher.step_over(scheme, span, course.at_breakpoint(), None) {
             Ok(()) => {}
-            Err(RunError::NoConvergence { .. } | RunError::Singular { .. }) if halvings < MOST_HALVINGS => {
+            Err(RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
+                if halvings < MOST_HALVINGS =>
+            {
                 (halvings, rejected, left) = (halvings + 1, rejected + 1, 2 * left);
                 h = 0.5 * (reached - span.0);
                 marcher.resume(&before)?;

@@ -32,6 +32,13 @@ pub enum RunError {
         /// Its residual.
         residual: f64,
     },
+    /// A formula that gives what is no number.
+    NotFinite {
+        /// Where in the run.
+        place: String,
+        /// The element or constraint, with its arguments.
+        cause: String,
+    },
     /// A constraint equation that was left out as redundant does not follow from the others.
     Redundant {
         /// Where in the run.
@@ -100,6 +107,9 @@ impl fmt::Display for RunError {
                 "{place}: Newton {how} after {iterations} iterations at a relative correction of {correction:.1e} (limit {limit:.0e}); \
                  largest row: {row} ({residual:.1e}); try a smaller step"
             ),
+            RunError::NotFinite { place, cause } => {
+                write!(f, "{place}: {cause}; if these arguments make sense, take a smaller step, otherwise mend the formula")
+            }
             RunError::Redundant { place, equation, violation } => write!(
                 f,
                 "{place}: {equation} was left out as redundant, but is violated by {violation:.1e}: the constraints depend on each other \

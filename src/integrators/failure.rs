@@ -1,6 +1,7 @@
 use super::RunError;
 use super::newton::{Newton, PARTS_LIMIT, ROUND_OFF};
-use crate::assembly::Equations;
+use super::not_finite::not_finite;
+use crate::assembly::{Equations, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::scalar::COMPLEX_STEP;
 
@@ -26,6 +27,14 @@ impl<S: RunScalar> Newton<'_, S> {
     /// The failure in words.
     pub fn describe(&self, failure: &Failure, equations: &Equations, place: &str) -> RunError {
         let model = self.system.model;
+        if let FailureKind::NotFinite | FailureKind::Singular(_) = failure.how {
+            let values = |list: &[S]| list.iter().map(|x| x.value()).collect::<Vec<f64>>();
+            let VectorsAvq { a, v, q } = &self.residual.at;
+            let at = VectorsAvq { a: values(a), v: values(v), q: values(q) };
+            if let Some(cause) = not_finite(model, &self.p, &at, self.t, true) {
+                return RunError::NotFinite { place: place.into(), cause };
+            }
+        }
         let how = match failure.how {
             FailureKind::Singular(unknown) => {
                 let unknown = self.system.unknown_name(unknown, &self.jacobian);

@@ -43,7 +43,7 @@ pub(super) fn march_loading(
             let iterations = marcher.counters().iterations;
             match marcher.step_over(Scheme::Main, span, course.at_breakpoint(), None) {
                 Ok(()) => break (reached, !failed && marcher.counters().iterations - iterations <= QUICK),
-                Err(cause @ (RunError::NoConvergence { .. } | RunError::Singular { .. })) => {
+                Err(cause @ (RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })) => {
                     (failed, rejected) = (true, rejected + 1);
                     h = (reached - span.0) / GROWTH;
                     if h < SHORTEST * course.duration() {

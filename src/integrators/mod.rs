@@ -18,6 +18,7 @@ mod linearized;
 mod load_steps;
 mod march;
 mod newton;
+mod not_finite;
 mod prediction;
 mod record;
 mod redundancy;

@@ -97,8 +97,9 @@ pub struct Newton<'m, S> {
     pub(super) rhs: Vec<f64>,
     /// Right-hand side before an estimate.
     exact: Vec<f64>,
-    /// Parameters without derivative parts.
-    p: Vec<f64>,
+    /// Parameters without derivative parts, and time \[s\], of what was factored last.
+    pub(super) p: Vec<f64>,
+    pub(super) t: f64,
     /// Unknowns from which a search with an old matrix started.
     guess: Unknowns<S>,
     /// Equations for which the matrix was factored last.
@@ -143,6 +144,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             rhs: vec![0.0; system.size()],
             exact: vec![0.0; system.size()],
             p: Vec::new(),
+            t: 0.0,
             guess: Unknowns::default(),
             counters: Counters::default(),
             factored: None,
@@ -171,6 +173,25 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// # Errors
     /// A `Failure`, to be described by [`Newton::describe`].
     pub fn solve(
+        &mut self,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) -> Result<(), Failure> {
+        let solved = self.search(equations, base, unknowns, p, t);
+        solved.inspect_err(|_| self.keep_numbers(p, t))
+    }
+
+    /// What a failure is described with.
+    fn keep_numbers(&mut self, p: &[S], t: f64) {
+        self.p.clear();
+        self.p.extend(p.iter().map(|p| p.value()));
+        self.t = t;
+    }
+
+    fn search(
         &mut self,
         equations: &Equations,
         base: &VectorsAvq<S>,
@@ -724,8 +745,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     ) -> Result<(), Singular> {
         self.counters.factorizations += 1;
         let before = self.jacobian.evaluated;
-        self.p.clear();
-        self.p.extend(p.iter().map(|p| p.value()));
+        self.keep_numbers(p, t);
         self.jacobian.assemble(&self.system, equations, &self.residual, unknowns, &self.p, t);
         self.counters.blocks += self.jacobian.evaluated - before;
         self.factorization.factor(&self.jacobian.values)?;

@@ -2,6 +2,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::newton::Newton;
+use super::not_finite::not_finite;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, NodeId, Residual, System, SystemOptions, VectorsAvq};
@@ -53,6 +54,7 @@ impl StartPlan {
         check_formulas(model)?;
         check_numbers(problem)?;
         check_nodes(model)?;
+        check_finite(problem)?;
         check_euler_parameters(problem, policy)?;
         if table.is_static() {
             check_stillness(problem)?;
@@ -101,6 +103,14 @@ fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
         }
     }
     Ok(())
+}
+
+/// Formulas and their derivatives at the start.
+fn check_finite(problem: &Problem<f64>) -> Result<(), RunError> {
+    let InitialState { q, v } = problem.start.clone();
+    let at = VectorsAvq { a: vec![0.0; q.len()], v, q };
+    let cause = not_finite(problem.model, &problem.p, &at, 0.0, false);
+    cause.map_or(Ok(()), |cause| Err(RunError::NotFinite { place: "start".into(), cause }))
 }
 
 /// A variational integrator needs momenta, and constraints that derive from positions.

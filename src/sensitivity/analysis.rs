@@ -5,7 +5,7 @@ use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
-use crate::functionals::{Functional, Values};
+use crate::functionals::{Functional, Over, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
@@ -166,14 +166,20 @@ impl<'m> Analysis<'m> {
         moments(&*forward.history, &Rerun::new(&problem, self.method, &forward.grid, self.plan), times)
     }
 
-    fn check_values(&self, forward: &Forward) -> Result<(), RunError> {
-        match forward.values.iter().position(|value| !value.is_finite()) {
-            Some(k) => Err(RunError::Input(format!(
-                "functional \"{}\" is {}: a smooth maximum needs steps that resolve its peak, all the more where a method has negative weights; try a smaller step or sharpness",
-                self.functionals[k].name, forward.values[k]
-            ))),
-            None => Ok(()),
-        }
+    /// Whether all functionals of a run are numbers.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] with the name of one that is not.
+    pub fn check_values(&self, forward: &Forward) -> Result<(), RunError> {
+        let Some(k) = forward.values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
+        let (functional, value) = (&self.functionals[k], forward.values[k]);
+        let why = match functional.over {
+            Over::SmoothMaximum { .. } => {
+                "a smooth maximum needs steps that resolve its peak, all the more where a method has negative weights; try a smaller step or sharpness"
+            }
+            _ => "what it measures is no number at a state of the run: look at its formula and parameters",
+        };
+        Err(RunError::Input(format!("functional \"{}\" is {value}: {why}", functional.name)))
     }
 
     /// Gradients of all functionals by the discrete adjoint, for any number of variables at the price of one sweep.
