@@ -1,12 +1,13 @@
 //! Equilibria: load steps, their gradients, what a user may get wrong.
 
 use costate::assembly::NodeId;
+use costate::elements::flexible::{CableSection, Section};
 use costate::elements::forces::{AppliedForce, LoadFrame};
 use costate::functionals::{LoadKind, Quantity};
 use costate::history::Keep;
 use costate::integrators::{ArcLength, PathEnd, PathPoint, STATIC_TABLE, StepControl, table_named};
 use costate::prelude::*;
-use costate::scenes::AnyScene;
+use costate::scenes::{AnyScene, BeamLine, CableLine};
 
 fn vector(x: f64, y: f64, z: f64) -> [f64; 3] {
     [x, y, z]
@@ -537,4 +538,75 @@ fn mistakes_about_paths_are_named() {
     let scene = truss(0.0);
     let error = Prepared::new(&scene).expect("sound").path(&ArcLength::new(0.1)).expect_err("nothing moves");
     assert!(error.to_string().contains("nothing moves with the load factor"), "{error}");
+}
+
+/// Beams, cables of both strains, a body and a point on springs, with their weight given at one place or in two parts.
+#[derive(Clone, Copy)]
+enum Weight {
+    First,
+    Last,
+    Halves,
+}
+
+impl Scene for Weight {
+    fn name(&self) -> String {
+        "hanging".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::statics(2)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let at = |x: f64, y: f64, z: f64| Vector3::from_f64([x, y, z]);
+        let gravity = at(0.3, 0.2, -9.81);
+        match self {
+            Weight::First => m.gravity(gravity),
+            Weight::Halves => m.gravity(gravity * S::from(0.5)),
+            Weight::Last => {}
+        }
+        let ground = m.ground();
+        let section = Section::new([1e5, 1e5, 1e5, 1e2, 1e2, 1e2].map(S::from)).with_inertia(S::one(), [S::from(0.01); 2]);
+        let line = |y: f64| [at(0.0, y, 0.0), at(1.0, y, 0.0)];
+        let beam = m.beam("beam", BeamLine::straight(line(0.0), 1, at(0.0, 1.0, 0.0)).clamped_start(), &section);
+        m.rigid_body("lump", beam.end(), S::one(), at(0.1, 0.0, 0.1), [0.1, 0.1, 0.1, 0.0, 0.0, 0.0].map(S::from));
+        let rope = CableSection::new(S::from(1e5), S::from(1e2), S::one());
+        let exact = m.cable("exact", CableLine::straight(line(1.0), 2).clamped_start(), &rope);
+        let small = m.cable("small", CableLine::straight(line(2.0), 2).clamped_start(), &rope.small_strains());
+        let bob = m.point("bob", at(0.0, 0.0, -1.0));
+        m.point_mass("bob", bob, S::one());
+        for (i, hook) in [at(1.0, 0.0, 0.0), at(0.0, 1.0, 0.0), at(-1.0, -1.0, 0.0)].into_iter().enumerate() {
+            let place = at(0.0, 0.0, -1.0);
+            m.line_spring(&format!("spring {i}"), [ground, bob], [hook, place], S::from(100.0), (hook - place).length());
+        }
+        match self {
+            Weight::First => {}
+            Weight::Halves => m.gravity(gravity * S::from(0.5)),
+            Weight::Last => m.gravity(gravity),
+        }
+        for (name, node, place) in [
+            ("beam", beam.end(), at(1.0, 0.0, 0.0)),
+            ("exact", exact.end(), at(1.0, 1.0, 0.0)),
+            ("small", small.end(), at(1.0, 2.0, 0.0)),
+            ("bob", bob, at(0.0, 0.0, -1.0)),
+        ] {
+            m.position_functional(name, Over::Terminal, node, place, at(0.0, 0.0, 1.0));
+        }
+        m.energy_functional("energy", Over::Terminal);
+        Ok(())
+    }
+}
+
+#[test]
+fn weight_acts_on_everything_wherever_gravity_is_given() {
+    let [first, last, halves] = [Weight::First, Weight::Last, Weight::Halves].map(|weight| {
+        let prepared = Prepared::new(&weight).expect("a sound scene");
+        prepared.analysis().forward(&[]).expect("an equilibrium").values
+    });
+    assert!(last[..4].iter().zip([0.0, 0.0, 0.0, -1.0]).all(|(z, start)| *z < start - 1e-3), "all hang: {last:?}");
+    for (k, value) in last.iter().enumerate() {
+        assert!((first[k] - value).abs() < 1e-9 * value.abs(), "{}, {value}", first[k]);
+        assert!((halves[k] - value).abs() < 1e-9 * value.abs(), "{}, {value}", halves[k]);
+    }
 }

@@ -44,10 +44,12 @@ pub struct MechanismBuilder<S> {
     /// Lines of the picture.
     pub drawings: Vec<Drawing>,
     ground: Option<NodeId>,
+    /// What was asked for, with the numbers of masses and of elements of beams and cables that have this weight.
+    gravities: Vec<(Vector3<S>, [usize; 3])>,
     masses: Vec<(NodeId, S, Vector3<S>)>,
-    /// Elements of beams whose weight has not been added: name, nodes, inertia of their Gauss points, whether eccentric.
+    /// Elements of beams: name, nodes, inertia of their Gauss points, whether eccentric.
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
-    /// Elements of cables whose weight has not been added.
+    /// Elements of cables.
     heavy_cables: Vec<cables::HeavyCable<S>>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
@@ -60,6 +62,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     functionals,
     drawings,
     ground,
+    gravities,
     masses,
     heavy_beams,
     heavy_cables,
@@ -357,11 +360,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.drawings.push(Drawing { points });
     }
 
-    /// Checks what was collected.
+    /// Adds the weights and checks what was collected.
     ///
     /// # Errors
     /// All mistakes, one after the other.
     pub fn finish(mut self) -> Result<Self, String> {
+        for (gravity, weighed) in std::mem::take(&mut self.gravities) {
+            self.add_weights(gravity, weighed);
+        }
         if self.functionals.iter().any(|f| matches!(f.measured, Measured::Energy)) {
             for element in self.model.elements.iter().filter(|element| !element.physics.has_energies()) {
                 let name = &element.name;

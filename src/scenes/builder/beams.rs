@@ -279,13 +279,15 @@ impl<S: Scalar> MechanismBuilder<S> {
         false
     }
 
-    /// Weight of the beams added so far.
-    pub(super) fn beam_gravity(&mut self, gravity: Vector3<S>) {
-        for (name, nodes, inertia, eccentric) in std::mem::take(&mut self.heavy_beams) {
+    /// Weight of the elements of beams from one of them on.
+    pub(super) fn beam_gravity(&mut self, gravity: Vector3<S>, first: usize) {
+        for place in first..self.heavy_beams.len() {
+            let (name, nodes, inertia, eccentric) = &self.heavy_beams[place];
+            let (name, nodes, eccentric) = (format!("weight of {name}"), *nodes, *eccentric);
             let points = inertia.chunks_exact(inertia.len() / THREE.len());
             let p: Vec<S> = points.flat_map(|own| own[..4].iter().copied().chain(gravity.components())).collect();
             let weight = Flexible(BeamGravityField { eccentric });
-            self.add_element(&format!("weight of {name}"), &nodes, weight.into(), &p);
+            self.add_element(&name, &nodes, weight.into(), &p);
         }
     }
 

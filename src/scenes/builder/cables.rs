@@ -20,7 +20,7 @@ pub struct CableLine<S> {
     ends: [CableLineEnd; 2],
 }
 
-/// An element of a cable whose weight has not been added.
+/// The weight of an element of a cable.
 pub(super) enum HeavyCable<S> {
     /// Gravity is a parameter of its own.
     Own(ElementId),
@@ -135,7 +135,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let (elastic, inertia) = ([length, section.axial, section.bending], [length, section.mass]);
             let id = match section.strain {
                 CableStrain::Exact => {
-                    // gravity is given later
+                    // gravity is added when it is given
                     let mut p = [&elastic[..], &[section.mass], &[S::zero(); 3]].concat();
                     p.extend(section.damped.then_some(section.damping));
                     self.add_element(&own, nodes, Cable { damped: section.damped }.into(), &p)
@@ -179,19 +179,22 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
     }
 
-    /// Weight of the cables added so far.
-    pub(super) fn cable_gravity(&mut self, gravity: Vector3<S>) {
-        for heavy in std::mem::take(&mut self.heavy_cables) {
-            match heavy {
+    /// Weight of the elements of cables from one of them on.
+    pub(super) fn cable_gravity(&mut self, gravity: Vector3<S>, first: usize) {
+        for place in first..self.heavy_cables.len() {
+            match &self.heavy_cables[place] {
                 HeavyCable::Own(id) => {
                     // an element that was refused has been reported already
                     let Some(element) = self.model.elements.get(id.0) else { continue };
                     let first = element.parameters.start + GRAVITY;
-                    self.numbers.p[first..first + 3].copy_from_slice(&gravity.components());
+                    for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
+                        *own += component;
+                    }
                 }
                 HeavyCable::Apart(name, nodes, inertia) => {
                     let p = [&inertia[..], &gravity.components()].concat();
-                    self.add_element(&format!("weight of {name}"), &nodes, CableGravity.into(), &p);
+                    let (name, nodes) = (format!("weight of {name}"), *nodes);
+                    self.add_element(&name, &nodes, CableGravity.into(), &p);
                 }
             }
         }

@@ -10,16 +10,23 @@ use crate::elements::forces::{
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Weight for every mass added so far: g [m/s2].
+    /// Weight of every mass, beam and cable, whether added before or after: g [m/s2]. Several calls add up.
     pub fn gravity(&mut self, gravity: Vector3<S>) {
-        for (node, mass, centre) in std::mem::take(&mut self.masses) {
+        self.add_weights(gravity, [0; 3]);
+        self.gravities.push((gravity, [self.masses.len(), self.heavy_beams.len(), self.heavy_cables.len()]));
+    }
+
+    /// Weight of all masses and elements of beams and cables but the first ones.
+    pub(super) fn add_weights(&mut self, gravity: Vector3<S>, [masses, beams, cables]: [usize; 3]) {
+        for place in masses..self.masses.len() {
+            let (node, mass, centre) = self.masses[place];
             let name = format!("weight of {}", self.model.nodes[node.0].name);
             let on = self.kind_in_space(&name, node);
             let p: Vec<S> = [mass].into_iter().chain(gravity.components()).chain(centre.components()).collect();
             self.add_element(&name, &[node], Gravity { on }.into(), &p);
         }
-        self.beam_gravity(gravity);
-        self.cable_gravity(gravity);
+        self.beam_gravity(gravity, beams);
+        self.cable_gravity(gravity, cables);
     }
 
     /// A spring along the line between world points of two nodes: stiffness [N/m], rest length \[m\].
