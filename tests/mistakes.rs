@@ -25,6 +25,8 @@ enum Mistake {
     NoAxis,
     BodyForAngle,
     LooseCoordinate,
+    NegativeMoment,
+    UnevenMoments,
 }
 struct Mistaken(Option<Mistake>);
 
@@ -63,7 +65,12 @@ impl Scene for Mistaken {
             Some(NanParameter) => f64::NAN,
             _ => 2.0,
         };
-        let tensor = [0.01, 0.2, 0.2, 0.0, 0.0, 0.0].map(S::from);
+        let tensor = match self.0 {
+            Some(NegativeMoment) => [0.01, 0.2, 0.2, 0.0, 0.0, 0.3],
+            Some(UnevenMoments) => [0.01, 0.2, 0.5, 0.0, 0.0, 0.0],
+            _ => [0.01, 0.2, 0.2, 0.0, 0.0, 0.0],
+        };
+        let tensor = tensor.map(S::from);
         m.rigid_body("rod", rod, S::from(mass), Vector3::zeros(), tensor);
         let hinge = Vector3::from_f64([0.0, 1.0, 0.0]);
         let pivot = if let Some(GapInJoint) = self.0 { 0.01 } else { 0.0 };
@@ -370,4 +377,15 @@ fn a_spring_of_no_length_is_named() {
     let prepared = Prepared::new(&NoLength).expect("its force is taken to be zero there");
     let message = prepared.analysis().forward(&[2.0]).expect_err("its stiffness is no number").to_string();
     assert_says(&message, &["step 1", "\"string\"", "a derivative of row", "is NaN", "stiffness = 2 N/m"]);
+
+#[test]
+fn a_tensor_of_inertia_with_a_negative_principal_moment_is_refused_with_its_moments() {
+    let message = refused(Mistake::NegativeMoment);
+    assert_says(&message, &["\"rod\"", "principal moments", "-1.000e-1, 1.000e-2 and 5.000e-1 kg m2", "mass centre"]);
+}
+
+#[test]
+fn a_tensor_of_inertia_that_no_body_has_is_refused_with_its_moments() {
+    let message = refused(Mistake::UnevenMoments);
+    assert_says(&message, &["\"rod\"", "1.000e-2, 2.000e-1 and 5.000e-1 kg m2", "exceeds the sum", "by 2.900e-1"]);
 }

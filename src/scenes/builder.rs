@@ -14,7 +14,7 @@ use crate::design::ModelNumbers;
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -301,12 +301,37 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Inertia of a body, in Euler parameters or natural coordinates: mass \[kg\], mass centre in the body frame \[m\], tensor about it
     /// (xx, yy, zz, xy, xz, yz) [kg m2].
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
+        self.check_inertia(name, inertia.map(Scalar::value));
         self.masses.push((node, mass, centre));
         let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
         match self.kind_of_body(name, node) {
             NodeKind::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
             _ => self.add_element(name, &[node], RigidBody.into(), &p),
         }
+    }
+
+    /// Principal moments of a body are not negative, and none exceeds the sum of the other two; rods and plates stand at these limits.
+    fn check_inertia(&mut self, name: &str, inertia: [f64; 6]) {
+        let [xx, yy, zz, xy, xz, yz] = inertia;
+        // what is not finite is told with the other parameters
+        if inertia.iter().any(|entry| !entry.is_finite()) {
+            return;
+        }
+        let mut moments: [f64; 3] = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues().into();
+        moments.sort_by(f64::total_cmp);
+        let [least, middle, largest] = moments;
+        let (excess, round_off) = (largest - middle - least, 1e-9 * largest.abs().max(least.abs()));
+        let why = if least < -round_off {
+            "none can be negative".to_string()
+        } else if excess > round_off {
+            format!("the largest exceeds the sum of the others by {excess:.3e}, which no body's does")
+        } else {
+            return;
+        };
+        self.mistakes.push(format!(
+            "the inertia of \"{name}\" has the principal moments {least:.3e}, {middle:.3e} and {largest:.3e} kg m2: {why}; give the tensor \
+             about the mass centre in body axes, products with the sign of its entries"
+        ));
     }
 
     /// A mass \[kg\] at a point.
