@@ -94,6 +94,7 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--set", "length"], &["--set \"length\"", "NAME=VALUE"]),
         (&["run", "pendulum", "--set", "length=long"], &["\"long\" is not a number", "between 0.1 and 10 m"]),
         (&["run", "pendulum", "--set", "length=11"], &["length=11", "between 0.1 and 10 m"]),
+        (&["run", "pendulum", "--set", "length=1e300"], &["\"length\" is 1e300 m", "between 0.1 and 10 m"]),
         (&["run", "pendulum", "--set", "length=nan"], &["length=nan", "between 0.1 and 10 m"]),
         (&["run", "pendulum", "--set", "mass=1", "--set", "mass=2"], &["mass=2", "already set"]),
         (&["gradient", "pendulum", "--history", "disk"], &["--history", "'disk'", "file:PATH", "checkpoints:MEGABYTES"]),

@@ -389,3 +389,10 @@ fn a_tensor_of_inertia_that_no_body_has_is_refused_with_its_moments() {
     let message = refused(Mistake::UnevenMoments);
     assert_says(&message, &["\"rod\"", "1.000e-2, 2.000e-1 and 5.000e-1 kg m2", "exceeds the sum", "by 2.900e-1"]);
 }
+
+#[test]
+fn numbers_of_many_digits_are_told_in_few() {
+    let scene = Mistaken(None);
+    let error = Prepared::with(&scene, &[1e300], Prepared::default_method(), scene.settings()).err();
+    assert_says(&error.expect("out of bounds went unnoticed").to_string(), &["is 1e300 m"]);
+}

@@ -1,7 +1,7 @@
 use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
-use costate::design::{DesignVariable, check_design};
+use costate::design::{DesignVariable, check_design, shortest};
 use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
 };
@@ -119,6 +119,7 @@ pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -
         }
         seen.push(name);
         let DesignVariable { lower, upper, unit, .. } = &variables[index];
+        let [lower, upper] = [*lower, *upper].map(shortest);
         x[index] = value.parse().map_err(|_| {
             Failure::input(format!(
                 "--set {change}: \"{value}\" is not a number; it must lie between {lower} and {upper} {unit}"
@@ -131,7 +132,9 @@ pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -
 }
 
 fn example(variables: &[DesignVariable]) -> String {
-    variables.first().map_or_else(|| "length=2".into(), |variable| format!("{}={}", variable.name, variable.initial))
+    variables
+        .first()
+        .map_or_else(|| "length=2".into(), |variable| format!("{}={}", variable.name, shortest(variable.initial)))
 }
 
 impl SceneOptions {

@@ -28,6 +28,12 @@ impl DesignVariable {
     }
 }
 
+/// The shortest digits that read back as the same number: `0.25`, `12`; with an exponent beyond `1e6` and below `1e-4`.
+pub fn shortest(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-4..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
+}
+
 /// Why a design is refused.
 ///
 /// # Errors
@@ -39,6 +45,7 @@ pub fn check_design(variables: &[DesignVariable], x: &[f64]) -> Result<(), Strin
     for (variable, &value) in variables.iter().zip(x) {
         if !(value >= variable.lower && value <= variable.upper) {
             let DesignVariable { name, lower, upper, unit, .. } = variable;
+            let [value, lower, upper] = [value, *lower, *upper].map(shortest);
             return Err(format!(
                 "design variable \"{name}\" is {value} {unit}; it must lie between {lower} and {upper} {unit}"
             ));

@@ -6,6 +6,7 @@ use super::not_finite::not_finite;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
 use crate::assembly::{Equations, Model, NodeId, Residual, System, SystemOptions, VectorsAvq};
+use crate::design::shortest;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
 use crate::linalg::{Backend, independent_rows};
@@ -96,7 +97,7 @@ fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
         for (parameter, place) in parameters.iter().zip(places.clone()) {
             let value = problem.p[place];
             if !parameter.admissible.contains(value) {
-                let (name, unit) = (&parameter.name, parameter.unit);
+                let (name, unit, value) = (&parameter.name, parameter.unit, shortest(value));
                 let allowed = parameter.admissible.describe();
                 return Err(RunError::Input(format!("\"{owner}\": {name} is {value} {unit}; it must be {allowed}")));
             }
