@@ -1,6 +1,9 @@
 //! A user's mistake gets an answer: what is wrong, where, how much, and what to do.
 
+use costate::elements::flexible::section::Shape;
+use costate::elements::flexible::{CableSection, Material, Section};
 use costate::prelude::*;
+use costate::scenes::{BeamLine, CableLine};
 
 /// A body on a joint, with room for one mistake.
 #[derive(Clone, Copy)]
@@ -27,6 +30,12 @@ enum Mistake {
     LooseCoordinate,
     NegativeMoment,
     UnevenMoments,
+    NegativeSides,
+    ThickWall,
+    NoDiameter,
+    SkewStiffness,
+    IndefiniteStiffness,
+    NoShear,
 }
 struct Mistaken(Option<Mistake>);
 
@@ -41,6 +50,23 @@ impl Element for Drag {
     }
 }
 
+fn steel<S: Scalar>() -> Material<S> {
+    Material { young: S::from(2e11), poisson: S::from(0.3), density: S::from(7800.0) }
+}
+
+/// A section with stiffness 1, but for these entries.
+fn stiff<S: Scalar>(entries: &[(usize, usize, f64)]) -> Section<S> {
+    let mut stiffness = [[S::zero(); 6]; 6];
+    (0..6).for_each(|i| stiffness[i][i] = S::one());
+    entries.iter().for_each(|&(i, j, entry)| stiffness[i][j] = S::from(entry));
+    Section::new([S::one(); 6]).with_stiffness(stiffness)
+}
+
+/// A beam of one element.
+fn arm<S: Scalar>(m: &mut MechanismBuilder<S>, section: Section<S>) {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0]].map(Vector3::from_f64);
+    m.beam("arm", BeamLine::straight(points, 1, Vector3::from_f64([0.0, 1.0, 0.0])).clamped_start(), &section);
+}
 impl Scene for Mistaken {
     fn name(&self) -> String {
         "mistaken".into()
@@ -131,6 +157,17 @@ impl Scene for Mistaken {
             Some(TopologyFromDesign) if !x[0].is_constant() => {
                 m.line_damper("appears", [ground, rod], [hinge, axis * x[0]], S::one());
             }
+            Some(NegativeSides) => {
+                arm(m, Section::of(steel(), Shape::rectangle(S::from(-0.1), S::from(-0.2), S::from(0.3))))
+            }
+            Some(ThickWall) => arm(m, Section::of(steel(), Shape::tube(S::from(0.1), S::from(0.06), S::from(0.3)))),
+            Some(NoDiameter) => {
+                let line = CableLine::straight([axis, axis * S::from(2.0)], 1);
+                m.cable("rope", line, &CableSection::of(steel(), Shape::circle(S::zero(), S::from(0.3))));
+            }
+            Some(SkewStiffness) => arm(m, stiff(&[(0, 0, 2.0), (0, 4, 0.5)])),
+            Some(IndefiniteStiffness) => arm(m, stiff(&[(0, 4, 2.0), (4, 0, 2.0)])),
+            Some(NoShear) => arm(m, Section::new([1.0, 0.0, 1.0, 1.0, 1.0, 1.0].map(S::from))),
             _ => {}
         }
         Ok(())
@@ -388,6 +425,20 @@ fn a_tensor_of_inertia_with_a_negative_principal_moment_is_refused_with_its_mome
 fn a_tensor_of_inertia_that_no_body_has_is_refused_with_its_moments() {
     let message = refused(Mistake::UnevenMoments);
     assert_says(&message, &["\"rod\"", "1.000e-2, 2.000e-1 and 5.000e-1 kg m2", "exceeds the sum", "by 2.900e-1"]);
+}
+
+#[test]
+fn shapes_of_impossible_sizes_are_refused_with_their_numbers() {
+    assert_says(&refused(Mistake::NegativeSides), &["\"arm\"", "width is -0.1 m", "greater than 0"]);
+    assert_says(&refused(Mistake::ThickWall), &["\"arm\"", "wall is 0.06 m", "half of its diameter, 0.05 m"]);
+    assert_says(&refused(Mistake::NoDiameter), &["\"rope\"", "diameter is 0 m", "greater than 0"]);
+}
+
+#[test]
+fn stiffness_of_a_section_without_an_energy_is_refused_with_its_entries() {
+    assert_says(&refused(Mistake::SkewStiffness), &["\"arm\"", "row 1, column 5", "0.5", "0", "symmetric"]);
+    assert_says(&refused(Mistake::IndefiniteStiffness), &["\"arm\"", "not positive definite", "-1.0"]);
+    assert_says(&refused(Mistake::NoShear), &["\"arm\"", "row 2, column 2", "is 0", "greater than 0"]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::cable::{green_strain, square_of_curvature};
-use super::section::{Material, Shape};
+use super::section::{ImpossibleSize, Material, Shape};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 /// Which strains a cable's energy is made of.
@@ -37,18 +37,22 @@ pub struct CableSection<S> {
     pub damped: bool,
     /// Strains of the energy.
     pub strain: CableStrain,
+    /// A size that its shape cannot have.
+    pub impossible: Option<ImpossibleSize>,
 }
 
 impl<S: Scalar> CableSection<S> {
     /// A section by its stiffnesses EA \[N\] and EI [N m2] and its mass for each length [kg/m].
     pub fn new(axial: S, bending: S, mass: S) -> Self {
-        CableSection { axial, bending, mass, damping: S::zero(), damped: false, strain: CableStrain::Exact }
+        let (damping, strain) = (S::zero(), CableStrain::Exact);
+        CableSection { axial, bending, mass, damping, damped: false, strain, impossible: None }
     }
 
     /// A section of a material and a shape, which bends about axis 2 of the shape or is as stiff about every axis.
     pub fn of(material: Material<S>, shape: Shape<S>) -> Self {
         let Material { young, density, .. } = material;
-        CableSection::new(young * shape.area, young * shape.second_moments[0], density * shape.area)
+        let section = CableSection::new(young * shape.area, young * shape.second_moments[0], density * shape.area);
+        CableSection { impossible: shape.impossible, ..section }
     }
 
     /// With damping proportional to stiffness, eta \[s\].

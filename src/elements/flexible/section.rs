@@ -1,8 +1,14 @@
 //! Stiffness and inertia of beam sections, from numbers or from a material and a shape.
 
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
 use super::STRAINS;
+use crate::design::shortest;
 use crate::scalar::Scalar;
+use nalgebra::SMatrix;
 use std::f64::consts::PI;
+use std::fmt;
 
 /// An isotropic elastic material.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +45,8 @@ pub struct Section<S> {
     /// Whether stiffness has entries off the diagonal, the mass centre lies beside the line, and damping is asked for: topology, so that
     /// a design variable that is zero now can still be differentiated.
     pub kind: SectionKind,
+    /// A size that its shape cannot have.
+    pub impossible: Option<ImpossibleSize>,
 }
 
 /// What the beam's formulas take into account.
@@ -63,6 +71,43 @@ pub struct Shape<S> {
     pub torsion: S,
     /// Shear factors along axes 2 and 3 [-].
     pub shear: [S; 2],
+    /// A size that no shape has, told when a beam or a cable is made of it.
+    pub impossible: Option<ImpossibleSize>,
+}
+
+/// A size of a shape that is not greater than 0, or a wall without room \[m\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpossibleSize {
+    name: &'static str,
+    value: f64,
+    /// The name and half the value of the size that a wall must fit in.
+    within: Option<(&'static str, f64)>,
+}
+
+impl ImpossibleSize {
+    /// The first of some sizes that is not greater than 0.
+    fn among<S: Scalar>(sizes: &[(&'static str, S)]) -> Option<Self> {
+        let named = sizes.iter().map(|&(name, size)| ImpossibleSize { name, value: size.value(), within: None });
+        named.into_iter().find(|size| !(size.value > 0.0 && size.value.is_finite()))
+    }
+
+    /// The same for outer sizes and a wall, which is at most half of each of them.
+    fn of_hollow<S: Scalar>(outer: &[(&'static str, S)], wall: S) -> Option<Self> {
+        let thick = |&(name, size): &(&'static str, S)| {
+            let half = 0.5 * size.value();
+            let own = ImpossibleSize { name: "wall", value: wall.value(), within: Some((name, half)) };
+            (own.value > half * (1.0 + 1e-12)).then_some(own)
+        };
+        Self::among(outer).or(Self::among(&[("wall", wall)])).or_else(|| outer.iter().find_map(thick))
+    }
+}
+
+impl fmt::Display for ImpossibleSize {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let ImpossibleSize { name, value, within } = self;
+        write!(f, "its {name} is {} m; it must be greater than 0", shortest(*value))?;
+        within.map_or(Ok(()), |(outer, half)| write!(f, " and at most half of its {outer}, {} m", shortest(half)))
+    }
 }
 
 impl<S: Scalar> Shape<S> {
@@ -76,6 +121,7 @@ impl<S: Scalar> Shape<S> {
             second_moments: [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
             torsion: rectangle_torsion(width, height),
             shear: [factor; 2],
+            impossible: ImpossibleSize::among(&[("width", width), ("height", height)]),
         }
     }
 
@@ -94,6 +140,7 @@ impl<S: Scalar> Shape<S> {
             ],
             torsion: b * b * h * h * wall * 2.0 / (b + h),
             shear: [box_shear_factor(h, b, poisson), box_shear_factor(b, h, poisson)],
+            impossible: ImpossibleSize::of_hollow(&[("width", width), ("height", height)], wall),
         }
     }
 
@@ -106,6 +153,7 @@ impl<S: Scalar> Shape<S> {
             second_moments: [fourth; 2],
             torsion: fourth * 2.0,
             shear: [factor; 2],
+            impossible: ImpossibleSize::among(&[("diameter", diameter)]),
         }
     }
 
@@ -122,6 +170,7 @@ impl<S: Scalar> Shape<S> {
             second_moments: [fourth; 2],
             torsion: fourth * 2.0,
             shear: [factor; 2],
+            impossible: ImpossibleSize::of_hollow(&[("diameter", diameter)], wall),
         }
     }
 }
@@ -163,7 +212,7 @@ impl<S: Scalar> Section<S> {
         (0..STRAINS).for_each(|i| stiffness[i][i] = stiffnesses[i]);
         let (mass, damping) = (S::zero(), S::zero());
         let (centre, inertia) = ([S::zero(); 2], [S::zero(); 3]);
-        Section { stiffness, mass, centre, inertia, damping, kind: SectionKind::default() }
+        Section { stiffness, mass, centre, inertia, damping, kind: SectionKind::default(), impossible: None }
     }
 
     /// A section of a material and a shape.
@@ -172,7 +221,7 @@ impl<S: Scalar> Section<S> {
         let (shear, area) = (material.shear(), shape.area);
         let [second, third] = shape.second_moments;
         let [k2, k3] = shape.shear;
-        Section::new([
+        let section = Section::new([
             young * area,
             shear * area * k2,
             shear * area * k3,
@@ -180,7 +229,35 @@ impl<S: Scalar> Section<S> {
             young * second,
             young * third,
         ])
-        .with_inertia(density * area, [density * second, density * third])
+        .with_inertia(density * area, [density * second, density * third]);
+        Section { impossible: shape.impossible, ..section }
+    }
+
+    /// Why no beam can have this section, in words: a size of its shape, or a stiffness that is not symmetric and positive definite.
+    pub fn mistake(&self) -> Option<String> {
+        if let Some(size) = self.impossible {
+            return Some(size.to_string());
+        }
+        let stiffness = self.stiffness.map(|row| row.map(Scalar::value));
+        if let Some(i) = (0..STRAINS).find(|&i| !(stiffness[i][i] > 0.0 && stiffness[i][i].is_finite())) {
+            let (row, entry) = (i + 1, shortest(stiffness[i][i]));
+            return Some(format!("its stiffness in row {row}, column {row} is {entry}; it must be greater than 0"));
+        }
+        // strains have different units: each is measured by its own energy
+        let scaled = |i: usize, j: usize| stiffness[i][j] / (stiffness[i][i].sqrt() * stiffness[j][j].sqrt());
+        let pairs = (0..STRAINS).flat_map(|i| (0..i).map(move |j| (j, i)));
+        if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| !((scaled(i, j) - scaled(j, i)).abs() <= 1e-9)) {
+            let (row, column, own, other) = (i + 1, j + 1, shortest(stiffness[i][j]), shortest(stiffness[j][i]));
+            return Some(format!(
+                "its stiffness in row {row}, column {column} is {own}, but {other} in row {column}, column {row}; it must be symmetric"
+            ));
+        }
+        let least = SMatrix::<f64, STRAINS, STRAINS>::from_fn(scaled).symmetric_eigenvalues().min();
+        (!(least > 0.0)).then(|| {
+            format!(
+                "its stiffness is not positive definite: scaled to a diagonal of 1, its smallest eigenvalue is {least:.3e}"
+            )
+        })
     }
 
     /// With mass [kg/m] and second moments of mass about axes 2 and 3 [kg m].

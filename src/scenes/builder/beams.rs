@@ -150,7 +150,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let kind = section(0.0).kind;
         let field = BeamField { coupled: kind.coupled, damped: kind.damped, eccentric: kind.eccentric };
         let mut member = BeamMember { nodes: Vec::new(), elements: Vec::new(), field, name: name.to_string() };
-        let sound = self.check_line(name, &line) && self.check_kinds(name, count / 2, &section);
+        let sound = self.check_line(name, &line) && self.check_sections(name, count / 2, &section);
         let given = line.ends.iter().find_map(|end| if let End::Node(node) = end { Some(*node) } else { None });
         let rotation = given.map_or_else(Quaternion::identity, |node| self.rotation(node));
         for (i, &point) in line.points.iter().enumerate() {
@@ -262,13 +262,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.mistakes.len() == mistakes
     }
 
-    /// What a section's formulas take into account is topology: the same all along the beam.
-    fn check_kinds(&mut self, name: &str, elements: usize, section: &impl Fn(f64) -> Section<S>) -> bool {
+    /// Sections are possible, and what their formulas take into account is topology: the same all along the beam.
+    fn check_sections(&mut self, name: &str, elements: usize, section: &impl Fn(f64) -> Section<S>) -> bool {
         let first = section(0.0).kind;
         let shares = (0..elements).flat_map(|element| {
             let share = move |xi: f64| (element as f64 + 0.5 * (xi + 1.0)) / elements as f64;
             TWO.into_iter().chain(THREE).map(share)
         });
+        if let Some((share, why)) = shares.clone().find_map(|share| Some((share, section(share).mistake()?))) {
+            self.mistakes.push(format!("the section of \"{name}\" at {share:.4} of its length: {why}"));
+            return false;
+        }
         let Some((share, other)) = shares.map(|share| (share, section(share).kind)).find(|(_, kind)| *kind != first) else {
             return true;
         };

@@ -105,6 +105,9 @@ impl<S: Scalar> MechanismBuilder<S> {
                 "\"{name}\" has {number} elements on a line of {apart} m; a cable needs one element or more and ends that lie apart"
             ));
         }
+        if let Some(size) = section.impossible {
+            self.mistakes.push(format!("the section of \"{name}\": {size}"));
+        }
         if section.damped && section.strain == CableStrain::Small {
             self.mistakes.push(format!(
                 "\"{name}\" asks for damping of a cable for small strains, which has none: take the exact strains"
