@@ -36,6 +36,9 @@ enum Mistake {
     SkewStiffness,
     IndefiniteStiffness,
     NoShear,
+    TwoFunctionals,
+    TwoJoints,
+    TwoVariables,
 }
 struct Mistaken(Option<Mistake>);
 
@@ -72,7 +75,8 @@ impl Scene for Mistaken {
         "mistaken".into()
     }
     fn variables(&self) -> Vec<DesignVariable> {
-        vec![DesignVariable::new("length", 1.0, (0.5, 2.0), "m")]
+        let length = DesignVariable::new("length", 1.0, (0.5, 2.0), "m");
+        vec![length; if let Some(Mistake::TwoVariables) = self.0 { 2 } else { 1 }]
     }
     fn settings(&self) -> Settings {
         Settings::new(1.0, 50)
@@ -168,6 +172,8 @@ impl Scene for Mistaken {
             Some(SkewStiffness) => arm(m, stiff(&[(0, 0, 2.0), (0, 4, 0.5)])),
             Some(IndefiniteStiffness) => arm(m, stiff(&[(0, 4, 2.0), (4, 0, 2.0)])),
             Some(NoShear) => arm(m, Section::new([1.0, 0.0, 1.0, 1.0, 1.0, 1.0].map(S::from))),
+            Some(TwoFunctionals) => m.energy_functional("tip", Over::Terminal),
+            Some(TwoJoints) => drop(m.point_in_plane("hinge", [ground, rod], Vector3::zeros(), hinge)),
             _ => {}
         }
         Ok(())
@@ -439,6 +445,13 @@ fn stiffness_of_a_section_without_an_energy_is_refused_with_its_entries() {
     assert_says(&refused(Mistake::SkewStiffness), &["\"arm\"", "row 1, column 5", "0.5", "0", "symmetric"]);
     assert_says(&refused(Mistake::IndefiniteStiffness), &["\"arm\"", "not positive definite", "-1.0"]);
     assert_says(&refused(Mistake::NoShear), &["\"arm\"", "row 2, column 2", "is 0", "greater than 0"]);
+}
+
+#[test]
+fn results_that_share_a_name_are_refused() {
+    assert_says(&refused(Mistake::TwoFunctionals), &["two functionals are named \"tip\""]);
+    assert_says(&refused(Mistake::TwoJoints), &["two joints are named \"hinge\""]);
+    assert_says(&refused(Mistake::TwoVariables), &["two design variables are named \"length\""]);
 }
 
 #[test]

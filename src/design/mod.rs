@@ -5,6 +5,7 @@
 
 use crate::program::{Listing, Node, Program, ProgramWork, Recorded, Recording, record};
 use crate::scalar::Scalar;
+use std::collections::HashSet;
 
 /// A named number that may be changed by design.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,12 @@ impl DesignVariable {
 pub fn shortest(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-4..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
+}
+
+/// The first name that is given twice: results are asked for by name.
+pub fn repeated<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    let mut seen = HashSet::new();
+    names.find(|name| !seen.insert(*name))
 }
 
 /// Why a design is refused.

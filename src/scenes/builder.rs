@@ -10,7 +10,7 @@ pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
-use crate::design::ModelNumbers;
+use crate::design::{ModelNumbers, repeated};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
@@ -399,6 +399,11 @@ impl<S: Scalar> MechanismBuilder<S> {
                 self.mistakes
                     .push(format!("an energy functional needs the energies of \"{name}\", which it does not state"));
             }
+        }
+        let functionals = repeated(self.functionals.iter().map(|functional| &*functional.name));
+        let joints = repeated(self.model.constraints.iter().map(|joint| &*joint.name));
+        for (what, name) in [("functionals", functionals), ("joints", joints)] {
+            self.mistakes.extend(name.map(|name| format!("two {what} are named \"{name}\"")));
         }
         if self.model.nodes.iter().all(|node| node.fixed) {
             self.mistakes.push("the scene has no node that can move".into());

@@ -1,7 +1,7 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
 use crate::assembly::{Model, NodeId};
-use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design};
+use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design, repeated};
 use crate::functionals::Functional;
 use crate::history::Keep;
 use crate::integrators::{
@@ -139,6 +139,9 @@ impl<'s> Prepared<'s> {
     /// A design out of bounds, a mistake of the scene, or a start that cannot be simulated, with names and numbers.
     pub fn with(scene: &'s dyn AnyScene, x: &[f64], method: Method, settings: Settings) -> Result<Self, RunError> {
         let variables = scene.design_variables();
+        if let Some(name) = repeated(variables.iter().map(|variable| &*variable.name)) {
+            return Err(RunError::Input(format!("two design variables are named \"{name}\"")));
+        }
         check_design(&variables, x).map_err(RunError::Input)?;
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
         let breakpoints = mechanism.breakpoints();
