@@ -455,6 +455,25 @@ fn results_that_share_a_name_are_refused() {
 }
 
 #[test]
+fn a_run_at_a_design_out_of_bounds_is_refused_with_the_bounds() {
+    let scene = Prepared::new(&Mistaken(None)).expect("no mistake");
+    let analysis = scene.analysis();
+    let forward = analysis.forward(&scene.x).expect("no mistake");
+    let refused: [(&[f64], &[&str]); 3] = [
+        (&[3.0], &["\"length\" is 3 m", "between 0.5 and 2 m"]),
+        (&[f64::NAN], &["\"length\" is NaN m", "between 0.5 and 2 m"]),
+        (&[1.0, 1.0], &["1 design variable", "2 values"]),
+    ];
+    for (x, expected) in refused {
+        let runs = [analysis.values(x).err(), analysis.forward(x).err()];
+        let gradients = [analysis.adjoint(x, &forward), analysis.tangent(x, &forward), analysis.complex_step(x, &forward)];
+        for error in runs.into_iter().chain(gradients.map(Result::err)) {
+            assert_says(&error.expect("out of bounds went unnoticed").to_string(), expected);
+        }
+    }
+}
+
+#[test]
 fn numbers_of_many_digits_are_told_in_few() {
     let scene = Mistaken(None);
     let error = Prepared::with(&scene, &[1e300], Prepared::default_method(), scene.settings()).err();
