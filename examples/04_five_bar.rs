@@ -10,7 +10,7 @@ fn main() -> Result<(), RunError> {
     let reference = [("L01", 32.757_973_4), ("k1", 0.088_289_665_0), ("c", 1.015_037_82)];
     let settings = Settings { steps: 1000, ..FiveBar.settings() };
     let x: Vec<f64> = FiveBar.variables().iter().map(|variable| variable.initial).collect();
-    let scene = Prepared::with(&FiveBar, &x, Prepared::default_method(), settings)?;
+    let scene = Prepared::with(&FiveBar, &x, Prepared::method_of(&settings)?, settings)?;
     let analysis = scene.analysis();
     let forward = analysis.forward(&x)?;
     let gradient = analysis.adjoint(&x, &forward)?;

@@ -31,7 +31,7 @@ fn scene(name: &str) -> Box<dyn AnyScene> {
 
 fn prepared<'s>(scene: &'s dyn AnyScene, method: Method, end: f64, steps: usize) -> Prepared<'s> {
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let mut settings = Settings { end, steps, ..scene.default_settings() };
+    let mut settings = Settings { end, steps, ..scene.default_settings().without_method() };
     settings.policy.project_start = true;
     Prepared::with(scene, &x, method, settings).expect("a sound scene")
 }
@@ -111,7 +111,8 @@ fn steps_that_were_given_up_leave_no_trace() {
     for (table, level) in members {
         let place = format!("{table}, {} level", level.name());
         let method = Method::new(table_by_name(table).expect("listed"), level);
-        let settings = Settings { end: 2.5, ..scene.default_settings() }.choosing_steps(StepControl::new(1e-3));
+        let settings =
+            Settings { end: 2.5, ..scene.default_settings().without_method() }.choosing_steps(StepControl::new(1e-3));
         let mut prepared = Prepared::with(&*scene, &x, method, settings).expect("a sound scene");
         let forward = prepared.analysis().forward(&x).expect(&place);
         rejected += forward.rejected;

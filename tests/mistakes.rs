@@ -474,6 +474,16 @@ fn a_run_at_a_design_out_of_bounds_is_refused_with_the_bounds() {
 }
 
 #[test]
+fn settings_that_name_another_method_than_the_given_one_are_refused() {
+    let settings = Mistaken(None).settings().with_method("bdf2");
+    let error = Prepared::with(&Mistaken(None), &[1.0], Prepared::default_method(), settings).err();
+    assert_says(
+        &error.expect("two methods went unnoticed").to_string(),
+        &["\"bdf2\"", "\"esdirk4\"", "Prepared::method_of"],
+    );
+}
+
+#[test]
 fn numbers_of_many_digits_are_told_in_few() {
     let scene = Mistaken(None);
     let error = Prepared::with(&scene, &[1e300], Prepared::default_method(), scene.settings()).err();

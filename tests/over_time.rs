@@ -7,7 +7,7 @@ use costate::scenes::AnyScene;
 use costate::scenes::built_in::{FiveBar, FlexiblePendulum};
 
 fn prepared<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Prepared<'s> {
-    let mut settings = scene.default_settings();
+    let mut settings = scene.default_settings().without_method();
     (settings.end, settings.steps) = (end, steps);
     let table = table_named(method).expect("no mistake").expect("listed");
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();

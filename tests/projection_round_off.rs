@@ -36,7 +36,7 @@ impl Scene for TopWithFrameAtTip {
 fn worst_violation(scene: &dyn AnyScene, table: &str, end: f64, steps: usize) -> Violation {
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let method = Method::new(table_by_name(table).expect("listed"), ConstraintLevel::Acceleration);
-    let settings = Settings { end, steps, ..scene.default_settings() };
+    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
     let prepared = Prepared::with(scene, &x, method, settings).expect("a sound scene");
     let mut worst = Violation::default();
     let mut watch = Watch(|step: &StepRecord<f64>| {

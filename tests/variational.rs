@@ -14,7 +14,7 @@ use costate::scenes::built_in::{
 use costate::sensitivity::largest_difference;
 
 fn prepared<'s>(scene: &'s dyn AnyScene, name: &str, end: f64, steps: usize) -> Prepared<'s> {
-    let mut settings = scene.default_settings();
+    let mut settings = scene.default_settings().without_method();
     (settings.end, settings.steps, settings.divide) = (end, steps, false);
     let table = table_named(name).expect("no mistake").expect("listed");
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();

@@ -15,7 +15,7 @@ fn scene(name: &str) -> Box<dyn AnyScene> {
 
 fn prepared<'s>(scene: &'s dyn AnyScene, end: f64, steps: usize) -> Prepared<'s> {
     let x: Vec<f64> = scene.design_variables().iter().map(|variable: &DesignVariable| variable.initial).collect();
-    let settings = Settings { end, steps, ..scene.default_settings() };
+    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
     Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene")
 }
 

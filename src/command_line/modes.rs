@@ -4,7 +4,7 @@ use super::options::{changed_design, find_scene};
 use super::simulation::long_number;
 use clap::Args;
 use costate::assembly::Model;
-use costate::integrators::{ConstraintLevel, Method, Mode, STATIC_TABLE, table_by_name};
+use costate::integrators::{Mode, STATIC_TABLE};
 use costate::io::Table;
 use costate::scenes::Prepared;
 use serde_json::{Map, Value, json};
@@ -44,11 +44,8 @@ pub fn run(options: &ModesOptions) -> Result<(), Failure> {
     let scene = find_scene(&options.scene)?;
     let x = changed_design(&scene.design_variables(), &options.set)?;
     let settings = scene.default_settings();
-    let mut method = Prepared::method_of(&settings)?;
-    if options.statics {
-        let table = table_by_name(STATIC_TABLE).ok_or_else(|| Failure::run("the method of equilibria is not listed"))?;
-        method = Method::new(table, ConstraintLevel::default());
-    }
+    let settings = if options.statics { settings.with_method(STATIC_TABLE) } else { settings };
+    let method = Prepared::method_of(&settings)?;
     let named = |error| {
         let failure = Failure::from(error);
         let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");

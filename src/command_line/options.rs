@@ -180,7 +180,7 @@ impl SceneOptions {
     /// The option, its value and what is allowed.
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
         let mut settings = scene.default_settings();
-        let name = self.method.as_deref().or(settings.method).unwrap_or(DEFAULT_TABLE);
+        let name = self.method.as_deref().or(settings.method.take()).unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(|message| Failure::input(format!("--method: {message}")))?;
         let table = table.ok_or_else(|| {
             let known: Vec<String> =

@@ -26,7 +26,7 @@ pub struct Settings {
     pub divide: bool,
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
-    /// Name of the scene's own integrator, where it is not the default one.
+    /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`].
     pub method: Option<&'static str>,
 }
 
@@ -45,6 +45,13 @@ impl Settings {
     #[must_use]
     pub fn with_method(mut self, name: &'static str) -> Self {
         self.method = Some(name);
+        self
+    }
+
+    /// Leaves the integrator to the caller.
+    #[must_use]
+    pub fn without_method(mut self) -> Self {
+        self.method = None;
         self
     }
 
@@ -133,7 +140,8 @@ impl<'s> Prepared<'s> {
         Self::with(scene, &x, Self::method_of(&settings)?, settings)
     }
 
-    /// Builds a scene at a design.
+    /// Builds a scene at a design. The method is the given one: settings that name another are refused, see
+    /// [`Settings::without_method`].
     ///
     /// # Errors
     /// A design out of bounds, a mistake of the scene, or a start that cannot be simulated, with names and numbers.
@@ -143,6 +151,13 @@ impl<'s> Prepared<'s> {
             return Err(RunError::Input(format!("two design variables are named \"{name}\"")));
         }
         check_design(&variables, x).map_err(RunError::Input)?;
+        if let Some(own) = settings.method.filter(|own| *own != method.table.name) {
+            return Err(RunError::Input(format!(
+                "the settings name the method \"{own}\", but \"{}\" is given: take Prepared::method_of(&settings), or settings \
+                 without_method()",
+                method.table.name
+            )));
+        }
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
         let breakpoints = mechanism.breakpoints();
         let Settings { end, steps, control, divide, policy, .. } = settings;

@@ -83,7 +83,7 @@ fn measure(table: &Table, tolerance: NewtonTolerance, bodies: usize, steps: usiz
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let method = Method { tolerance, ..Method::new(table.clone(), ConstraintLevel::Acceleration) };
     let prepare = |steps: usize| {
-        let settings = Settings { end: STEP * steps as f64, steps, ..scene.default_settings() };
+        let settings = Settings { end: STEP * steps as f64, steps, ..scene.default_settings().without_method() };
         Prepared::with(scene, &x, method.clone(), settings).map_err(|error| error.to_string())
     };
     // a first step alone costs what is set up once: it is subtracted

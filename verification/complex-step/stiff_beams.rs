@@ -55,7 +55,7 @@ pub fn run(report: &mut Report) -> Result<(), RunError> {
 
 /// One scene up to an end [s] with steps of 0.01 s.
 fn of_scene(report: &mut Report, scene: &dyn AnyScene, end: f64, axial: Option<f64>) -> Result<(), RunError> {
-    let mut settings = scene.default_settings();
+    let mut settings = scene.default_settings().without_method();
     (settings.end, settings.steps) = (end, (100.0 * end) as usize);
     let variables = scene.design_variables();
     let at = |name: &str, initial: f64| axial.filter(|_| name == STIFFNESS.0).unwrap_or(initial);

@@ -36,7 +36,7 @@ fn measure_both(report: &mut Report) -> Result<(), String> {
     let mut prepared = Vec::new();
     for scene in &chains {
         let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-        let settings = Settings { end: 0.1, steps: 20, ..scene.default_settings() };
+        let settings = Settings { end: 0.1, steps: 20, ..scene.default_settings().without_method() };
         let built = Prepared::with(&***scene, &x, Prepared::default_method(), settings);
         prepared.push(built.map_err(|error| error.to_string())?);
     }

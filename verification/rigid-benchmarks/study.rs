@@ -53,7 +53,7 @@ type Part = fn(&mut Report) -> Result<(), String>;
 fn prepare<'s>(scene: &'s dyn AnyScene, table: &str, end: f64, steps: usize) -> Result<Prepared<'s>, String> {
     let table = table_by_name(table).ok_or_else(|| format!("no integrator is named \"{table}\""))?;
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let settings = Settings { end, steps, ..scene.default_settings() };
+    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
     Prepared::with(scene, &x, Method::new(table, ConstraintLevel::Acceleration), settings).map_err(|e| e.to_string())
 }
 

@@ -61,7 +61,7 @@ fn initial(scene: &dyn AnyScene) -> Vec<f64> {
 }
 
 fn prepare(scene: &dyn AnyScene, method: Method, end: f64, steps: usize) -> Result<Prepared<'_>, String> {
-    let settings = Settings { end, steps, ..scene.default_settings() };
+    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
     Prepared::with(scene, &initial(scene), method, settings).map_err(|error| error.to_string())
 }
 

@@ -40,7 +40,7 @@ impl Study for Variational {
 }
 
 fn prepare<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Result<Prepared<'s>, RunError> {
-    let mut settings = scene.default_settings();
+    let mut settings = scene.default_settings().without_method();
     (settings.end, settings.steps, settings.divide) = (end, steps, false);
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let table = table_named(method).map_err(RunError::Input)?;

@@ -101,7 +101,7 @@ impl Motion {
             Steps::Equal(steps) => (steps, None),
             Steps::Chosen(tolerance) => (1, Some(StepControl::new(tolerance))),
         };
-        let settings = Settings { end: self.end, steps, control, ..self.scene.default_settings() };
+        let settings = Settings { end: self.end, steps, control, ..self.scene.default_settings().without_method() };
         let mut prepared = Prepared::with(self.scene, &x, method, settings).map_err(|error| error.to_string())?;
         prepared.mechanism.functionals.clear();
         Ok(prepared)
