@@ -79,6 +79,7 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["run", "pendulum", "--end", "-1"], &["--end", "'-1'", "above 0"]),
         (&["run", "pendulum", "--end", "inf"], &["--end", "'inf'", "above 0"]),
         (&["run", "pendulum", "--method", "esdrik3"], &["--method \"esdrik3\"", "\"esdirk3\"?", "midpoint"]),
+        (&["run", "pendulum", "--method", "typo"], &["--method \"typo\"", "bdf3, variational, static"]),
         (&["run", "pendulum", "--method", "generalized-alpha:2"], &["--method", "generalized-alpha:2", "from 0 to 1"]),
         (
             &["run", "pendulum", "--method", "bdf2", "--tolerance", "1e-6"],

@@ -2,9 +2,7 @@ use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
-use costate::integrators::{
-    ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, STATIC_TABLE, StepControl, table_named, tables,
-};
+use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, StepControl, table_named, table_names};
 use costate::linalg::Backend;
 use costate::program::{Execution, set_execution};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
@@ -182,11 +180,7 @@ impl SceneOptions {
         let mut settings = scene.default_settings();
         let name = self.method.as_deref().or(settings.method.take()).unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(|message| Failure::input(format!("--method: {message}")))?;
-        let table = table.ok_or_else(|| {
-            let known: Vec<String> =
-                tables().into_iter().map(|table| table.name).chain([STATIC_TABLE.to_string()]).collect();
-            Failure::input(unknown("--method", name, &known))
-        })?;
+        let table = table.ok_or_else(|| Failure::input(unknown("--method", name, &table_names())))?;
         let level = ConstraintLevel::by_name(&self.constraint_level).ok_or_else(|| {
             let known = ConstraintLevel::ALL.map(|level| level.name().to_string());
             Failure::input(unknown("--constraint-level", &self.constraint_level, &known))
@@ -240,10 +234,9 @@ mod tests {
         let run = command.find_subcommand_mut("run").unwrap();
         let help = run.render_long_help().to_string();
         let levels = ConstraintLevel::ALL.map(|level| level.name()).join(", ");
-        let methods = tables().into_iter().map(|table| table.name).collect::<Vec<_>>().join(", ");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(help.contains(STATIC_TABLE) && help.contains(&format!("else {DEFAULT_TABLE}")), "{help}");
-        assert!(help.contains(&levels) && help.contains(&methods), "{help}");
+        assert!(table_names().iter().all(|name| help.contains(name)), "{help}");
+        assert!(help.contains(&format!("else {DEFAULT_TABLE}")) && help.contains(&levels), "{help}");
         assert!(Backend::ALL.iter().all(|backend| help.contains(backend.name())), "{help}");
     }
 }

@@ -51,7 +51,7 @@ pub use start::{ConstraintPolicy, InitialState, StartPlan};
 pub use step::Stepper;
 pub use systems::Systems;
 pub use table::{Carried, Combination, Embedded, Quadrature, Scheme, Stage, Starter, Table};
-pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_named, tables};
+pub use tables::{DEFAULT_TABLE, STATIC_TABLE, table_by_name, table_named, table_names, tables};
 pub use variational_momentum::discrete_momentum;
 pub use vibrations::{Mode, vibrations};
 

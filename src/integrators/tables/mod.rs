@@ -23,6 +23,12 @@ pub fn tables() -> Vec<Table> {
     tableaus.into_iter().map(Butcher::into_table).chain(others).collect()
 }
 
+/// Names of all that [`table_named`] knows without a number behind them.
+pub fn table_names() -> Vec<String> {
+    let others = [variational::NAME, STATIC_TABLE].map(String::from);
+    tables().into_iter().map(|table| table.name).chain(others).collect()
+}
+
 /// The integrator with a given name, `static` included; `generalized-alpha:0.6` is generalized-alpha with that spectral radius,
 /// `variational:0.6` the variational integrator with its quadrature point there.
 ///
@@ -33,7 +39,7 @@ pub fn table_named(name: &str) -> Result<Option<Table>, String> {
         Some(("generalized-alpha", _)) => ("spectral radius", newmark::generalized_alpha),
         Some(("variational", _)) => ("quadrature point", variational::variational),
         _ => {
-            let others = [statics::statics(), variational::variational("variational", variational::DEFAULT_ALPHA)];
+            let others = [statics::statics(), variational::variational(variational::NAME, variational::DEFAULT_ALPHA)];
             return Ok(tables().into_iter().chain(others).find(|table| table.name == name));
         }
     };

@@ -2,6 +2,9 @@
 
 use crate::integrators::{Carried, Combination, Quadrature, Stage, Starter, Table};
 
+/// Name of the table.
+pub const NAME: &str = "variational";
+
 /// Place of the quadrature point of `variational` where none is given.
 pub const DEFAULT_ALPHA: f64 = 0.5;
 
