@@ -489,3 +489,10 @@ fn numbers_of_many_digits_are_told_in_few() {
     let error = Prepared::with(&scene, &[1e300], Prepared::default_method(), scene.settings()).err();
     assert_says(&error.expect("out of bounds went unnoticed").to_string(), &["is 1e300 m"]);
 }
+
+#[test]
+fn more_steps_than_can_be_kept_are_refused() {
+    let settings = Settings::new(1.0, usize::MAX);
+    let error = Prepared::with(&Mistaken(None), &[1.0], Prepared::default_method(), settings).err();
+    assert_says(&error.expect("the number went unnoticed").to_string(), &["18446744073709551615 steps", "at most"]);
+}

@@ -2,14 +2,13 @@ use super::failure::Failure;
 use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
-use costate::integrators::{ConstraintLevel, DEFAULT_TABLE, Method, NewtonTolerance, StepControl, table_named, table_names};
+use costate::integrators::{
+    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, StepControl, table_named, table_names,
+};
 use costate::linalg::Backend;
 use costate::program::{Execution, set_execution};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::path::PathBuf;
-
-/// Most steps of a run.
-const MOST_STEPS: usize = 10_000_000;
 
 /// What is simulated, and how.
 #[derive(Args, Debug)]

@@ -1,5 +1,8 @@
 use std::collections::BTreeSet;
 
+/// Most steps of a run: their ends are kept.
+pub const MOST_STEPS: usize = 100_000_000;
+
 /// The ends of all steps, and which of them are breakpoints of a load or driver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeGrid {
@@ -15,9 +18,9 @@ impl TimeGrid {
     /// # Errors
     /// An end or step number that is not positive, in words.
     pub fn uniform(end: f64, steps: usize, breakpoints: &[f64]) -> Result<Self, String> {
-        if !(end > 0.0 && end.is_finite()) || steps == 0 {
+        if !(end > 0.0 && end.is_finite() && (1..=MOST_STEPS).contains(&steps)) {
             return Err(format!(
-                "a simulation needs an end time above 0 and at least 1 step, not {end} s and {steps} steps"
+                "a simulation needs an end time above 0, at least 1 and at most {MOST_STEPS} steps, not {end} s and {steps} steps"
             ));
         }
         let h = end / steps as f64;

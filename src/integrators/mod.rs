@@ -39,7 +39,7 @@ pub use checkpoint::{Checkpoint, FactoredAt, KeptFactorization, StepState};
 pub use counters::Counters;
 pub use dividing::march_dividing;
 pub use error::RunError;
-pub use grid::TimeGrid;
+pub use grid::{MOST_STEPS, TimeGrid};
 pub use march::{Method, Problem, Run, march, march_along};
 pub use newton::{Newton, NewtonTolerance};
 pub(crate) use prediction::MOST as MOST_TRACKED;
