@@ -496,3 +496,16 @@ fn more_steps_than_can_be_kept_are_refused() {
     let error = Prepared::with(&Mistaken(None), &[1.0], Prepared::default_method(), settings).err();
     assert_says(&error.expect("the number went unnoticed").to_string(), &["18446744073709551615 steps", "at most"]);
 }
+
+#[test]
+fn gradients_are_asked_for_by_one_flag_for_each_functional() {
+    let scene = Prepared::new(&Mistaken(None)).expect("no mistake");
+    let forward = scene.analysis().forward(&scene.x).expect("no mistake");
+    for flags in [&[][..], &[true, true]] {
+        let error = scene.analysis().adjoint_of(&scene.x, &forward, flags).err();
+        assert_says(
+            &error.expect("the flags went unnoticed").to_string(),
+            &["1 functional", &format!("{} flags", flags.len())],
+        );
+    }
+}

@@ -196,6 +196,13 @@ impl<'m> Analysis<'m> {
     /// As there.
     pub fn adjoint_of(&self, x: &[f64], forward: &Forward, wanted: &[bool]) -> Result<Gradient, RunError> {
         self.check_belonging(x, forward)?;
+
+        let (flags, functionals) = (wanted.len(), self.functionals.len());
+        if flags != functionals {
+            return Err(RunError::Input(format!(
+                "the analysis has {functionals} functionals, but {flags} flags say which of them are wanted"
+            )));
+        }
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
