@@ -70,6 +70,11 @@ crate::assembly::empty_fields!(MechanismBuilder {
     mistakes
 });
 
+/// What is read of a node that is not there.
+fn no_vector<S: Scalar>() -> Vector3<S> {
+    Vector3::from_f64([f64::NAN; 3])
+}
+
 impl<S: Scalar> MechanismBuilder<S> {
     fn add_node(&mut self, name: &str, kind: NodeKind, fixed: bool, q: &[S]) -> NodeId {
         if self.model.nodes.iter().any(|node| node.name == name) {
@@ -127,7 +132,8 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Gives a node a velocity [m/s] and, if it is a body or a cable's node, an angular velocity in world components [rad/s].
     pub fn set_velocity(&mut self, node: NodeId, velocity: Vector3<S>, omega_world: Vector3<S>) {
-        if let NodeKind::Coordinates(_) = self.model.nodes[node.0].kind {
+        let Some(kind) = self.kind_of("set_velocity", node) else { return };
+        if let NodeKind::Coordinates(_) = kind {
             let name = &self.model.nodes[node.0].name;
             self.mistakes
                 .push(format!("\"{name}\" has no place in space: give the rates of its coordinates where it is made"));
@@ -137,7 +143,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         for (place, v) in (first..).zip(velocity.components()) {
             self.numbers.v[place] = v;
         }
-        let rates: Vec<S> = match self.model.nodes[node.0].kind {
+        let rates: Vec<S> = match kind {
             NodeKind::Body => {
                 let e = Quaternion::from_slice(&self.numbers.q[first + 3..]);
                 e.rate_of_body_velocity(e.rotate_back(omega_world)).to_vec()
@@ -156,16 +162,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.set_angle_rates();
     }
 
-    /// Initial angular velocity of a body in world components [rad/s].
+    /// Initial angular velocity of a body in world components [rad/s]; not a number for a node of another mechanism, as are the
+    /// following.
     pub fn angular_velocity(&self, node: NodeId) -> Vector3<S> {
-        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else { return no_vector() };
         let (v, q) = (&self.numbers.v[dofs.clone()], &self.numbers.q[dofs.clone()]);
         kind.angular_velocity(v, q)
     }
 
     /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vector3<S> {
-        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else { return no_vector() };
         match kind {
             NodeKind::Coordinates(_) => Vector3::zeros(),
             _ => Vector3::first_three(&self.numbers.q[dofs.start..]),
@@ -174,7 +181,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Initial Euler parameters of a body; other nodes have the axes of the world.
     pub fn rotation(&self, node: NodeId) -> Quaternion<S> {
-        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else {
+            return Quaternion([S::from(f64::NAN); 4]);
+        };
         match kind {
             NodeKind::Body => Quaternion::from_slice(&self.numbers.q[dofs.start + 3..]),
             NodeKind::Natural => Quaternion::of_columns(&NodeKind::Natural.axes(&self.numbers.q[dofs.clone()])),
@@ -184,23 +193,60 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A world point \[m\] in the frame of a body; zero for other nodes, whose own position it is.
     pub fn local_point(&self, node: NodeId, point: Vector3<S>) -> Vector3<S> {
-        if self.model.nodes[node.0].kind.has_axes() {
-            return self.local_direction(node, point - self.position(node));
+        match self.model.nodes.get(node.0) {
+            Some(own) if !own.kind.has_axes() => Vector3::zeros(),
+            _ => self.local_direction(node, point - self.position(node)),
         }
-        Vector3::zeros()
     }
 
     /// A world direction in the frame of a body.
     pub fn local_direction(&self, node: NodeId, direction: Vector3<S>) -> Vector3<S> {
-        let Node { kind, dofs, .. } = &self.model.nodes[node.0];
+        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else { return no_vector() };
         match kind {
             NodeKind::Natural => Frame::of(NodeKind::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
             _ => self.rotation(node).rotate_back(direction),
         }
     }
 
+    /// What `owner` takes hold of belongs to another builder.
+    fn refuse_stranger(&mut self, owner: &str, what: &str) {
+        let text = format!("\"{owner}\" takes hold of {what} of another mechanism: take what this builder returned");
+        if !self.mistakes.contains(&text) {
+            self.mistakes.push(text);
+        }
+    }
+
+    /// The kind of a node, unless it is one of another mechanism.
+    fn kind_of(&mut self, owner: &str, node: NodeId) -> Option<NodeKind> {
+        let kind = self.model.nodes.get(node.0).map(|node| node.kind);
+        if kind.is_none() {
+            self.refuse_stranger(owner, "a node");
+        }
+        kind
+    }
+
+    /// Whether a joint was added; one that was refused has been reported already.
+    fn has_joint(&mut self, owner: &str, joint: ConstraintId) -> bool {
+        let there = joint.0 < self.model.constraints.len();
+        if !there && joint.0 != usize::MAX {
+            self.refuse_stranger(owner, "a joint");
+        }
+        there
+    }
+
+    /// Parameters of an element from its first one on, `count` of them; an element that was refused has been reported already.
+    fn first_parameters(&mut self, owner: &str, element: ElementId, count: usize) -> Option<Vec<S>> {
+        let places = self.model.elements.get(element.0).map(|element| element.parameters.clone());
+        let parameters = places.and_then(|places| Some(self.numbers.p[places].get(..count)?.to_vec()));
+        if parameters.is_none() && element.0 != usize::MAX {
+            self.refuse_stranger(owner, "an element");
+        }
+        parameters
+    }
+
     fn kind_in_space(&mut self, owner: &str, node: NodeId) -> NodeKind {
-        self.model.nodes[node.0].kind.in_space().unwrap_or_else(|| {
+        let Some(kind) = self.kind_of(owner, node) else { return NodeKind::Point };
+        kind.in_space().unwrap_or_else(|| {
             let name = &self.model.nodes[node.0].name;
             self.mistakes.push(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
             NodeKind::Point
@@ -209,10 +255,11 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// How to take hold of a body: axes and angles need one.
     fn kind_of_body(&mut self, owner: &str, node: NodeId) -> NodeKind {
-        let Node { kind, name, .. } = &self.model.nodes[node.0];
+        let Some(kind) = self.kind_of(owner, node) else { return NodeKind::Body };
         if kind.has_axes() {
-            return *kind;
+            return kind;
         }
+        let name = &self.model.nodes[node.0].name;
         self.mistakes.push(format!(
             "\"{owner}\" needs a body, which has axes, but node \"{name}\" is none: make it a body, or take a joint for points"
         ));
@@ -239,7 +286,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     fn check_nodes(&mut self, name: &str, nodes: &[NodeId], kinds: &[NodeKind]) -> bool {
-        let have: Vec<NodeKind> = nodes.iter().map(|node| self.model.nodes[node.0].kind).collect();
+        let Some(have) = nodes.iter().map(|&node| self.kind_of(name, node)).collect::<Option<Vec<NodeKind>>>() else {
+            return false;
+        };
         if have != kinds {
             let list = |kinds: &[NodeKind]| match kinds {
                 [] => "nothing".to_string(),
@@ -302,12 +351,13 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// (xx, yy, zz, xy, xz, yz) [kg m2].
     pub fn rigid_body(&mut self, name: &str, node: NodeId, mass: S, centre: Vector3<S>, inertia: [S; 6]) -> ElementId {
         self.check_inertia(name, inertia.map(Scalar::value));
-        self.masses.push((node, mass, centre));
         let p: Vec<S> = [mass].into_iter().chain(centre.components()).chain(inertia).collect();
-        match self.kind_of_body(name, node) {
+        let body = match self.kind_of_body(name, node) {
             NodeKind::Natural => self.add_element(name, &[node], NaturalBody.into(), &p),
             _ => self.add_element(name, &[node], RigidBody.into(), &p),
-        }
+        };
+        self.masses.extend((body.0 != usize::MAX).then_some((node, mass, centre)));
+        body
     }
 
     /// Principal moments of a body are not negative, and none exceeds the sum of the other two; rods and plates stand at these limits.
@@ -336,8 +386,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A mass \[kg\] at a point.
     pub fn point_mass(&mut self, name: &str, node: NodeId, mass: S) -> ElementId {
-        self.masses.push((node, mass, Vector3::zeros()));
-        self.add_element(name, &[node], PointMass.into(), &[mass])
+        let point = self.add_element(name, &[node], PointMass.into(), &[mass]);
+        self.masses.extend((point.0 != usize::MAX).then_some((node, mass, Vector3::zeros())));
+        point
     }
 
     /// A functional of any quantity.
@@ -362,6 +413,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         quantity: Box<dyn AnyQuantity>,
         p: &[S],
     ) {
+        let known = nodes.iter().all(|&node| self.kind_of(name, node).is_some())
+            & constraints.iter().all(|&joint| self.has_joint(name, joint));
+        if !known {
+            return;
+        }
         let (have, wanted) = (self.model.dof_count(nodes), quantity.dof_count());
         if have != wanted {
             self.mistakes.push(format!("\"{name}\" works on {wanted} coordinates, but its nodes have {have}"));
@@ -380,6 +436,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Draws a line through world points with a node.
     pub fn draw(&mut self, node: NodeId, points: &[Vector3<S>]) {
+        if self.kind_of("draw", node).is_none() {
+            return;
+        }
         let corner = |&point: &Vector3<S>| (node, self.local_point(node, point).components().map(Scalar::value));
         let points = points.iter().map(corner).collect();
         self.drawings.push(Drawing { points });

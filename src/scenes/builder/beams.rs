@@ -233,7 +233,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut rotations = Vec::new();
         for (end, point) in [(line.ends[0], line.points[0]), (line.ends[1], line.points[count - 1])] {
             let End::Node(node) = end else { continue };
-            if self.model.nodes[node.0].kind != NodeKind::Body {
+            let Some(kind) = self.kind_of(name, node) else { continue };
+            if kind != NodeKind::Body {
                 let own = &self.model.nodes[node.0].name;
                 self.mistakes.push(format!(
                     "\"{name}\" needs a body with Euler parameters at its end, but node \"{own}\" is none: make it a body, or give the \
@@ -327,7 +328,10 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].
     pub fn set_rigid_motion(&mut self, nodes: &[NodeId], point: Vector3<S>, velocity: Vector3<S>, omega: Vector3<S>) {
-        for &node in nodes.iter().filter(|node| !self.model.nodes[node.0].fixed).collect::<Vec<_>>() {
+        for &node in nodes {
+            if self.model.nodes.get(node.0).is_some_and(|node| node.fixed) {
+                continue;
+            }
             self.set_velocity(node, velocity + omega.cross(&(self.position(node) - point)), omega);
         }
     }
@@ -393,10 +397,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         let own = TYING_POINTS * beam.field.tying_parameters();
         let (mut nodes, mut p) = (Vec::new(), Vec::new());
         for &(element, _) in &places {
-            // an element that was refused has been reported already
-            let Some(attached) = beam.elements.get(element).and_then(|id| self.model.elements.get(id.0)) else { return };
+            // a beam that was refused has been reported already
+            let Some(&id) = beam.elements.get(element) else { return };
+            let Some(parameters) = self.first_parameters(name, id, own) else { return };
             nodes.extend(beam.nodes_of(element));
-            p.extend_from_slice(&self.numbers.p[attached.parameters.clone()][..own]);
+            p.extend(parameters);
         }
         p.extend_from_slice(fibre);
         let places = places.into_iter().map(|(_, xi)| xi).collect();

@@ -162,6 +162,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A node in which two cables meet holds one slope.
     fn check_continued(&mut self, name: &str, node: NodeId, point: Vector3<S>, direction: Vector3<S>, length: S) {
+        if self.kind_of(name, node).is_none() {
+            return;
+        }
         let own = &self.model.nodes[node.0];
         if own.kind != NodeKind::Slope {
             self.mistakes.push(format!(
@@ -244,8 +247,8 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Nodes of two cables welded to each other as they stand at the start, at any angle but 0 and 180 degrees.
     pub fn cable_corner(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        let kinds = nodes.map(|node| self.model.nodes[node.0].kind);
-        if kinds != [NodeKind::Slope; 2] {
+        let [Some(a), Some(b)] = nodes.map(|node| self.kind_of(name, node)) else { return ConstraintId(usize::MAX) };
+        if [a, b] != [NodeKind::Slope; 2] {
             let names = nodes.map(|node| self.model.nodes[node.0].name.clone());
             self.mistakes.push(format!(
                 "\"{name}\" needs nodes of two cables, but got \"{}\" and \"{}\": a cable is welded to a body by cable_weld",
@@ -268,6 +271,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// The body and the slope at the start.
     fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::NodeKind, Vector3<S>)> {
         let a = self.kind_of_body(name, body);
+        self.kind_of(name, node)?;
         let own = &self.model.nodes[node.0];
         if own.kind != NodeKind::Slope {
             self.mistakes.push(format!(
@@ -337,10 +341,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         };
         let (mut nodes, mut p) = (Vec::new(), Vec::new());
         for &(element, _) in &places {
-            // an element that was refused has been reported already
-            let Some(attached) = cable.elements.get(element).and_then(|id| self.model.elements.get(id.0)) else { return };
+            // a cable that was refused has been reported already
+            let Some(&id) = cable.elements.get(element) else { return };
+            let Some(length) = self.first_parameters(name, id, 1) else { return };
             nodes.extend_from_slice(&cable.nodes[element..element + 2]);
-            p.push(self.numbers.p[attached.parameters.start]);
+            p.extend(length);
         }
         p.extend_from_slice(own);
         let places = places.into_iter().map(|(_, xi)| xi).collect();
@@ -361,8 +366,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     ) {
         let elements = cable.elements.len();
         // a cable that was refused has been reported already
-        let Some(first) = cable.elements.first().and_then(|id| self.model.elements.get(id.0)) else { return };
-        let p = [self.numbers.p[first.parameters.start], young, distance];
+        let Some(&first) = cable.elements.first() else { return };
+        let Some(length) = self.first_parameters(name, first, 1) else { return };
+        let p = [length[0], young, distance];
         let over = Over::SmoothMaximum { sharpness, normalized: true };
         let quantity = CableLargestStress { strain: cable.strain, elements, sharpness };
         self.add_functional(name, "N/m2", over, (&cable.nodes, &[]), quantity.into(), &p);

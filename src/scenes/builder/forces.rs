@@ -1,7 +1,7 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
-use crate::assembly::{Attached, ConstraintId, ElementId, Node, NodeId};
+use crate::assembly::{Attached, ConstraintId, ElementId, NodeId};
 use crate::elements::Constraint;
 use crate::elements::forces::{
     Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, Soft, TorsionSpringDamper,
@@ -98,9 +98,10 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
     pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, coefficients: [S; 3]) -> ElementId {
-        let Node { name: own, kind, .. } = &self.model.nodes[node.0];
-        let (of, count) = (*kind, kind.dofs());
+        let Some(of) = self.kind_of(name, node) else { return ElementId(usize::MAX) };
+        let count = of.dofs();
         if index >= count {
+            let own = &self.model.nodes[node.0].name;
             self.mistakes
                 .push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0"));
             return ElementId(usize::MAX);
@@ -142,7 +143,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let same = joint.parameters() == self.model.constraints[last].physics.parameter_list()
             && joint.equations() == self.model.constraints[last].equations.len();
         if added != last || own.end != self.model.parameters || !same {
-            let name = &self.model.constraints[added].name;
+            let name = &self.model.constraints[added.min(last)].name;
             self.mistakes.push(format!(
                 "the soft joint \"{name}\" is not what was added last: name the joint that the function adds"
             ));

@@ -41,15 +41,15 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of a weighted sum of a joint's multipliers.
     pub fn reaction_functional(&mut self, name: &str, over: Over, joint: ConstraintId, weights: &[S]) {
-        if let Some(constraint) = self.model.constraints.get(joint.0) {
-            let equations = constraint.equations.len();
+        if self.has_joint(name, joint) {
+            let equations = self.model.constraints[joint.0].equations.len();
             self.add_functional(name, "N", over, (&[], &[joint]), Reaction { equations }.into(), weights);
         }
     }
 
     /// A functional of the size of a joint's force: the length of its first three multipliers \[N\].
     pub fn reaction_norm_functional(&mut self, name: &str, over: Over, joint: ConstraintId) {
-        if self.model.constraints.get(joint.0).is_some() {
+        if self.has_joint(name, joint) {
             self.add_functional(name, "N", over, (&[], &[joint]), ReactionNorm.into(), &[]);
         }
     }
@@ -105,8 +105,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of one coordinate of a node.
     pub fn coordinate_functional(&mut self, name: &str, over: Over, node: NodeId, index: usize) {
-        let of = self.model.nodes[node.0].dofs.len();
-        self.add_functional(name, "-", over, (&[node], &[]), Coordinate { of, index }.into(), &[]);
+        if let Some(of) = self.kind_of(name, node).map(NodeKind::dofs) {
+            self.add_functional(name, "-", over, (&[node], &[]), Coordinate { of, index }.into(), &[]);
+        }
     }
 
     /// A functional of the energy of all elements \[J\].

@@ -18,8 +18,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         direction: Vector3<S>,
         point: Vector3<S>,
     ) {
-        // a joint that was refused has been reported already
-        let Some(constraint) = self.model.constraints.get(joint.0) else { return };
+        let (Some(kind_on), true) = (self.kind_of(name, on), self.has_joint(name, joint)) else { return };
+        let constraint = &self.model.constraints[joint.0];
         let Some(place) = constraint.nodes.iter().position(|&node| node == on) else {
             let (joint, node) = (&constraint.name, &self.model.nodes[on.0].name);
             self.mistakes.push(format!("\"{name}\" asks for the load of \"{joint}\" on \"{node}\", which it does not hold"));
@@ -27,9 +27,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         };
         let first = self.model.dof_count(&constraint.nodes[..place]);
         let node = first..first + self.model.dof_count(&[on]);
-        let body = self.model.nodes[on.0].kind.has_axes();
+        let body = kind_on.has_axes();
         let moment = matches!(kind, LoadKind::Moment | LoadKind::MomentNorm);
-        let held = self.model.nodes[on.0].kind.in_space().filter(|_| body || !moment);
+        let held = kind_on.in_space().filter(|_| body || !moment);
         let Some(held) = held else {
             let (node, what) = (&self.model.nodes[on.0].name, if moment { "moment" } else { "force" });
             self.mistakes.push(format!("\"{name}\" asks for a {what} on \"{node}\", which takes none"));

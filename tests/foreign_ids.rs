@@ -1,0 +1,150 @@
+//! Nodes, joints and members belong to the mechanism that made them: another one refuses them by name.
+
+use costate::assembly::NodeId;
+use costate::elements::flexible::{CableSection, Section};
+use costate::elements::forces::LoadFrame;
+use costate::elements::joints::HeldSlope;
+use costate::functionals::LoadKind;
+use costate::functionals::quantities::{CableMeasure, ReactionNorm, SectionMeasure};
+use costate::prelude::*;
+use costate::scenes::{BeamLine, CableLine};
+
+struct Drag;
+impl Element for Drag {
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Body]
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
+        r[0] += s.v[0];
+    }
+}
+
+/// What a builder is asked to do with a node of another one.
+type WithStranger = (&'static str, fn(&mut MechanismBuilder<f64>, NodeId, NodeId));
+
+#[test]
+fn nodes_of_another_mechanism_are_refused_by_the_name_of_what_takes_hold_of_them() {
+    let (zero, x) = (Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0));
+    let mut other = MechanismBuilder::<f64>::default();
+    let strangers: Vec<NodeId> = (0..9).map(|i| other.point(&format!("{i}"), zero)).collect();
+    let calls: &[WithStranger] = &[
+        ("element", |m, _, node| {
+            m.element("element", &[node], Drag, &[]);
+        }),
+        ("mass", |m, _, node| {
+            m.rigid_body("mass", node, 1.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        }),
+        ("bob", |m, _, node| {
+            m.point_mass("bob", node, 1.0);
+        }),
+        ("ball", |m, body, node| {
+            m.spherical("ball", [body, node], Vector3::zeros());
+        }),
+        ("hinge", |m, body, node| {
+            m.revolute("hinge", [node, body], Vector3::zeros(), Vector3::x());
+        }),
+        ("weld", |m, body, node| {
+            m.fixed("weld", [node, body], Vector3::zeros());
+        }),
+        ("link", |m, body, node| {
+            m.rigid_link("link", [node, body]);
+        }),
+        ("angle", |m, body, node| {
+            m.joint_angle("angle", [node, body], Vector3::x());
+        }),
+        ("gear", |m, body, node| {
+            m.gear("gear", [node, body], [1.0, 1.0]);
+        }),
+        ("screw", |m, body, node| {
+            m.helical("screw", [body, node], Vector3::zeros(), Vector3::x(), 0.1);
+        }),
+        ("rack", |m, body, node| {
+            m.rack_and_pinion("rack", [body, node, body], [Vector3::zeros(), Vector3::y()], Vector3::x());
+        }),
+        ("disc", |m, body, node| {
+            m.rolling_disc(
+                ["touch", "disc"],
+                [body, node],
+                (Vector3::y(), Vector3::x()),
+                (Vector3::zeros(), Vector3::y()),
+                1.0,
+            );
+        }),
+        ("spring", |m, body, node| {
+            m.line_spring("spring", [body, node], [Vector3::zeros(), Vector3::x()], 1.0, 1.0);
+        }),
+        ("bush", |m, body, node| {
+            m.bushing("bush", [body, node], Vector3::zeros(), Quaternion::identity(), [[1.0; 6]; 2]);
+        }),
+        ("coil", |m, _, node| {
+            m.coordinate_spring_damper("coil", node, 0, [1.0; 3]);
+        }),
+        ("arm", |m, _, node| {
+            let line = BeamLine::straight([Vector3::zeros(), Vector3::x()], 1, Vector3::y()).from_node(node);
+            m.beam("arm", line, &Section::new([1.0; 6]));
+        }),
+        ("rope", |m, _, node| {
+            let line = CableLine::straight([Vector3::zeros(), Vector3::x()], 1).from_node(node);
+            m.cable("rope", line, &CableSection::new(1.0, 1.0, 1.0));
+        }),
+        ("splice", |m, body, node| {
+            m.cable_weld("splice", [body, node], HeldSlope::Direction);
+        }),
+        ("pin", |m, body, node| {
+            m.cable_hinge("pin", [body, node], Vector3::x());
+        }),
+        ("corner", |m, _, node| {
+            m.cable_corner("corner", [node, node]);
+        }),
+        ("set_velocity", |m, _, node| m.set_velocity(node, Vector3::x(), Vector3::zeros())),
+        ("set_velocity", |m, body, node| m.set_rigid_motion(&[body, node], Vector3::zeros(), Vector3::x(), Vector3::x())),
+        ("draw", |m, _, node| m.draw(node, &[Vector3::zeros(), Vector3::x()])),
+        ("place", |m, _, node| m.position_functional("place", Over::Terminal, node, Vector3::zeros(), Vector3::x())),
+        ("turn", |m, body, node| m.joint_angle_functional("turn", Over::Terminal, [body, node], Vector3::x())),
+        ("slip", |m, body, node| {
+            m.joint_speed_functional("slip", Over::Terminal, [body, node], Vector3::zeros(), Vector3::x());
+        }),
+        ("count", |m, _, node| m.coordinate_functional("count", Over::Terminal, node, 0)),
+        ("sag", |m, _, node| m.cable_deflection_functional("sag", Over::Terminal, [node, node], Vector3::z())),
+    ];
+    for (name, call) in calls {
+        let mut m = MechanismBuilder::default();
+        let body = m.body("body", zero, Quaternion::identity());
+        m.gravity(x);
+        call(&mut m, body, strangers[8]);
+        let message = m.finish().err().unwrap_or_else(|| panic!("\"{name}\": the stranger went unnoticed"));
+        assert!(
+            message.contains(&format!("\"{name}\"")) && message.contains("node of another mechanism"),
+            "{name}: {message}"
+        );
+    }
+}
+
+#[test]
+fn joints_and_members_of_another_mechanism_are_refused() {
+    let (zero, x) = (Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0));
+    let ends = [zero, x];
+    let mut other = MechanismBuilder::<f64>::default();
+    let bodies = [0, 1].map(|i| other.body(&format!("{i}"), zero, Quaternion::identity()));
+    let joint = (0..9).map(|i| other.spherical(&format!("{i}"), bodies, zero)).last().expect("nine");
+    let beam = other.beam("arm", BeamLine::straight(ends, 1, Vector3::y()), &Section::new([1.0; 6]));
+    let cable = other.cable("rope", CableLine::straight(ends, 1), &CableSection::new(1.0, 1.0, 1.0));
+    let mut m = MechanismBuilder::default();
+    let body = m.body("body", zero, Quaternion::identity());
+    let over = Over::Terminal;
+    m.reaction_functional("reaction", over, joint, &[1.0; 3]);
+    m.reaction_norm_functional("norm", over, joint);
+    m.joint_load_functional("load", over, (joint, body), (LoadKind::Force, LoadFrame::World), x, zero);
+    m.functional("own", "N", over, (&[], &[joint]), ReactionNorm, &[]);
+    m.section_functional("moment", over, &beam, 0.5, SectionMeasure::Force(4));
+    m.distributed_load("wind", &beam, (LoadFrame::World, x), TimeFunction::Constant, &[1.0]);
+    m.cable_strain_functional("strain", over, &cable, 0.5, CableMeasure::Strain);
+    m.largest_cable_stress_functional("stress", &cable, 1.0, 0.1, 1.0);
+    let message = m.finish().err().expect("the strangers went unnoticed");
+    for name in ["reaction", "norm", "load", "own", "moment", "wind", "strain", "stress"] {
+        assert!(
+            message.split("; ").any(|one| one.contains(&format!("\"{name}")) && one.contains("of another mechanism")),
+            "{name}: {message}"
+        );
+    }
+}
