@@ -96,8 +96,8 @@ impl Scene for Bar {
                 let force = AppliedForce { on: NodeKind::Slope, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
                 m.element("load", &[cable.end()], force, &p);
                 let end = cable.end();
-                for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-                    m.position_functional("tip", Over::Terminal, end, Vector3::zeros(), vector(direction));
+                for (name, direction) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0])] {
+                    m.position_functional(name, Over::Terminal, end, Vector3::zeros(), vector(direction));
                 }
                 m.cable_strain_functional("strain", Over::Terminal, &cable, 0.9, CableMeasure::Strain);
                 m.cable_strain_functional("curvature", Over::Terminal, &cable, 0.5, CableMeasure::Curvature);
@@ -439,8 +439,8 @@ impl Scene for Corner {
             m.cable_corner("corner", [first.end(), second.start()]);
         }
         m.gravity(vector([0.0, -1.0, -2.0]));
-        for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-            m.position_functional("tip", Over::Terminal, second.end(), Vector3::zeros(), vector(axis));
+        for (name, axis) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])] {
+            m.position_functional(name, Over::Terminal, second.end(), Vector3::zeros(), vector(axis));
         }
         Ok(())
     }

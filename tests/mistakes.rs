@@ -420,6 +420,7 @@ fn a_spring_of_no_length_is_named() {
     let prepared = Prepared::new(&NoLength).expect("its force is taken to be zero there");
     let message = prepared.analysis().forward(&[2.0]).expect_err("its stiffness is no number").to_string();
     assert_says(&message, &["step 1", "\"string\"", "a derivative of row", "is NaN", "stiffness = 2 N/m"]);
+}
 
 #[test]
 fn a_tensor_of_inertia_with_a_negative_principal_moment_is_refused_with_its_moments() {

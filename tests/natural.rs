@@ -218,19 +218,20 @@ impl Scene for Single {
         } else {
             m.body("body", arm, Quaternion::identity())
         };
-        m.rigid_body("body", node, mass, vector([0.1, 0.2, 0.0]), [1.0, 2.0, 3.0, 0.2, -0.1, 0.3].map(|entry| mass * entry));
+        m.rigid_body("body", node, mass, vector([0.1, 0.2, 0.0]), [2.0, 2.5, 3.0, 0.2, -0.1, 0.3].map(|entry| mass * entry));
         let ground = m.ground();
         let omega = vector([0.0, 0.0, 1.0]);
         if self.pinned {
             m.set_rigid_motion(&[node], Vector3::zeros(), Vector3::zeros(), omega);
-            let joints = ["first", "second"].map(|name| m.revolute(name, [ground, node], Vector3::zeros(), omega));
-            for joint in joints {
+            let names = ["first", "second"];
+            let joints = names.map(|name| (name, m.revolute(name, [ground, node], Vector3::zeros(), omega)));
+            for (own, joint) in joints {
                 let on = (joint, node);
                 for (kind, axis) in [(LoadKind::Force, [1.0, 0.0, 0.0]), (LoadKind::Moment, [0.0, 1.0, 0.0])] {
-                    let name = format!("{kind:?} {}", m.model.constraints.len());
+                    let name = format!("{kind:?} of {own}");
                     m.joint_load_functional(&name, Over::Integral, on, (kind, LoadFrame::World), vector(axis), arm);
                 }
-                m.reaction_norm_functional("norm", Over::Terminal, joint);
+                m.reaction_norm_functional(&format!("norm of {own}"), Over::Terminal, joint);
             }
         } else {
             m.set_velocity(node, Vector3::zeros(), vector([1.0, 0.1, 1.0]));
@@ -238,8 +239,8 @@ impl Scene for Single {
             m.energy_functional("energy at the start", Over::Initial);
         }
         m.gravity(vector([0.0, -1.0, -2.0]));
-        for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-            m.position_functional("place", Over::Terminal, node, arm + vector([0.0, 1.0, 0.0]), vector(axis));
+        for (name, axis) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])] {
+            m.position_functional(name, Over::Terminal, node, arm + vector([0.0, 1.0, 0.0]), vector(axis));
         }
         Ok(())
     }

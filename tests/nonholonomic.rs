@@ -57,8 +57,8 @@ impl Scene for BallOnTurntable {
         m.rigid_body("ball", ball, *mass, Vector3::zeros(), [moment, moment, moment, zero, zero, zero]);
         m.gravity(z * S::from(-9.81));
         let [contact, rolling] = m.rolling_sphere(["contact", "rolling"], [table, ball], centre, z, *radius);
-        for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-            m.position_functional("place", Over::Terminal, ball, centre, at(direction));
+        for (name, direction) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])] {
+            m.position_functional(name, Over::Terminal, ball, centre, at(direction));
         }
         m.velocity_functional("speed", Over::Integral, ball, centre, at([0.3, 0.4, 0.5]));
         m.reaction_functional("normal force", Over::Integral, contact, &[S::one()]);

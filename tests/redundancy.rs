@@ -169,7 +169,7 @@ impl Scene for Door {
         m.gravity(at([0.0, 0.0, -10.0]));
         let hinges = [1.0, -1.0].map(|height| {
             let point = at([0.0, 0.0, height]);
-            (m.revolute(&format!("hinge at {height}"), [ground, door], point, z), point)
+            (m.revolute(&format!("hinge at {height}"), [ground, door], point, z), point, height)
         });
         for (name, kind, direction) in [
             ("pull", LoadKind::Force, [1.0, 0.0, 0.0]),
@@ -177,9 +177,9 @@ impl Scene for Door {
             ("moment", LoadKind::Moment, [0.0, 1.0, 0.0]),
             ("size of the moment", LoadKind::MomentNorm, [0.0; 3]),
         ] {
-            for (hinge, point) in hinges {
-                let load = (kind, LoadFrame::World);
-                m.joint_load_functional(name, Over::Terminal, (hinge, door), load, at(direction), point);
+            for (hinge, point, height) in hinges {
+                let (name, load) = (format!("{name} at {height}"), (kind, LoadFrame::World));
+                m.joint_load_functional(&name, Over::Terminal, (hinge, door), load, at(direction), point);
             }
         }
         Ok(())

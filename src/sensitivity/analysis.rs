@@ -196,7 +196,6 @@ impl<'m> Analysis<'m> {
     /// As there.
     pub fn adjoint_of(&self, x: &[f64], forward: &Forward, wanted: &[bool]) -> Result<Gradient, RunError> {
         self.check_belonging(x, forward)?;
-
         let (flags, functionals) = (wanted.len(), self.functionals.len());
         if flags != functionals {
             return Err(RunError::Input(format!(
@@ -309,13 +308,11 @@ impl<'m> Analysis<'m> {
 
     /// Whether a run is that of a design in this scene.
     fn check_belonging(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
+        let numbers = self.map.real(x).map_err(RunError::Input)?;
         let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
         let why = match differing {
             Some(i) => format!("variable {i} is {} in the run and {} here", forward.x[i], x[i]),
-            None if x.len() != forward.x.len() => {
-                format!("the run has {} variables, {} are given", forward.x.len(), x.len())
-            }
-            None if self.map.real(x).map_err(RunError::Input)? != forward.numbers => "its model has other numbers".into(),
+            None if numbers != forward.numbers => "its model has other numbers".into(),
             None => return Ok(()),
         };
         Err(RunError::Input(format!(
