@@ -84,6 +84,13 @@ impl<S> Default for ModelNumbers<S> {
 pub trait DesignMap {
     /// In real numbers.
     fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String>;
+    /// The same beside a design that is within the bounds, which a difference quotient may leave.
+    ///
+    /// # Errors
+    /// As for [`DesignMap::real`], but for the bounds.
+    fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
+        self.real(x)
+    }
     /// In recorded ones, which have values: the map may choose by them, and is recorded anew for each design.
     fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String>;
 }

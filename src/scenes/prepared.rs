@@ -283,6 +283,9 @@ impl DesignMap for Prepared<'_> {
         check_design(&self.variables, x)?;
         self.same_topology(self.scene.build_real(x))
     }
+    fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
+        self.same_topology(self.scene.build_real(x))
+    }
     fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String> {
         check_design(&self.variables, &x.iter().map(|x| x.value()).collect::<Vec<_>>())?;
         self.same_topology(self.scene.build_recorded(x))

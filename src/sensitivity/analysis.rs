@@ -119,7 +119,15 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map, and a history that cannot be begun.
     pub fn observed(&self, x: &[f64], observer: &mut dyn Observer) -> Result<(Forward, Option<RunError>), RunError> {
-        let numbers = self.map.real(x).map_err(RunError::Input)?;
+        self.run(x, self.map.real(x).map_err(RunError::Input)?, observer)
+    }
+
+    fn run(
+        &self,
+        x: &[f64],
+        numbers: ModelNumbers<f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<(Forward, Option<RunError>), RunError> {
         let history = self.keep.history(self.control.is_none().then(|| self.grid.steps()))?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
         let mut recorder = Measuring { values, history, observer };
@@ -147,6 +155,19 @@ impl<'m> Analysis<'m> {
     /// As for [`Analysis::forward`].
     pub fn values(&self, x: &[f64]) -> Result<Vec<f64>, RunError> {
         Ok(Analysis { keep: &Keep::Nothing, ..*self }.forward(x)?.values)
+    }
+
+    /// The same at a design beside one within the bounds, as difference quotients ask for it.
+    ///
+    /// # Errors
+    /// As for [`Analysis::forward`], but for the bounds.
+    pub fn values_nearby(&self, x: &[f64]) -> Result<Vec<f64>, RunError> {
+        let own = Analysis { keep: &Keep::Nothing, ..*self };
+        let numbers = self.map.nearby(x).map_err(RunError::Input)?;
+        let (forward, stopped) = own.run(x, numbers, &mut Watch(|_: &StepRecord<f64>| true))?;
+        stopped.map_or(Ok(()), Err)?;
+        self.check_values(&forward)?;
+        Ok(forward.values)
     }
 
     /// The same analysis on the steps of a run: what its gradients are the derivative of.
@@ -258,7 +279,7 @@ impl<'m> Analysis<'m> {
     pub fn central_difference(&self, x: &[f64], direction: &[f64], step: f64) -> Result<Vec<f64>, RunError> {
         let difference = |step: f64| -> Result<Vec<f64>, RunError> {
             let at = |sign: f64| -> Vec<f64> { x.iter().zip(direction).map(|(x, d)| x + sign * step * d).collect() };
-            let (plus, minus) = (self.values(&at(1.0))?, self.values(&at(-1.0))?);
+            let (plus, minus) = (self.values_nearby(&at(1.0))?, self.values_nearby(&at(-1.0))?);
             Ok(plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * step)).collect())
         };
         let (coarse, fine) = (difference(step)?, difference(step / 2.0)?);

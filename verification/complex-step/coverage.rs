@@ -62,7 +62,9 @@ mod tests {
     fn throwaway() {
         let mut bad = Vec::new();
         for case in scenes::list() {
-            if let Err(error) = costate::scenes::Prepared::new(&case) { bad.push(format!("{}: {error}", case.name)); }
+            if let Err(error) = costate::scenes::Prepared::new(&case) {
+                bad.push(format!("{}: {error}", case.name));
+            }
         }
         assert!(bad.is_empty(), "{} {:#?}", bad.len(), bad);
     }

@@ -32,7 +32,7 @@ const OF_ROUNDINGS: f64 = 8.366_600_265_340_756;
 /// Hamming; twice that, as four are few.
 pub fn noise(analysis: &Analysis, x: &[f64], direction: &[f64]) -> Result<Vec<f64>, RunError> {
     let at = |k: usize| -> Vec<f64> { x.iter().zip(direction).map(|(x, d)| x + k as f64 * APART * d).collect() };
-    let runs: Vec<Vec<f64>> = (0..8).map(|k| analysis.values(&at(k))).collect::<Result<_, _>>()?;
+    let runs: Vec<Vec<f64>> = (0..8).map(|k| analysis.values_nearby(&at(k))).collect::<Result<_, _>>()?;
     let of = |functional: usize| {
         let fourth = |five: &[Vec<f64>]| five.iter().zip(FOURTH).map(|(run, c)| c * run[functional]).sum::<f64>().abs();
         2.0 * runs.windows(5).map(fourth).fold(0.0, f64::max) / OF_ROUNDINGS
@@ -43,7 +43,7 @@ pub fn noise(analysis: &Analysis, x: &[f64], direction: &[f64]) -> Result<Vec<f6
 /// Central differences (f(x + h d) - f(x - h d)) / (2 h).
 pub fn central(analysis: &Analysis, x: &[f64], direction: &[f64], step: f64) -> Result<Vec<f64>, RunError> {
     let at = |sign: f64| -> Vec<f64> { x.iter().zip(direction).map(|(x, d)| x + sign * step * d).collect() };
-    let (plus, minus) = (analysis.values(&at(1.0))?, analysis.values(&at(-1.0))?);
+    let (plus, minus) = (analysis.values_nearby(&at(1.0))?, analysis.values_nearby(&at(-1.0))?);
     Ok(plus.iter().zip(&minus).map(|(plus, minus)| (plus - minus) / (2.0 * step)).collect())
 }
 
