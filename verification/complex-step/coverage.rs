@@ -57,15 +57,4 @@ mod tests {
         cases.retain(|case| !case.name.starts_with("cable-end"));
         assert_eq!(missing(&cases).1, ["CableEnd"]);
     }
-
-    #[test]
-    fn throwaway() {
-        let mut bad = Vec::new();
-        for case in scenes::list() {
-            if let Err(error) = costate::scenes::Prepared::new(&case) {
-                bad.push(format!("{}: {error}", case.name));
-            }
-        }
-        assert!(bad.is_empty(), "{} {:#?}", bad.len(), bad);
-    }
 }

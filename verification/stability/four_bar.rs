@@ -105,14 +105,9 @@ impl Scene for FourBar {
                 let mass = length * 2.0;
                 let lateral = mass * length * length / 12.0;
                 let wheel = if name == "crank" && matches!(self.drive, Drive::Flywheel(_)) { 0.05 } else { 0.0 };
-                let zero = S::zero();
-                m.rigid_body(
-                    name,
-                    node,
-                    mass,
-                    Vector3::zeros(),
-                    [lateral * 0.01, lateral, lateral + wheel, zero, zero, zero],
-                );
+                // a disc in the plane of the mechanism
+                let [xx, yy, zz] = [lateral * 0.01 + wheel * 0.5, lateral + wheel * 0.5, lateral + wheel];
+                m.rigid_body(name, node, mass, Vector3::zeros(), [xx, yy, zz, S::zero(), S::zero(), S::zero()]);
                 node
             })
             .collect();
