@@ -215,7 +215,7 @@ impl Jacobian {
 
     /// Whether any element has stresses to be relieved.
     pub fn can_relieve(system: &System) -> bool {
-        system.model.elements.iter().any(|element| element.physics.stresses().is_some())
+        system.model.elements.iter().any(|element| element.physics.has_strains())
     }
 
     /// Differentiates the system at the point where `residual` was evaluated last.

@@ -149,6 +149,8 @@ pub trait AnyElement: Send + Sync {
     fn record_energies(&self) -> Recording;
     /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
     fn has_energies(&self) -> bool;
+    /// Whether it has strains.
+    fn has_strains(&self) -> bool;
     /// Records what a search for its state needs beside the residual; `None` without strains.
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>>;
 }
@@ -219,6 +221,9 @@ impl<E: Element> AnyElement for E {
     }
     fn has_energies(&self) -> bool {
         super::lagrangian::has_energies(self)
+    }
+    fn has_strains(&self) -> bool {
+        self.strain_count() > 0
     }
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
         let (n, m, count) = (dofs_of(&self.nodes()), self.parameters().len(), self.strain_count());
@@ -324,6 +329,10 @@ impl ElementPhysics {
                 graph.forward(outputs, &seeds)
             })
         })
+    }
+    /// Whether it has strains, whose stresses a search can relieve.
+    pub fn has_strains(&self) -> bool {
+        self.own.has_strains()
     }
     /// Formulas of its stresses, if it has strains that can be recorded apart.
     pub fn stresses(&self) -> Option<&StressFormulas> {
