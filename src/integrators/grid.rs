@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
 /// Most steps of a run: their ends are kept.
-pub const MOST_STEPS: usize = 100_000_000;
+pub const MOST_STEPS: usize = 10_000_000;
 
 /// The ends of all steps, and which of them are breakpoints of a load or driver.
 #[derive(Clone, Debug, PartialEq)]
