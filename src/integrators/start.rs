@@ -106,7 +106,7 @@ fn check_numbers(problem: &Problem<f64>) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Formulas and their derivatives at the start.
+/// Formulas at the start; derivatives of one that has none are found when a matrix is made of them.
 fn check_finite(problem: &Problem<f64>) -> Result<(), RunError> {
     let InitialState { q, v } = problem.start.clone();
     let at = VectorsAvq { a: vec![0.0; q.len()], v, q };
