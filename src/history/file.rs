@@ -52,6 +52,12 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
+/// Whether a file holds a finished step: its frames behind the first step are not read.
+fn has_steps(path: &Path) -> bool {
+    let Ok(mut reader) = Reader::open(path) else { return false };
+    reader.identity().is_ok() && reader.frame_at(HEADER, 0).is_ok() && reader.frame_at(HEADER + reader.length, 1).is_ok()
+}
+
 /// Refuses what is there and is no file of a run.
 fn refuse_others(path: &Path) -> io::Result<()> {
     let mut file = match File::open(path) {
@@ -101,7 +107,7 @@ impl FileHistory {
             TryLockError::WouldBlock => refuse(&"another run is writing it"),
             TryLockError::Error(cause) => refuse(&cause),
         })?;
-        if Self::open(&part).is_ok_and(|(left, _)| left.steps > 0) {
+        if has_steps(&part) {
             fs::rename(&part, beside(path, ".unfinished")).map_err(|cause| refuse(&cause))?;
             file = open()?;
             file.try_lock().map_err(|cause| refuse(&cause))?;
