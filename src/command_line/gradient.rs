@@ -102,6 +102,7 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
     // what is there is said before what may fail
     simulation.say_functionals(&prepared);
+    simulation.say_resolution(&prepared);
     let adjoint = timed("adjoint", forward, || analysis.adjoint(x, forward)).inspect_err(|_| simulation.say_files())?;
     let check = if options.check {
         let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward));
@@ -128,7 +129,7 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
             say(format_args!("a rounding of the variables changes complex-step derivatives by {} of them", brief(scatter)));
         }
     }
-    simulation.say_resolution(&prepared);
+    say("");
     simulation.say_files();
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref()));
     match check {

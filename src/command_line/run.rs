@@ -29,12 +29,12 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
 pub fn report(simulation: &Simulation, prepared: &costate::scenes::Prepared) {
     if simulation.stopped.is_none() {
         simulation.say_functionals(prepared);
+        simulation.say_resolution(prepared);
     } else {
         let done = simulation.forward.history.steps();
         let planned = if prepared.control.is_some() { String::new() } else { format!(" of {}", prepared.grid.steps()) };
         say(format_args!("stopped after {done}{planned} steps: the files hold the finished ones\n"));
     }
     say_work(&[("simulation", simulation.work())]);
-    simulation.say_resolution(prepared);
     simulation.say_files();
 }
