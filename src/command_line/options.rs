@@ -48,7 +48,7 @@ pub struct SceneOptions {
     /// When Newton's method stops: at round-off, or by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy
     #[arg(long, value_name = "RULE", default_value = NewtonTolerance::default().name())]
     newton: String,
-    /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, left-looking, multifrontal
+    /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, multifrontal
     #[arg(long, value_name = "NAME", default_value = Backend::default().name())]
     solver: String,
     /// How the programs of formulas are executed: as machine code, or by a loop over their operations (same results, bit by bit)

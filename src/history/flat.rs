@@ -163,7 +163,7 @@ flat! {
     Prediction<f64> { tracks }
     StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction }
     FactoredAt<f64> { t, base, unknowns }
-    KeptFactorization<f64> { factored, at, pivots, floors, measured, measured_for }
+    KeptFactorization<f64> { factored, at, floors, measured, measured_for }
     Checkpoint<f64> { between, kept }
 }
 

@@ -97,8 +97,6 @@ pub struct KeptFactorization<S> {
     pub factored: Option<Equations>,
     /// Where they were.
     pub at: FactoredAt<S>,
-    /// Order of pivots that the solver kept from earlier matrices; empty if it keeps none.
-    pub pivots: Vec<usize>,
     /// Size of corrections at round-off, for each kind of system, where it is known.
     pub floors: [Option<[f64; 2]>; 3],
     /// Equations for which these were measured, and factorizations since then.
@@ -107,7 +105,7 @@ pub struct KeptFactorization<S> {
     pub measured_for: usize,
 }
 
-crate::assembly::empty_fields!(KeptFactorization { factored, at, pivots, floors, measured, measured_for });
+crate::assembly::empty_fields!(KeptFactorization { factored, at, floors, measured, measured_for });
 
 /// A run between two steps: all that later steps depend on.
 ///

@@ -715,16 +715,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         } else {
             kept.at.clear();
         }
-        kept.pivots.clear();
-        kept.pivots.extend_from_slice(self.factorization.kept_pivots().unwrap_or_default());
         (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
     pub(super) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
         self.factored = None;
-        // none: pivots that were chosen since are forgotten
-        self.factorization.keep_pivots(&kept.pivots);
         let FactoredAt { t, base, unknowns } = &kept.at;
         if let Some(equations) = &kept.factored {
             self.residual.start(&self.system, equations, base, p, *t);
@@ -791,8 +787,6 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.residual.start(&self.system, &equations, &base, p, t);
         self.factored = None;
         self.evaluate(&equations, &base, &mut unknowns, p, t);
-        // the same bits whatever was factored before: steps that are computed again make the same choices
-        self.factorization.keep_pivots(&[]);
         let factored = self.factorize(&equations, &unknowns, p, t);
         (self.state, self.guess) = (base, unknowns);
         factored

@@ -93,33 +93,37 @@ impl LinearSolver for DenseLu {
     fn solve(&mut self, rhs: &mut [f64]) {
         let n = self.pattern.size;
         let x = &mut self.permuted;
-        x.iter_mut().zip(&self.rows).for_each(|(x, &row)| *x = rhs[row]);
-        for k in 0..n {
-            let (column, known) = (&self.lu[k * n..][..n], x[k]);
-            x[k + 1..].iter_mut().zip(&column[k + 1..]).for_each(|(x, l)| *x -= l * known);
+        for rhs in rhs.chunks_exact_mut(n.max(1)) {
+            x.iter_mut().zip(&self.rows).for_each(|(x, &row)| *x = rhs[row]);
+            for k in 0..n {
+                let (column, known) = (&self.lu[k * n..][..n], x[k]);
+                x[k + 1..].iter_mut().zip(&column[k + 1..]).for_each(|(x, l)| *x -= l * known);
+            }
+            for k in (0..n).rev() {
+                let column = &self.lu[k * n..][..n];
+                x[k] /= column[k];
+                let known = x[k];
+                x[..k].iter_mut().zip(column).for_each(|(x, u)| *x -= u * known);
+            }
+            rhs.copy_from_slice(x);
         }
-        for k in (0..n).rev() {
-            let column = &self.lu[k * n..][..n];
-            x[k] /= column[k];
-            let known = x[k];
-            x[..k].iter_mut().zip(column).for_each(|(x, u)| *x -= u * known);
-        }
-        rhs.copy_from_slice(x);
     }
 
     fn solve_transposed(&mut self, rhs: &mut [f64]) {
         let n = self.pattern.size;
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        for k in 0..n {
-            let column = self.column(k);
-            rhs[k] = (rhs[k] - dot(&column[..k], &rhs[..k])) / column[k];
+        for rhs in rhs.chunks_exact_mut(n.max(1)) {
+            for k in 0..n {
+                let column = self.column(k);
+                rhs[k] = (rhs[k] - dot(&column[..k], &rhs[..k])) / column[k];
+            }
+            for k in (0..n).rev() {
+                let column = self.column(k);
+                rhs[k] -= dot(&column[k + 1..], &rhs[k + 1..]);
+            }
+            self.permuted.copy_from_slice(rhs);
+            self.permuted.iter().zip(&self.rows).for_each(|(&x, &row)| rhs[row] = x);
         }
-        for k in (0..n).rev() {
-            let column = self.column(k);
-            rhs[k] -= dot(&column[k + 1..], &rhs[k + 1..]);
-        }
-        self.permuted.copy_from_slice(rhs);
-        self.permuted.iter().zip(&self.rows).for_each(|(&x, &row)| rhs[row] = x);
     }
 }
 

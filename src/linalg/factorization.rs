@@ -3,36 +3,32 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::lagged::{LaggedSolver, Refactoring};
 use super::multifrontal::{MultifrontalLu, largest};
-use super::{DenseLu, LeftLookingLu, LinearSolver, Side, Singular, minimum_degree};
+use super::{DenseLu, LinearSolver, Singular};
 use crate::linalg::SparsePattern;
 use std::sync::Arc;
 
 /// Which solver factors the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// Left-looking up to 40 unknowns where that takes few operations, else dense; multifrontal above.
+    /// Dense up to 8 unknowns, multifrontal above.
     #[default]
     Automatic,
     /// Dense LU.
     Dense,
-    /// Sparse LU with pivots kept from factorization to factorization.
-    LeftLooking,
     /// Sparse LU of dense fronts, with pivots searched in each.
     Multifrontal,
 }
 
 impl Backend {
     /// All, the choice by size first.
-    pub const ALL: [Backend; 4] = [Backend::Automatic, Backend::Dense, Backend::LeftLooking, Backend::Multifrontal];
+    pub const ALL: [Backend; 3] = [Backend::Automatic, Backend::Dense, Backend::Multifrontal];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Automatic => "automatic",
             Backend::Dense => "dense",
-            Backend::LeftLooking => "left-looking",
             Backend::Multifrontal => "multifrontal",
         }
     }
@@ -60,17 +56,14 @@ pub struct Work {
     pub fill: usize,
 }
 
-/// Largest number of unknowns of a small system: above, dense fronts pay, whatever the pattern.
-const SMALL: usize = 40;
+/// Largest number of unknowns of a small system: above, what the tree of fronts saves is more than it costs.
+const SMALL: usize = 8;
 
 /// Largest difference of scaled values that are the same but for round-off: of the sizes of steps, where all else is constant.
 const SAME_VALUES: f64 = 1e-11;
 
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
-
-/// Most right-hand sides that are solved with factors of another matrix: more of them share a factorization better than iterations.
-const LAGGING_COLUMNS: usize = 3;
 
 /// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
@@ -86,23 +79,14 @@ pub struct Factorization {
     weak: Vec<usize>,
     /// Places and columns of the entries in their rows.
     weak_entries: Vec<(usize, usize)>,
-    work: Vec<f64>,
+    /// Right-hand sides of a transposed solution, and corrections of it.
+    given: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
-    /// Scaled values of the last factorization that others follow.
-    followed: Vec<f64>,
+    /// Scaled values of the factors, where they may serve equal ones.
+    reusable: Vec<f64>,
     /// Refinements of a transposed solution.
     refinements: usize,
-    /// Solutions with factors of another matrix; `None` where a factorization takes the time of few solutions.
-    lagging: Option<Lagging>,
-}
-
-/// Solutions with factors of another matrix.
-struct Lagging {
-    solver: LaggedSolver,
-    rule: Refactoring,
-    /// Most applications of the factors for the matrix of now; 0 if that is the factored one.
-    most: usize,
 }
 
 impl Factorization {
@@ -123,19 +107,10 @@ impl Factorization {
             let work = Work { multiplications: 0.5 * analysis.flops, fill: analysis.entries };
             (Box::new(solver) as Box<dyn LinearSolver>, Some(work), Backend::Multifrontal)
         };
-        let left_looking = |limit: f64| {
-            let ordering = minimum_degree(pattern, limit)?;
-            let work = Work { multiplications: ordering.multiplications, fill: ordering.fill };
-            let solver = Box::new(LeftLookingLu::new(pattern, ordering)) as Box<dyn LinearSolver>;
-            Some((solver, Some(work), Backend::LeftLooking))
-        };
         let (solver, work, backend) = match backend {
             Backend::Dense => dense(),
-            Backend::Multifrontal => multifrontal(),
-            Backend::LeftLooking => left_looking(f64::INFINITY).unwrap_or_else(dense),
-            // dense kernels do several operations in the time of one of a left-looking factorization
-            Backend::Automatic if n <= SMALL => left_looking(of_dense / 4.0).unwrap_or_else(dense),
-            Backend::Automatic => multifrontal(),
+            Backend::Automatic if n <= SMALL => dense(),
+            Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work };
         Ok(Self::of(solver, plan, pattern.clone()))
@@ -143,14 +118,8 @@ impl Factorization {
 
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>) -> Self {
         let n = pattern.size;
-        let lagging = plan.work.filter(|_| plan.backend == Backend::Multifrontal).map(|work| Lagging {
-            solver: LaggedSolver::new(pattern.clone()),
-            rule: Refactoring::new(work.multiplications, work.fill),
-            most: 0,
-        });
         Factorization {
             plan,
-            lagging,
             solver,
             scaled: vec![0.0; pattern.rows.len()],
             row_scale: vec![1.0; n],
@@ -159,10 +128,10 @@ impl Factorization {
             weak: Vec::new(),
             weak_entries: Vec::new(),
             pattern,
-            work: vec![0.0; n],
-            correction: vec![0.0; n],
+            given: Vec::new(),
+            correction: Vec::new(),
             checked: false,
-            followed: Vec::new(),
+            reusable: Vec::new(),
             refinements: 1,
         }
     }
@@ -188,9 +157,8 @@ impl Factorization {
     fn factor_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
         self.set_scales(values);
         self.set_scaled(values);
-        self.followed.clear();
+        self.reusable.clear();
         self.refinements = 1;
-        self.lagging.iter_mut().for_each(|lagging| lagging.most = 0);
         self.solver.factor(&self.scaled)?;
         if !self.checked {
             self.examine()?;
@@ -199,46 +167,28 @@ impl Factorization {
         Ok(())
     }
 
-    /// Takes up the values of a matrix for transposed solutions of some right-hand sides by [`Factorization::solve_followed`]: as
-    /// [`Factorization::factor`], unless they are those of the last factorization but for round-off, or near enough for its factors to
-    /// serve. Solutions are as exact as with new factors. Returns whether it was factored.
+    /// As [`Factorization::factor`], for transposed solutions, unless the values are those of the factors but for round-off: then one more
+    /// refinement makes solutions as exact as with new factors. Returns whether it was factored.
     ///
     /// # Errors
     /// As for [`Factorization::factor`].
-    pub fn follow(&mut self, values: &[f64], columns: usize) -> Result<bool, Singular> {
+    pub fn factor_or_reuse(&mut self, values: &[f64]) -> Result<bool, Singular> {
         self.check_finite(values)?;
-        let known = self.followed.len() == values.len();
         let near = |column: usize| {
             let scale = self.column_scale[column];
             self.entries(column).all(|place| {
                 let scaled = values[place] * (self.row_scale[self.pattern.rows[place]] * scale);
-                (scaled - self.followed[place]).abs() <= SAME_VALUES
+                (scaled - self.reusable[place]).abs() <= SAME_VALUES
             })
         };
-        let same = known && (0..self.pattern.size).all(near);
-        self.refinements = if same { 2 } else { 1 };
-        let mut lags = false;
-        if let Some(lagging) = &mut self.lagging {
-            let serve = known && !same && columns <= LAGGING_COLUMNS;
-            lagging.most = if serve { lagging.rule.most_applications(columns) } else { 0 };
-            lags = lagging.most > 0;
-        }
-        if same || lags {
+        if self.reusable.len() == values.len() && (0..self.pattern.size).all(near) {
+            self.refinements = 2;
             self.set_scaled(values);
             return Ok(false);
         }
         self.factor_finite(values)?;
-        self.now_factored(columns);
+        self.reusable.clone_from(&self.scaled);
         Ok(true)
-    }
-
-    /// Remembers the matrix factored last as the one that others are near.
-    fn now_factored(&mut self, columns: usize) {
-        self.followed.clone_from(&self.scaled);
-        if let Some(lagging) = &mut self.lagging {
-            lagging.most = 0;
-            lagging.rule.add_factored(columns);
-        }
     }
 
     /// # Errors
@@ -266,16 +216,6 @@ impl Factorization {
     /// The solver and what a factorization takes.
     pub fn plan(&self) -> SolverPlan {
         self.plan
-    }
-
-    /// The order of pivots that later factorizations keep, if the solver keeps any.
-    pub fn kept_pivots(&self) -> Option<&[usize]> {
-        self.solver.kept_pivots()
-    }
-
-    /// Takes over the order of pivots of another factorization of the pattern.
-    pub fn keep_pivots(&mut self, pivots: &[usize]) {
-        self.solver.keep_pivots(pivots);
     }
 
     /// Looks for a vector that A^-1 enlarges beyond all measure.
@@ -310,72 +250,33 @@ impl Factorization {
         }
     }
 
-    /// Replaces right-hand sides, one after the other, by the columns of A^-T B with the factors of A, refined once against the matrix:
+    /// Replaces right-hand sides, one after the other, by the columns of A^-T B with the factors of A, refined against the matrix:
     /// adjoint variables are not corrected by a later iteration.
     pub fn solve_transposed(&mut self, rhs: &mut [f64]) {
-        self.scale_transposed(rhs);
-        rhs.chunks_exact_mut(self.pattern.size.max(1)).for_each(|rhs| self.refine_transposed(rhs));
-        self.unscale_transposed(rhs);
-    }
-
-    /// The same with the matrix taken up by [`Factorization::follow`]; returns whether it had to be factored, because it was not near
-    /// enough to that of the factors.
-    ///
-    /// # Errors
-    /// As for [`Factorization::factor`].
-    pub fn solve_followed(&mut self, rhs: &mut [f64]) -> Result<bool, Singular> {
-        let most = self.lagging.as_ref().map_or(0, |lagging| lagging.most);
-        if most == 0 {
-            self.solve_transposed(rhs);
-            return Ok(false);
-        }
-        let columns = rhs.len() / self.pattern.size;
-        self.scale_transposed(rhs);
-        if let Some(Lagging { solver, rule, .. }) = self.lagging.as_mut().filter(|_| columns <= LAGGING_COLUMNS) {
-            let lag = solver.solve(&mut *self.solver, &self.scaled, Side::Transposed, rhs, most);
-            if lag.solved {
-                rule.add_lagged(columns, lag.longest);
-                self.unscale_transposed(rhs);
-                return Ok(false);
-            }
-            rule.add_failure();
-        }
-        // the scales of the matrix before serve this one, too: it was worth trying its factors
-        self.followed.clear();
-        self.solver.factor(&self.scaled)?;
-        self.now_factored(columns);
-        rhs.chunks_exact_mut(self.pattern.size).for_each(|rhs| self.refine_transposed(rhs));
-        self.unscale_transposed(rhs);
-        Ok(true)
-    }
-
-    fn scale_transposed(&self, rhs: &mut [f64]) {
-        for rhs in rhs.chunks_exact_mut(self.pattern.size.max(1)) {
+        let n = self.pattern.size.max(1);
+        for rhs in rhs.chunks_exact_mut(n) {
             rhs.iter_mut().zip(&self.column_scale).for_each(|(b, scale)| *b *= scale);
         }
-    }
-
-    fn unscale_transposed(&self, rhs: &mut [f64]) {
-        for rhs in rhs.chunks_exact_mut(self.pattern.size.max(1)) {
-            rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
-        }
-    }
-
-    /// Solves in the scale of the factors.
-    fn refine_transposed(&mut self, rhs: &mut [f64]) {
-        self.work.copy_from_slice(rhs);
+        let (mut given, mut correction) = (std::mem::take(&mut self.given), std::mem::take(&mut self.correction));
+        given.clear();
+        given.extend_from_slice(rhs);
         self.solver.solve_transposed(rhs);
-        let mut correction = std::mem::take(&mut self.correction);
         for _ in 0..self.refinements {
-            for column in 0..self.pattern.size {
-                let own = self.entries(column);
-                let entries = self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]);
-                correction[column] = self.work[column] - entries.map(|(entry, &row)| entry * rhs[row]).sum::<f64>();
+            correction.clone_from(&given);
+            for (left, x) in correction.chunks_exact_mut(n).zip(rhs.chunks_exact(n)) {
+                for column in 0..n {
+                    let own = self.entries(column);
+                    let entries = self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]);
+                    left[column] -= entries.map(|(entry, &row)| entry * x[row]).sum::<f64>();
+                }
             }
             self.solver.solve_transposed(&mut correction);
             rhs.iter_mut().zip(&correction).for_each(|(x, correction)| *x += correction);
         }
-        self.correction = correction;
+        (self.given, self.correction) = (given, correction);
+        for rhs in rhs.chunks_exact_mut(n) {
+            rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
+        }
     }
 
     /// An unknown in the scale of the matrix factored last.

@@ -68,8 +68,8 @@ pub(super) struct TransposedSolver<'m> {
     factored: Option<Factored>,
     /// The equations of the factored matrix, and whether it is the same for all states and times.
     constant: Option<(Equations, bool)>,
-    /// Number of adjoints of the last system that were not zero.
-    columns: usize,
+    /// Whether an adjoint of the last system was not zero.
+    needed: bool,
     /// Work that is not counted yet.
     work: Counters,
 }
@@ -105,7 +105,7 @@ impl<'m> TransposedSolver<'m> {
             products: Products::new(active),
             factored: None,
             constant: None,
-            columns: 0,
+            needed: false,
             work: Counters::default(),
         }
     }
@@ -130,7 +130,7 @@ impl<'m> TransposedSolver<'m> {
         }
         let before = self.jacobian.evaluated;
         self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
-        let outcome = self.factorization.follow(&self.jacobian.values, self.columns.max(1));
+        let outcome = self.factorization.factor_or_reuse(&self.jacobian.values);
         self.work.blocks += self.jacobian.evaluated - before;
         self.work.factorizations += usize::from(outcome == Ok(true));
         self.factored = Some(Factored { t: *t, equations: *equations, outcome });
@@ -141,7 +141,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// Whether an adjoint of the last system was not zero.
     pub fn was_needed(&self) -> bool {
-        self.columns > 0
+        self.needed
     }
 
     /// Forgets a system for whose adjoint nobody has asked, and counts the work done so far.
@@ -164,7 +164,7 @@ impl<'m> TransposedSolver<'m> {
         let dofs = system.model.dofs;
         let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
         let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
-        self.columns = asked.len();
+        self.needed = !asked.is_empty();
         if asked.is_empty() {
             self.forget(counters);
             return Ok(base_bars);
@@ -184,8 +184,7 @@ impl<'m> TransposedSolver<'m> {
         counters.systems += 1;
         let unknowns = std::mem::take(&mut self.unknowns);
 
-        let mut all =
-            self.solve(asked.iter().map(|&k| &bars[k]), counters).map_err(|singular| self.singular_at(singular, *t))?;
+        let mut all = self.solve(asked.iter().map(|&k| &bars[k]));
         counters.solves += asked.len();
         counters.products += asked.len();
 
@@ -279,12 +278,8 @@ impl<'m> TransposedSolver<'m> {
         Ok(base_bars)
     }
 
-    /// lambda with J^T lambda = -x_bar for each x_bar, with the matrix taken up last.
-    fn solve<'b>(
-        &mut self,
-        bars: impl Iterator<Item = &'b SolutionBar>,
-        counters: &mut Counters,
-    ) -> Result<Vec<Adjoints>, Singular> {
+    /// lambda with J^T lambda = -x_bar for each x_bar, with the matrix factored last.
+    fn solve<'b>(&mut self, bars: impl Iterator<Item = &'b SolutionBar>) -> Vec<Adjoints> {
         let system = &*self.system.clone();
         let (mut all, mut count) = (Vec::new(), 0);
         for bar in bars {
@@ -300,7 +295,7 @@ impl<'m> TransposedSolver<'m> {
             }
             reduced.iter_mut().for_each(|value| *value = -*value);
         }
-        counters.factorizations += usize::from(self.factorization.solve_followed(&mut all)?);
+        self.factorization.solve_transposed(&mut all);
         let adjoints = |reduced: &[f64]| {
             let mut adjoints = Adjoints::zeros(system);
             self.jacobian.prolong_left(system, reduced, &mut adjoints.f, &mut adjoints.y);
@@ -312,7 +307,7 @@ impl<'m> TransposedSolver<'m> {
             }
             adjoints
         };
-        Ok((0..count).map(|k| adjoints(&all[k * system.size()..][..system.size()])).collect())
+        (0..count).map(|k| adjoints(&all[k * system.size()..][..system.size()])).collect()
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {

@@ -20,13 +20,9 @@ type Kind = fn(usize) -> Matrix;
 pub struct LinearSolvers;
 
 /// Unknowns from which a solver is left out: it would take minutes, or more memory than most machines have.
-const MOST: [(Backend, usize); 3] =
-    [(Backend::Dense, 2_000), (Backend::LeftLooking, 12_000), (Backend::Multifrontal, usize::MAX)];
+const MOST: [(Backend, usize); 2] = [(Backend::Dense, 2_000), (Backend::Multifrontal, usize::MAX)];
 /// Largest backward error of a solution: some roundings more than the best.
 const BACKWARD_ERROR: f64 = 1e-13;
-/// Unknowns of the mesh whose matrices are followed, and how many of them.
-const LAGGED: usize = 50_000;
-const FOLLOWED: usize = 8;
 /// Times of which the least counts, and the shortest that a clock is asked for [s].
 const TIMES: usize = 3;
 const SHORTEST: f64 = 2e-3;
@@ -56,9 +52,6 @@ impl Study for LinearSolvers {
                     on_threads(threads, || measure(report, &matrix, backend, threads))?;
                 }
             }
-            if unknowns == LAGGED {
-                on_threads(1, || measure_lag(report, &matrix))?;
-            }
             #[cfg(feature = "mumps")]
             measure_foreign(report, &matrix)?;
         }
@@ -67,49 +60,6 @@ impl Study for LinearSolvers {
         }
         Ok(())
     }
-}
-
-/// Relative changes of all entries between one matrix and the next.
-const CHANGES: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
-
-/// Matrices that change a little from one to the next, as those of a motion do: what following them takes by what factoring each takes.
-fn measure_lag(report: &mut Report, matrix: &Matrix) -> Result<(), String> {
-    let Matrix { name, pattern, values } = matrix;
-    let singular = |error: costate::linalg::Singular| format!("{name}: unknown {} is not determined", error.unknown);
-    let rhs = right_hand_side(pattern.size);
-    for change in CHANGES {
-        let mut factorization = Factorization::new(pattern, Backend::Multifrontal).map_err(singular)?;
-        factorization.follow(values, 1).map_err(singular)?;
-        let mut noise = Noise::new(7);
-        let mut of_all = [0.0; 2];
-        let (mut factored, mut worst) = (0, 0.0_f64);
-        for step in 1..=FOLLOWED {
-            let moved = change * step as f64;
-            let values: Vec<f64> = values.iter().map(|value| value * (1.0 + moved * noise.next())).collect();
-            let changed = Matrix { name: name.clone(), pattern: pattern.clone(), values };
-            let mut x = rhs.clone();
-            let watch = Watch::start(1);
-            factored += usize::from(factorization.follow(&changed.values, 1).map_err(singular)?);
-            factored += usize::from(factorization.solve_followed(&mut x).map_err(singular)?);
-            of_all[0] += watch.seconds();
-            worst = worst.max(backward_error(&changed, true, &x, &rhs));
-        }
-        let watch = Watch::start(1);
-        let mut x = rhs.clone();
-        factorization.factor(values).map_err(singular)?;
-        factorization.solve_transposed(&mut x);
-        of_all[1] += watch.seconds();
-        let figure = |what: &str| format!("{name}, entries that change by up to {change:e} a step/{what}");
-        let factorizations = figure(&format!("factorizations for {FOLLOWED} matrices"));
-        if change == CHANGES[0] {
-            report.at_most(factorizations, factored as f64, 0.5 * FOLLOWED as f64);
-        } else {
-            report.inform(factorizations, factored as f64);
-        }
-        report.inform(figure("time by that of a factorization for each"), of_all[0] / (FOLLOWED as f64 * of_all[1]));
-        report.at_most(figure("largest backward error"), worst, BACKWARD_ERROR);
-    }
-    Ok(())
 }
 
 /// A solver that others wrote, with one matrix.

@@ -32,5 +32,4 @@ pub(super) mod test_matrices;
 pub(super) use kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
-pub use substitution::Side;
 pub use symbolic::Analysis;

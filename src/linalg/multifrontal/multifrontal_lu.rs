@@ -54,16 +54,6 @@ impl MultifrontalLu {
     pub fn delayed_pivots(&self) -> usize {
         self.factors.delayed(&self.symbolic)
     }
-
-    /// Replaces right-hand sides, one after the other, by the columns of A^-1 B.
-    pub fn solve_many(&mut self, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &self.factors, Side::Plain, rhs);
-    }
-
-    /// Replaces right-hand sides, one after the other, by the columns of A^-T B.
-    pub fn solve_many_transposed(&mut self, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &self.factors, Side::Transposed, rhs);
-    }
 }
 
 /// Roles of unknowns: those without a diagonal entry are multipliers too.
@@ -87,15 +77,11 @@ impl LinearSolver for MultifrontalLu {
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
-        self.solve_many(rhs);
+        self.substitution.solve(&self.symbolic, &self.factors, Side::Plain, rhs);
     }
 
     fn solve_transposed(&mut self, rhs: &mut [f64]) {
-        self.solve_many_transposed(rhs);
-    }
-
-    fn solve_columns(&mut self, side: Side, _size: usize, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &self.factors, side, rhs);
+        self.substitution.solve(&self.symbolic, &self.factors, Side::Transposed, rhs);
     }
 }
 
@@ -162,8 +148,8 @@ mod tests {
             for side in [Side::Plain, Side::Transposed] {
                 let (mut together, mut apart) = (b.clone(), b.clone());
                 match side {
-                    Side::Plain => lu.solve_many(&mut together),
-                    Side::Transposed => lu.solve_many_transposed(&mut together),
+                    Side::Plain => lu.solve(&mut together),
+                    Side::Transposed => lu.solve_transposed(&mut together),
                 }
                 for column in apart.chunks_exact_mut(pattern.size) {
                     match side {
