@@ -57,7 +57,9 @@ impl Scene for BallOnTurntable {
         m.rigid_body("ball", ball, *mass, Vector3::zeros(), [moment, moment, moment, zero, zero, zero]);
         m.gravity(z * S::from(-9.81));
         let [contact, rolling] = m.rolling_sphere(["contact", "rolling"], [table, ball], centre, z, *radius);
-        for (name, direction) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])] {
+        for (name, direction) in
+            [("place, x", [1.0, 0.0, 0.0]), ("place, y", [0.0, 1.0, 0.0]), ("place, z", [0.0, 0.0, 1.0])]
+        {
             m.position_functional(name, Over::Terminal, ball, centre, at(direction));
         }
         m.velocity_functional("speed", Over::Integral, ball, centre, at([0.3, 0.4, 0.5]));
@@ -96,7 +98,9 @@ fn differences(scene: &(impl Scene + Sync), level: ConstraintLevel, table: &str)
     let adjoint = analysis.adjoint(&x, &forward).unwrap();
     let tangent = analysis.tangent(&x, &forward).unwrap();
     // components of one vector are measured in its scale: the vector turns, and one of them may come near zero
-    let vectors: Vec<usize> = prepared.functionals().chunk_by(|a, b| a.name == b.name).map(<[_]>::len).collect();
+    let vector = |name: &str| name.split_once(", ").map_or(name, |(vector, _)| vector).to_string();
+    let of_one = prepared.functionals().chunk_by(|a, b| vector(&a.name) == vector(&b.name));
+    let vectors: Vec<usize> = of_one.map(<[_]>::len).collect();
     [adjoint, tangent].map(|gradient| {
         let (mut start, mut largest) = (0, 0.0f64);
         for length in &vectors {
