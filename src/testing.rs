@@ -32,7 +32,7 @@
 
 use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Force, Impulse, Jacobian, Level, Model, NodeId, ProductBars, ProductPoint,
-    Products, Residual, StageCoefficients, System, SystemOptions, Unknowns, Variational, VectorsAvq,
+    Products, Residual, StageCoefficients, StageSystem, System, SystemOptions, Unknowns, Variational, VectorsAvq,
 };
 use crate::elements::{
     AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic,
@@ -532,7 +532,7 @@ impl<'s> Assembled<'s> {
         for t in self.times() {
             let mut unknowns = Self::unknowns(&system);
             let (mut real, mut jacobian) = (Residual::new(&system), Jacobian::new(&system));
-            real.evaluate(&system, equations, &self.at, &mut unknowns, &self.p, t);
+            real.evaluate(&system, StageSystem { equations, base: &self.at, p: &self.p, t }, &mut unknowns);
             jacobian.assemble(&system, equations, &real, &unknowns, &self.p, t);
             let mut complex = Residual::new(&system);
             let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
@@ -556,7 +556,7 @@ impl<'s> Assembled<'s> {
                     for numbers in numbers.into_iter().skip(group).take(1) {
                         numbers.iter_mut().skip(column).step_by(count).for_each(|x| x.im = COMPLEX_STEP);
                     }
-                    complex.evaluate(&system, equations, &at, &mut stepped, &p, t);
+                    complex.evaluate(&system, StageSystem { equations, base: &at, p: &p, t }, &mut stepped);
                     for (index, places) in all.iter().enumerate() {
                         let exact = self.steps_of(&complex, index);
                         for (block, (places_of_rows, exact)) in blocks[index].iter_mut().zip(places.iter().zip(exact)) {
@@ -591,7 +591,7 @@ impl<'s> Assembled<'s> {
             let (mut at, mut p) = (at.clone(), p.clone());
             self.step(argument, place, &mut at, &mut p);
             let mut stepped = Self::complex_unknowns(&unknowns);
-            complex.evaluate(&system, equations, &at, &mut stepped, &p, t);
+            complex.evaluate(&system, StageSystem { equations, base: &at, p: &p, t }, &mut stepped);
             (0..self.samples.len())
                 .map(|index| {
                     let weights = [&adjoints.f, &adjoints.y, &adjoints.g, &adjoints.g_second];

@@ -72,6 +72,28 @@ pub struct Equations {
     pub variational: Option<Variational>,
 }
 
+/// One nonlinear system of a run.
+#[derive(Debug)]
+pub struct StageSystem<'a, S> {
+    /// What is asked for.
+    pub equations: &'a Equations,
+    /// (a, v, q) from which the unknowns move.
+    pub base: &'a VectorsAvq<S>,
+    /// Parameters of the model.
+    pub p: &'a [S],
+    /// Time \[s\].
+    pub t: f64,
+}
+
+// derived ones would ask the same of S
+impl<S> Clone for StageSystem<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S> Copy for StageSystem<'_, S> {}
+
 impl Equations {
     /// The equation of motion at a stage: both points move together.
     pub fn stage(shift: StageCoefficients, level: Level) -> Self {

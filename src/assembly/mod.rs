@@ -28,7 +28,7 @@ mod variational;
 
 pub use constraint_programs::ConstraintPart;
 pub use element_programs::Force;
-pub use equations::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
+pub use equations::{Equations, Level, Rates, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};
 pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId};

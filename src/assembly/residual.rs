@@ -2,7 +2,7 @@ use super::batches::{BatchWork, run_parts};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
 use super::numbering::{NodeConstraint, System};
-use super::{Equations, Level, Rates, Unknowns, Variational, VectorsAvq};
+use super::{Equations, Level, Rates, StageSystem, Unknowns, Variational, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
@@ -120,7 +120,8 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Prepares for a solve from `base`: of a metric that is a difference, R there is what is subtracted.
-    pub fn start(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, p: &[S], t: f64) {
+    pub fn start(&mut self, system: &System, stage: StageSystem<S>) {
+        let StageSystem { equations, base, p, t } = stage;
         if equations.is_difference() {
             self.add_elements(system, Force::Residual, base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
@@ -142,15 +143,8 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F, Y and G.
-    pub fn evaluate(
-        &mut self,
-        system: &System,
-        equations: &Equations,
-        base: &VectorsAvq<S>,
-        unknowns: &mut Unknowns<S>,
-        p: &[S],
-        t: f64,
-    ) {
+    pub fn evaluate(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
+        let StageSystem { equations, base, p, t } = stage;
         // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
         let corrections = if S::PARTS == 0 { 1 } else { RESTORATIONS };
         let mut moved = std::mem::take(&mut self.constraint_base);
@@ -196,7 +190,8 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Brings unknowns back onto the equations inside nodes, from which a step along an older basis leads away a little.
-    pub fn restore(&mut self, system: &System, equations: &Equations, base: &VectorsAvq<S>, unknowns: &mut Unknowns<S>) {
+    pub fn restore(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
+        let StageSystem { equations, base, .. } = stage;
         let mut moved = std::mem::take(&mut self.constraint_base);
         let base = Self::move_base(equations, base, &mut moved);
         super::local::restore(system, equations, base, unknowns, self.keep_values, RESTORATIONS, &mut self.restored);
@@ -210,7 +205,8 @@ impl<S: RunScalar> Residual<S> {
 
     /// Force below which F is round-off at the point evaluated last: a share of the largest contribution of one element or joint,
     /// or what the last bit of the coordinates does to a stiff element.
-    pub fn force_floor(&mut self, system: &System, unknowns: &Unknowns<S>, p: &[S], t: f64) -> f64 {
+    pub fn force_floor(&mut self, system: &System, stage: StageSystem<S>, unknowns: &Unknowns<S>) -> f64 {
+        let StageSystem { p, t, .. } = stage;
         let (mut scale, mut noise): (f64, f64) = (0.0, 0.0);
         let largest = |force: &[f64]| force.iter().fold(0.0, |scale: f64, r| scale.max(r.abs()));
         let Floor { work, numbers: [inputs, force, rounded], q, mu, own_p } = &mut self.floor;

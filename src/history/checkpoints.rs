@@ -186,9 +186,9 @@ fn missing(place: String) -> RunError {
     RunError::History { place, cause: "the run left no checkpoint".into(), hint: "run it again".into() }
 }
 
-fn resume(marcher: &mut Stepper<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
+fn resume(stepper: &mut Stepper<f64>, packed: Option<&Packed>, place: impl Fn() -> String) -> Result<(), RunError> {
     let checkpoint = packed.and_then(|packed| Checkpoint::from_bytes(&packed.bytes));
-    marcher.resume(&checkpoint.ok_or_else(|| missing(place()))?)
+    stepper.resume(&checkpoint.ok_or_else(|| missing(place()))?)
 }
 
 impl History for Checkpoints {
@@ -203,18 +203,18 @@ impl History for Checkpoints {
             return Ok(Box::new(Listed(Box::new(all.iter()))));
         }
         let kept = self.locked()?;
-        let mut marcher = rerun.marcher()?;
-        resume(&mut marcher, kept.checkpoints.first(), || rerun.grid.place(0))?;
-        Ok(Box::new(Again { grid: rerun.grid, marcher, kept, slots: self.slots, end: self.steps, last: None }))
+        let mut stepper = rerun.stepper()?;
+        resume(&mut stepper, kept.checkpoints.first(), || rerun.grid.place(0))?;
+        Ok(Box::new(Again { grid: rerun.grid, stepper, kept, slots: self.slots, end: self.steps, last: None }))
     }
     fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
         if let Some(all) = &self.all {
             return Ok(Box::new(Listed(Box::new(all.iter().rev()))));
         }
-        let (kept, marcher) = (self.locked()?, rerun.marcher()?);
+        let (kept, stepper) = (self.locked()?, rerun.stepper()?);
         Ok(Box::new(AgainBackward(Again {
             grid: rerun.grid,
-            marcher,
+            stepper,
             kept,
             slots: self.slots,
             end: self.steps,
@@ -229,7 +229,7 @@ impl History for Checkpoints {
 /// Steps computed again one after the other.
 struct Again<'h> {
     grid: &'h TimeGrid,
-    marcher: Stepper<'h, f64>,
+    stepper: Stepper<'h, f64>,
     kept: MutexGuard<'h, Kept>,
     slots: usize,
     /// Steps that are still to be handed out lie before this one.
@@ -241,13 +241,13 @@ struct Again<'h> {
 impl Again<'_> {
     fn advance(&mut self) -> Result<&StepRecord<f64>, RunError> {
         self.kept.usage.recomputed += 1;
-        self.marcher.step(self.grid, None)
+        self.stepper.step(self.grid, None)
     }
 }
 
 impl Steps for Again<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
-        if self.marcher.next_step() < self.end { self.advance().map(Some) } else { Ok(None) }
+        if self.stepper.next_step() < self.end { self.advance().map(Some) } else { Ok(None) }
     }
 }
 
@@ -266,19 +266,19 @@ impl Steps for AgainBackward<'_> {
             return Ok(own.last.as_ref());
         }
         let grid = own.grid;
-        resume(&mut own.marcher, own.kept.checkpoints.last(), || grid.place(index))?;
+        resume(&mut own.stepper, own.kept.checkpoints.last(), || grid.place(index))?;
         loop {
-            let position = own.marcher.next_step();
+            let position = own.stepper.next_step();
             let free = own.slots.saturating_sub(own.kept.checkpoints.len());
             let ahead = split(index + 1 - position, free + 1);
             for _ in 1..ahead {
                 own.advance()?;
             }
             own.advance()?;
-            if own.marcher.next_step() > index {
-                return Ok(Some(own.marcher.record()));
+            if own.stepper.next_step() > index {
+                return Ok(Some(own.stepper.record()));
             }
-            let checkpoint = own.marcher.checkpoint();
+            let checkpoint = own.stepper.checkpoint();
             own.kept.push(&checkpoint);
         }
     }

@@ -29,7 +29,7 @@ impl<'r> Rerun<'r> {
     ///
     /// # Errors
     /// As for [`Stepper::new`].
-    pub fn marcher(&self) -> Result<Stepper<'_, f64>, RunError> {
+    pub fn stepper(&self) -> Result<Stepper<'_, f64>, RunError> {
         Stepper::new(self.problem, self.method, self.systems(), self.plan)
     }
 }

@@ -8,7 +8,7 @@ use super::course::Course;
 use super::load_steps::march_loading;
 use super::march::{Method, Problem, Run, add_scaled, combine};
 use super::record::{Recorder, SolveRecord, StepRecord};
-use super::step::{First, Stepper};
+use super::step::{InitialGuess, Stepper};
 use super::{Embedded, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 
 /// Error allowed in one step: absolute + relative times the size of each entry.
@@ -113,12 +113,12 @@ fn march_choosing(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
-    recorder.start(marcher.start(course.t(), plan, None)?)?;
-    let mut choice = Choice::new(&marcher, control, course);
-    let mut before = marcher.checkpoint();
-    choice.first_step(&mut marcher)?;
-    marcher.resume(&before)?;
+    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
+    recorder.start(stepper.start(course.t(), plan, None)?)?;
+    let mut choice = Choice::new(&stepper, control, course);
+    let mut before = stepper.checkpoint();
+    choice.first_step(&mut stepper)?;
+    stepper.resume(&before)?;
     while !choice.course.at_end() {
         let index = choice.course.grid.steps();
         if recorder.wants_checkpoint(index) {
@@ -127,24 +127,24 @@ fn march_choosing(
         let reached = loop {
             let breakpoint = choice.course.at_breakpoint();
             let (span, reached) = choice.span();
-            match marcher.step_over(Scheme::Main, span, breakpoint, None) {
+            match stepper.step_over(Scheme::Main, span, breakpoint, None) {
                 Ok(()) => {
-                    let error = choice.error(marcher.record(), &before.between, &marcher.between);
+                    let error = choice.error(stepper.record(), &before.between, &stepper.between);
                     if choice.accepts(error)? {
                         break reached;
                     }
                 }
                 Err(failure) => choice.halve(failure)?,
             }
-            marcher.resume(&before)?;
+            stepper.resume(&before)?;
         };
         choice.course.advance(reached);
-        marcher.checkpoint_in(&mut before);
-        if !recorder.step(marcher.record())? {
+        stepper.checkpoint_in(&mut before);
+        if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
-    Ok(marcher.end(choice.rejected))
+    Ok(stepper.end(choice.rejected))
 }
 
 /// The choice of the next step.
@@ -168,10 +168,10 @@ struct Choice<'c> {
 }
 
 impl<'c> Choice<'c> {
-    fn new(marcher: &Stepper<'c, f64>, control: &'c StepControl, course: Course<'c>) -> Self {
-        let table = &marcher.method.table;
+    fn new(stepper: &Stepper<'c, f64>, control: &'c StepControl, course: Course<'c>) -> Self {
+        let table = &stepper.method.table;
         let embedded = table.embedded.as_ref().expect("checked before the run");
-        let nodes = marcher.problem.model.nodes.iter().filter(|node| !node.fixed);
+        let nodes = stepper.problem.model.nodes.iter().filter(|node| !node.fixed);
         Choice {
             control,
             table,
@@ -197,8 +197,8 @@ impl<'c> Choice<'c> {
     /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
     ///
     /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.
-    fn first_step(&mut self, marcher: &mut Stepper<f64>) -> Result<(), RunError> {
-        let state = marcher.between.clone();
+    fn first_step(&mut self, stepper: &mut Stepper<f64>) -> Result<(), RunError> {
+        let state = stepper.between.clone();
         let (q, v, a) = (&state.carried[0], &state.carried[1], state.acceleration());
         let duration = self.course.span(f64::INFINITY).1 - self.course.t();
         let StepControl { coordinates, velocities, .. } = *self.control;
@@ -209,8 +209,13 @@ impl<'c> Choice<'c> {
         // the change of the acceleration along an explicit step
         let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
         let mut later = SolveRecord::empty();
-        let solved =
-            marcher.solve_acceleration((&moved(q, v), &moved(v, a)), self.course.t() + trial, 0, First::Zero, &mut later);
+        let solved = stepper.solve_acceleration(
+            (&moved(q, v), &moved(v, a)),
+            self.course.t() + trial,
+            0,
+            InitialGuess::Zero,
+            &mut later,
+        );
         let curvature = match solved {
             Ok(()) => {
                 let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();

@@ -11,7 +11,7 @@
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{Counters, RunError, StartPlan, Systems};
-use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::State;
 
 /// How far and how closely a path is followed.
@@ -177,8 +177,8 @@ impl Follower<'_> {
         let (zeros, q) = (vec![0.0; model.dofs], start.q.clone());
         let base = VectorsAvq { a: zeros.clone(), v: zeros, q };
         let newton = &mut self.newton;
-        let mut unknowns = newton.released(&base, p, 0.0);
-        let solved = newton.solve(&EQUATIONS, &base, &mut unknowns, p, 0.0);
+        let mut unknowns = newton.reactions_at_release(&base, p, 0.0);
+        let solved = newton.solve(StageSystem { equations: &EQUATIONS, base: &base, p, t: 0.0 }, &mut unknowns);
         solved.map_err(|failure| newton.describe(&failure, &EQUATIONS, place))?;
         let q = base.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
         let point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0 };
@@ -300,9 +300,8 @@ impl Follower<'_> {
         let size = self.newton.size(&from.q).max(self.newton.size(&unknowns.x));
         let mut previous = f64::INFINITY;
         for corrections in 1..=MOST_CORRECTIONS {
-            self.newton
-                .linearize(&EQUATIONS, &base, &mut unknowns, p, load)
-                .map_err(|unknown| format!("{unknown} is singular"))?;
+            let stage = StageSystem { equations: &EQUATIONS, base: &base, p, t: load };
+            self.newton.linearize(stage, &mut unknowns).map_err(|unknown| format!("{unknown} is singular"))?;
             let residual = self.newton.correction();
             let along = self.along_load(&unknowns.mu, load);
             // the plane at right angles to the tangent
@@ -323,7 +322,7 @@ impl Follower<'_> {
             }
             let stalled = step > 0.5 * previous && step <= NEARLY * size;
             if step <= ROUND_OFF * size || stalled {
-                self.newton.residual.restore(&self.newton.system, &EQUATIONS, &base, &mut unknowns);
+                self.newton.residual.restore(&self.newton.system, stage, &mut unknowns);
                 let q = from.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
                 let mut point = PathPoint { load, q, mu: unknowns.mu, slope: 0.0 };
                 let mut own = self.towards_load(&point).map_err(|unknown| format!("{unknown} is singular"))?;
@@ -347,7 +346,7 @@ impl Follower<'_> {
         let mut unknowns = Residual::unknowns(&self.newton.system);
         unknowns.mu.clone_from(&point.mu);
         self.newton.set_coordinate_scales(&base, p);
-        self.newton.linearize(&EQUATIONS, &base, &mut unknowns, p, point.load)?;
+        self.newton.linearize(StageSystem { equations: &EQUATIONS, base: &base, p, t: point.load }, &mut unknowns)?;
         Ok(self.along_load(&point.mu, point.load))
     }
 

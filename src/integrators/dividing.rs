@@ -34,9 +34,9 @@ fn divide(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
-    recorder.start(marcher.start(course.t(), plan, None)?)?;
-    let mut before = marcher.checkpoint();
+    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
+    recorder.start(stepper.start(course.t(), plan, None)?)?;
+    let mut before = stepper.checkpoint();
     let mut rejected = 0;
     // of the given step, as far as it is left
     let (mut halvings, mut h) = (0, f64::INFINITY);
@@ -50,28 +50,28 @@ fn divide(
         course.grid.times.push(reached);
         let scheme = method.table.scheme_at(course.grid, index);
         course.grid.times.pop();
-        match marcher.step_over(scheme, span, course.at_breakpoint(), None) {
+        match stepper.step_over(scheme, span, course.at_breakpoint(), None) {
             Ok(()) => {}
             Err(RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
                 if halvings < MOST_HALVINGS =>
             {
                 (halvings, rejected, left) = (halvings + 1, rejected + 1, 2 * left);
                 h = 0.5 * (reached - span.0);
-                marcher.resume(&before)?;
+                stepper.resume(&before)?;
                 continue;
             }
             Err(error) => return Err(error),
         }
-        marcher.note_error();
+        stepper.note_error();
         course.advance(reached);
-        marcher.checkpoint_in(&mut before);
+        stepper.checkpoint_in(&mut before);
         left -= 1;
         if left == 0 {
             (halvings, h, left) = (0, f64::INFINITY, 1);
         }
-        if !recorder.step(marcher.record())? {
+        if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
-    Ok(marcher.end(rejected))
+    Ok(stepper.end(rejected))
 }

@@ -26,9 +26,9 @@ pub(super) fn march_loading(
     recorder: &mut dyn Recorder<f64>,
 ) -> Result<Run<f64>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
-    recorder.start(marcher.start(course.t(), plan, None)?)?;
-    let mut before = marcher.checkpoint();
+    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
+    recorder.start(stepper.start(course.t(), plan, None)?)?;
+    let mut before = stepper.checkpoint();
     let mut h = FIRST * course.duration();
     let mut rejected = 0;
     while !course.at_end() {
@@ -40,9 +40,9 @@ pub(super) fn march_loading(
         let (reached, quick) = loop {
             h = h.min(control.longest);
             let (span, reached) = course.span(h);
-            let iterations = marcher.counters().iterations;
-            match marcher.step_over(Scheme::Main, span, course.at_breakpoint(), None) {
-                Ok(()) => break (reached, !failed && marcher.counters().iterations - iterations <= QUICK),
+            let iterations = stepper.counters().iterations;
+            match stepper.step_over(Scheme::Main, span, course.at_breakpoint(), None) {
+                Ok(()) => break (reached, !failed && stepper.counters().iterations - iterations <= QUICK),
                 Err(cause @ (RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })) => {
                     (failed, rejected) = (true, rejected + 1);
                     h = (reached - span.0) / GROWTH;
@@ -57,16 +57,16 @@ pub(super) fn march_loading(
                 }
                 Err(other) => return Err(other),
             }
-            marcher.resume(&before)?;
+            stepper.resume(&before)?;
         };
         course.advance(reached);
-        marcher.checkpoint_in(&mut before);
+        stepper.checkpoint_in(&mut before);
         if quick {
             h *= GROWTH;
         }
-        if !recorder.step(marcher.record())? {
+        if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
-    Ok(marcher.end(rejected))
+    Ok(stepper.end(rejected))
 }

@@ -149,27 +149,27 @@ pub fn march_along<S: RunScalar>(
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut marcher = Stepper::new(problem, method, &systems, plan)?;
+    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
-    recorder.start(marcher.start(grid.times[0], plan, guided_start)?)?;
+    recorder.start(stepper.start(grid.times[0], plan, guided_start)?)?;
     let is_guided = guided_steps.is_some();
     for index in 0..grid.steps() {
         if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(marcher.checkpoint())?;
+            recorder.checkpoint(stepper.checkpoint())?;
         }
         let guided = match &mut guided_steps {
             Some(steps) => steps.next()?,
             None => None,
         };
-        marcher.step(grid, guided)?;
+        stepper.step(grid, guided)?;
         if !is_guided {
-            marcher.note_error();
+            stepper.note_error();
         }
-        if !recorder.step(marcher.record())? {
+        if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
-    Ok(marcher.end(0))
+    Ok(stepper.end(0))
 }
 
 /// target += factor values.

@@ -6,7 +6,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::{Problem, RunError};
-use crate::assembly::{Equations, Jacobian, Model, Residual, System, SystemOptions, VectorsAvq};
+use crate::assembly::{Equations, Jacobian, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::independent_rows;
 
@@ -52,7 +52,7 @@ pub(super) fn dependent_equations<S: RunScalar>(
     let mut unknowns = Residual::unknowns(&system);
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: real(v), q: real(q) };
     let equations = Equations::acceleration();
-    residual.evaluate(&system, &equations, &base, &mut unknowns, &p, t);
+    residual.evaluate(&system, StageSystem { equations: &equations, base: &base, p: &p, t }, &mut unknowns);
     jacobian.assemble(&system, &equations, &residual, &unknowns, &p, t);
     let rows = constraint_rows(&system, &jacobian);
     let kept = independent_rows(&rows, count.map(|count| rows.len() - count));

@@ -5,7 +5,7 @@ use super::newton::Newton;
 use super::not_finite::not_finite;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
-use crate::assembly::{Equations, Model, NodeId, Residual, System, SystemOptions, VectorsAvq};
+use crate::assembly::{Equations, Model, NodeId, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
@@ -257,7 +257,8 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     let mut unknowns = Residual::unknowns(&system);
     // the point of the analysis: the constraints at their own start, whatever its consistency
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
-    let Err(failure) = newton.solve(&Equations::acceleration(), &base, &mut unknowns, &problem.p, 0.0) else {
+    let stage = StageSystem { equations: &Equations::acceleration(), base: &base, p: &problem.p, t: 0.0 };
+    let Err(failure) = newton.solve(stage, &mut unknowns) else {
         return Ok(Vec::new());
     };
     let rows = constraint_rows(&system, &newton.jacobian);

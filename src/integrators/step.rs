@@ -8,7 +8,7 @@ use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{Watch, dependent_equations, violated};
 use super::resolution::Resolution;
 use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Residual, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use std::sync::Arc;
 
@@ -41,7 +41,7 @@ const WEAK: f64 = 10.0;
 
 /// Where the search for a solution starts.
 #[derive(Clone, Copy)]
-pub(super) enum First<'g> {
+pub(super) enum InitialGuess<'g> {
     /// From zero.
     Zero,
     /// From what the record holds.
@@ -50,9 +50,9 @@ pub(super) enum First<'g> {
     Solved(&'g Unknowns<f64>),
 }
 
-impl<'g> First<'g> {
+impl<'g> InitialGuess<'g> {
     fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
-        record.map_or(First::Zero, |record| First::Solved(&record.unknowns))
+        record.map_or(InitialGuess::Zero, |record| InitialGuess::Solved(&record.unknowns))
     }
 }
 
@@ -60,19 +60,20 @@ impl<'g> First<'g> {
 fn solve<S: RunScalar>(
     newton: &mut Newton<S>,
     record: &mut SolveRecord<S>,
-    first: First,
+    first: InitialGuess,
     p: &[S],
     place: &dyn Fn() -> String,
 ) -> Result<(), RunError> {
     let SolveRecord { t, equations, base, unknowns } = record;
     match first {
-        First::Zero => Residual::shape(&newton.system, unknowns, true),
-        First::Given => Residual::shape(&newton.system, unknowns, false),
-        First::Solved(real) => *unknowns = lifted(real),
+        InitialGuess::Zero => Residual::shape(&newton.system, unknowns, true),
+        InitialGuess::Given => Residual::shape(&newton.system, unknowns, false),
+        InitialGuess::Solved(real) => *unknowns = lifted(real),
     }
+    let stage = StageSystem { equations, base, p, t: *t };
     let solved = match first {
-        First::Solved(_) => newton.solve_guided(equations, base, unknowns, p, *t),
-        _ => newton.solve(equations, base, unknowns, p, *t),
+        InitialGuess::Solved(_) => newton.solve_guided(stage, unknowns),
+        _ => newton.solve(stage, unknowns),
     };
     solved.map_err(|failure| newton.describe(&failure, equations, &place()))
 }
@@ -188,7 +189,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// # Errors
     /// [`RunError`] with what could not be solved.
     pub fn start(&mut self, t: f64, plan: &StartPlan, guide: Option<&StartRecord<f64>>) -> Result<StartRecord<S>, RunError> {
-        let start_of = |pick: fn(&StartRecord<f64>) -> Option<&SolveRecord<f64>>| First::guided(guide.and_then(pick));
+        let start_of = |pick: fn(&StartRecord<f64>) -> Option<&SolveRecord<f64>>| InitialGuess::guided(guide.and_then(pick));
         let model = self.problem.model;
         let InitialState { mut q, mut v } = self.problem.start.clone();
         let mut start_projections = [None, None];
@@ -217,7 +218,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             first.base = VectorsAvq { a: vec![S::zero(); model.dofs], v: v.clone(), q: q.clone() };
             Residual::shape(&self.acceleration.system, &mut first.unknowns, true);
             if guide.is_none() {
-                guessed = self.start.released(&first.base, &self.problem.p, t).mu;
+                guessed = self.start.reactions_at_release(&first.base, &self.problem.p, t).mu;
             }
         } else {
             let from = start_of(|start| Some(&start.acceleration));
@@ -388,7 +389,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
         } else if breakpoint {
-            let first = First::guided(guided.and_then(|step| step.restart.as_ref()));
+            let first = InitialGuess::guided(guided.and_then(|step| step.restart.as_ref()));
             let mut solved = SolveRecord::empty();
             self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
             state.set_acceleration(&table.carried, &solved);
@@ -425,7 +426,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         (q, v): (&[S], &[S]),
         t: f64,
         step: usize,
-        first: First,
+        first: InitialGuess,
         record: &mut SolveRecord<S>,
     ) -> Result<(), RunError> {
         record.t = t;
@@ -473,11 +474,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let place = || format!("step {}, stage {} (t = {time} s)", step + 1, index + 1);
             let track = &mut state.prediction.tracks[index];
             let first = if let Some(step) = guided {
-                First::Solved(&step.stages[index].solve.unknowns)
+                InitialGuess::Solved(&step.stages[index].solve.unknowns)
             } else {
                 own.unknowns.set(&state.last);
                 track.add_expected(t, h, &mut own.unknowns);
-                First::Given
+                InitialGuess::Given
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {
@@ -521,11 +522,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
             let track = &mut prediction.tracks[stages + index];
             let first = if let Some(guides) = guides {
-                First::guided(guides[index].as_ref())
+                InitialGuess::guided(guides[index].as_ref())
             } else {
                 Residual::shape(&self.stage.system, &mut own.unknowns, true);
                 track.add_expected(record.t, 1.0, &mut own.unknowns);
-                First::Given
+                InitialGuess::Given
             };
             solve(&mut self.stage, own, first, &self.problem.p, &place)?;
             if guided.is_none() {

@@ -16,7 +16,7 @@
 use super::march::{Method, Problem};
 use super::newton::Newton;
 use super::{RunError, StartPlan, Systems};
-use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, VectorsAvq};
+use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, VectorsAvq};
 use crate::linalg::{Eigenpair, eigenpairs};
 
 /// One mode: the motion is the real part of shape exp((growth + i frequency) t), and where it grows also one that fades as fast.
@@ -185,12 +185,13 @@ impl Operator<'_> {
     /// Largest ratio of stiffness and inertia of one coordinate [1/s2]: above most omega^2.
     fn largest_ratio(&mut self) -> f64 {
         let Problem { p, .. } = self.problem;
-        let mut unknowns = self.newton.released(&self.base, p, self.t);
+        let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         self.assemble_mass();
         let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
         let Newton { system, residual, .. } = &mut self.newton;
         let mut stiffness = Jacobian::new(system);
-        residual.evaluate(system, &equations, &self.base, &mut unknowns, p, self.t);
+        let stage = StageSystem { equations: &equations, base: &self.base, p, t: self.t };
+        residual.evaluate(system, stage, &mut unknowns);
         stiffness.assemble(system, &equations, residual, &unknowns, p, self.t);
         let diagonal = (0..self.nodes).filter_map(|i| system.pattern.position(i, i));
         diagonal.fold(0.0, |largest: f64, place| {
@@ -203,7 +204,8 @@ impl Operator<'_> {
         let Newton { system, residual, .. } = &mut self.newton;
         let equations = Equations::acceleration();
         let mut unknowns = Residual::unknowns(system);
-        residual.evaluate(system, &equations, &self.base, &mut unknowns, &self.problem.p, self.t);
+        let stage = StageSystem { equations: &equations, base: &self.base, p: &self.problem.p, t: self.t };
+        residual.evaluate(system, stage, &mut unknowns);
         self.mass.assemble(system, &equations, residual, &unknowns, &self.problem.p, self.t);
     }
 
@@ -212,13 +214,15 @@ impl Operator<'_> {
     fn set_shift(&mut self, shift: f64) -> Result<(), RunError> {
         let Problem { model, p, .. } = self.problem;
         let equations = Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position);
-        let mut unknowns = self.newton.released(&self.base, p, self.t);
+        let mut unknowns = self.newton.reactions_at_release(&self.base, p, self.t);
         let no_equilibrium = |how: String| {
             Err(RunError::Input(format!(
                 "vibrations need an equilibrium to start from, but {how}: find it first by the method \"static\""
             )))
         };
-        if let Err(failure) = self.newton.solve(&equations, &self.base, &mut unknowns, p, self.t) {
+        if let Err(failure) =
+            self.newton.solve(StageSystem { equations: &equations, base: &self.base, p, t: self.t }, &mut unknowns)
+        {
             return match self.newton.describe(&failure, &equations, PLACE) {
                 RunError::NoConvergence { .. } => no_equilibrium("there is none near this state".into()),
                 other => Err(other),
@@ -234,10 +238,12 @@ impl Operator<'_> {
         unknowns.x.fill(0.0);
         self.assemble_mass();
         let Operator { newton, base, t, .. } = self;
-        newton.linearize(&equations, base, &mut unknowns, p, *t).map_err(|unknown| RunError::Singular {
-            place: PLACE.into(),
-            unknown,
-            hint: "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into(),
+        newton.linearize(StageSystem { equations: &equations, base, p, t: *t }, &mut unknowns).map_err(|unknown| {
+            RunError::Singular {
+                place: PLACE.into(),
+                unknown,
+                hint: "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into(),
+            }
         })
     }
 

@@ -4,8 +4,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Jacobian, ProductBars, ProductPoint, Products, Residual, System, Unknowns,
-    Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Force, Jacobian, ProductBars, ProductPoint, Products, Residual, StageSystem,
+    System, Unknowns, Variational, VectorsAvq,
 };
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
 use crate::linalg::{Factorization, Singular, SolverPlan};
@@ -121,8 +121,9 @@ impl<'m> TransposedSolver<'m> {
         let SolveRecord { t, equations, base, unknowns } = record;
         // evaluated anew: the multipliers inside nodes follow from the solution
         self.unknowns.clone_from(unknowns);
-        self.residual.start(system, equations, base, p, *t);
-        self.residual.evaluate(system, equations, base, &mut self.unknowns, p, *t);
+        let stage = StageSystem { equations, base, p, t: *t };
+        self.residual.start(system, stage);
+        self.residual.evaluate(system, stage, &mut self.unknowns);
         self.work.residuals += 1;
         if self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
             self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(false) });

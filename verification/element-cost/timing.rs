@@ -3,7 +3,8 @@
 use super::items::{Item, Physics};
 use crate::verification::Clock;
 use costate::assembly::{
-    Equations, Jacobian, Level, Model, PartPrograms, Residual, StageCoefficients, System, SystemOptions, VectorsAvq,
+    Equations, Jacobian, Level, Model, PartPrograms, Residual, StageCoefficients, StageSystem, System, SystemOptions,
+    VectorsAvq,
 };
 use costate::elements::{ConstraintPhysics, ElementPhysics, NodeKind, RunScalar, motion_derivatives};
 use costate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, compile_time, lanes};
@@ -176,11 +177,14 @@ pub fn assembled<'s>(system: &'s System<'s>) -> [Measured<'s>; 2] {
     let mut unknowns = Residual::unknowns(system);
     unknowns.mu.iter_mut().enumerate().for_each(|(i, mu)| *mu = (0.7 * i as f64).cos());
     let (mut other, mut at) = (Residual::<f64>::new(system), unknowns.clone());
-    other.evaluate(system, &equations, &base, &mut at, &p, 0.3);
+    other.evaluate(system, StageSystem { equations: &equations, base: &base, p: &p, t: 0.3 }, &mut at);
     let mut jacobian = Jacobian::new(system);
     let parameters = p.clone();
     [
-        Measured::new(move || residual.evaluate(system, &equations, &base, &mut unknowns, &parameters, 0.3)),
+        Measured::new(move || {
+            let stage = StageSystem { equations: &equations, base: &base, p: &parameters, t: 0.3 };
+            residual.evaluate(system, stage, &mut unknowns)
+        }),
         Measured::new(move || jacobian.assemble(system, &equations, &other, &at, &p, 0.3)),
     ]
 }

@@ -1,6 +1,6 @@
 //! Condition of a stage matrix.
 
-use costate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, VectorsAvq};
+use costate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, VectorsAvq};
 use costate::integrators::{ConstraintLevel, Systems};
 use costate::linalg::{DenseLu, LinearSolver, SparsePattern};
 use costate::scenes::Prepared;
@@ -12,8 +12,8 @@ pub fn condition(prepared: &Prepared) -> Result<f64, String> {
     let system = &systems.stage;
     let (t, end) = prepared.grid.span(0);
     let (h, last) = (end - t, table.stages.len() - 1);
-    let stage = &table.stages[last];
-    let shift = StageCoefficients::new(stage.a.stages[last], h * stage.v.stages[last], h * h * stage.q.stages[last]);
+    let row = &table.stages[last];
+    let shift = StageCoefficients::new(row.a.stages[last], h * row.v.stages[last], h * h * row.q.stages[last]);
     let level = match prepared.method.level {
         ConstraintLevel::Position => Level::Position,
         ConstraintLevel::Velocity => Level::Stabilized,
@@ -23,8 +23,9 @@ pub fn condition(prepared: &Prepared) -> Result<f64, String> {
     let base = VectorsAvq { a: vec![0.0; problem.model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
     let (mut residual, mut jacobian) = (Residual::new(system), Jacobian::new(system));
     let mut unknowns = Residual::unknowns(system);
-    residual.start(system, &equations, &base, &problem.p, t);
-    residual.evaluate(system, &equations, &base, &mut unknowns, &problem.p, t);
+    let stage = StageSystem { equations: &equations, base: &base, p: &problem.p, t };
+    residual.start(system, stage);
+    residual.evaluate(system, stage, &mut unknowns);
     jacobian.assemble(system, &equations, &residual, &unknowns, &problem.p, t);
     of_scaled(&system.pattern, &jacobian.values)
 }

@@ -1,0 +1,105 @@
+use super::{Newton, ROUND_OFF};
+use crate::assembly::{Equations, VectorsAvq};
+use crate::elements::RunScalar;
+use crate::integrators::RunError;
+use crate::integrators::not_finite::not_finite;
+use crate::linalg::Singular;
+use crate::scalar::COMPLEX_STEP;
+
+/// Relative correction of derivative parts that may be round-off.
+pub(super) const PARTS_LIMIT: f64 = 1e-9;
+
+/// Why one system was not solved; the caller knows where in the run it was.
+pub struct Failure {
+    pub(super) how: FailureKind,
+    pub(super) iterations: usize,
+    pub(super) correction: f64,
+}
+
+pub(super) enum FailureKind {
+    Singular(usize),
+    Diverged,
+    Stagnated,
+    NotFinite,
+    /// What was found is no solution.
+    Unbalanced,
+    /// Of the derivative parts alone, the value being a solution: what happened.
+    Parts(&'static str),
+}
+
+impl Failure {
+    pub(super) fn singular(Singular { unknown }: Singular, iterations: usize) -> Self {
+        Failure { how: FailureKind::Singular(unknown), iterations, correction: f64::NAN }
+    }
+}
+
+impl<S: RunScalar> Newton<'_, S> {
+    /// The failure in words.
+    pub fn describe(&self, failure: &Failure, equations: &Equations, place: &str) -> RunError {
+        let model = self.system.model;
+        if let FailureKind::NotFinite | FailureKind::Singular(_) = failure.how {
+            let values = |list: &[S]| list.iter().map(|x| x.value()).collect::<Vec<f64>>();
+            let VectorsAvq { a, v, q } = &self.residual.at;
+            let at = VectorsAvq { a: values(a), v: values(v), q: values(q) };
+            if let Some(cause) = not_finite(model, &self.p, &at, self.t, true) {
+                return RunError::NotFinite { place: place.into(), cause };
+            }
+        }
+        let how = match failure.how {
+            FailureKind::Singular(unknown) => {
+                let unknown = self.system.unknown_name(unknown, &self.jacobian);
+                let hint = if unknown.starts_with("joint") {
+                    "its reaction is not determined: the joint is redundant or the mechanism is in a singular pose"
+                } else if equations.is_static() {
+                    "nothing holds it in equilibrium: give it a support, a joint or a spring; at a limit of the load take smaller \
+                     steps, or follow the path by its arc length"
+                } else {
+                    "it has no inertia, or nothing holds it: give it a mass or a constraint"
+                };
+                return RunError::Singular { place: place.into(), unknown, hint: hint.into() };
+            }
+            FailureKind::Diverged => "diverged",
+            FailureKind::Stagnated => "stagnated",
+            FailureKind::NotFinite => "met a number that is not finite",
+            FailureKind::Unbalanced => "ended where the equations do not hold",
+            FailureKind::Parts(how) => how,
+        };
+        let of_parts = matches!(failure.how, FailureKind::Parts(_));
+        let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
+        // a complex number carries its derivative times the step
+        let unit = if S::PARTS == 1 { COMPLEX_STEP } else { 1.0 };
+        let seen = |value: &S| {
+            let parts = (0..S::PARTS).map(|part| value.part(part) / unit);
+            if of_parts {
+                parts.fold(0.0, |most, part| if size(part) > size(most) { part } else { most })
+            } else {
+                value.value()
+            }
+        };
+        let largest = |values: &[S]| {
+            let rows = values.iter().map(seen).enumerate();
+            rows.max_by(|(_, a), (_, b)| size(*a).total_cmp(&size(*b)))
+        };
+        let force = largest(&self.residual.f).map(|(i, f)| (model.dof_name(i), f));
+        let gap = largest(&self.residual.g).map(|(i, g)| (model.equation_name(i), g));
+        let (row, residual) = match (force, gap) {
+            (Some(force), Some(gap)) => {
+                if size(gap.1) > size(force.1) {
+                    gap
+                } else {
+                    force
+                }
+            }
+            (force, gap) => force.or(gap).unwrap_or_default(),
+        };
+        RunError::NoConvergence {
+            place: place.into(),
+            how,
+            iterations: failure.iterations,
+            correction: failure.correction,
+            limit: if of_parts { PARTS_LIMIT } else { ROUND_OFF },
+            row,
+            residual,
+        }
+    }
+}

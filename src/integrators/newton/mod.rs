@@ -1,0 +1,256 @@
+//! Newton's method for the nonlinear systems of a run, whose values and derivative parts it takes to round-off.
+
+mod accelerations;
+mod derivative_parts;
+mod failure;
+mod linearized;
+mod relieved;
+mod round_off;
+mod sizes;
+mod values;
+
+pub use failure::Failure;
+
+use super::Counters;
+use super::checkpoint::{FactoredAt, KeptFactorization};
+use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
+use crate::elements::{FormulaWork, RunScalar};
+use crate::linalg::{Backend, Factorization, Singular};
+use std::sync::Arc;
+
+/// When Newton's method is content.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum NewtonTolerance {
+    /// Until the error left is below 1e-14 of the unknowns or below what the last bit of the state does to them: exact gradients.
+    #[default]
+    RoundOff,
+    /// Until the residual is below 1e-9 of the first one or below 1e-12, as in Boopathy & Kennedy, or corrections are at round-off.
+    Residual,
+}
+
+impl NewtonTolerance {
+    /// Both rules.
+    pub const ALL: [NewtonTolerance; 2] = [NewtonTolerance::RoundOff, NewtonTolerance::Residual];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            NewtonTolerance::RoundOff => "round-off",
+            NewtonTolerance::Residual => "residual",
+        }
+    }
+}
+
+/// Most iterations for one system.
+const MOST_ITERATIONS: usize = 25;
+/// Relative correction at which the unknowns are as good as round-off allows.
+const ROUND_OFF: f64 = 1e-14;
+/// Factorizations for which the size of round-off is taken as it was measured once: two evaluations for each kind of system.
+const MEASURED_FOR: usize = 10;
+
+/// Newton's method for the systems of one run, keeping its factorization while it converges fast.
+pub struct Newton<'m, S> {
+    /// The numbered equations.
+    pub system: Arc<System<'m>>,
+    /// Evaluations, with their workspace.
+    pub residual: Residual<S>,
+    /// The matrix.
+    pub jacobian: Jacobian,
+    /// Work done.
+    pub counters: Counters,
+    pub(super) factorization: Factorization,
+    tolerance: NewtonTolerance,
+    pub(super) rhs: Vec<f64>,
+    /// Right-hand side before an estimate.
+    exact: Vec<f64>,
+    /// Parameters without derivative parts, and time \[s\], of what was factored last.
+    pub(super) p: Vec<f64>,
+    pub(super) t: f64,
+    /// Unknowns from which a search with an old matrix started.
+    guess: Unknowns<S>,
+    /// Equations for which the matrix was factored last.
+    factored: Option<Equations>,
+    /// Where it was.
+    factored_at: FactoredAt<S>,
+    /// Size of corrections at round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
+    floors: [Option<[f64; 2]>; 3],
+    /// Equations for which floors were measured, and factorizations since then.
+    measured: Option<Equations>,
+    measured_for: usize,
+    /// Solution at the start of an estimate.
+    work: Unknowns<S>,
+    /// State and row of a look at redundant equations.
+    state: VectorsAvq<S>,
+    row: Vec<f64>,
+    formula_work: FormulaWork<f64>,
+    /// Whether any constraint restricts velocities only.
+    nonholonomic: bool,
+    /// Whether elements have stresses that a search can relieve; looked up when a search first fails.
+    relievable: Option<bool>,
+    /// Coordinates from which the searches of a step set out: stresses there are trusted.
+    pub(super) trusted: Vec<f64>,
+    /// Length of the model by which displacements are judged.
+    pub(super) length: f64,
+    /// Largest parameter that is a length, once a search has asked for it.
+    parameter_length: Option<f64>,
+    /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
+    pub(super) coordinate_scales: Vec<f64>,
+}
+
+impl<'m, S: RunScalar> Newton<'m, S> {
+    /// Workspace for a system.
+    ///
+    /// # Errors
+    /// A pattern that no numbers could make regular.
+    pub fn new(system: Arc<System<'m>>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
+        let factorization = Factorization::new(&system.pattern, backend)?;
+        Ok(Newton {
+            residual: Residual::new(&system),
+            jacobian: Jacobian::new(&system),
+            rhs: vec![0.0; system.size()],
+            exact: vec![0.0; system.size()],
+            p: Vec::new(),
+            t: 0.0,
+            guess: Unknowns::default(),
+            counters: Counters::default(),
+            factored: None,
+            coordinate_scales: vec![1.0; system.model.dofs],
+            nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
+            relievable: None,
+            trusted: Vec::new(),
+            length: 1.0,
+            parameter_length: None,
+            factored_at: FactoredAt::default(),
+            floors: [None; 3],
+            measured: None,
+            measured_for: 0,
+            work: Unknowns::default(),
+            state: VectorsAvq::default(),
+            row: Vec::new(),
+            formula_work: FormulaWork::default(),
+            system,
+            factorization,
+            tolerance,
+        })
+    }
+
+    /// Solves for `unknowns`, starting from what they hold.
+    ///
+    /// # Errors
+    /// A `Failure`, to be described by [`Newton::describe`].
+    pub fn solve(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
+        let solved = self.search(stage, unknowns);
+        solved.inspect_err(|_| self.keep_numbers(stage.p, stage.t))
+    }
+
+    fn search(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
+        let equations = stage.equations;
+        self.counters.systems += 1;
+        self.residual.start(&self.system, stage);
+        self.set_coordinate_scales(stage.base, stage.p);
+        // a matrix for other coefficients converges slowly or not at all
+        if self.factored.is_none_or(|old| !self.resembles(&old, equations)) {
+            self.factored = None;
+        }
+        self.guess.clone_from(unknowns);
+        let searched =
+            if equations.is_static() { self.solve_balanced(stage, unknowns) } else { self.solve_value(stage, unknowns) };
+        if let Err(failure) = searched {
+            if !self.can_relieve(equations) {
+                return Err(failure);
+            }
+            unknowns.clone_from(&self.guess);
+            self.approach_relieved(stage, unknowns)?;
+            self.solve_balanced(stage, unknowns)?;
+        }
+        self.residual.restore(&self.system, stage, unknowns);
+        if S::PARTS > 0 {
+            self.solve_parts(stage, unknowns)?;
+        }
+        Ok(())
+    }
+
+    /// What a failure is described with.
+    fn keep_numbers(&mut self, p: &[S], t: f64) {
+        self.p.clear();
+        self.p.extend(p.iter().map(|p| p.value()));
+        self.t = t;
+    }
+
+    pub(in crate::integrators) fn evaluate(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
+        self.counters.residuals += 1;
+        // a factorization follows
+        if self.factored.is_none() && S::PARTS == 0 {
+            self.factored_at.t = stage.t;
+            self.factored_at.base.clone_from(stage.base);
+            self.factored_at.unknowns.clone_from(unknowns);
+        }
+        self.residual.evaluate(&self.system, stage, unknowns);
+    }
+
+    pub(in crate::integrators) fn factorize(
+        &mut self,
+        stage: StageSystem<S>,
+        unknowns: &Unknowns<S>,
+    ) -> Result<(), Singular> {
+        let StageSystem { equations, p, t, .. } = stage;
+        self.counters.factorizations += 1;
+        let before = self.jacobian.evaluated;
+        self.keep_numbers(p, t);
+        self.jacobian.assemble(&self.system, equations, &self.residual, unknowns, &self.p, t);
+        self.counters.blocks += self.jacobian.evaluated - before;
+        self.factorization.factor(&self.jacobian.values)?;
+        let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
+        self.measured_for += 1;
+        if !resembles_last || self.measured_for > MEASURED_FOR {
+            (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
+        }
+        self.factored = Some(*equations);
+        Ok(())
+    }
+
+    fn step(&mut self, part: Option<usize>, unknowns: &mut Unknowns<S>) -> f64 {
+        self.counters.solves += 1;
+        self.jacobian.reduce(&self.system, &self.residual, part, &mut self.rhs);
+        self.factorization.solve(&mut self.rhs);
+        self.jacobian.add_step(&self.system, &self.rhs, part, unknowns, &self.coordinate_scales)
+    }
+
+    /// True if a matrix factored for one kind of equations serves the other: same coefficients of inertia, damping and stiffness. Stages
+    /// at acceleration level and projections differ by the change of A within a step and by the curvature of the reactions; projections
+    /// of coordinates alone are without nonholonomic constraints.
+    fn resembles(&self, old: &Equations, new: &Equations) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+        let rows = |e: &Equations| if e.metric { Level::Acceleration } else { e.level };
+        let (own, other) = (old.residual, new.residual);
+        let same = near(own.gamma, other.gamma) && near(own.beta, other.beta) && near(own.alpha, other.alpha);
+        let free = |e: &Equations| self.nonholonomic && e.nonholonomic(false).is_none();
+        rows(old) == rows(new) && same && free(old) == free(new) && old.variational.is_some() == new.variational.is_some()
+    }
+
+    /// What later systems depend on beside their own numbers.
+    pub(in crate::integrators) fn keep_in(&self, kept: &mut KeptFactorization<S>) {
+        kept.factored = self.factored;
+        if self.factored.is_some() {
+            kept.at.clone_from(&self.factored_at);
+        } else {
+            kept.at.clear();
+        }
+        (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
+    }
+
+    /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
+    pub(in crate::integrators) fn resume(&mut self, kept: &KeptFactorization<S>, p: &[S]) -> Result<(), Singular> {
+        self.factored = None;
+        let FactoredAt { t, base, unknowns } = &kept.at;
+        if let Some(equations) = &kept.factored {
+            let stage = StageSystem { equations, base, p, t: *t };
+            self.residual.start(&self.system, stage);
+            let mut unknowns = unknowns.clone();
+            self.evaluate(stage, &mut unknowns);
+            self.factorize(stage, &unknowns)?;
+        }
+        (self.floors, self.measured, self.measured_for) = (kept.floors, kept.measured, kept.measured_for);
+        Ok(())
+    }
+}

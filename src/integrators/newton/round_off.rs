@@ -1,0 +1,50 @@
+//! The size of corrections that are round-off alone.
+
+use super::Newton;
+use crate::assembly::{Equations, Level, StageSystem, Unknowns};
+use crate::elements::RunScalar;
+
+impl<S: RunScalar> Newton<'_, S> {
+    /// Sizes of a correction of coordinates and of multipliers that are round-off alone: what the last bits of (a, v, q) change in the
+    /// residual, through the matrix.
+    pub(super) fn round_off(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> [f64; 2] {
+        self.jacobian.reduce(&self.system, &self.residual, None, &mut self.exact);
+        self.residual.last_bits = true;
+        self.evaluate(stage, unknowns);
+        self.residual.last_bits = false;
+        self.jacobian.reduce(&self.system, &self.residual, None, &mut self.rhs);
+        self.rhs.iter_mut().zip(&self.exact).for_each(|(other, exact)| *other -= exact);
+        self.factorization.solve(&mut self.rhs);
+        self.counters.solves += 1;
+        self.work.clone_from(unknowns);
+        let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.coordinate_scales);
+        [step, self.multiplier_step()]
+    }
+
+    /// Corrections no longer shrink: is that round-off, or a system that does not converge?
+    pub(super) fn at_round_off(&mut self, stage: StageSystem<S>, unknowns: &Unknowns<S>, step: f64, scale: f64) -> bool {
+        let equations = stage.equations;
+        if step <= 1e-10 * scale {
+            return true;
+        }
+        let force = self.residual.f.iter().fold(0.0, |s: f64, f| s.max(f.value().abs()));
+        let length = self.residual.constraint_at.q.iter().fold(0.0, |s: f64, q| s.max(q.value().abs()));
+        let gap = match equations.level {
+            Level::Position | Level::Stabilized => equations.constraint.alpha,
+            Level::Velocity | Level::Acceleration => 0.0,
+        };
+        let largest_gap = self.residual.g.iter().fold(0.0, |s: f64, g| s.max(g.value().abs())) * gap;
+        let small_force = force <= self.residual.force_floor(&self.system, stage, unknowns);
+        let small_gap = largest_gap <= 1e-12 * length.max(f64::MIN_POSITIVE);
+        small_force && small_gap
+    }
+}
+
+/// Which of the three kinds of systems that share a matrix it is.
+pub(super) fn kind(equations: &Equations) -> usize {
+    match (equations.metric, equations.level) {
+        (true, Level::Position) => 0,
+        (true, _) => 1,
+        (false, _) => 2,
+    }
+}
