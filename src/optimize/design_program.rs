@@ -1,4 +1,4 @@
-use super::course::violation;
+use super::evaluations::violation;
 use super::optimization::{GradientBy, Optimization, Watcher};
 use super::scaling::Scaling;
 use super::{ConstraintKind, DesignHistory, DesignPoint, Gradients, NoValue, NonlinearProgram, Values, Work};

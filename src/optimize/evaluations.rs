@@ -112,8 +112,8 @@ struct Known {
 /// Points kept, so that an optimizer may ask for objective, constraints and gradients separately.
 const KEPT: usize = 4;
 
-/// A program on its way: what is known, what is best, when to end. Optimizers work on it.
-pub struct Course<'p> {
+/// The evaluations of a program: what is known, what is best, when to end. Optimizers work on it.
+pub struct Evaluations<'p> {
     program: &'p mut dyn NonlinearProgram,
     stopping: Stopping,
     bounds: Vec<(f64, f64)>,
@@ -125,13 +125,13 @@ pub struct Course<'p> {
     ended: Ended,
 }
 
-impl<'p> Course<'p> {
-    /// The course of a program from its start.
+impl<'p> Evaluations<'p> {
+    /// Those of a program from its start.
     pub fn new(program: &'p mut dyn NonlinearProgram, stopping: Stopping) -> Self {
         let (bounds, kinds) = (program.bounds(), program.constraints());
         let (reason, best) = (Reason::Stopped, None);
         let ended = Ended { reason, best, iterations: 0, evaluations: 0, gradients: 0, failed: 0 };
-        Course { program, stopping, bounds, kinds, known: Vec::new(), last: None, calm: 0, begun: false, ended }
+        Evaluations { program, stopping, bounds, kinds, known: Vec::new(), last: None, calm: 0, begun: false, ended }
     }
 
     /// Bounds of the variables.
@@ -166,7 +166,7 @@ impl<'p> Course<'p> {
     /// Gradients of objective and constraints.
     ///
     /// # Errors
-    /// As [`Course::values`].
+    /// As [`Evaluations::values`].
     pub fn gradients(&mut self, x: &[f64]) -> Result<Gradients, NoValue> {
         let place = self.known_place(x)?;
         self.known[place].values.clone()?;
@@ -221,7 +221,7 @@ impl<'p> Course<'p> {
     ///
     /// # Errors
     /// A point without values.
-    pub fn reach(&mut self, x: &[f64]) -> Result<Option<Reason>, NoValue> {
+    pub fn accept(&mut self, x: &[f64]) -> Result<Option<Reason>, NoValue> {
         let values = self.values(x)?;
         self.ended.iterations += usize::from(self.begun);
         self.begun = true;

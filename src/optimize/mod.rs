@@ -3,10 +3,10 @@
 //! A scene states its [`OptimizationProblem`](crate::scenes::OptimizationProblem) by names of functionals and design variables.
 //! [`Optimization`] makes a [`NonlinearProgram`] of it, in scaled variables: each point is one simulation, and one adjoint sweep
 //! where gradients are wanted, for all functionals of the problem together. An [`Optimizer`] goes from point to point along a
-//! [`Course`], which remembers values, keeps the best point and says when to end. [`Sqp`] is the default one.
+//! [`Evaluations`], which remembers values, keeps the best point and says when to end. [`Sqp`] is the default one.
 
-mod course;
 mod design_program;
+mod evaluations;
 mod history;
 #[cfg(feature = "nlopt")]
 mod nlopt;
@@ -17,7 +17,7 @@ mod quadratic;
 mod scaling;
 mod sqp;
 
-pub use course::{Course, Ended, Point, Reason, Stopping};
+pub use evaluations::{Ended, Evaluations, Point, Reason, Stopping};
 pub use history::{DesignHistory, DesignPoint, Work};
 pub use optimization::{GradientBy, Optimization, Optimized, Watcher};
 pub use optimizer::{Optimizer, minimize, optimizers};

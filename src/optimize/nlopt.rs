@@ -1,6 +1,6 @@
 //! Optimizers of NLopt: Johnson, S. G. (2014), The NLopt nonlinear-optimization package.
 
-use super::{ConstraintKind, Course, NoValue, Optimizer, Reason};
+use super::{ConstraintKind, Evaluations, NoValue, Optimizer, Reason};
 use ::nlopt::{Algorithm, FailState, Nlopt, SuccessState, Target};
 use std::cell::RefCell;
 
@@ -36,9 +36,9 @@ const ENOUGH: f64 = -1e100;
 /// Most points for each iteration, trials of line searches included.
 const TRIALS: usize = 20;
 
-/// The course between the calls of NLopt.
+/// The evaluations between the calls of NLopt.
 struct Session<'c, 'p> {
-    course: &'c mut Course<'p>,
+    evaluations: &'c mut Evaluations<'p>,
     end: Option<Reason>,
     reached: Vec<f64>,
 }
@@ -47,9 +47,9 @@ impl Session<'_, '_> {
     /// The objective at a point; infinite where there is none.
     fn objective(&mut self, x: &[f64], gradient: Option<&mut [f64]>) -> f64 {
         let wanted = gradient.is_some();
-        let found = self.course.values(x).and_then(|values| {
+        let found = self.evaluations.values(x).and_then(|values| {
             if let Some(own) = gradient {
-                own.copy_from_slice(&self.course.gradients(x)?.objective);
+                own.copy_from_slice(&self.evaluations.gradients(x)?.objective);
             }
             Ok(values.objective)
         });
@@ -57,7 +57,7 @@ impl Session<'_, '_> {
             Ok(objective) => {
                 if wanted && self.reached != x {
                     self.reached = x.to_vec();
-                    self.end = self.course.reach(x).unwrap_or(Some(Reason::Stopped));
+                    self.end = self.evaluations.accept(x).unwrap_or(Some(Reason::Stopped));
                 }
                 objective
             }
@@ -71,9 +71,9 @@ impl Session<'_, '_> {
 
     /// Some of the constraints at a point; violated without limit where there are none.
     fn constraints(&mut self, which: &[usize], result: &mut [f64], x: &[f64], gradient: Option<&mut [f64]>) {
-        let found = self.course.values(x).and_then(|values| {
+        let found = self.evaluations.values(x).and_then(|values| {
             if let Some(own) = gradient {
-                let rows = self.course.gradients(x)?.constraints;
+                let rows = self.evaluations.gradients(x)?.constraints;
                 own.chunks_mut(x.len()).zip(which).for_each(|(own, &index)| own.copy_from_slice(&rows[index]));
             }
             Ok(values.constraints)
@@ -90,23 +90,23 @@ impl Optimizer for NloptMethod {
     fn name(&self) -> &'static str {
         self.name
     }
-    fn check(&self, course: &Course) -> Result<(), String> {
-        if !self.equalities && course.constraints().contains(&ConstraintKind::Equality) {
+    fn check(&self, evaluations: &Evaluations) -> Result<(), String> {
+        if !self.equalities && evaluations.constraints().contains(&ConstraintKind::Equality) {
             return Err(format!("{} treats no equality constraints; sqp, nlopt-slsqp and nlopt-auglag do", self.name));
         }
         Ok(())
     }
-    fn go(&self, course: &mut Course, start: &[f64]) -> Reason {
-        match course.values(start).and_then(|_| course.gradients(start)) {
+    fn go(&self, evaluations: &mut Evaluations, start: &[f64]) -> Reason {
+        match evaluations.values(start).and_then(|_| evaluations.gradients(start)) {
             Err(NoValue::Failed) => return Reason::StartFailed,
             Err(NoValue::Stop) => return Reason::Stopped,
             Ok(_) => {}
         }
-        let (n, kinds, bounds) = (start.len(), course.constraints().to_vec(), course.bounds().to_vec());
-        let (tolerance, points) = (course.stopping().violation, TRIALS * (course.stopping().iterations + 1));
+        let (n, kinds, bounds) = (start.len(), evaluations.constraints().to_vec(), evaluations.bounds().to_vec());
+        let (tolerance, points) = (evaluations.stopping().violation, TRIALS * (evaluations.stopping().iterations + 1));
         let of_kind = |kind| (0..kinds.len()).filter(|&k| kinds[k] == kind).collect::<Vec<usize>>();
         let (equalities, inequalities) = (of_kind(ConstraintKind::Equality), of_kind(ConstraintKind::AtMostZero));
-        let session = RefCell::new(Session { course, end: None, reached: Vec::new() });
+        let session = RefCell::new(Session { evaluations, end: None, reached: Vec::new() });
         let objective = |x: &[f64], mut gradient: Option<&mut [f64]>, (): &mut ()| {
             gradient.iter_mut().for_each(|own| own.fill(0.0));
             let mut session = session.borrow_mut();

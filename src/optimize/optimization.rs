@@ -175,7 +175,7 @@ impl<'s> Optimization<'s> {
         let y = scaling.scaled(start);
         let offsets: Vec<f64> = linear.iter().map(|row| row.value(&y)).collect();
         let kinds: Vec<ConstraintKind> = self.problem.linear.iter().map(|constraint| sided(constraint.limit).0).collect();
-        if super::course::violation(&kinds, &offsets) <= self.stopping.violation {
+        if super::evaluations::violation(&kinds, &offsets) <= self.stopping.violation {
             return Ok(start.to_vec());
         }
         let n = y.len();

@@ -1,7 +1,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Course, Ended, NonlinearProgram, Reason, Sqp, Stopping};
+use super::{Ended, Evaluations, NonlinearProgram, Reason, Sqp, Stopping};
 
 /// A method that minimizes a [`NonlinearProgram`] by its gradients. A new one is a file here and a line in [`optimizers`].
 pub trait Optimizer {
@@ -11,11 +11,11 @@ pub trait Optimizer {
     ///
     /// # Errors
     /// A kind of constraint that it does not know.
-    fn check(&self, _course: &Course) -> Result<(), String> {
+    fn check(&self, _evaluations: &Evaluations) -> Result<(), String> {
         Ok(())
     }
-    /// Goes from `start` along a course until it ends; says [`Course::reach`] after each iteration.
-    fn go(&self, course: &mut Course, start: &[f64]) -> Reason;
+    /// Goes from `start` until the evaluations end it; calls [`Evaluations::accept`] after each iteration.
+    fn go(&self, evaluations: &mut Evaluations, start: &[f64]) -> Reason;
 }
 
 /// Minimizes a program from a start.
@@ -28,22 +28,23 @@ pub fn minimize(
     start: &[f64],
     stopping: Stopping,
 ) -> Result<Ended, String> {
-    let mut course = Course::new(program, stopping);
-    let n = course.bounds().len();
+    let mut evaluations = Evaluations::new(program, stopping);
+    let n = evaluations.bounds().len();
     if start.len() != n {
         return Err(format!("the program has {n} variables, but the start has {} values", start.len()));
     }
     if let Some(i) = start.iter().position(|x| !x.is_finite()) {
         return Err(format!("variable {i} starts at {}; it must be finite", start[i]));
     }
-    if let Some(i) = course.bounds().iter().position(|(lower, upper)| !(lower <= upper)) {
-        let (lower, upper) = course.bounds()[i];
+    if let Some(i) = evaluations.bounds().iter().position(|(lower, upper)| !(lower <= upper)) {
+        let (lower, upper) = evaluations.bounds()[i];
         return Err(format!("variable {i} must lie between {lower} and {upper}, where nothing lies"));
     }
-    optimizer.check(&course)?;
-    let inside: Vec<f64> = start.iter().zip(course.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
-    let reason = optimizer.go(&mut course, &inside);
-    Ok(course.end(reason))
+    optimizer.check(&evaluations)?;
+    let inside: Vec<f64> =
+        start.iter().zip(evaluations.bounds()).map(|(x, (lower, upper))| x.clamp(*lower, *upper)).collect();
+    let reason = optimizer.go(&mut evaluations, &inside);
+    Ok(evaluations.end(reason))
 }
 
 /// All optimizers, the default one first.

@@ -2,7 +2,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::quadratic::{NoStep, QuadraticProgram, Step};
-use super::{ConstraintKind, Course, Gradients, NoValue, Optimizer, Reason, Values};
+use super::{ConstraintKind, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
 
 /// Sequential quadratic programming: each iteration minimizes a quadratic model of the Lagrangian on linearized constraints, and a
 /// line search on f + sum of penalties times violations takes as much of the step as is good.
@@ -62,52 +62,52 @@ impl Optimizer for Sqp {
     fn name(&self) -> &'static str {
         "sqp"
     }
-    fn go(&self, course: &mut Course, start: &[f64]) -> Reason {
-        let begun = course.values(start).and_then(|values| Ok((values, course.gradients(start)?)));
+    fn go(&self, evaluations: &mut Evaluations, start: &[f64]) -> Reason {
+        let begun = evaluations.values(start).and_then(|values| Ok((values, evaluations.gradients(start)?)));
         let (values, gradients) = match begun {
             Ok(begun) => begun,
             Err(NoValue::Stop) => return Reason::Stopped,
             Err(NoValue::Failed) => return Reason::StartFailed,
         };
-        let penalties = vec![0.0; course.constraints().len()];
+        let penalties = vec![0.0; evaluations.constraints().len()];
         let hessian = Vec::new();
         let (x, learned, reach) = (start.to_vec(), Vec::new(), f64::INFINITY);
         let mut state = State { x, values, gradients, hessian, learned, penalties, reach };
         state.forget();
         // points that are reached have values
-        iterations(course, &mut state).unwrap_or(Reason::Stopped)
+        iterations(evaluations, &mut state).unwrap_or(Reason::Stopped)
     }
 }
 
-fn iterations(course: &mut Course, state: &mut State) -> Result<Reason, NoValue> {
-    let kinds = course.constraints().to_vec();
-    let mut end = course.reach(&state.x)?;
+fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason, NoValue> {
+    let kinds = evaluations.constraints().to_vec();
+    let mut end = evaluations.accept(&state.x)?;
     while end.is_none() {
-        let Some(direction) = state.direction(course, &state.values.constraints) else {
+        let Some(direction) = state.direction(evaluations, &state.values.constraints) else {
             if state.learned.is_empty() {
                 return Ok(Reason::Stalled);
             }
             state.forget();
             continue;
         };
-        let satisfied = course.violation(&state.values) <= course.stopping().violation;
+        let satisfied = evaluations.violation(&state.values) <= evaluations.stopping().violation;
         let longest = direction.step.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
-        if !satisfied && direction.left > 0.99 && longest <= course.stopping().violation {
+        if !satisfied && direction.left > 0.99 && longest <= evaluations.stopping().violation {
             return Ok(Reason::Infeasible);
         }
         let predicted = dot(&state.gradients.objective, &direction.step).abs() + complementarity(state, &direction);
         let size = state.values.objective.abs().max(SMALL_OBJECTIVE);
-        if satisfied && predicted <= OPTIMAL_SHARE * course.stopping().change * size {
+        if satisfied && predicted <= OPTIMAL_SHARE * evaluations.stopping().change * size {
             return Ok(Reason::Optimal);
         }
         for (penalty, multiplier) in state.penalties.iter_mut().zip(&direction.multipliers) {
             *penalty = multiplier.abs().max(0.5 * (*penalty + multiplier.abs()));
         }
-        match state.search(course, &kinds, &direction)? {
+        match state.search(evaluations, &kinds, &direction)? {
             Some((x, values, gradients)) => {
                 state.learn(&x, &gradients, &direction.multipliers);
                 (state.x, state.values, state.gradients) = (x, values, gradients);
-                end = course.reach(&state.x)?;
+                end = evaluations.accept(&state.x)?;
             }
             None if state.learned.is_empty() => return Ok(Reason::Stalled),
             None => state.forget(),
@@ -144,10 +144,10 @@ impl State {
     }
 
     /// The minimum of the model on linearized constraints of the values `offsets`, relaxed where they contradict each other.
-    fn direction(&self, course: &Course, offsets: &[f64]) -> Option<Direction> {
-        let bounds = course.bounds().iter().zip(&self.x);
+    fn direction(&self, evaluations: &Evaluations, offsets: &[f64]) -> Option<Direction> {
+        let bounds = evaluations.bounds().iter().zip(&self.x);
         let (mut lower, mut upper): (Vec<f64>, Vec<f64>) = bounds.map(|((low, high), x)| (low - x, high - x)).unzip();
-        let kinds = course.constraints();
+        let kinds = evaluations.constraints();
         let program = QuadraticProgram {
             hessian: &self.hessian,
             gradient: &self.gradients.objective,
@@ -200,7 +200,7 @@ impl State {
     /// A better point along a direction, with its values and gradients.
     fn search(
         &mut self,
-        course: &mut Course,
+        evaluations: &mut Evaluations,
         kinds: &[ConstraintKind],
         direction: &Direction,
     ) -> Result<Option<(Vec<f64>, Values, Gradients)>, NoValue> {
@@ -215,11 +215,11 @@ impl State {
         self.reach *= LONGER;
         for trial in 0..TRIALS {
             let limit = here + ARMIJO * share * slope;
-            let x = self.along(course, &direction.step, share);
+            let x = self.along(evaluations, &direction.step, share);
             if x == self.x {
                 return Ok(None);
             }
-            let merit = match self.taken(course, kinds, x, limit)? {
+            let merit = match self.taken(evaluations, kinds, x, limit)? {
                 Tried::Taken(values, gradients, x) => return Ok(Some((x, values, gradients))),
                 Tried::Failed => {
                     share *= SHORTER;
@@ -231,9 +231,9 @@ impl State {
                         // curved constraints: the same linearization, set right by their values at the full step
                         let moved = self.gradients.constraints.iter().zip(&constraints);
                         let offsets: Vec<f64> = moved.map(|(row, c)| c - dot(row, &direction.step)).collect();
-                        if let Some(corrected) = self.direction(course, &offsets) {
-                            let x = self.along(course, &corrected.step, 1.0);
-                            if let Tried::Taken(values, gradients, x) = self.taken(course, kinds, x, limit)? {
+                        if let Some(corrected) = self.direction(evaluations, &offsets) {
+                            let x = self.along(evaluations, &corrected.step, 1.0);
+                            if let Tried::Taken(values, gradients, x) = self.taken(evaluations, kinds, x, limit)? {
                                 return Ok(Some((x, values, gradients)));
                             }
                         }
@@ -248,19 +248,25 @@ impl State {
         Ok(None)
     }
 
-    fn along(&self, course: &Course, step: &[f64], share: f64) -> Vec<f64> {
+    fn along(&self, evaluations: &Evaluations, step: &[f64], share: f64) -> Vec<f64> {
         let place = |((x, d), (lower, upper)): ((&f64, &f64), &(f64, f64))| match share * d {
             // to the last digit
             d if d == lower - x => *lower,
             d if d == upper - x => *upper,
             d => (x + d).clamp(*lower, *upper),
         };
-        self.x.iter().zip(step).zip(course.bounds()).map(place).collect()
+        self.x.iter().zip(step).zip(evaluations.bounds()).map(place).collect()
     }
 
     /// Tries a point: it is taken if its merit is at most `limit` and it has gradients.
-    fn taken(&self, course: &mut Course, kinds: &[ConstraintKind], x: Vec<f64>, limit: f64) -> Result<Tried, NoValue> {
-        let values = match course.values(&x) {
+    fn taken(
+        &self,
+        evaluations: &mut Evaluations,
+        kinds: &[ConstraintKind],
+        x: Vec<f64>,
+        limit: f64,
+    ) -> Result<Tried, NoValue> {
+        let values = match evaluations.values(&x) {
             Ok(values) => values,
             Err(NoValue::Failed) => return Ok(Tried::Failed),
             Err(stop) => return Err(stop),
@@ -269,7 +275,7 @@ impl State {
         if !(merit <= limit) {
             return Ok(Tried::Worse(merit, values.constraints));
         }
-        match course.gradients(&x) {
+        match evaluations.gradients(&x) {
             Ok(gradients) => Ok(Tried::Taken(values, gradients, x)),
             Err(NoValue::Failed) => Ok(Tried::Failed),
             Err(stop) => Err(stop),
