@@ -24,9 +24,20 @@ pub struct Report {
     pub notes: Vec<String>,
     /// Stacked charts with the name of their file; drawn where the result is recorded.
     pub pictures: Vec<(String, Vec<Chart>)>,
+    long: bool,
 }
 
 impl Report {
+    /// An empty report, of a study's long form where it has one.
+    pub fn new(long: bool) -> Self {
+        Report { long, ..Report::default() }
+    }
+
+    /// Whether the long form of a study is asked for.
+    pub fn is_long(&self) -> bool {
+        self.long
+    }
+
     /// A number that must be within `tolerance` of `reference`.
     pub fn compare(&mut self, name: impl Into<String>, value: f64, reference: f64, tolerance: f64) {
         // written so that a NaN fails

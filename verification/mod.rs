@@ -19,6 +19,7 @@ mod four_bar;
 mod gradient_cost;
 #[path = "linear-solvers/study.rs"]
 mod linear_solvers;
+mod noise;
 mod optimized;
 #[path = "orders/study.rs"]
 mod orders;
@@ -39,6 +40,7 @@ mod work_precision;
 
 pub use clock::Clock;
 pub use figure::{Figure, Report};
+pub use noise::Noise;
 
 /// A study: a published or closed-form problem, measured.
 pub trait Study {

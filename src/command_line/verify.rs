@@ -17,6 +17,9 @@ pub struct VerifyOptions {
     /// Write the result to verification/NAME/result.md of the source tree, with its pictures
     #[arg(long, requires = "name")]
     record: bool,
+    /// Carry out the long form of a study that has one: of "robustness", with 10,000 mechanisms instead of 500
+    #[arg(long, requires = "name")]
+    long: bool,
     /// Print one JSON object with all figures on the last line of stdout
     #[arg(long)]
     json: bool,
@@ -41,7 +44,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     let folder = if options.record { Some(source_folder()?) } else { None };
     let mut outcomes = Vec::new();
     for study in studies {
-        let outcome = Outcome::measure(study);
+        let outcome = Outcome::measure(study, options.long);
         outcome.say();
         if let Some(folder) = &folder {
             say(format_args!("wrote {}\n", outcome.record(folder)?.display()));
@@ -87,9 +90,9 @@ fn source_folder() -> Result<PathBuf, Failure> {
 }
 
 impl Outcome {
-    fn measure(study: Box<dyn Study>) -> Self {
+    fn measure(study: Box<dyn Study>, long: bool) -> Self {
         say(format_args!("{}: {}", study.name(), study.summary()));
-        let mut report = Report::default();
+        let mut report = Report::new(long);
         let begun = Instant::now();
         let error = study.run(&mut report).err();
         Outcome { study, report, error, seconds: begun.elapsed().as_secs_f64() }
@@ -222,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_not_finite_fails_becomes_null_and_is_recorded() {
-        let outcome = Outcome::measure(Box::new(Made));
+        let outcome = Outcome::measure(Box::new(Made), false);
         assert!(!outcome.pass());
         let object = outcome.json();
         assert_eq!(object["pass"], false);

@@ -1,6 +1,6 @@
 mod member;
 
-use crate::verification::{Report, Study};
+use crate::verification::{Noise, Report, Study};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::PrincetonBeam;
@@ -204,16 +204,6 @@ fn roll_up(report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// Numbers in [-1, 1) from a linear congruential generator (Knuth, MMIX).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
-
 fn invariance(report: &mut Report) -> Result<(), String> {
     let bent = |first: [f64; 3], second: [f64; 3]| {
         let member = Member::clamped(Rest::Arc(1.0, 1.2), 8, [1e5, 4e4, 4e4, 8.0, 20.0, 10.0]);
@@ -223,7 +213,7 @@ fn invariance(report: &mut Report) -> Result<(), String> {
     let solved = bent(GROWING, GROWING)?;
     let q = solved.last();
     let energy = solved.energy(q);
-    let mut random = Random(1);
+    let mut random = Noise::new(1);
     let mut worst: f64 = 0.0;
     for _ in 0..1000 {
         let turn = Quaternion(std::array::from_fn(|_| random.next()));

@@ -1,5 +1,6 @@
 //! Matrices like those of flexible structures, of any size.
 
+use crate::verification::Noise;
 use costate::linalg::SparsePattern;
 use std::sync::Arc;
 
@@ -21,21 +22,6 @@ const UNSYMMETRIC: f64 = 0.02;
 const JOINT_EVERY: usize = 40;
 /// Equations of a joint.
 const EQUATIONS: usize = 3;
-
-/// Numbers between -1 and 1 without a visible order.
-pub struct Noise(u64);
-
-impl Noise {
-    /// Starts a series.
-    pub fn new(seed: u64) -> Self {
-        Noise(seed)
-    }
-    /// The next number.
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
 
 /// A square mesh of shells: elements of nine nodes with six unknowns each, about `unknowns` of them, and joints.
 pub fn shell(unknowns: usize) -> Matrix {

@@ -7,9 +7,9 @@ mod faer_sparse;
 mod mumps;
 mod patterns;
 
-use crate::verification::{Clock, Report, Study, on_threads};
+use crate::verification::{Clock, Noise, Report, Study, on_threads};
 use costate::linalg::{Backend, Factorization, Work};
-use patterns::{Matrix, Noise, chain, full, shell};
+use patterns::{Matrix, chain, full, shell};
 use std::fs;
 use std::time::Instant;
 

@@ -2,6 +2,8 @@
 
 mod cantilever;
 mod elastica;
+mod mechanisms;
+mod random_mechanism;
 mod slender;
 
 use crate::verification::{Report, Study};
@@ -14,10 +16,12 @@ impl Study for Robustness {
         "robustness"
     }
     fn summary(&self) -> &'static str {
-        "slender beams: every result is right, or an error"
+        "slender beams and mechanisms drawn by lot: every result is right, or an error"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         slender::statics(report)?;
-        slender::dynamics(report)
+        slender::dynamics(report)?;
+        mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });
+        Ok(())
     }
 }
