@@ -510,3 +510,51 @@ fn gradients_are_asked_for_by_one_flag_for_each_functional() {
         );
     }
 }
+
+/// The root of a coordinate: at zero its slope is that of a wall.
+struct RootOfPlace;
+
+impl Quantity for RootOfPlace {
+    fn dofs(&self) -> usize {
+        3
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
+        s.q[0].sqrt()
+    }
+}
+
+/// A point that rests at the origin.
+struct AtTheOrigin;
+
+impl Scene for AtTheOrigin {
+    fn name(&self) -> String {
+        "at the origin".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("mass", 2.0, (1.0, 3.0), "kg"), DesignVariable::new("place", 0.0, (-1.0, 1.0), "m")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(0.1, 5)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let point = m.point("point", Vector3::new(x[1], S::zero(), S::zero()));
+        m.point_mass("point", point, x[0]);
+        m.functional("root of its place", "", Over::Terminal, (&[point], &[]), RootOfPlace, &[]);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_functional_without_a_derivative_is_told() {
+    let prepared = Prepared::new(&AtTheOrigin).expect("a scene");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("a run");
+    assert_eq!(forward.values, [0.0]);
+    for gradient in [analysis.adjoint(x, &forward), analysis.tangent(x, &forward)] {
+        let error = gradient.expect_err("a gradient that is no number").to_string();
+        assert_says(
+            &error,
+            &["\"root of its place\"", "by variable 2 is ", "has none at a state", "leave the functional out"],
+        );
+    }
+}

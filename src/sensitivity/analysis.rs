@@ -206,7 +206,7 @@ impl<'m> Analysis<'m> {
     /// Gradients of all functionals by the discrete adjoint, for any number of variables at the price of one sweep.
     ///
     /// # Errors
-    /// Those of the map, and a singular pose on the way.
+    /// Those of the map, a singular pose on the way, and a functional without a derivative.
     pub fn adjoint(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
         self.adjoint_of(x, forward, &vec![true; self.functionals.len()])
     }
@@ -235,7 +235,7 @@ impl<'m> Analysis<'m> {
         for (&k, bar) in places.iter().zip(&run.gradients) {
             rows[k] = chain.gradient(bar);
         }
-        Ok(Gradient { rows, counters: run.counters })
+        self.checked(Gradient { rows, counters: run.counters })
     }
 
     /// Gradients by tangent runs (direct differentiation), eight variables at a time.
@@ -252,7 +252,7 @@ impl<'m> Analysis<'m> {
                 row.extend((0..lanes).map(|lane| value.part(lane)));
             }
         }
-        Ok(gradient)
+        self.checked(gradient)
     }
 
     /// Gradients by complex-step runs of the whole simulation, one for each variable.
@@ -269,7 +269,7 @@ impl<'m> Analysis<'m> {
                 row.push(value.im / COMPLEX_STEP);
             }
         }
-        Ok(gradient)
+        self.checked(gradient)
     }
 
     /// Derivatives along one direction by central differences of separate real runs, extrapolated once (error of order h^4).
@@ -284,6 +284,21 @@ impl<'m> Analysis<'m> {
         };
         let (coarse, fine) = (difference(step)?, difference(step / 2.0)?);
         Ok(coarse.iter().zip(fine).map(|(c, f)| (4.0 * f - c) / 3.0).collect())
+    }
+
+    /// A gradient all of whose entries are numbers.
+    fn checked(&self, gradient: Gradient) -> Result<Gradient, RunError> {
+        for (functional, row) in self.functionals.iter().zip(&gradient.rows) {
+            let Some(variable) = row.iter().position(|entry| !entry.is_finite()) else { continue };
+            return Err(RunError::Input(format!(
+                "the derivative of functional \"{}\" by variable {} is {}: what it measures has none at a state of the run, as a \
+                 distance or a norm has none where it vanishes; measure its square or a component, or leave the functional out",
+                functional.name,
+                variable + 1,
+                row[variable]
+            )));
+        }
+        Ok(gradient)
     }
 
     fn empty_gradient(&self) -> Gradient {

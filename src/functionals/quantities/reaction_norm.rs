@@ -4,14 +4,19 @@ use crate::scalar::Scalar;
 
 /// Length of the first three multipliers of one constraint: for a joint that holds points together the force between them \[N\].
 ///
-/// With fewer equations, of all of them. It has no derivative where it is zero.
+/// With fewer equations, of all of them. It has no derivative where it is zero: there, and where its square is below all that matters, it
+/// counts as a constant.
 pub struct ReactionNorm;
+
+/// Square of a reaction that is none: a motion that dies away leaves squares that are rounded to a few bits, whose roots have any slope.
+const NONE: f64 = 1e-280;
 
 impl Quantity for ReactionNorm {
     fn dofs(&self) -> usize {
         0
     }
     fn value<S: Scalar>(&self, _s: State<S>, mu: &[S], _p: &[S], _t: S) -> S {
-        mu.iter().take(3).map(|&mu| mu * mu).sum::<S>().sqrt()
+        let square = mu.iter().take(3).map(|&mu| mu * mu).sum::<S>();
+        square.less(S::from(NONE)).select(S::zero(), square.sqrt())
     }
 }
