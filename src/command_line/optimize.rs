@@ -121,8 +121,9 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     optimization.stopping.change = options.change;
     let folder = options.scene.folder();
     let path = folder.join("optimization.csv");
-    let start = start(options, &optimization, &path)?;
+    let start = start(options, &optimization)?;
     check_folder(&folder)?;
+    keep_earlier(&path)?;
 
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
@@ -141,6 +142,19 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &report.json(&files));
     report.verdict()
+}
+
+/// The history of an earlier optimization in the same folder keeps its points: under the first number that is free.
+fn keep_earlier(path: &Path) -> Result<(), Failure> {
+    if !path.exists() {
+        return Ok(());
+    }
+    let free = (1..).map(|number| path.with_extension(format!("{number}.csv"))).find(|kept| !kept.exists());
+    let Some(kept) = free else { return Ok(()) };
+    std::fs::rename(path, &kept)
+        .map_err(|cause| Failure::run(format!("cannot keep the earlier history {}: {cause}", path.display())))?;
+    say(format_args!("kept the earlier history as {}", kept.display()));
+    Ok(())
 }
 
 fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
@@ -163,15 +177,11 @@ fn no_problem(scene: &dyn AnyScene) -> Failure {
 }
 
 /// The design of `--restart` or `--set`.
-fn start(options: &OptimizeOptions, optimization: &Optimization, path: &Path) -> Result<Vec<f64>, Failure> {
+fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f64>, Failure> {
     let Some(file) = &options.restart else { return options.scene.design(optimization.scene) };
     let named = |message: String| Failure::input(format!("--restart {}: {message}", file.display()));
     if options.scene.sets_design() {
         return Err(named("the design comes from the file; leave --set out".into()));
-    }
-    let same = |file: &Path, other: &Path| Some(file.canonicalize().ok()? == other.canonicalize().ok()?);
-    if same(file, path) == Some(true) {
-        return Err(named("the new history would take its place; give another folder by --out".into()));
     }
     let (header, rows) = read_csv(file).map_err(named)?;
     let maximize = optimization.problem.sense == Sense::Maximize;
