@@ -15,12 +15,12 @@ fn main() -> Result<(), RunError> {
     let forward = analysis.forward(&x)?;
     let gradient = analysis.adjoint(&x, &forward)?;
     println!("psi = {:.7}", forward.values[0]);
-    assert!((forward.values[0] - 58.638_210_466_8).abs() < 1e-2);
+    assert!((forward.values[0] - 58.638_210_466_8).abs() < 1e-5);
     for (name, expected) in reference {
         let index = scene.variables.iter().position(|variable| variable.name == name).unwrap_or_default();
         let derivative = gradient.rows[0][index];
         println!("d psi / d {name:<3} = {derivative:.7} (independently: {expected})");
-        assert!((derivative - expected).abs() < 5e-3 * expected);
+        assert!((derivative - expected).abs() < 1e-6 * expected);
     }
     Ok(())
 }
