@@ -18,13 +18,15 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Seconds beyond which a mechanism is said to hang.
-const HANGS: f64 = 30.0;
+const HANGS: f64 = 60.0;
 /// Largest gap of a joint at the end of a step, as a share of the coordinates.
 const GAP: f64 = 1e-9;
+/// The same of an equation that is left out as redundant: the bound of the watch over these.
+const LEFT_OUT: f64 = 1e-8;
 /// Largest displacement that Newton's method would still correct in a stage, as a share of the coordinates.
 const LEFT: f64 = 1e-10;
 /// Steps beyond which a run is ended: chosen ones can be as short as a mechanism is stiff.
-const MOST_STEPS: usize = 3000;
+const MOST_STEPS: usize = 1000;
 /// Steps of difference quotients, as relative changes of the variables.
 const QUOTIENTS: [f64; 3] = [2e-5, 1.5e-5, 1e-5];
 /// Difference between a gradient and its quotients, in differences between the quotients, that is none of the quotients' own.
@@ -177,7 +179,8 @@ fn check_steps(prepared: &Prepared, forward: &Forward) -> Result<(), String> {
             let q: Vec<f64> = dofs.map(|dof| step.q[dof]).collect();
             let gaps = joint.physics.value(&q, &problem.p[joint.parameters.clone()], end);
             for (row, gap) in joint.equations.clone().zip(gaps) {
-                if !(gap.abs() <= GAP * size) {
+                let limit = if step.dropped.contains(&row) { LEFT_OUT } else { GAP };
+                if !(gap.abs() <= limit * size) {
                     let left_out = if step.dropped.contains(&row) { ", which is left out" } else { "" };
                     return Err(format!(
                         "equation {row} of \"{}\"{left_out}: a gap of {gap:.1e} at t = {end} s",
@@ -232,10 +235,13 @@ fn check_gradient(prepared: &Prepared, analysis: &Analysis, forward: &Forward, g
         let size = own.abs().max(gradient[k].iter().fold(0.0, |size: f64, g| size.max(g.abs())));
         let bound = DEVIATIONS * spread + SHARE * size + ROUND_OFF * forward.values[k].abs() / QUOTIENTS[2];
         let off = all.iter().fold(f64::INFINITY, |off: f64, quotient| off.min((quotient - own).abs()));
-        // far below the scale of anything that moves
         if !(off <= bound + NOTHING) {
             if is_torn(prepared, analysis, forward, &direction) {
                 return Outcome::Torn;
+            }
+            if off <= bound + DEVIATIONS * noise(prepared, analysis, forward, &direction, k) / QUOTIENTS[2] {
+                rough = true;
+                continue;
             }
             let name = &functional.name;
             return Outcome::Wrong(format!("the derivative of \"{name}\" is {own:e}, by difference quotients {all:?}"));
@@ -258,4 +264,13 @@ fn is_torn(prepared: &Prepared, analysis: &Analysis, forward: &Forward, directio
         (0.5 * (above + below) - value).abs() > JUMP * step * step * size
     };
     above.iter().zip(&below).zip(&forward.values).any(jumps)
+}
+
+/// What round-off alone changes in a functional: designs that are the same but for that.
+fn noise(prepared: &Prepared, analysis: &Analysis, forward: &Forward, direction: &[f64], functional: usize) -> f64 {
+    let changed = (-3..=3).filter_map(|k| {
+        let x: Vec<f64> = prepared.x.iter().zip(direction).map(|(x, d)| x + 1e-14 * f64::from(k) * d).collect();
+        Some((analysis.values_nearby(&x).ok()?[functional] - forward.values[functional]).abs())
+    });
+    changed.fold(0.0, f64::max)
 }
