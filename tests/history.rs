@@ -183,6 +183,31 @@ fn a_run_that_fits_into_the_memory_is_not_computed_again() {
 }
 
 #[test]
+fn a_run_within_a_memory_is_kept_there_or_as_checkpoints_or_ends_with_both_sizes() {
+    let scene = scene("pendulum");
+    let mut prepared = prepared(&*scene, Prepared::default_method(), 1.0, 400);
+    let budget = budget_for(&prepared, 20);
+    let mut results = Vec::new();
+    for (keep, checkpoints) in [(Keep::Auto, 0), (Keep::Within(budget), 20)] {
+        prepared.keep = keep;
+        let forward = prepared.analysis().forward(&prepared.x).expect("runs");
+        results.push(bits(&prepared.analysis().adjoint(&prepared.x, &forward).expect("has a gradient").rows));
+        let usage = forward.history.usage();
+        assert_eq!(usage.checkpoints, checkpoints);
+        assert!(checkpoints == 0 || usage.bytes <= budget, "{usage:?} within {budget}");
+    }
+    assert_eq!(results[0], results[1]);
+    // how many steps there will be is not known
+    let given = Settings { end: 1.0, steps: 400, ..scene.default_settings() };
+    for settings in [given.choosing_steps(StepControl::new(1e-10)), given.dividing_steps()] {
+        let mut prepared = Prepared::with(&*scene, &prepared.x, Prepared::default_method(), settings).expect("a scene");
+        prepared.keep = Keep::Within(budget);
+        let message = prepared.analysis().forward(&prepared.x).expect_err("no room").to_string();
+        assert_says(&message, &["memory", "take more than the", &format!("{budget} bytes allowed"), "in a file"]);
+    }
+}
+
+#[test]
 fn an_unknown_number_of_steps_keeps_to_its_memory_and_gives_the_same_steps() {
     let scene = scene("pendulum");
     let prepared = prepared(&*scene, Prepared::default_method(), 1.0, 150);

@@ -23,14 +23,16 @@ pub struct GradientOptions {
     /// Compare with complex-step runs of the whole simulation; exit code 1 if they differ
     #[arg(long)]
     check: bool,
-    /// Where steps are kept for the way back: memory, file:PATH, or checkpoints:MEGABYTES with the steps between computed again
-    #[arg(long, value_name = "WHERE", default_value = "memory", value_parser = keep)]
+    /// Where steps are kept for the way back: auto (in memory, or as checkpoints where that would take more than a third of what is
+    /// free), memory, file:PATH, or checkpoints:MEGABYTES with the steps between computed again
+    #[arg(long, value_name = "WHERE", default_value = "auto", value_parser = keep)]
     history: Keep,
 }
 
 fn keep(text: &str) -> Result<Keep, String> {
     let megabytes = |text: &str| text.parse::<f64>().ok().filter(|size| *size > 0.0 && size.is_finite());
     match text.split_once(':') {
+        None if text == "auto" => return Ok(Keep::Auto),
         None if text == "memory" => return Ok(Keep::Memory),
         Some(("file", path)) if !path.is_empty() => return Ok(Keep::File(path.into())),
         Some(("checkpoints", size)) => {
@@ -41,7 +43,7 @@ fn keep(text: &str) -> Result<Keep, String> {
         }
         _ => {}
     }
-    Err("it must be memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
+    Err("it must be auto, memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
 }
 
 /// Endings of the files that this program writes for people and other programs.
@@ -103,6 +105,14 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     // what is there is said before what may fail
     simulation.say_functionals(&prepared);
     simulation.say_resolution(&prepared);
+    let checkpoints = forward.history.usage().checkpoints;
+    if checkpoints > 0 && prepared.keep == Keep::Auto {
+        let steps = forward.history.steps();
+        say(format_args!(
+            "{steps} steps would take more than a third of the free memory: {checkpoints} checkpoints are kept, and the steps between them \
+             computed again (--history file:PATH keeps all)\n"
+        ));
+    }
     let adjoint = timed("adjoint", forward, || analysis.adjoint(x, forward)).inspect_err(|_| simulation.say_files())?;
     let check = if options.check {
         let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward));

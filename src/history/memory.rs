@@ -1,3 +1,4 @@
+use super::flat::Flat;
 use super::{History, Rerun, Usage};
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
@@ -52,5 +53,59 @@ impl History for Memory<f64> {
     }
     fn usage(&self) -> Usage {
         Usage { steps: self.steps.len(), ..Usage::default() }
+    }
+}
+
+/// A run in memory that ends with an error where it would take more than it may.
+#[derive(Debug)]
+pub struct MemoryWithin {
+    memory: Memory<f64>,
+    most: usize,
+    /// Bytes of the numbers of one step; known after the first.
+    step_bytes: usize,
+}
+
+impl MemoryWithin {
+    /// Steps of at most so many bytes.
+    pub fn new(most: usize) -> Self {
+        MemoryWithin { memory: Memory::default(), most, step_bytes: 0 }
+    }
+}
+
+impl Recorder<f64> for MemoryWithin {
+    fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+        self.memory.start(start)
+    }
+    fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
+        if self.memory.steps.is_empty() {
+            self.step_bytes = step.bytes().len();
+        }
+        let steps = self.memory.steps.len() + 1;
+        if steps.saturating_mul(self.step_bytes) > self.most {
+            return Err(RunError::History {
+                place: format!("step {steps} (t = {} s), memory", step.t),
+                cause: format!("{steps} steps of {} bytes take more than the {} bytes allowed", self.step_bytes, self.most),
+                hint: "keep the run in a file, or as checkpoints".into(),
+            });
+        }
+        self.memory.step(step)
+    }
+}
+
+impl History for MemoryWithin {
+    fn start_record(&self) -> Option<&StartRecord<f64>> {
+        self.memory.start_record()
+    }
+    fn steps(&self) -> usize {
+        self.memory.steps()
+    }
+    fn forward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        self.memory.forward(rerun)
+    }
+    fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
+        self.memory.backward(rerun)
+    }
+    fn usage(&self) -> Usage {
+        Usage { bytes: self.memory.steps.len() * self.step_bytes, ..self.memory.usage() }
     }
 }

@@ -8,6 +8,7 @@ mod checkpoints;
 mod dense;
 mod file;
 mod flat;
+mod free_memory;
 mod memory;
 mod nothing;
 mod rerun;
@@ -16,7 +17,7 @@ mod schedule;
 pub use checkpoints::Checkpoints;
 pub use dense::{Dense, Snapshot, moments};
 pub use file::FileHistory;
-pub use memory::Memory;
+pub use memory::{Memory, MemoryWithin};
 pub use nothing::Nothing;
 pub use rerun::Rerun;
 pub use schedule::{recomputed_steps, split};
@@ -31,8 +32,13 @@ use std::path::PathBuf;
 pub enum Keep {
     /// Not at all: values of functionals, no gradients.
     Nothing,
-    /// In memory.
+    /// As [`Keep::Within`] a third of the memory that is free when the run begins; in memory where the system does not tell how much.
     #[default]
+    Auto,
+    /// In memory up to so many bytes. A run that would take more keeps checkpoints there, if the number of its steps is known before; one
+    /// whose steps are chosen or divided ends with an error that says so.
+    Within(usize),
+    /// In memory, whatever it takes.
     Memory,
     /// In a file, which stays.
     File(PathBuf),
@@ -40,14 +46,25 @@ pub enum Keep {
     Checkpoints(usize),
 }
 
+/// Share of the free memory that steps may take: their lists take more than their numbers, and the way back some too.
+const SHARE: f64 = 1.0 / 3.0;
+
 impl Keep {
-    /// An empty history for a run of `steps` steps, if their number is known.
+    /// An empty history for a run of `steps` steps, if their number is known and none will be divided.
     ///
     /// # Errors
     /// A file that cannot be created.
     pub fn history(&self, steps: Option<usize>) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),
+            Keep::Auto => match free_memory::free_memory() {
+                Some(free) => return Keep::Within((SHARE * free as f64) as usize).history(steps),
+                None => Box::new(Memory::default()),
+            },
+            Keep::Within(bytes) => match steps {
+                Some(_) => Box::new(Checkpoints::new(*bytes, steps)),
+                None => Box::new(MemoryWithin::new(*bytes)),
+            },
             Keep::Memory => Box::new(Memory::default()),
             Keep::File(path) => Box::new(FileHistory::create(path)?),
             Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),

@@ -128,15 +128,15 @@ impl<'m> Analysis<'m> {
         numbers: ModelNumbers<f64>,
         observer: &mut dyn Observer,
     ) -> Result<(Forward, Option<RunError>), RunError> {
-        let history = self.keep.history(self.control.is_none().then(|| self.grid.steps()))?;
+        let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
+        let are_given = self.control.is_none() && !divides;
+        let history = self.keep.history(are_given.then(|| self.grid.steps()))?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
         let mut recorder = Measuring { values, history, observer };
         let problem = self.problem(&numbers);
         let (grid, run) = match &self.control {
             Some(control) => march_adaptive(&problem, self.method, control, self.grid, self.plan, &mut recorder),
-            None if self.divide && !matches!(self.keep, Keep::Checkpoints(_)) => {
-                march_dividing(&problem, self.method, self.grid, self.plan, &mut recorder)
-            }
+            None if divides => march_dividing(&problem, self.method, self.grid, self.plan, &mut recorder),
             None => (self.grid.clone(), march(&problem, self.method, self.grid, self.plan, &mut recorder)),
         };
         let Measuring { values, mut history, .. } = recorder;
