@@ -552,9 +552,6 @@ fn a_functional_without_a_derivative_is_told() {
     assert_eq!(forward.values, [0.0]);
     for gradient in [analysis.adjoint(x, &forward), analysis.tangent(x, &forward)] {
         let error = gradient.expect_err("a gradient that is no number").to_string();
-        assert_says(
-            &error,
-            &["\"root of its place\"", "by variable 2 is ", "has none at a state", "leave the functional out"],
-        );
+        assert_says(&error, &["\"root of its place\"", "by variable ", "has none at a state", "leave the functional out"]);
     }
 }

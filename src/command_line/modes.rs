@@ -1,14 +1,16 @@
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
+use super::motions::mode_picture;
 use super::options::{changed_design, find_scene};
 use super::simulation::long_number;
 use clap::Args;
 use costate::assembly::Model;
 use costate::integrators::{Mode, STATIC_TABLE};
-use costate::io::Table;
+use costate::io::{Table, number as number_of};
 use costate::scenes::Prepared;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
 
 /// Options of `costate modes`.
 #[derive(Args)]
@@ -21,6 +23,9 @@ pub struct ModesOptions {
     /// About the equilibrium after the scene's load steps instead of its start; scenes of equilibria do so anyway
     #[arg(long = "static")]
     statics: bool,
+    /// Folder for the pictures [default: out/SCENE]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Change a design variable; may be given once for each
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -29,6 +34,8 @@ pub struct ModesOptions {
     json: bool,
 }
 
+/// Most modes that are drawn.
+const MOST_PICTURES: usize = 12;
 /// Most modes.
 const MOST_MODES: usize = 10_000;
 
@@ -52,7 +59,8 @@ pub fn run(options: &ModesOptions) -> Result<(), Failure> {
         Failure { message: format!("scene \"{}\": {message}", options.scene), ..failure }
     };
     let prepared = Prepared::with(&*scene, &x, method, settings).map_err(named)?;
-    let modes = prepared.modes(options.count).map_err(named)?;
+    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&options.scene));
+    let (q, modes) = prepared.modes_with_state(options.count).map_err(named)?;
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
     match about {
@@ -63,6 +71,8 @@ pub fn run(options: &ModesOptions) -> Result<(), Failure> {
     if modes.len() < options.count {
         say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
     }
+    let files = draw(&prepared, &q, &modes, &folder)?;
+    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
         "scene": scene.scene_name(),
@@ -72,6 +82,20 @@ pub fn run(options: &ModesOptions) -> Result<(), Failure> {
     });
     say_json(options.json, &object);
     Ok(())
+}
+
+/// Draws the modes that have a place in space: mode-1.png/.svg and so on.
+fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for (number, mode) in (1..=MOST_PICTURES).zip(modes) {
+        let Some(mut picture) = mode_picture(prepared, q, mode) else { continue };
+        let what = if mode.is_unstable() { "unstable".into() } else { format!("{} Hz", number_of(mode.frequency / TAU)) };
+        picture.title = format!("{}: mode {number}, {what}", prepared.scene.scene_name());
+        let stem = folder.join(format!("mode-{number}"));
+        picture.write(&stem)?;
+        files.extend(["png", "svg"].map(|ending| stem.with_extension(ending)));
+    }
+    Ok(files)
 }
 
 fn say_modes(model: &Model, modes: &[Mode]) {

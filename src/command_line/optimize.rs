@@ -5,11 +5,12 @@ use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::names::unknown;
+use super::optimization_charts;
 use super::options::SceneOptions;
 use super::results::check_folder;
 use clap::Args;
 use costate::design::DesignVariable;
-use costate::io::{Cell, Chart, IoError, Progress, Series, Style, Table, read_csv, write_csv, write_panels};
+use costate::io::{Cell, IoError, Progress, Table, read_csv, write_csv};
 use costate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
@@ -44,8 +45,6 @@ pub struct OptimizeOptions {
 const DEFAULT_SHARE: f64 = 1e-7;
 /// Most iterations.
 const MOST_ITERATIONS: usize = 1_000_000;
-/// Most curves of variables in one chart: those that move most.
-const MOST_CURVES: usize = 10;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
     match text.split_once(':') {
@@ -137,7 +136,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     }
     let report = Report::new(&optimization, &*optimizer, &optimized)?;
     let mut files = vec![path];
-    files.extend(charts(&optimization, &optimized.history, &folder)?);
+    files.extend(optimization_charts::write(&optimization, &optimized.history, &folder)?);
     report.say();
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &report.json(&files));
@@ -423,69 +422,4 @@ impl<'r> Report<'r> {
             _ => Ok(()),
         }
     }
-}
-
-/// Objective, violation, and variables over iterations.
-fn charts(optimization: &Optimization, history: &DesignHistory, folder: &Path) -> Result<Vec<PathBuf>, IoError> {
-    let mut reached: Vec<(f64, &DesignPoint)> =
-        history.points.iter().filter_map(|point| Some((point.iteration? as f64, point))).collect();
-    reached.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let curve = |name: &str, value: &dyn Fn(&DesignPoint) -> f64| Series {
-        name: name.into(),
-        points: reached.iter().map(|(iteration, point)| (*iteration, value(point))).collect(),
-        style: Style::Both,
-    };
-    let problem = &optimization.problem;
-    let units: Vec<&str> = history.functionals.iter().map(|functional| functional.1.as_str()).collect();
-    let label = problem.objective_name();
-    let objective = Chart {
-        title: format!("{}: {} {label}", optimization.scene.scene_name(), problem.sense.name()),
-        x_label: "iteration".into(),
-        y_label: if problem.objective.len() == 1 && units.len() == 1 {
-            format!("objective [{}]", units[0])
-        } else {
-            "objective".into()
-        },
-        series: vec![curve("", &|point| point.objective)],
-        ..Chart::default()
-    };
-    let mut panels = vec![objective];
-    let tolerance = history.tolerance;
-    if reached.iter().any(|(_, point)| point.violation > tolerance) {
-        panels.push(Chart {
-            x_label: "iteration".into(),
-            y_label: format!("violation ({tolerance:e}: none)"),
-            series: vec![curve("", &|point| point.violation.max(tolerance))],
-            log_y: true,
-            ..Chart::default()
-        });
-    }
-    write_panels(&panels, &folder.join("optimization"))?;
-
-    let relative = |i: usize, point: &DesignPoint| {
-        let DesignVariable { lower, upper, .. } = &optimization.variables()[i];
-        let range = upper - lower;
-        if range.is_finite() { (point.design[i] - lower) / range } else { point.design[i] / history.points[0].design[i] }
-    };
-    let moved = |i: usize| {
-        let values = reached.iter().map(|(_, point)| relative(i, point));
-        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
-    };
-    let mut places = optimization.varying();
-    if places.len() > MOST_CURVES {
-        places.sort_by(|&a, &b| moved(b).total_cmp(&moved(a)));
-        places.truncate(MOST_CURVES);
-        places.sort_unstable();
-    }
-    let series = places.iter().map(|&i| curve(&optimization.variables()[i].name, &|point| relative(i, point)));
-    let design = Chart {
-        title: format!("{}: design variables between their bounds", optimization.scene.scene_name()),
-        x_label: "iteration".into(),
-        y_label: "0: lower bound, 1: upper bound".into(),
-        series: series.collect(),
-        ..Chart::default()
-    };
-    design.write(&folder.join("design"))?;
-    let names = ["optimization.png", "optimization.svg", "design.png", "design.svg"];
-    Ok(names.map(|name| folder.join(name)).to_vec())
 }

@@ -1,15 +1,14 @@
 //! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg.
 
 use super::failure::Failure;
+use super::motions::{extent, motion};
 use costate::assembly::{Model, Node, VectorsAvq};
 use costate::elements::NodeKind;
 use costate::functionals::{Functional, Measured, Sample};
 use costate::history::{Dense, Observer};
 use costate::integrators::{RunError, StartRecord, StepRecord};
-use costate::io::{
-    Chart, CsvFile, Frame, MotionPicture, Polyline, Progress, Series, Style, Trail, View, write_file, write_panels,
-};
-use costate::scenes::{Drawn, NodePoint, Prepared};
+use costate::io::{Chart, CsvFile, Progress, Series, Style, write_file, write_panels};
+use costate::scenes::Prepared;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -19,20 +18,18 @@ const HISTORIES: &str = "histories.csv";
 const MOST_POINTS: usize = 4000;
 /// Most curves of one chart.
 const MOST_CURVES: usize = 7;
-/// Most trails of the picture of the motion.
-const MOST_TRAILS: usize = 6;
-/// An extent below this share of the largest is flat.
-const FLAT: f64 = 1e-3;
 
 /// The state at one time, as pictures show it.
 #[derive(Clone, Debug, PartialEq)]
-struct Snapshot {
-    t: f64,
-    q: Vec<f64>,
+pub struct Snapshot {
+    /// Time \[s\].
+    pub t: f64,
+    /// Coordinates.
+    pub q: Vec<f64>,
     /// `None` if an element does not state its energy [J].
-    energy: Option<f64>,
+    pub energy: Option<f64>,
     /// What functionals measure, in their order.
-    measured: Vec<f64>,
+    pub measured: Vec<f64>,
 }
 
 /// Makes sure that the folder can take files, before anything is computed.
@@ -265,7 +262,7 @@ fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
 }
 
 /// Every so many moments that a curve has no more points than a picture can show; the last one included.
-fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)> {
+pub fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)> {
     let stride = moments.len().div_ceil(MOST_POINTS).max(1);
     moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())
 }
@@ -329,63 +326,12 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
     charts
 }
 
-fn extent(values: impl Iterator<Item = f64>) -> f64 {
-    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    most - least
-}
-
-/// The time lapse; `None` if nothing of the scene has a place in space.
-fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
-    let sketch = prepared.mechanism.sketch();
-    if sketch.lines.is_empty() && sketch.followed.is_empty() {
-        return None;
-    }
-    let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
-    let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
-        points: points.iter().map(|point| point.at(&moment.q)).collect(),
-        role: usize::from(bodies && *drawn == Drawn::Link),
-    };
-    let frame = |(index, moment): (usize, &Snapshot)| {
-        // springs and dampers of earlier times would hide the bodies
-        let links = !bodies || index + 1 == moments.len();
-        let of = |kind: Drawn| sketch.lines.iter().filter(move |line| line.0 == kind).map(|own| line(own, moment));
-        let links = of(Drawn::Link).filter(|_| links);
-        Frame { time: moment.t, lines: links.chain(of(Drawn::Body)).collect() }
-    };
-    let trail = |(name, point): &(String, NodePoint)| Trail {
-        name: name.clone(),
-        points: thinned(moments).map(|(_, moment)| point.at(&moment.q)).collect(),
-    };
-    let frames: Vec<Frame> = thinned(moments).map(frame).collect();
-    let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
-    let title = prepared.scene.scene_name();
-    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, view: View::Isometric };
-    motion.view = view(&motion);
-    Some(motion)
-}
-
-/// Along the direction in which nothing extends, or from a corner.
-fn view(motion: &MotionPicture) -> View {
-    let lines = motion.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
-    let trails = motion.trails.iter().flat_map(|trail| &trail.points);
-    let points: Vec<&[f64; 3]> = lines.chain(trails).chain(&motion.anchors).collect();
-    let extents = [0, 1, 2].map(|index| extent(points.iter().map(|point| point[index])));
-    let largest = extents.iter().fold(0.0, |most: f64, &x| most.max(x));
-    match extents.map(|extent| extent <= FLAT * largest) {
-        // a motion along one line is seen upright
-        [true, true, false] => View::Xz,
-        [_, _, true] => View::Xy,
-        [_, true, _] => View::Xz,
-        [true, _, _] => View::Yz,
-        _ => View::Isometric,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use costate::design::DesignVariable;
     use costate::elements::{Element, Parameter, State};
+    use costate::io::View;
     use costate::scalar::{Scalar, SpatialVector, Vector3};
     use costate::scenes::{MechanismBuilder, Scene, Settings};
 

@@ -65,13 +65,23 @@ impl Prepared<'_> {
     /// # Errors
     /// See [`Prepared::equilibrium`] and [`vibrations`].
     pub fn modes(&self, count: usize) -> Result<Vec<Mode>, RunError> {
+        Ok(self.modes_with_state(count)?.1)
+    }
+
+    /// The same, with the coordinates about which they vibrate first.
+    ///
+    /// # Errors
+    /// As for [`Prepared::modes`].
+    pub fn modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
         let problem = self.problem();
         if !self.method.table.is_static() {
-            return vibrations(&problem, &self.method, &self.plan, 0.0, count);
+            let modes = vibrations(&problem, &self.method, &self.plan, 0.0, count)?;
+            return Ok((problem.start.q, modes));
         }
         let Equilibrium { load, q, dropped, .. } = self.equilibrium()?;
-        let start = InitialState { q, ..problem.start };
+        let start = InitialState { q: q.clone(), ..problem.start };
         let plan = crate::integrators::StartPlan { dropped, ..self.plan.clone() };
-        vibrations(&Problem { start, ..problem }, &self.method, &plan, load, count)
+        let modes = vibrations(&Problem { start, ..problem }, &self.method, &plan, load, count)?;
+        Ok((q, modes))
     }
 }

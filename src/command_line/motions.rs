@@ -1,0 +1,105 @@
+//! Pictures of a mechanism in space: the time lapse of a motion, and modes of vibration.
+
+use super::results::{Snapshot, thinned};
+use costate::integrators::Mode;
+use costate::io::{Frame, MotionPicture, Polyline, Trail, View};
+use costate::scenes::{Drawn, NodePoint, Prepared};
+use std::f64::consts::PI;
+
+/// Moments of a drawn mode, in half a period.
+const MODE_MOMENTS: usize = 9;
+/// Displacement of a drawn mode by the extent of the mechanism.
+const MODE_SHARE: f64 = 0.15;
+/// Most trails of the picture of the motion.
+const MOST_TRAILS: usize = 6;
+/// An extent below this share of the largest is flat.
+const FLAT: f64 = 1e-3;
+
+/// Distance between the least and the largest of some numbers.
+pub fn extent(values: impl Iterator<Item = f64>) -> f64 {
+    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    most - least
+}
+
+/// A mode of vibration through half a period, so large that it is seen; `None` if nothing that is drawn moves in it.
+pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<MotionPicture> {
+    // rigid motions have no period
+    let rate = if mode.frequency > 0.0 { mode.frequency } else { 1.0 };
+    let moved = |angle: f64, size: f64| Snapshot {
+        t: angle / rate,
+        q: q.iter()
+            .zip(&mode.shape)
+            .zip(&mode.ahead)
+            .map(|((q, shape), ahead)| q + size * (shape * angle.cos() - ahead * angle.sin()))
+            .collect(),
+        energy: None,
+        measured: Vec::new(),
+    };
+    let points = |size: f64| -> Option<Vec<[f64; 3]>> {
+        let picture = motion(prepared, &[moved(0.0, size)])?;
+        let lines = picture.frames.into_iter().flat_map(|frame| frame.lines).flat_map(|line| line.points);
+        Some(lines.chain(picture.trails.into_iter().flat_map(|trail| trail.points)).chain(picture.anchors).collect())
+    };
+    // Euler parameters of a large turn lose their length: the size is that of a small one
+    let small = 1e-6;
+    let (at_rest, displaced) = (points(0.0)?, points(small)?);
+    let farthest = at_rest
+        .iter()
+        .zip(&displaced)
+        .fold(0.0, |most: f64, (a, b)| most.max(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()));
+    let span = (0..3).fold(0.0, |most: f64, axis| most.max(extent(at_rest.iter().map(|point| point[axis]))));
+    let size = MODE_SHARE * span * small / farthest;
+    if !(size.is_finite() && size > 0.0) {
+        return None;
+    }
+    let angle = |k: usize| PI * k as f64 / (MODE_MOMENTS - 1) as f64;
+    let moments: Vec<Snapshot> = (0..MODE_MOMENTS).map(|k| moved(angle(k), size)).collect();
+    motion(prepared, &moments)
+}
+
+/// The time lapse; `None` if nothing of the scene has a place in space.
+pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
+    let sketch = prepared.mechanism.sketch();
+    if sketch.lines.is_empty() && sketch.followed.is_empty() {
+        return None;
+    }
+    let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
+    let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
+        points: points.iter().map(|point| point.at(&moment.q)).collect(),
+        role: usize::from(bodies && *drawn == Drawn::Link),
+    };
+    let frame = |(index, moment): (usize, &Snapshot)| {
+        // springs and dampers of earlier times would hide the bodies
+        let links = !bodies || index + 1 == moments.len();
+        let of = |kind: Drawn| sketch.lines.iter().filter(move |line| line.0 == kind).map(|own| line(own, moment));
+        let links = of(Drawn::Link).filter(|_| links);
+        Frame { time: moment.t, lines: links.chain(of(Drawn::Body)).collect() }
+    };
+    let trail = |(name, point): &(String, NodePoint)| Trail {
+        name: name.clone(),
+        points: thinned(moments).map(|(_, moment)| point.at(&moment.q)).collect(),
+    };
+    let frames: Vec<Frame> = thinned(moments).map(frame).collect();
+    let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
+    let title = prepared.scene.scene_name();
+    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, view: View::Isometric };
+    motion.view = view(&motion);
+    Some(motion)
+}
+
+/// Along the direction in which nothing extends, or from a corner.
+fn view(motion: &MotionPicture) -> View {
+    let lines = motion.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
+    let trails = motion.trails.iter().flat_map(|trail| &trail.points);
+    let points: Vec<&[f64; 3]> = lines.chain(trails).chain(&motion.anchors).collect();
+    let extents = [0, 1, 2].map(|index| extent(points.iter().map(|point| point[index])));
+    let largest = extents.iter().fold(0.0, |most: f64, &x| most.max(x));
+    match extents.map(|extent| extent <= FLAT * largest) {
+        // a motion along one line is seen upright
+        [true, true, false] => View::Xz,
+        [_, _, true] => View::Xy,
+        [_, true, _] => View::Xz,
+        [true, _, _] => View::Yz,
+        _ => View::Isometric,
+    }
+}
