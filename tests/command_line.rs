@@ -436,6 +436,8 @@ fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     let omega = found["modes"][0]["omega_rad_s"].as_f64().expect("a frequency");
     assert!((omega / expected - 1.0).abs() < 1e-11, "{omega} against {expected}");
     assert!(text(&modes.stdout).contains("there is only 1 mode"), "{}", text(&modes.stdout));
+    let none = folder.run(&["modes", "princeton-beam"]);
+    assert!(text(&none.stdout).contains("nothing that could move has inertia"), "{}", text(&none.stdout));
     let drawn = folder.run(&["modes", "von-mises-truss", "--out", "drawn"]);
     assert_eq!(drawn.status.code(), Some(0), "{}", text(&drawn.stderr));
     assert_eq!(folder.files("drawn"), ["mode-1.png", "mode-1.svg"]);

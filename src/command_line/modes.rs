@@ -68,7 +68,9 @@ pub fn run(options: &ModesOptions) -> Result<(), Failure> {
         _ => say(format_args!("small undamped vibrations about the equilibrium at the load factor {}\n", settings.end)),
     }
     say_modes(prepared.model(), &modes);
-    if modes.len() < options.count {
+    if modes.is_empty() {
+        say("there is no mode: nothing that could move has inertia\n");
+    } else if modes.len() < options.count {
         say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
     }
     let files = draw(&prepared, &q, &modes, &folder)?;
