@@ -103,7 +103,7 @@ fn elastica(report: &mut Report) -> Result<(), String> {
         report.inform(format!("elastica/{elements} elements/largest error"), *error);
     }
     report.at_most("elastica/32 elements/error of displacements by L and of rotation, ten loads", errors[2], 1e-6);
-    report.compare("elastica/order in mesh size, 8 to 16 elements", order(errors[0], errors[1]), 4.0, 0.3);
+    report.compare("elastica/order in mesh size, 8 to 16 elements", order(errors[0], errors[1]), 4.0, 0.1);
     Ok(())
 }
 
@@ -123,7 +123,7 @@ fn thick_cantilever(report: &mut Report) -> Result<(), String> {
         errors.push(error);
     }
     report.at_most("cantilever 2011/64 elements/error of displacements [m] and rotation", errors[3], 1e-7);
-    report.compare("cantilever 2011/order, 8 to 16 elements", order(errors[0], errors[1]), 4.0, 0.3);
+    report.compare("cantilever 2011/order, 8 to 16 elements", order(errors[0], errors[1]), 4.0, 0.1);
     Ok(())
 }
 
@@ -172,7 +172,7 @@ fn bend(report: &mut Report) -> Result<(), String> {
         tips.push(tip);
     }
     report.at_most("45-degree bend/8 elements/error of the tip [m]", errors[1], 1e-3);
-    report.compare("45-degree bend/order, 8 to 16 elements", order(errors[1], errors[2]), 4.0, 0.3);
+    report.compare("45-degree bend/order, 8 to 16 elements", order(errors[1], errors[2]), 4.0, 0.1);
     // Richardson's extrapolation with order 4
     for (i, name) in ["x", "y", "z"].into_iter().enumerate() {
         let limit = tips[3][i] + (tips[3][i] - tips[2][i]) / 15.0;
@@ -200,7 +200,7 @@ fn roll_up(report: &mut Report) -> Result<(), String> {
         errors.push(gap);
     }
     report.at_most("roll-up/16 elements/gap of the circle by L", errors[2], 1e-4);
-    report.compare("roll-up/order, 8 to 16 elements", order(errors[1], errors[2]), 4.0, 0.5);
+    report.compare("roll-up/order, 8 to 16 elements", order(errors[1], errors[2]), 4.0, 0.1);
     Ok(())
 }
 
@@ -277,7 +277,7 @@ fn vibrations(report: &mut Report) -> Result<(), String> {
             largest.push(worst);
         }
         report.at_most(format!("vibrations/{name}/64 elements/relative error of three frequencies"), largest[2], 1e-5);
-        report.compare(format!("vibrations/{name}/order, 8 to 16 elements"), order(largest[0], largest[1]), 4.0, 0.3);
+        report.compare(format!("vibrations/{name}/order, 8 to 16 elements"), order(largest[0], largest[1]), 4.0, 0.1);
     }
     let stout = Member {
         clamped: false,

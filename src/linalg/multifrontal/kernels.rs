@@ -46,6 +46,10 @@ impl Columns {
     fn of(matrix: MatrixView<'_>) -> Self {
         Columns { first: matrix.as_ptr(), stride: matrix.stride() }
     }
+    /// The same of one that is written to.
+    fn of_mut(matrix: &mut MatrixViewMut<'_>) -> Self {
+        Columns { first: matrix.as_mut_ptr(), stride: matrix.as_view().stride() }
+    }
     /// # Safety
     /// The entry is one of the matrix.
     #[inline(always)]
@@ -66,10 +70,10 @@ impl Kernel for Product<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Product { c, target, a, b } = self;
+        let Product { mut c, target, a, b } = self;
         let (rows, columns, depth) = (c.rows(), c.columns(), a.columns());
         assert!(a.rows() == rows && b.columns() == columns && b.rows() == depth, "sizes of a product");
-        let tiles = Tiles { c: Columns::of(c.as_view()), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
+        let tiles = Tiles { c: Columns::of_mut(&mut c), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
         let mut column = 0;
         // SAFETY: all tiles lie in the matrices, whose sizes were compared; C is ours alone.
         unsafe {
@@ -316,10 +320,10 @@ impl Kernel for UnitLower<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let UnitLower { l, b } = self;
+        let UnitLower { l, mut b } = self;
         let (size, columns) = (l.rows(), b.columns());
         assert!(l.columns() == size && b.rows() == size && size <= TRIANGLE, "sizes of a triangular system");
-        let (l, b) = (Columns::of(l), Columns::of(b.as_view()));
+        let (l, b) = (Columns::of(l), Columns::of_mut(&mut b));
         let mut negative = [[0.0; TRIANGLE]; TRIANGLE];
         for p in 0..size {
             for row in p + 1..size {

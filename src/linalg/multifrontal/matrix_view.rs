@@ -115,6 +115,12 @@ impl<'m> MatrixViewMut<'m> {
         MatrixView { first, rows, columns, stride, values: PhantomData }
     }
 
+    /// The place of the first entry.
+    #[inline(always)]
+    pub fn as_mut_ptr(&mut self) -> *mut f64 {
+        self.first
+    }
+
     /// The same for a shorter time.
     #[inline(always)]
     pub fn reborrow(&mut self) -> MatrixViewMut<'_> {
