@@ -1,5 +1,6 @@
 use super::console::{json_number, say, say_json};
 use super::failure::Failure;
+use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
 use super::run::report;
 use super::simulation::{Simulation, Work, long_number, say_work, simulate};
@@ -12,7 +13,6 @@ use costate::program::making_time;
 use costate::scenes::Prepared;
 use costate::sensitivity::{Forward, Gradient};
 use serde_json::{Map, Value, json};
-use std::path::Path;
 use std::time::Instant;
 
 /// Options of `costate gradient`.
@@ -27,39 +27,9 @@ pub struct GradientOptions {
     /// free), memory, file:PATH, or checkpoints:MEGABYTES with the steps between computed again
     #[arg(long, value_name = "WHERE", default_value = "auto", value_parser = keep)]
     history: Keep,
-}
-
-fn keep(text: &str) -> Result<Keep, String> {
-    let megabytes = |text: &str| text.parse::<f64>().ok().filter(|size| *size > 0.0 && size.is_finite());
-    match text.split_once(':') {
-        None if text == "auto" => return Ok(Keep::Auto),
-        None if text == "memory" => return Ok(Keep::Memory),
-        Some(("file", path)) if !path.is_empty() => return Ok(Keep::File(path.into())),
-        Some(("checkpoints", size)) => {
-            // a float to an integer saturates
-            if let Some(size) = megabytes(size) {
-                return Ok(Keep::Checkpoints((size * 1e6) as usize));
-            }
-        }
-        _ => {}
-    }
-    Err("it must be auto, memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
-}
-
-/// Endings of the files that this program writes for people and other programs.
-const RESULTS: [&str; 3] = ["csv", "png", "svg"];
-
-/// Refuses to keep steps where a result of the same run will stand.
-fn check_history(keep: &Keep, folder: &Path) -> Result<(), Failure> {
-    let Keep::File(path) = keep else { return Ok(()) };
-    let is_result = path.extension().is_some_and(|ending| RESULTS.iter().any(|result| ending == *result));
-    if is_result && path.parent() == Some(folder) {
-        let path = path.display();
-        return Err(Failure::input(format!(
-            "--history file:{path}: results are written there; name a file with another ending"
-        )));
-    }
-    Ok(())
+    /// Go on with the run in the file of --history where it stopped, bit for bit; a finished one is not simulated again
+    #[arg(long)]
+    resume: bool,
 }
 
 /// Largest relative difference between adjoint and complex step that passes.
@@ -93,7 +63,7 @@ struct Check {
 pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     let scene = options.scene.scene()?;
     let mut prepared = options.scene.prepare(&*scene)?;
-    prepared.keep = options.history.clone();
+    prepared.keep = resumed(options.history.clone(), options.resume)?;
     check_history(&prepared.keep, &options.scene.folder())?;
     let simulation = simulate(&prepared, &options.scene)?;
     if simulation.stopped.is_some() {

@@ -3,6 +3,7 @@
 mod console;
 mod failure;
 mod gradient;
+mod histories;
 mod interrupt;
 mod list;
 mod modes;

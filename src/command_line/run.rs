@@ -1,5 +1,6 @@
 use super::console::{say, say_json};
 use super::failure::Failure;
+use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
 use super::simulation::{Simulation, say_work, simulate};
 use clap::Args;
@@ -10,15 +11,23 @@ use costate::history::Keep;
 pub struct RunOptions {
     #[command(flatten)]
     scene: SceneOptions,
+    /// Keep the steps, too: in file:PATH, with which --resume goes on, and costate gradient [default: not at all]
+    #[arg(long, value_name = "WHERE", value_parser = keep)]
+    history: Option<Keep>,
+    /// Go on with the run in the file of --history where it stopped, bit for bit; a finished one is not simulated again
+    #[arg(long)]
+    resume: bool,
 }
 
 /// `costate run`: simulates, writes, prints.
 pub fn run(options: &RunOptions) -> Result<(), Failure> {
+    // no gradient is asked for
+    let keep = resumed(options.history.clone().unwrap_or(Keep::Nothing), options.resume)?;
     let options = &options.scene;
+    check_history(&keep, &options.folder())?;
     let scene = options.scene()?;
     let mut prepared = options.prepare(&*scene)?;
-    // no gradient is asked for
-    prepared.keep = Keep::Nothing;
+    prepared.keep = keep;
     let simulation = simulate(&prepared, options)?;
     report(&simulation, &prepared);
     say_json(options.json, &simulation.json(&prepared).into());
@@ -33,7 +42,11 @@ pub fn report(simulation: &Simulation, prepared: &costate::scenes::Prepared) {
     } else {
         let done = simulation.forward.history.steps();
         let planned = if prepared.control.is_some() { String::new() } else { format!(" of {}", prepared.grid.steps()) };
-        say(format_args!("stopped after {done}{planned} steps: the files hold the finished ones\n"));
+        say(format_args!("stopped after {done}{planned} steps: the files hold the finished ones"));
+        if let Keep::File(path) | Keep::Resumed(path) = &prepared.keep {
+            say(format_args!("with --history file:{} --resume it goes on from there", path.display()));
+        }
+        say("");
     }
     say_work(&[("simulation", simulation.work())]);
     simulation.say_files();

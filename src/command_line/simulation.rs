@@ -183,9 +183,13 @@ impl Simulation {
                 work.push(("redundant_equations_chosen_anew", json!(choices)));
             }
         }
-        let Usage { steps, checkpoints, written, .. } = self.forward.history.usage();
+        let Usage { steps, checkpoints, written, taken_over, .. } = self.forward.history.usage();
         work.push(("steps_in_memory", json!(steps)));
-        for (name, count) in [("checkpoints", checkpoints as u64), ("history_bytes_written", written)] {
+        for (name, count) in [
+            ("checkpoints", checkpoints as u64),
+            ("history_bytes_written", written),
+            ("steps_taken_over", taken_over as u64),
+        ] {
             work.extend((count > 0).then(|| (name, json!(count))));
         }
         work.push(("time_s", json_number(self.seconds)));

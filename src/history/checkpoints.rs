@@ -2,7 +2,7 @@ use super::flat::Flat;
 use super::memory::Listed;
 use super::schedule::split;
 use super::{History, Rerun, Usage};
-use crate::integrators::{Checkpoint, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
+use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// A run as checkpoints within a given memory: the steps between them are computed again on the way back.
@@ -172,7 +172,7 @@ impl Recorder<f64> for Checkpoints {
     fn wants_checkpoint(&self, index: usize) -> bool {
         self.all.is_none() && index == self.wanted
     }
-    fn checkpoint(&mut self, checkpoint: Checkpoint<f64>) -> Result<(), RunError> {
+    fn checkpoint(&mut self, Pause { checkpoint, .. }: Pause<f64>) -> Result<(), RunError> {
         let step = checkpoint.between.step;
         self.kept().push(&checkpoint);
         if step > 0 {

@@ -1,31 +1,32 @@
-use super::flat::{Flat, checksum};
+use super::flat::Flat;
+use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, write_frame};
 use super::{History, Rerun, Usage};
-use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps, TimeGrid};
+use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, Steps, TimeGrid};
 use std::fmt;
 use std::fs::{self, File, TryLockError};
 use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-/// First bytes of every file, before the identity of the run.
-const KIND: &[u8; 16] = b"costate run 03\r\n";
-/// The part of them that files of other versions have, too.
-const ANY_KIND: &[u8] = b"costate run ";
-/// Bytes before the first frame.
-const HEADER: u64 = KIND.len() as u64 + 8;
-/// Bytes of a frame beside its number and record: length, checksum, length.
-const FRAME: u64 = 24;
+/// Bytes of steps between two pauses, in those of a pause.
+const SPARSE: u64 = 10;
+/// Longest time without a pause, of steps that take long.
+const LONGEST: Duration = Duration::from_secs(10);
 
 /// A run in a file.
 ///
-/// Behind the header with a number that no other run has, each record stands in a frame: the length of what follows, a number (0 for the
-/// start, then the step), the record, a checksum of both and of the run's number, and the length again for the way back. While the run goes on
-/// the file is called `NAME.part` and is locked; it gets its name when the run is complete, and what is in it before stays readable: see
-/// [`FileHistory::open`]. A part that an earlier run left with finished steps is kept as `NAME.unfinished`.
+/// Behind the header with a number that no other run has, and one that tells what is simulated, stand the start and the steps, each with a
+/// checksum. While the run goes on the file is called `NAME.part` and is locked; it gets its name when the run is complete, and what is in it
+/// before stays readable: see [`FileHistory::open`]. Between steps, where they take a tenth of the room or no more than ten seconds lie between
+/// them, stands all that it takes to go on from there: see [`FileHistory::resume`]. A part that an earlier run left with finished steps is kept
+/// as `NAME.unfinished` by a run that does not go on with it.
 pub struct FileHistory {
     path: PathBuf,
     /// Of the run.
     identity: u64,
+    /// What it simulates.
+    run: u64,
     /// Under its own name, not that of a part.
     complete: bool,
     out: Option<Box<dyn Write + Send + Sync>>,
@@ -33,7 +34,24 @@ pub struct FileHistory {
     steps: usize,
     /// Bytes of complete frames, header included.
     bytes: u64,
+    /// Of these up to the end of the last step.
+    steps_end: u64,
     frame: Vec<u8>,
+    /// What an earlier run left, until this one is as far.
+    found: Option<Found>,
+    taken_over: usize,
+    /// Where the last pause ends, how long it is, and when it was written.
+    paused: (u64, u64, Instant),
+}
+
+/// Steps that an earlier run left.
+struct Found {
+    steps: usize,
+    /// Where the last pause begins, and how many steps there are before.
+    pause: Option<(u64, usize)>,
+    reader: Reader,
+    /// Where the next step begins that is made once more.
+    position: u64,
 }
 
 impl fmt::Debug for FileHistory {
@@ -83,11 +101,11 @@ fn failure(place: String, path: &Path, cause: impl fmt::Display, hint: impl Into
 const ELSEWHERE: &str = "name a file on a disk with room, or keep the run in memory or as checkpoints";
 
 impl FileHistory {
-    /// A new file; folders above it are created, the file of an older run of this name stays until the run is complete.
+    /// A new file for a run, of which a number tells what is simulated; folders above it are created, the file of an older run of this name stays until the run is complete.
     ///
     /// # Errors
     /// A file or folder that cannot be created, another run that is writing this file, and a file of this name that is none of a run.
-    pub fn create(path: &Path) -> Result<Self, RunError> {
+    pub fn create(path: &Path, run: u64) -> Result<Self, RunError> {
         let refuse = |cause: &dyn fmt::Display| {
             RunError::Input(format!("history file {} cannot be created: {cause}; {ELSEWHERE}", path.display()))
         };
@@ -114,17 +132,71 @@ impl FileHistory {
         }
         // of a device there is nothing to be cut off
         let _ = file.set_len(0);
-        Self::writing(path, Box::new(file))
+        Self::writing(path, run, Box::new(file))
     }
 
     /// The same with what takes the bytes of the part.
-    fn writing(path: &Path, out: Box<dyn Write + Send + Sync>) -> Result<Self, RunError> {
-        let (path, frame) = (path.to_path_buf(), Vec::new());
+    fn writing(path: &Path, run: u64, out: Box<dyn Write + Send + Sync>) -> Result<Self, RunError> {
         let identity = RandomState::new().hash_one(std::time::SystemTime::now());
-        let mut own =
-            FileHistory { path, identity, complete: false, out: Some(out), start: None, steps: 0, bytes: 0, frame };
-        let header = [&KIND[..], &identity.to_le_bytes()].concat();
+        let mut own = FileHistory {
+            path: path.to_path_buf(),
+            identity,
+            run,
+            complete: false,
+            out: Some(out),
+            start: None,
+            steps: 0,
+            bytes: 0,
+            steps_end: 0,
+            frame: Vec::new(),
+            found: None,
+            taken_over: 0,
+            paused: (HEADER, 0, Instant::now()),
+        };
+        let header = [&KIND[..], &identity.to_le_bytes(), &run.to_le_bytes()].concat();
         own.append(&header).map_err(|cause| own.unwritten("start".into(), &cause))?;
+        Ok(own)
+    }
+
+    /// The file of a run that stopped, to go on where it did: with the steps behind its last pause, which are made again and must be the same, and
+    /// with new ones. That of a run that reached its end is not written again; without a file, or steps in it, this is a new one.
+    ///
+    /// # Errors
+    /// As for [`FileHistory::create`]; the file of another run, or one that cannot be read.
+    pub fn resume(path: &Path, run: u64) -> Result<Self, RunError> {
+        let part = part_of(path);
+        let (place, complete) = if has_steps(&part) { (&*part, false) } else { (path, true) };
+        if !place.exists() {
+            return Self::create(path, run);
+        }
+        let unusable = |cause: &dyn fmt::Display| {
+            RunError::Input(format!("history file {}: cannot go on with it: {cause}", place.display()))
+        };
+        let mut file = None;
+        if !complete {
+            let part = File::options().read(true).write(true).open(place).map_err(|cause| unusable(&cause))?;
+            part.try_lock().map_err(|cause| match cause {
+                TryLockError::WouldBlock => unusable(&"another run is writing it"),
+                TryLockError::Error(cause) => unusable(&cause),
+            })?;
+            file = Some(part);
+        }
+        let (mut own, damage) = Self::open(place)?;
+        if own.run != run {
+            return Err(unusable(
+                &"it holds a run of another scene, design, method, grid of steps or version of this program; name another file, or leave out what asks to go on",
+            ));
+        }
+        own.path = path.to_path_buf();
+        own.complete = complete;
+        if let Some(mut file) = file {
+            // a record cut off, or damaged ones with all behind them
+            let ready = file.set_len(own.bytes).and_then(|()| file.seek(SeekFrom::End(0)));
+            ready.map_err(|cause| unusable(&cause))?;
+            own.out = Some(Box::new(file));
+        } else if let Some(damage) = damage {
+            return Err(damage);
+        }
         Ok(own)
     }
 
@@ -146,25 +218,41 @@ impl FileHistory {
         let mut own = FileHistory {
             path: path.to_path_buf(),
             identity,
+            run: reader.run,
             complete: true,
             out: None,
             start: Some(start),
             steps: 0,
             bytes: HEADER + reader.length,
+            steps_end: HEADER + reader.length,
             frame: Vec::new(),
+            found: None,
+            taken_over: 0,
+            paused: (HEADER, 0, Instant::now()),
         };
-        loop {
-            if own.bytes == reader.size {
-                return Ok((own, None));
+        let (mut pause, mut damage) = (None, None);
+        let position = own.bytes;
+        while own.bytes < reader.size && damage.is_none() {
+            let steps = own.steps as u64;
+            match reader.load_frame(own.bytes) {
+                Ok(number) if number == steps + 1 => {
+                    (own.steps, own.steps_end) = (own.steps + 1, own.bytes + reader.length);
+                }
+                Ok(number) if number == PAUSE + steps => {
+                    pause = Some((own.bytes, own.steps));
+                    own.paused = (own.bytes + reader.length, reader.length, Instant::now());
+                }
+                other => {
+                    let cause = other.err().unwrap_or(Damage::Checksum);
+                    let hint = format!("the {steps} steps before it are intact");
+                    damage = Some(failure(format!("step {}", steps + 1), path, cause, hint));
+                    continue;
+                }
             }
-            if let Err(cause) = reader.frame_at(own.bytes, own.steps + 1) {
-                let hint = format!("the {} steps before it are intact", own.steps);
-                let damage = failure(format!("step {}", own.steps + 1), path, cause, hint);
-                return Ok((own, Some(damage)));
-            }
-            own.steps += 1;
             own.bytes += reader.length;
         }
+        own.found = Some(Found { steps: own.steps, pause, reader, position });
+        Ok((own, damage))
     }
 
     fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -179,19 +267,34 @@ impl FileHistory {
         Ok(())
     }
 
-    fn append_frame(&mut self, number: usize, record: &impl Flat) -> io::Result<()> {
+    fn append_frame(&mut self, number: u64, record: &impl Flat) -> io::Result<()> {
         let mut frame = std::mem::take(&mut self.frame);
-        frame.clear();
-        0_u64.put(&mut frame);
-        number.put(&mut frame);
-        record.put(&mut frame);
-        let length = frame.len() as u64 - 8;
-        frame[..8].copy_from_slice(&length.to_le_bytes());
-        (checksum(&frame[8..]) ^ self.identity).put(&mut frame);
-        length.put(&mut frame);
+        write_frame(&mut frame, self.identity, number, record);
         let written = self.append(&frame);
         self.frame = frame;
         written
+    }
+
+    fn append_pause(&mut self, pause: &Pause<f64>) -> Result<(), RunError> {
+        let begin = self.bytes;
+        let written = self.append_frame(PAUSE + self.steps as u64, pause);
+        written.map_err(|cause| self.unwritten(format!("behind step {}", self.steps), &cause))?;
+        self.paused = (self.bytes, self.bytes - begin, Instant::now());
+        Ok(())
+    }
+
+    /// Whether an earlier run came further.
+    fn is_behind(&self) -> bool {
+        self.found.as_ref().is_some_and(|found| found.steps > self.steps)
+    }
+
+    /// A record made again must be the one that is there.
+    fn check_found(&self, found: &[u8], again: &impl Flat, place: &str) -> Result<(), RunError> {
+        if *found == again.bytes() {
+            return Ok(());
+        }
+        let hint = "the scene, its laws or the program have changed since: begin a new file";
+        Err(failure(place.into(), &self.place(), "differs from the one in the file when it is made once more", hint))
     }
 
     fn unwritten(&self, place: String, cause: &io::Error) -> RunError {
@@ -218,15 +321,64 @@ impl FileHistory {
 
 impl Recorder<f64> for FileHistory {
     fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
+        if let Some(found) = &self.start {
+            return self.check_found(&found.bytes(), &start, "start");
+        }
         self.append_frame(0, &start).map_err(|cause| self.unwritten("start".into(), &cause))?;
         self.start = Some(start);
         Ok(())
     }
+    fn take_up(&mut self, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
+        // all that is found is made once more
+        let all = std::mem::take(&mut self.steps);
+        let Some(found) = &mut self.found else { return Ok(None) };
+        found.steps = all;
+        let Some((begin, count)) = found.pause else { return Ok(None) };
+        let path = if self.complete { self.path.clone() } else { part_of(&self.path) };
+        let damaged = |step: usize, damage| failure(format!("step {step}"), &path, damage, "begin a new file");
+        for number in 1..=count {
+            let step = found.reader.step_from(&mut found.position, number).and_then(step_of);
+            let step = step.map_err(|damage| damaged(number, damage))?;
+            found.position += found.reader.length;
+            if !steps(&step)? {
+                return Err(RunError::Interrupted { steps: number });
+            }
+        }
+        let read =
+            found.reader.load_frame(begin).and_then(|_| Pause::from_bytes(found.reader.record()).ok_or(Damage::Unreadable));
+        let pause = read.map_err(|damage| damaged(count, damage))?;
+        found.position = begin + found.reader.length;
+        (self.steps, self.taken_over) = (count, count);
+        Ok(Some(pause))
+    }
+    fn wants_checkpoint(&self, _index: usize) -> bool {
+        let (end, length, written) = self.paused;
+        let due = self.bytes - end >= SPARSE * length || written.elapsed() >= LONGEST;
+        due && self.steps > 0 && self.bytes > end && self.out.is_some() && !self.is_behind()
+    }
+    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
+        self.append_pause(&pause)
+    }
+    fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        let is_there = self.complete || self.bytes == self.paused.0;
+        if is_there { Ok(()) } else { self.append_pause(&pause()) }
+    }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         let number = self.steps + 1;
+        if self.is_behind()
+            && let Some(mut found) = self.found.take()
+        {
+            let place = format!("step {number}");
+            let there = found.reader.step_from(&mut found.position, number);
+            let there = there.map_err(|damage| failure(place.clone(), &self.place(), damage, "begin a new file"))?;
+            self.check_found(there, step, &place)?;
+            found.position += found.reader.length;
+            (self.steps, self.found) = (number, Some(found));
+            return Ok(true);
+        }
         let place = |t: f64| format!("step {number} (t = {t} s)");
-        self.append_frame(number, step).map_err(|cause| self.unwritten(place(step.t), &cause))?;
-        self.steps = number;
+        self.append_frame(number as u64, step).map_err(|cause| self.unwritten(place(step.t), &cause))?;
+        (self.steps, self.steps_end) = (number, self.bytes);
         Ok(true)
     }
 }
@@ -239,6 +391,9 @@ impl History for FileHistory {
         self.steps
     }
     fn finish(&mut self) -> Result<(), RunError> {
+        if self.complete {
+            return Ok(());
+        }
         let part = self.place();
         // some disks tell only now that they were full
         let stored = File::open(&part).and_then(|file| file.sync_all()).and_then(|()| fs::rename(&part, &self.path));
@@ -254,11 +409,15 @@ impl History for FileHistory {
         Ok(Box::new(steps))
     }
     fn backward<'h>(&'h self, rerun: &'h Rerun<'_>) -> Result<Box<dyn Steps + 'h>, RunError> {
-        Ok(Box::new(FromFileBackward(self.open_for(rerun.grid, self.bytes, self.steps.checked_sub(1))?)))
+        Ok(Box::new(FromFileBackward(self.open_for(rerun.grid, self.steps_end, self.steps.checked_sub(1))?)))
     }
     fn usage(&self) -> Usage {
-        Usage { written: self.bytes, ..Usage::default() }
+        Usage { written: self.bytes, taken_over: self.taken_over, ..Usage::default() }
     }
+}
+
+fn step_of(bytes: &[u8]) -> Result<StepRecord<f64>, Damage> {
+    StepRecord::from_bytes(bytes).ok_or(Damage::Unreadable)
 }
 
 /// Steps read one after the other.
@@ -290,21 +449,13 @@ impl FromFile<'_> {
         }
         Ok(())
     }
-
-    fn read(&mut self, index: usize, begin: Result<u64, Damage>) -> Result<(), RunError> {
-        let record = begin.and_then(|begin| {
-            let bytes = self.reader.frame_at(begin, index + 1)?;
-            StepRecord::from_bytes(bytes).ok_or(Damage::Unreadable)
-        });
-        self.record = Some(record.map_err(|damage| self.damaged(index, damage))?);
-        Ok(())
-    }
 }
 
 impl Steps for FromFile<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         let Some(index) = self.next.filter(|&index| index < self.history.steps) else { return Ok(None) };
-        self.read(index, Ok(self.position))?;
+        let record = self.reader.step_from(&mut self.position, index + 1).and_then(step_of);
+        self.record = Some(record.map_err(|damage| self.damaged(index, damage))?);
         self.position += self.reader.length;
         self.next = Some(index + 1);
         Ok(self.record.as_ref())
@@ -315,102 +466,16 @@ impl Steps for FromFileBackward<'_> {
     fn next(&mut self) -> Result<Option<&StepRecord<f64>>, RunError> {
         let own = &mut self.0;
         let Some(index) = own.next else { return Ok(None) };
-        let begin = own.reader.begin_before(own.position);
-        own.read(index, begin)?;
-        own.position -= own.reader.length;
+        let record = own.reader.step_before(&mut own.position, index + 1).and_then(step_of);
+        own.record = Some(record.map_err(|damage| own.damaged(index, damage))?);
         own.next = index.checked_sub(1);
         Ok(own.record.as_ref())
     }
 }
 
-/// What is wrong with a frame.
-enum Damage {
-    CutOff { size: u64, needed: u64 },
-    OtherKind,
-    Checksum,
-    Unreadable,
-    Io(io::Error),
-}
-
-impl fmt::Display for Damage {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Damage::CutOff { size, needed } => write!(f, "ends after {size} bytes, but at least {needed} are needed"),
-            Damage::OtherKind => f.write_str("is no file of a run, or of another version's"),
-            Damage::Checksum => f.write_str("its record is damaged: the checksum differs"),
-            Damage::Unreadable => f.write_str("its record is damaged: it is not that of a run of this program"),
-            Damage::Io(cause) => write!(f, "cannot be read: {cause}"),
-        }
-    }
-}
-
-/// Reads frames.
-struct Reader {
-    file: File,
-    size: u64,
-    /// Of the run.
-    identity: u64,
-    /// Length of the frame read last.
-    length: u64,
-    bytes: Vec<u8>,
-}
-
-impl Reader {
-    fn open(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let size = file.metadata()?.len();
-        Ok(Reader { file, size, identity: 0, length: 0, bytes: Vec::new() })
-    }
-
-    /// Reads the header: the identity of the run.
-    fn identity(&mut self) -> Result<u64, Damage> {
-        self.load(0, HEADER).map_err(|_| Damage::OtherKind)?;
-        let (kind, mut identity) = self.bytes.split_at(KIND.len());
-        if kind != KIND {
-            return Err(Damage::OtherKind);
-        }
-        self.identity = u64::take(&mut identity).ok_or(Damage::OtherKind)?;
-        Ok(self.identity)
-    }
-
-    fn load(&mut self, begin: u64, count: u64) -> Result<(), Damage> {
-        let needed = begin.saturating_add(count);
-        if needed > self.size {
-            return Err(Damage::CutOff { size: self.size, needed });
-        }
-        self.bytes.resize(count as usize, 0);
-        let read = self.file.seek(SeekFrom::Start(begin)).and_then(|_| self.file.read_exact(&mut self.bytes));
-        read.map_err(Damage::Io)
-    }
-
-    /// The record in the frame that begins at a place, if it has the expected number.
-    fn frame_at(&mut self, begin: u64, number: usize) -> Result<&[u8], Damage> {
-        self.load(begin, 8)?;
-        let length = u64::take(&mut &self.bytes[..]).ok_or(Damage::Checksum)?;
-        // a damaged length may ask for more than there is: that is no file cut off
-        if length > self.size {
-            return Err(Damage::Checksum);
-        }
-        self.load(begin, length + FRAME)?;
-        let (body, mut tail) = self.bytes[8..].split_at(length as usize);
-        let own = (u64::take(&mut tail), u64::take(&mut tail));
-        if own != (Some(checksum(body) ^ self.identity), Some(length)) || !body.starts_with(&(number as u64).to_le_bytes()) {
-            return Err(Damage::Checksum);
-        }
-        self.length = length + FRAME;
-        Ok(&self.bytes[16..8 + length as usize])
-    }
-
-    /// Where the frame begins that ends at a place.
-    fn begin_before(&mut self, end: u64) -> Result<u64, Damage> {
-        self.load(end.saturating_sub(8), 8)?;
-        let length = u64::take(&mut &self.bytes[..]).ok_or(Damage::Checksum)?;
-        end.checked_sub(length.saturating_add(FRAME)).ok_or(Damage::Checksum)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::frames::FRAME;
     use super::*;
     use crate::assembly::{Equations, Unknowns, VectorsAvq};
     use crate::integrators::{Scheme, SolveRecord};
@@ -467,7 +532,7 @@ mod tests {
         for (room, steps) in [(before + 5 * frame, 5), (before + 6 * frame - 1, 5), (before + 3 * frame + 1, 3), (before, 0)]
         {
             let file = File::create(part_of(&path)).unwrap();
-            let mut history = FileHistory::writing(&path, Box::new(Disk { file, room })).unwrap();
+            let mut history = FileHistory::writing(&path, 7, Box::new(Disk { file, room })).unwrap();
             history.start(start()).unwrap();
             let error = (0..10).find_map(|index| history.step(&step(index)).err()).unwrap().to_string();
             let place = format!("step {} (t = {} s), history file {}", steps + 1, step(steps).t, path.display());

@@ -2,8 +2,8 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, FactoredAt, KeptFactorization, Prediction, Scheme, SolveRecord, StageRecord, StartRecord, StepRecord,
-    StepState, Track,
+    Checkpoint, Counters, FactoredAt, KeptFactorization, Pace, Pause, Prediction, Scheme, SolveRecord, StageRecord,
+    StartRecord, StepError, StepErrors, StepRecord, StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -165,10 +165,15 @@ flat! {
     FactoredAt<f64> { t, base, unknowns }
     KeptFactorization<f64> { factored, at, floors, measured, measured_for }
     Checkpoint<f64> { between, kept }
+    Pace { h, last_error, rejected, halvings, left }
+    StepError { share, step, t, dof, in_velocity }
+    StepErrors { worst, sizes }
+    Counters { systems, iterations, residuals, factorizations, solves, products, blocks, choices }
+    Pause<f64> { checkpoint, t, pace, errors, counters }
 }
 
 /// Checksum of bytes in whole words (Fowler, Noll, Vo: FNV-1a by words): any change within one word changes it.
-pub(super) fn checksum(bytes: &[u8]) -> u64 {
+pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     let word = |chunk: &[u8]| chunk.iter().rev().fold(0, |word: u64, &byte| word << 8 | u64::from(byte));
     bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325, |sum: u64, chunk| {
         // the rotation carries the high bits down, which a product alone never does

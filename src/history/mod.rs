@@ -8,6 +8,7 @@ mod checkpoints;
 mod dense;
 mod file;
 mod flat;
+mod frames;
 mod free_memory;
 mod memory;
 mod nothing;
@@ -17,6 +18,7 @@ mod schedule;
 pub use checkpoints::Checkpoints;
 pub use dense::{Dense, Snapshot, moments};
 pub use file::FileHistory;
+pub(crate) use flat::checksum;
 pub use memory::{Memory, MemoryWithin};
 pub use nothing::Nothing;
 pub use rerun::Rerun;
@@ -42,6 +44,8 @@ pub enum Keep {
     Memory,
     /// In a file, which stays.
     File(PathBuf),
+    /// In a file in which the run goes on where it stopped before, if it did; one that reached its end is not simulated again.
+    Resumed(PathBuf),
     /// As checkpoints in this many bytes; what lies between them is computed again.
     Checkpoints(usize),
 }
@@ -50,15 +54,16 @@ pub enum Keep {
 const SHARE: f64 = 1.0 / 3.0;
 
 impl Keep {
-    /// An empty history for a run of `steps` steps, if their number is known and none will be divided.
+    /// A history for a run of `steps` steps, if their number is known and none will be divided. `run` is a number that tells what is
+    /// simulated, and how.
     ///
     /// # Errors
-    /// A file that cannot be created.
-    pub fn history(&self, steps: Option<usize>) -> Result<Box<dyn History>, RunError> {
+    /// A file that cannot be created, or is that of something else.
+    pub fn history(&self, steps: Option<usize>, run: u64) -> Result<Box<dyn History>, RunError> {
         Ok(match self {
             Keep::Nothing => Box::new(Nothing::default()),
             Keep::Auto => match free_memory::free_memory() {
-                Some(free) => return Keep::Within((SHARE * free as f64) as usize).history(steps),
+                Some(free) => return Keep::Within((SHARE * free as f64) as usize).history(steps, run),
                 None => Box::new(Memory::default()),
             },
             Keep::Within(bytes) => match steps {
@@ -66,7 +71,8 @@ impl Keep {
                 None => Box::new(MemoryWithin::new(*bytes)),
             },
             Keep::Memory => Box::new(Memory::default()),
-            Keep::File(path) => Box::new(FileHistory::create(path)?),
+            Keep::File(path) => Box::new(FileHistory::create(path, run)?),
+            Keep::Resumed(path) => Box::new(FileHistory::resume(path, run)?),
             Keep::Checkpoints(bytes) => Box::new(Checkpoints::new(*bytes, steps)),
         })
     }
@@ -85,6 +91,8 @@ pub struct Usage {
     pub written: u64,
     /// Steps computed again so far.
     pub recomputed: usize,
+    /// Steps that an earlier run left in the file.
+    pub taken_over: usize,
 }
 
 /// A kept run: records steps, and hands them out again.

@@ -7,9 +7,10 @@ use super::checkpoint::StepState;
 use super::course::Course;
 use super::load_steps::march_loading;
 use super::march::{Method, Problem, Run, add_scaled, combine};
+use super::pause::TakenUp;
 use super::record::{Recorder, SolveRecord, StepRecord};
 use super::step::{InitialGuess, Stepper};
-use super::{Embedded, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
+use super::{Embedded, Pace, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 
 /// Error allowed in one step: absolute + relative times the size of each entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,12 +118,19 @@ fn march_choosing(
     recorder.start(stepper.start(course.t(), plan, None)?)?;
     let mut choice = Choice::new(&stepper, control, course);
     let mut before = stepper.checkpoint();
-    choice.first_step(&mut stepper)?;
-    stepper.resume(&before)?;
+    if let Some(taken_up) = TakenUp::by(&mut stepper, recorder)? {
+        taken_up.follow(&mut choice.course);
+        before = taken_up.pause.checkpoint;
+        let Pace { h, last_error, rejected, .. } = taken_up.pause.pace;
+        (choice.h, choice.last_error, choice.rejected) = (h, last_error, rejected);
+    } else {
+        choice.first_step(&mut stepper)?;
+        stepper.resume(&before)?;
+    }
     while !choice.course.at_end() {
         let index = choice.course.grid.steps();
         if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(before.clone())?;
+            recorder.checkpoint(stepper.pause(choice.course.t(), choice.pace()))?;
         }
         let reached = loop {
             let breakpoint = choice.course.at_breakpoint();
@@ -144,6 +152,7 @@ fn march_choosing(
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
+    recorder.end(&|| stepper.pause(choice.course.t(), choice.pace()))?;
     Ok(stepper.end(choice.rejected))
 }
 
@@ -185,6 +194,11 @@ impl<'c> Choice<'c> {
             retried: false,
             difference: Vec::new(),
         }
+    }
+
+    /// What the next steps depend on.
+    fn pace(&self) -> Pace {
+        Pace { h: self.h, last_error: self.last_error, rejected: self.rejected, ..Pace::default() }
     }
 
     /// Largest ratio of entries to what is allowed for them; NaN stays.

@@ -2,12 +2,13 @@
 
 use super::course::Course;
 use super::march::{Method, Problem, Run};
+use super::pause::TakenUp;
 use super::record::Recorder;
 use super::step::Stepper;
-use super::{RunError, StartPlan, Systems, TimeGrid};
+use super::{Pace, RunError, StartPlan, Systems, TimeGrid};
 
 /// How often a step is halved before the run is given up.
-const MOST_HALVINGS: i32 = 8;
+const MOST_HALVINGS: usize = 8;
 
 /// Runs a problem over a grid, each step of which is halved, and its halves again, where Newton's method finds no solution: a snap
 /// that is faster than the step leaves none near by.
@@ -37,26 +38,30 @@ fn divide(
     let mut stepper = Stepper::new(problem, method, &systems, plan)?;
     recorder.start(stepper.start(course.t(), plan, None)?)?;
     let mut before = stepper.checkpoint();
-    let mut rejected = 0;
-    // of the given step, as far as it is left
-    let (mut halvings, mut h) = (0, f64::INFINITY);
-    let mut left = 1;
+    // a given step is one part of itself until it is halved
+    let whole = Pace { h: f64::INFINITY, left: 1, ..Pace::default() };
+    let mut pace = whole;
+    if let Some(taken_up) = TakenUp::by(&mut stepper, recorder)? {
+        taken_up.follow(&mut course);
+        (before, pace) = (taken_up.pause.checkpoint, taken_up.pause.pace);
+    }
     while !course.at_end() {
         let index = course.grid.steps();
         if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(before.clone())?;
+            recorder.checkpoint(stepper.pause(course.t(), pace))?;
         }
-        let (span, reached) = course.span(h);
+        let (span, reached) = course.span(pace.h);
         course.grid.times.push(reached);
         let scheme = method.table.scheme_at(course.grid, index);
         course.grid.times.pop();
         match stepper.step_over(scheme, span, course.at_breakpoint(), None) {
             Ok(()) => {}
             Err(RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
-                if halvings < MOST_HALVINGS =>
+                if pace.halvings < MOST_HALVINGS =>
             {
-                (halvings, rejected, left) = (halvings + 1, rejected + 1, 2 * left);
-                h = 0.5 * (reached - span.0);
+                let Pace { rejected, halvings, left, .. } = pace;
+                let h = 0.5 * (reached - span.0);
+                pace = Pace { h, rejected: rejected + 1, halvings: halvings + 1, left: 2 * left, ..whole };
                 stepper.resume(&before)?;
                 continue;
             }
@@ -65,13 +70,14 @@ fn divide(
         stepper.note_error();
         course.advance(reached);
         stepper.checkpoint_in(&mut before);
-        left -= 1;
-        if left == 0 {
-            (halvings, h, left) = (0, f64::INFINITY, 1);
+        pace.left -= 1;
+        if pace.left == 0 {
+            pace = Pace { rejected: pace.rejected, ..whole };
         }
         if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
-    Ok(stepper.end(rejected))
+    recorder.end(&|| stepper.pause(course.t(), pace))?;
+    Ok(stepper.end(pace.rejected))
 }

@@ -2,9 +2,10 @@
 
 use super::course::Course;
 use super::march::{Method, Problem, Run};
+use super::pause::TakenUp;
 use super::record::Recorder;
 use super::step::Stepper;
-use super::{RunError, Scheme, StartPlan, StepControl, Systems};
+use super::{Pace, RunError, Scheme, StartPlan, StepControl, Systems};
 
 /// First step, as a share of the load.
 const FIRST: f64 = 0.1;
@@ -29,23 +30,27 @@ pub(super) fn march_loading(
     let mut stepper = Stepper::new(problem, method, &systems, plan)?;
     recorder.start(stepper.start(course.t(), plan, None)?)?;
     let mut before = stepper.checkpoint();
-    let mut h = FIRST * course.duration();
-    let mut rejected = 0;
+    let mut pace = Pace { h: FIRST * course.duration(), ..Pace::default() };
+    if let Some(taken_up) = TakenUp::by(&mut stepper, recorder)? {
+        taken_up.follow(&mut course);
+        (before, pace) = (taken_up.pause.checkpoint, taken_up.pause.pace);
+    }
     while !course.at_end() {
         let index = course.grid.steps();
         if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(before.clone())?;
+            recorder.checkpoint(stepper.pause(course.t(), pace))?;
         }
         let mut failed = false;
         let (reached, quick) = loop {
-            h = h.min(control.longest);
-            let (span, reached) = course.span(h);
+            pace.h = pace.h.min(control.longest);
+            let (span, reached) = course.span(pace.h);
             let iterations = stepper.counters().iterations;
             match stepper.step_over(Scheme::Main, span, course.at_breakpoint(), None) {
                 Ok(()) => break (reached, !failed && stepper.counters().iterations - iterations <= QUICK),
                 Err(cause @ (RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })) => {
-                    (failed, rejected) = (true, rejected + 1);
-                    h = (reached - span.0) / GROWTH;
+                    (failed, pace.rejected) = (true, pace.rejected + 1);
+                    let h = (reached - span.0) / GROWTH;
+                    pace.h = h;
                     if h < SHORTEST * course.duration() {
                         let t = course.t();
                         // the very first equilibrium fails for reasons of its own
@@ -62,11 +67,12 @@ pub(super) fn march_loading(
         course.advance(reached);
         stepper.checkpoint_in(&mut before);
         if quick {
-            h *= GROWTH;
+            pace.h *= GROWTH;
         }
         if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
-    Ok(stepper.end(rejected))
+    recorder.end(&|| stepper.pause(course.t(), pace))?;
+    Ok(stepper.end(pace.rejected))
 }

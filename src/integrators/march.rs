@@ -1,8 +1,9 @@
 use super::Counters;
 use super::newton::NewtonTolerance;
+use super::pause::TakenUp;
 use super::record::{Guide, Recorder, StageRecord};
 use super::{
-    Combination, ConstraintLevel, InitialState, Quadrature, RunError, StartPlan, StepError, Stepper, Systems, Table,
+    Combination, ConstraintLevel, InitialState, Pace, Quadrature, RunError, StartPlan, StepError, Stepper, Systems, Table,
     TimeGrid,
 };
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
@@ -153,9 +154,10 @@ pub fn march_along<S: RunScalar>(
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     recorder.start(stepper.start(grid.times[0], plan, guided_start)?)?;
     let is_guided = guided_steps.is_some();
-    for index in 0..grid.steps() {
+    TakenUp::by(&mut stepper, recorder)?;
+    for index in stepper.next_step()..grid.steps() {
         if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(stepper.checkpoint())?;
+            recorder.checkpoint(stepper.pause(grid.times[index], Pace::default()))?;
         }
         let guided = match &mut guided_steps {
             Some(steps) => steps.next()?,
@@ -169,6 +171,7 @@ pub fn march_along<S: RunScalar>(
             return Err(RunError::Interrupted { steps: index + 1 });
         }
     }
+    recorder.end(&|| stepper.pause(grid.times[grid.steps()], Pace::default()))?;
     Ok(stepper.end(0))
 }
 

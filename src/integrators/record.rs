@@ -1,4 +1,4 @@
-use super::{Checkpoint, RunError, Scheme};
+use super::{Pause, RunError, Scheme};
 use crate::assembly::{Equations, Unknowns, VectorsAvq};
 use crate::scalar::Scalar;
 
@@ -102,6 +102,9 @@ pub struct StartRecord<S> {
     pub acceleration: SolveRecord<S>,
 }
 
+/// Sees the steps of an earlier run again; `false` stops it.
+pub type Replay<'r, S> = &'r mut dyn FnMut(&StepRecord<S>) -> Result<bool, RunError>;
+
 /// Receives a run step by step.
 pub trait Recorder<S> {
     /// The start, after projections.
@@ -122,8 +125,22 @@ pub trait Recorder<S> {
     ///
     /// # Errors
     /// What could not be kept.
-    fn checkpoint(&mut self, _checkpoint: Checkpoint<S>) -> Result<(), RunError> {
+    fn checkpoint(&mut self, _pause: Pause<S>) -> Result<(), RunError> {
         Ok(())
+    }
+    /// Behind the last step, with what [`Recorder::checkpoint`] would get there.
+    ///
+    /// # Errors
+    /// What could not be kept.
+    fn end(&mut self, _pause: &dyn Fn() -> Pause<S>) -> Result<(), RunError> {
+        Ok(())
+    }
+    /// Asked behind the start: where the run was before, if the recorder has steps of it already, which are handed out in their order.
+    ///
+    /// # Errors
+    /// Steps that cannot be found again; [`RunError::Interrupted`] if the function returns `false`.
+    fn take_up(&mut self, _steps: Replay<S>) -> Result<Option<Pause<S>>, RunError> {
+        Ok(None)
     }
 }
 

@@ -22,18 +22,24 @@ pub struct StepError {
 }
 
 /// The largest errors of the steps so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepErrors {
+    /// In coordinates and in velocities \[m, m/s\].
+    pub worst: [Option<StepError>; 2],
+    /// Largest coordinate and velocity \[m, m/s\].
+    pub sizes: [f64; 2],
+}
+
+/// How well the steps so far resolve the motion.
 #[derive(Debug)]
 pub(super) struct Resolution<S> {
-    /// In coordinates and in velocities \[m, m/s\].
-    worst: [Option<StepError>; 2],
-    /// Largest coordinate and velocity \[m, m/s\].
-    sizes: [f64; 2],
+    pub errors: StepErrors,
     difference: Vec<S>,
 }
 
 impl<S> Default for Resolution<S> {
     fn default() -> Self {
-        Resolution { worst: [None; 2], sizes: [0.0; 2], difference: Vec::new() }
+        Resolution { errors: StepErrors::default(), difference: Vec::new() }
     }
 }
 
@@ -58,19 +64,20 @@ impl<S: RunScalar> Resolution<S> {
             let place = order as usize;
             let scaled = |values: &[S], i: usize| values[i].value().abs() * scales[i];
             for i in 0..states.len() {
-                self.sizes[place] = self.sizes[place].max(scaled(states, i));
+                let StepErrors { worst, sizes } = &mut self.errors;
+                sizes[place] = sizes[place].max(scaled(states, i));
                 let share = scaled(&self.difference, i);
-                if self.worst[place].is_none_or(|worst| share > worst.share) {
-                    self.worst[place] = Some(StepError { share, step: number, t: step.t, dof: i, in_velocity: order == 1 });
+                if worst[place].is_none_or(|worst| share > worst.share) {
+                    worst[place] = Some(StepError { share, step: number, t: step.t, dof: i, in_velocity: order == 1 });
                 }
             }
         }
-        self.sizes[0] = self.sizes[0].max(length);
+        self.errors.sizes[0] = self.errors.sizes[0].max(length);
     }
 
     /// The larger one of both.
     pub fn worst(&self) -> Option<StepError> {
-        let shares = self.worst.iter().zip(self.sizes).filter_map(|(worst, size)| {
+        let shares = self.errors.worst.iter().zip(self.errors.sizes).filter_map(|(worst, size)| {
             worst.filter(|_| size > 0.0).map(|worst| StepError { share: worst.share / size, ..worst })
         });
         shares.max_by(|a, b| a.share.total_cmp(&b.share))

@@ -7,7 +7,7 @@ use super::newton::Newton;
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{Watch, dependent_equations, violated};
 use super::resolution::Resolution;
-use super::{ConstraintLevel, InitialState, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
+use super::{ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Residual, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use std::sync::Arc;
@@ -180,6 +180,25 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 hint: "the checkpoint belongs to another problem".into(),
             })?;
         }
+        Ok(())
+    }
+
+    /// All that it takes to go on from the end of a step at a time [s].
+    pub(super) fn pause(&self, t: f64, pace: Pace) -> Pause<S> {
+        Pause { checkpoint: self.checkpoint(), t, pace, errors: self.resolution.errors, counters: self.counters() }
+    }
+
+    /// Goes on from a pause, whose counts go on, too.
+    ///
+    /// # Errors
+    /// As for [`Stepper::resume`].
+    pub(super) fn take_up(&mut self, pause: &Pause<S>) -> Result<(), RunError> {
+        self.resume(&pause.checkpoint)?;
+        self.resolution.errors = pause.errors;
+        for newton in [&mut self.acceleration, &mut self.stage, &mut self.start] {
+            newton.counters = Counters::default();
+        }
+        self.earlier = pause.counters;
         Ok(())
     }
 

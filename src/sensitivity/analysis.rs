@@ -6,9 +6,9 @@ use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Functional, Over, Values};
-use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
+use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
-    Checkpoint, Counters, Guide, InitialState, Method, Problem, Recorder, RunError, StartPlan, StartRecord, StepControl,
+    Counters, Guide, InitialState, Method, Pause, Problem, Recorder, Replay, RunError, StartPlan, StartRecord, StepControl,
     StepError, StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
@@ -122,6 +122,23 @@ impl<'m> Analysis<'m> {
         self.run(x, self.map.real(x).map_err(RunError::Input)?, observer)
     }
 
+    /// Tells runs apart: a file goes on with the same problem, method and steps alone.
+    fn fingerprint(&self, numbers: &ModelNumbers<f64>) -> u64 {
+        let Analysis { model, method, grid, control, divide, plan, .. } = self;
+        let names = |name: fn(&Model) -> Vec<&str>| name(model).join("\n");
+        let nodes = names(|model| model.nodes.iter().map(|node| node.name.as_str()).collect());
+        let elements = names(|model| model.elements.iter().map(|element| element.name.as_str()).collect());
+        let joints = names(|model| model.constraints.iter().map(|joint| joint.name.as_str()).collect());
+        let version = env!("CARGO_PKG_VERSION");
+        let words = format!(
+            "{version}{nodes}\n\n{elements}\n\n{joints}\n\n{method:?}{control:?}{divide}{plan:?}{:?}",
+            grid.breakpoints
+        );
+        let ModelNumbers { p, q, v } = numbers;
+        let numbers = [p, q, v, &grid.times].into_iter().flatten().flat_map(|number| number.to_le_bytes());
+        checksum(&words.into_bytes().into_iter().chain(numbers).collect::<Vec<u8>>())
+    }
+
     fn run(
         &self,
         x: &[f64],
@@ -130,7 +147,7 @@ impl<'m> Analysis<'m> {
     ) -> Result<(Forward, Option<RunError>), RunError> {
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
         let are_given = self.control.is_none() && !divides;
-        let history = self.keep.history(are_given.then(|| self.grid.steps()))?;
+        let history = self.keep.history(are_given.then(|| self.grid.steps()), self.fingerprint(&numbers))?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
         let mut recorder = Measuring { values, history, observer };
         let problem = self.problem(&numbers);
@@ -402,8 +419,18 @@ impl Recorder<f64> for Measuring<'_, '_> {
     fn wants_checkpoint(&self, index: usize) -> bool {
         self.history.wants_checkpoint(index)
     }
-    fn checkpoint(&mut self, checkpoint: Checkpoint<f64>) -> Result<(), RunError> {
-        self.history.checkpoint(checkpoint)
+    fn checkpoint(&mut self, pause: Pause<f64>) -> Result<(), RunError> {
+        self.history.checkpoint(pause)
+    }
+    fn end(&mut self, pause: &dyn Fn() -> Pause<f64>) -> Result<(), RunError> {
+        self.history.end(pause)
+    }
+    fn take_up(&mut self, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
+        let Measuring { values, history, observer } = self;
+        history.take_up(&mut |step| {
+            values.step(step);
+            Ok(observer.step(step)? && steps(step)?)
+        })
     }
 }
 

@@ -1,5 +1,7 @@
 //! Wherever steps are kept, the gradient is the same bit by bit; what is kept stays within its memory; damage is named.
 
+mod resumed;
+
 use costate::history::{Checkpoints, FileHistory, History, Keep, Rerun, recomputed_steps};
 use costate::integrators::{ConstraintLevel, Method, RunError, StepControl, march, march_adaptive, table_by_name, tables};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
@@ -318,7 +320,12 @@ fn a_file_cut_off_says_how_much_of_it_is_left() {
     let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
     let (prepared, forward) = in_file(&*scene, &path);
     let whole = fs::read(&path).expect("is there");
-    fs::write(&path, &whole[..whole.len() - 3]).expect("can be written");
+    // what a run goes on from stands at the end; the gradient does without
+    let length = u64::from_le_bytes(*whole.last_chunk().expect("8 bytes")) as usize + 24;
+    let steps = &whole[..whole.len() - length];
+    fs::write(&path, steps).expect("can be written");
+    prepared.analysis().adjoint(&prepared.x, &forward).expect("all steps are there");
+    fs::write(&path, &steps[..steps.len() - 3]).expect("can be written");
     let message = complaint(&prepared, &forward);
     assert_says(&message, &["step 30 (t = 0.48", "ends after", "are needed", "the first 29 steps of the file are intact"]);
     let (read, damage) = FileHistory::open(&path).expect("its start is whole");
@@ -410,7 +417,7 @@ fn two_runs_do_not_mix_in_one_file() {
         assert_says(&message, &["belongs to another design", "variable 0", &x[0].to_string(), &prepared.x[0].to_string()]);
     }
     // a run that is going on has its file to itself
-    let going_on = FileHistory::create(&path).expect("is free");
+    let going_on = FileHistory::create(&path, 7).expect("is free");
     let message = prepared.analysis().forward(&x).expect_err("is being written").to_string();
     assert_says(&message, &["run.bin", "another run is writing it"]);
     drop(going_on);
