@@ -17,7 +17,7 @@ pub struct VerifyOptions {
     /// Write the result to verification/NAME/result.md of the source tree, with its pictures
     #[arg(long, requires = "name")]
     record: bool,
-    /// Carry out the long form of a study that has one: of "robustness", with 10,000 mechanisms instead of 500
+    /// Carry out the long form of a study that has one: of "robustness", with 10,000 mechanisms and 20 minutes of mutations
     #[arg(long, requires = "name")]
     long: bool,
     /// Print one JSON object with all figures on the last line of stdout

@@ -2,11 +2,15 @@
 
 mod cantilever;
 mod elastica;
+mod kills;
 mod mechanisms;
+mod mutations;
+mod program;
 mod random_mechanism;
 mod slender;
 
 use crate::verification::{Report, Study};
+use std::time::Duration;
 
 /// The study.
 pub struct Robustness;
@@ -16,11 +20,13 @@ impl Study for Robustness {
         "robustness"
     }
     fn summary(&self) -> &'static str {
-        "slender beams and mechanisms drawn by lot: every result is right, or an error"
+        "slender beams, mechanisms drawn by lot, killed runs, full disks, mutated command lines and files: all right, or an error"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         slender::statics(report)?;
         slender::dynamics(report)?;
+        kills::count(report)?;
+        mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });
         Ok(())
     }
