@@ -118,6 +118,9 @@ impl<E: Element> AnyElement for Shared<E> {
     fn has_energies(&self) -> bool {
         AnyElement::has_energies(&*self.0)
     }
+    fn is_conservative(&self) -> bool {
+        AnyElement::is_conservative(&*self.0)
+    }
     fn has_strains(&self) -> bool {
         self.0.has_strains()
     }

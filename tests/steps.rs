@@ -203,6 +203,22 @@ fn equal_steps_say_what_error_chosen_ones_would_have_been_held_to() {
 }
 
 #[test]
+fn equal_steps_without_an_embedded_solution_say_the_error_of_the_trapezoidal_rule() {
+    for table in ["midpoint", "newmark", "generalized-alpha", "bdf2", "bdf3"] {
+        let scene = Swinging::default();
+        let share = |steps: usize| {
+            let grid = TimeGrid::uniform(2.0, steps, &[]).expect("steps");
+            let prepared = Prepared { grid, ..prepared(&scene, table, scene.settings()).expect("sound") };
+            let forward = prepared.analysis().forward(&prepared.x).expect("runs");
+            forward.error.expect("estimated").share
+        };
+        let (whole, halved) = (share(320), share(640));
+        let observed = (whole / halved).log2();
+        assert!((observed - 3.0).abs() < 0.1, "{table}: {whole:e} and {halved:e}, order {observed}");
+    }
+}
+
+#[test]
 fn chosen_steps_end_at_breakpoints_stay_below_the_longest_and_are_taken_again_by_other_runs() {
     let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
     let control = StepControl { longest: 0.13, ..StepControl::new(1e-5) };

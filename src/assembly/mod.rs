@@ -13,6 +13,7 @@
 
 mod batches;
 mod constraint_programs;
+mod driven;
 mod element_programs;
 mod equations;
 mod jacobian;

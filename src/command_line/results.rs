@@ -56,6 +56,8 @@ pub struct Results<'p> {
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
     energies: bool,
+    is_conservative: bool,
+    energy: Option<EnergyCourse>,
     output: Output,
     row: Vec<f64>,
     /// Every so many-th moment.
@@ -65,6 +67,24 @@ pub struct Results<'p> {
     count: usize,
     /// Finished steps.
     steps: usize,
+}
+
+/// How the energy of a conservative scene, which is constant in an exact motion, grows.
+#[derive(Clone, Copy, Debug)]
+pub struct EnergyCourse {
+    start: f64,
+    /// Largest growth over the start [J], and when [s].
+    growth: f64,
+    t: f64,
+    /// Largest kinetic energy [J].
+    kinetic: f64,
+}
+
+impl EnergyCourse {
+    /// Largest growth as a share of the largest kinetic energy, and when [s].
+    pub fn share(&self) -> (f64, f64) {
+        (if self.kinetic > 0.0 { self.growth / self.kinetic } else { 0.0 }, self.t)
+    }
 }
 
 /// At which times there are rows.
@@ -93,6 +113,8 @@ impl<'p> Results<'p> {
             equations: 0..model.equations,
             dropped: Vec::new(),
             energies,
+            is_conservative: energies && !prepared.method.table.is_static() && model.is_conservative(),
+            energy: None,
             output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
             row: Vec::new(),
             moments: Vec::new(),
@@ -104,11 +126,21 @@ impl<'p> Results<'p> {
     }
 
     fn add(&mut self, t: f64, [a, v, q]: [&[f64]; 3], mu: &[f64]) -> Result<(), RunError> {
-        let energy = self.energies.then(|| {
-            let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
+        let energy_of = |v: Vec<f64>| {
+            let at = VectorsAvq { a: Vec::new(), v, q: q.to_vec() };
             let sample = Sample { t, at, ..Sample::empty() };
             Measured::Energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
-        });
+        };
+        let energy = self.energies.then(|| energy_of(v.to_vec()));
+        if let Some(energy) = energy.filter(|_| self.is_conservative) {
+            let kinetic = energy - energy_of(vec![0.0; v.len()]);
+            let course = self.energy.get_or_insert(EnergyCourse { start: energy, growth: 0.0, t, kinetic });
+            course.kinetic = course.kinetic.max(kinetic);
+            let growth = energy - course.start;
+            if growth > course.growth {
+                (course.growth, course.t) = (growth, t);
+            }
+        }
         self.row.clear();
         self.row.push(t);
         self.row.extend(self.dofs.iter().map(|&dof| q[dof]));
@@ -169,6 +201,11 @@ impl<'p> Results<'p> {
             self.add(end, [&moment.a, &moment.v, &moment.q], &moment.mu)?;
         }
         Ok(())
+    }
+
+    /// How the energy grew, where it should be constant.
+    pub fn energy_course(&self) -> Option<EnergyCourse> {
+        self.energy
     }
 
     /// Finishes all files and returns their names, none if there is no finished step; and why others could not be written.

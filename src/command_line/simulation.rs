@@ -2,7 +2,7 @@ use super::console::{count, json_number, say, seconds, warn};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::options::SceneOptions;
-use super::results::{Results, check_folder};
+use super::results::{EnergyCourse, Results, check_folder};
 use costate::history::{Observer, Usage};
 use costate::integrators::{Counters, RunError, StartRecord, StepControl, StepError, StepRecord};
 use costate::io::{Cell, Progress, Table};
@@ -27,6 +27,8 @@ pub struct Simulation {
     pub seconds: f64,
     /// For recording formulas and compiling their programs [s]; those that were first needed during the simulation are part of its time.
     pub program_seconds: f64,
+    /// How the energy grew, where it should be constant.
+    pub energy: Option<EnergyCourse>,
     /// Files written.
     pub files: Vec<PathBuf>,
     /// Why other files could not be written.
@@ -44,9 +46,6 @@ struct Watched<'p, 'g> {
     guard: &'g Guard,
 }
 
-/// Estimated error of a step, of the model's length or largest velocity, above which a motion counts as unresolved: where a chain of 100 bars cracks
-/// like a whip and loses a third of its energy in a step of 1 ms, the error is 5.6e-3.
-const COARSE: f64 = 2e-3;
 /// Marks of the progress bar: steps that choose their size do not tell how many there will be.
 const MARKS: f64 = 1000.0;
 
@@ -86,12 +85,13 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if stopped.is_none() {
         stopped = prepared.analysis().check_values(&forward).err();
     }
+    let energy = results.energy_course();
     let (files, unwritten) = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
     let (chosen_steps, stopped) = (prepared.control.is_some(), stopped.map(|error| with_hint(error, prepared)));
-    Ok(Simulation { forward, chosen_steps, seconds: elapsed, program_seconds, files, unwritten, stopped })
+    Ok(Simulation { forward, chosen_steps, seconds: elapsed, program_seconds, energy, files, unwritten, stopped })
 }
 
 /// Says what will be simulated.
@@ -199,14 +199,38 @@ impl Simulation {
 
     /// Says how well equal steps resolve the motion, and warns where they hardly do.
     pub fn say_resolution(&self, prepared: &Prepared) {
+        self.say_error(prepared);
+        if let Some((t, step)) = self.forward.leap {
+            warn(&format!(
+                "step {step} (t = {t} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
+                 let the steps be chosen (--tolerance)"
+            ));
+        }
+        let Some((share, t)) = self.energy.map(|energy| energy.share()) else { return };
+        if share > StepError::COARSE {
+            warn(&format!(
+                "the energy of this scene is constant in an exact motion, but grows by {:.1} % of the largest kinetic energy until t = {t} s: {}",
+                100.0 * share,
+                "take smaller steps, or a smaller tolerance"
+            ));
+        }
+    }
+
+    fn say_error(&self, prepared: &Prepared) {
         let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error else { return };
         let of = if in_velocity { "largest velocity" } else { "model's length" };
         let name = prepared.model().dof_name(dof);
         let place = format!("step {step} (t = {t} s), {name}{}", if in_velocity { ", velocity" } else { "" });
         say(format_args!("largest estimated error of a step: {share:.1e} of the {of}, {place}\n"));
-        if share > COARSE {
-            let advice = format!("take smaller steps (--steps above {}), or --tolerance", prepared.grid.steps());
-            warn(&format!("a step has an estimated error of {:.1} % of the {of}, {place}: {advice}", 100.0 * share));
+        if share > StepError::COARSE {
+            let steps = prepared.grid.steps();
+            let chosen =
+                if prepared.method.table.embedded.is_some() { "--tolerance" } else { "--tolerance with another method" };
+            warn(&format!(
+                "a step has an estimated error of {:.1} % of the {of}, {place}: the motion may be another one from there on; take smaller steps \
+                 (--steps above {steps}), or {chosen}",
+                100.0 * share
+            ));
         }
     }
 
@@ -245,6 +269,12 @@ impl Simulation {
             let coordinate = prepared.model().dof_name(dof);
             let error = json!({"share": json_number(share), "step": step, "t": json_number(t), "coordinate": coordinate, "velocity": in_velocity});
             object.insert("largest_step_error".into(), error);
+        }
+        if let Some((t, step)) = self.forward.leap {
+            object.insert("leap_over_dead_point".into(), json!({"step": step, "t": json_number(t)}));
+        }
+        if let Some((share, t)) = self.energy.map(|energy| energy.share()) {
+            object.insert("energy_growth".into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
         }
         object.insert("files".into(), self.files.iter().map(|file| json!(file.display().to_string())).collect());
         if let Some(failure) = &self.stopped {

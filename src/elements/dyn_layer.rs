@@ -1,6 +1,8 @@
 //! Elements and constraints with their types erased: what the framework sees of them are recorded formulas.
 
-use super::lagrangian::{Energies, impulse, is_linear_in, residual, strain_course, stress_deviation, stress_force};
+use super::lagrangian::{
+    Energies, impulse, is_linear_in, is_steady_in, residual, strain_course, stress_deviation, stress_force,
+};
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
 use crate::elements::NodeKind;
 use crate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
@@ -149,6 +151,8 @@ pub trait AnyElement: Send + Sync {
     fn record_energies(&self) -> Recording;
     /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
     fn has_energies(&self) -> bool;
+    /// Whether nothing changes its energy but the motion.
+    fn is_conservative(&self) -> bool;
     /// Whether it has strains.
     fn has_strains(&self) -> bool;
     /// Records what a search for its state needs beside the residual; `None` without strains.
@@ -221,6 +225,9 @@ impl<E: Element> AnyElement for E {
     }
     fn has_energies(&self) -> bool {
         super::lagrangian::has_energies(self)
+    }
+    fn is_conservative(&self) -> bool {
+        super::lagrangian::is_conservative(self)
     }
     fn has_strains(&self) -> bool {
         self.strain_count() > 0
@@ -308,6 +315,10 @@ impl ElementPhysics {
     /// Whether its energies are complete.
     pub fn has_energies(&self) -> bool {
         self.own.has_energies()
+    }
+    /// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
+    pub fn is_conservative(&self) -> bool {
+        self.own.is_conservative()
     }
     /// Why its residual cannot be used, if so.
     pub fn residual_refused(&self) -> Option<&str> {
@@ -550,6 +561,19 @@ impl ConstraintPhysics {
     pub fn value_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
         let zeros = std::iter::repeat_n(S::zero(), self.dofs);
         work.run(self.formula().values(), zeros.chain(q.iter().chain(p).copied()).chain([t]))
+    }
+
+    /// Whether its reactions do no work on any motion that it allows: g(q, p) without time.
+    pub fn is_scleronomic(&self) -> bool {
+        let mut is_steady = !self.is_nonholonomic();
+        let (n, m) = (self.dofs, self.parameters);
+        let recorded = Formula::record(2 * n + m + 1, |x| {
+            let [v, q, p, t] = arguments(x, [n, n, m, 1]);
+            let equations = self.own.evaluate([v, q, p], t[0]);
+            is_steady &= is_steady_in(&equations, t[0]);
+            equations
+        });
+        is_steady && recorded.is_ok()
     }
 
     /// d(A^T mu)/dt and dg/dt at a fixed state.

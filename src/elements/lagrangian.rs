@@ -4,7 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::{Element, State, dofs_of};
-use crate::program::{Recorded, along_motion, gradient_of, is_from_energies, record};
+use crate::program::{Formula, Recorded, along_motion, gradient_of, is_from_energies, record};
 
 /// Energies of an element.
 pub(super) struct Energies {
@@ -153,6 +153,11 @@ pub(super) fn is_linear_in(equations: &[Recorded], numbers: &[Recorded]) -> bool
     })
 }
 
+/// Whether equations do not depend on a number.
+pub(super) fn is_steady_in(equations: &[Recorded], number: Recorded) -> bool {
+    equations.iter().all(|&equation| is_zero(gradient(equation, &[number])[0]))
+}
+
 /// Whether energies are complete: the residual follows from them and from losses, or is found to agree with what does at two states.
 ///
 /// A written residual that chooses between formulas may agree at some states and not at others: it counts as more than its energies.
@@ -182,6 +187,26 @@ pub(super) fn has_energies<E: Element>(element: &E) -> bool {
         });
         agrees && !(is_written && recording.graph.has_choices())
     })
+}
+
+/// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
+pub(super) fn is_conservative<E: Element>(element: &E) -> bool {
+    let (n, m) = (dofs_of(&element.nodes()), element.parameters().len());
+    let mut is_free = true;
+    let forces = Formula::record(2 * n + m + 1, |x| {
+        let ((v, rest), zero) = (x.split_at(n), Recorded::from(0.0));
+        let ((q, rest), mut force) = (rest.split_at(n), zeros(n));
+        let (p, t) = rest.split_at(m);
+        element.add_force(v, q, p, t[0], &mut force);
+        let mut e = strains(element, q, p, t[0]);
+        let moving: Vec<(Recorded, Recorded)> = q.iter().copied().zip(v.iter().copied()).collect();
+        let mut losses = vec![zero; e.len()];
+        element.damping(&e, &along_motion(&e, &moving), p, t[0], &mut losses);
+        e.extend(&losses);
+        is_free = force.iter().chain(&losses).all(|&force| is_zero(force));
+        e
+    });
+    is_free && forces.is_ok() && has_energies(element)
 }
 
 /// Whether two lists of numbers are equal up to round-off.

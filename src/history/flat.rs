@@ -167,7 +167,7 @@ flat! {
     Checkpoint<f64> { between, kept }
     Pace { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
-    StepErrors { worst, sizes }
+    StepErrors { worst, sizes, acceleration, fresh, orientation, leap }
     Counters { systems, iterations, residuals, factorizations, solves, products, blocks, choices }
     Pause<f64> { checkpoint, t, pace, errors, counters }
 }

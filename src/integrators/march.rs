@@ -89,8 +89,11 @@ pub struct Run<S> {
     pub v: Vec<S>,
     /// Steps that were tried and given up for shorter ones.
     pub rejected: usize,
-    /// Largest estimated error of a step, where steps are given and the table has an embedded solution.
+    /// Largest estimated error of a step, where steps of a motion are given.
     pub error: Option<StepError>,
+    /// Start \[s\] and number of the first step that leaps over a dead point, where drives determine the motion: behind it the mechanism is on
+    /// another branch.
+    pub leap: Option<(f64, usize)>,
     /// Work done.
     pub counters: Counters,
 }

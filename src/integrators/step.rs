@@ -32,6 +32,8 @@ pub struct Stepper<'m, S> {
     /// Carried vectors after the step.
     updated: Vec<Vec<S>>,
     resolution: Resolution<S>,
+    /// Its drives determine the motion.
+    is_driven: bool,
 }
 
 /// Steps from one look at the choice of redundant equations to the next.
@@ -129,6 +131,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             record: StepRecord::empty(),
             updated: Vec::new(),
             resolution: Resolution::default(),
+            is_driven: false,
         })
     }
 
@@ -185,7 +188,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// All that it takes to go on from the end of a step at a time [s].
     pub(super) fn pause(&self, t: f64, pace: Pace) -> Pause<S> {
-        Pause { checkpoint: self.checkpoint(), t, pace, errors: self.resolution.errors, counters: self.counters() }
+        Pause { checkpoint: self.checkpoint(), t, pace, errors: self.resolution.errors.clone(), counters: self.counters() }
     }
 
     /// Goes on from a pause, whose counts go on, too.
@@ -194,7 +197,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// As for [`Stepper::resume`].
     pub(super) fn take_up(&mut self, pause: &Pause<S>) -> Result<(), RunError> {
         self.resume(&pause.checkpoint)?;
-        self.resolution.errors = pause.errors;
+        self.resolution.errors.clone_from(&pause.errors);
         for newton in [&mut self.acceleration, &mut self.stage, &mut self.start] {
             newton.counters = Counters::default();
         }
@@ -255,6 +258,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.between =
             StepState { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
+        self.resolution.begin(&first.unknowns.x);
+        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+        let rows = self.acceleration.system.rows_of_drives(&real(&first.base.q), &real(&self.problem.p), t);
+        self.is_driven = rows.is_some() && guide.is_none() && !is_static;
+        if self.is_driven {
+            self.resolution.note_side(rows, t, 0);
+        }
         if !guessed.is_empty() {
             self.between.last.mu = guessed;
         }
@@ -267,14 +277,29 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let counters = self.counters();
         let mut carried = self.between.carried.into_iter();
         let (q, v) = (carried.next().unwrap_or_default(), carried.next().unwrap_or_default());
-        Run { q, v, rejected, counters, error: self.resolution.worst() }
+        Run { q, v, rejected, counters, error: self.resolution.worst(), leap: self.resolution.errors.leap }
     }
 
     /// Takes note of the estimated error of the step made last.
     pub(super) fn note_error(&mut self) {
-        let (table, Newton { coordinate_scales, length, .. }) = (self.method.table.scheme(self.record.scheme), &self.stage);
+        let (table, Newton { coordinate_scales, length, .. }) = (&self.method.table, &self.stage);
         // what was carried before the step was swapped away
         self.resolution.note(table, self.between.step, &self.record, &self.updated, (coordinate_scales, *length));
+        self.note_side(self.record.t + self.record.h);
+    }
+
+    /// Takes note of the branch on which a driven mechanism is.
+    fn note_side(&mut self, end: f64) {
+        if self.between.chosen_anew || self.method.table.is_static() {
+            return self.resolution.forget_side();
+        }
+        if !self.is_driven {
+            return;
+        }
+        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+        let (q, p) = (real(&self.between.carried[0]), real(&self.problem.p));
+        let rows = self.acceleration.system.rows_of_drives(&q, &p, end);
+        self.resolution.note_side(rows, self.record.t, self.between.step);
     }
 
     /// The step made last.

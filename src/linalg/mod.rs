@@ -14,7 +14,7 @@ mod sparse_pattern;
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
 pub use factorization::{Backend, Factorization, SolverPlan, Work};
-pub use rank::independent_rows;
+pub use rank::{independent_rows, sign_of_determinant};
 pub use sparse_pattern::SparsePattern;
 
 /// A singular or non-finite matrix: the unknown that it does not determine.

@@ -39,9 +39,44 @@ pub fn independent_rows(rows: &[Vec<f64>], rank: Option<usize>) -> Vec<usize> {
     chosen
 }
 
+/// Sign of the determinant of a square matrix given by rows: 1, -1, or 0 where a pivot vanishes.
+pub fn sign_of_determinant(mut rows: Vec<f64>, size: usize) -> f64 {
+    let mut sign = 1.0;
+    for k in 0..size {
+        let pivot = (k..size).max_by(|&i, &j| rows[i * size + k].abs().total_cmp(&rows[j * size + k].abs())).unwrap_or(k);
+        if pivot != k {
+            (0..size).for_each(|column| rows.swap(k * size + column, pivot * size + column));
+            sign = -sign;
+        }
+        let (above, below) = rows.split_at_mut((k + 1) * size);
+        let own = &above[k * size..];
+        if own[k] == 0.0 {
+            return 0.0;
+        }
+        sign *= own[k].signum();
+        for row in below.chunks_mut(size).filter(|row| row[k] != 0.0) {
+            let factor = row[k] / own[k];
+            row.iter_mut().zip(own).skip(k).for_each(|(entry, own)| *entry -= factor * own);
+        }
+    }
+    sign
+}
+
 #[cfg(test)]
 mod tests {
-    use super::independent_rows;
+    use super::{independent_rows, sign_of_determinant};
+
+    #[test]
+    fn determinants_have_their_signs() {
+        let cyclic = vec![0.0, 2.0, 0.0, 0.0, 0.0, 3.0, 0.5, 0.0, 0.0];
+        assert_eq!(sign_of_determinant(cyclic.clone(), 3), 1.0);
+        let exchanged: Vec<f64> = [3..6, 0..3, 6..9].into_iter().flat_map(|row| cyclic[row].to_vec()).collect();
+        assert_eq!(sign_of_determinant(exchanged, 3), -1.0);
+        assert_eq!(sign_of_determinant(vec![1.0, 2.0, 2.0, 4.0], 2), 0.0);
+        // 1 2 / 3 4 has -2, and 4 with a negative first row 2
+        assert_eq!(sign_of_determinant(vec![1.0, 2.0, 3.0, 4.0], 2), -1.0);
+        assert_eq!(sign_of_determinant(vec![-1.0, -2.0, 3.0, 4.0], 2), 1.0);
+    }
 
     #[test]
     fn a_sum_of_rows_is_left_out() {

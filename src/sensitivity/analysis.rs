@@ -53,8 +53,10 @@ pub struct Forward {
     pub values: Vec<f64>,
     /// Offsets of the smooth maxima.
     pub offsets: Vec<Option<f64>>,
-    /// Largest estimated error of a step, where steps are given and the method has an embedded solution.
+    /// Largest estimated error of a step, where steps of a motion are given.
     pub error: Option<StepError>,
+    /// Start \[s\] and number of the first step that leaps over a dead point of a driven mechanism onto another branch.
+    pub leap: Option<(f64, usize)>,
     /// Work done.
     pub counters: Counters,
 }
@@ -159,11 +161,11 @@ impl<'m> Analysis<'m> {
         let Measuring { values, mut history, .. } = recorder;
         let run = run.and_then(|run| history.finish().map(|()| run));
         let (values, offsets) = values.finish();
-        let (counters, rejected, error, stopped) = match run {
-            Ok(run) => (run.counters, run.rejected, run.error, None),
-            Err(error) => (Counters::default(), 0, None, Some(error)),
+        let (counters, rejected, error, leap, stopped) = match run {
+            Ok(run) => (run.counters, run.rejected, run.error, run.leap, None),
+            Err(error) => (Counters::default(), 0, None, None, Some(error)),
         };
-        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, offsets, error, counters }, stopped))
+        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, offsets, error, leap, counters }, stopped))
     }
 
     /// Values of the functionals alone: no step is kept.

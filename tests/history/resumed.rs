@@ -106,7 +106,7 @@ fn chosen_and_divided_steps_go_on_bit_by_bit() {
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let method = Method::new(table_by_name("esdirk4").expect("listed"), ConstraintLevel::Velocity);
     let settings = Settings { end: 2.5, ..scene.default_settings().without_method() };
-    let chosen = settings.clone().choosing_steps(StepControl::new(1e-3));
+    let chosen = settings.choosing_steps(StepControl::new(1e-3));
     let mut chosen = Prepared::with(&*scene, &x, method, chosen).expect("a sound scene");
     goes_on(&mut chosen, "chosen steps");
     let rejected = outcome(&chosen, "chosen steps").0.rejected;
