@@ -329,7 +329,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].
     pub fn set_rigid_motion(&mut self, nodes: &[NodeId], point: Vector3<S>, velocity: Vector3<S>, omega: Vector3<S>) {
         for &node in nodes {
-            if self.model.nodes.get(node.0).is_some_and(|node| node.fixed) {
+            if self.model.find_node(node).is_some_and(|node| node.fixed) {
                 continue;
             }
             self.set_velocity(node, velocity + omega.cross(&(self.position(node) - point)), omega);
