@@ -43,6 +43,8 @@ pub struct MechanismBuilder<S> {
     pub functionals: Vec<Functional>,
     /// Lines of the picture.
     pub drawings: Vec<Drawing>,
+    /// Nodes that beams and cables made for themselves, which nobody gave a name.
+    pub nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
     /// What was asked for, with the numbers of masses and of elements of beams and cables that have this weight.
     gravities: Vec<(Vector3<S>, [usize; 3])>,
@@ -61,6 +63,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     numbers,
     functionals,
     drawings,
+    nodes_of_members,
     ground,
     gravities,
     masses,
@@ -83,6 +86,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.numbers.q.extend_from_slice(q);
         self.numbers.v.resize(self.numbers.q.len(), S::zero());
         self.model.add_node(name, kind, fixed)
+    }
+
+    /// A node of a beam or cable that the scene did not give.
+    fn add_node_of_member(&mut self, name: &str, kind: NodeKind, fixed: bool, q: &[S]) -> NodeId {
+        let node = self.add_node(name, kind, fixed, q);
+        self.nodes_of_members.push(node);
+        node
     }
 
     /// A rigid body's node at rest: position of its frame \[m\] and Euler parameters.

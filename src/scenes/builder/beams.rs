@@ -159,7 +159,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let q: Vec<S> = point.components().into_iter().chain(rotation.0).collect();
             member.nodes.push(match end {
                 Some((_, End::Node(node))) => node,
-                _ => self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
+                _ => self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
             });
         }
         if !sound {

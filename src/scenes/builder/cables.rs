@@ -125,7 +125,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
                 _ => {
                     let fixed = matches!(end, Some(CableLineEnd::Clamped));
-                    self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
+                    self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
                 }
             });
         }
