@@ -232,6 +232,27 @@ fn is_written<E: Element>(element: &E) -> bool {
     !recording.from_energies
 }
 
+/// The mass of an element is what its kinetic energy has for velocities that are the same everywhere: d2T/ds2 along each direction in space.
+fn check_mass<E: Element>(element: &E, Sample { v, q, p, .. }: &Sample, has_energies: bool) -> Result<(), String> {
+    let nodes = element.nodes();
+    let mass = element.mass(p);
+    if !has_energies || mass == 0.0 || nodes.iter().any(|node| node.in_space().is_none()) {
+        return Ok(());
+    }
+    let mut directions = [(); 3].map(|()| vec![0.0; q.len()]);
+    let mut first = 0;
+    for node in &nodes {
+        directions.iter_mut().enumerate().for_each(|(axis, direction)| direction[first + axis] = 1.0);
+        first += node.dofs();
+    }
+    for (axis, direction) in ["x", "y", "z"].iter().zip(&directions) {
+        let moving: Vec<Dual2_64> = v.iter().zip(direction).map(|(&v, &rate)| Dual2_64::new(v, rate, 0.0)).collect();
+        let along = element.kinetic(&moving, &lift(q), &lift(p)).v2;
+        agree(&format!("mass against the kinetic energy of a motion along {axis}"), &[mass], &[along], 0.0)?;
+    }
+    Ok(())
+}
+
 /// Holds what is derived from an element's formula against the formula in other numbers, at some states.
 ///
 /// # Errors
@@ -277,6 +298,7 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
         if found != energies {
             return Err(format!("energies and mass: the program gives {found:?}, the formulas {energies:?}"));
         }
+        check_mass(&**element, sample, physics.has_energies())?;
         let values = physics.residual().values();
         let inputs = [s.a, s.v, s.q, p, &[t]].concat();
         let column = |place: usize| {

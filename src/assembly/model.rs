@@ -1,15 +1,28 @@
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Tells models apart, so that what belongs to one is not taken for a part of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct ModelIdentity(u64);
+
+impl Default for ModelIdentity {
+    /// One that no other model has.
+    fn default() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        ModelIdentity(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
 
 /// A node of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct NodeId(pub(crate) usize);
+pub struct NodeId(pub(crate) usize, pub(crate) ModelIdentity);
 /// An element of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ElementId(pub(crate) usize);
+pub struct ElementId(pub(crate) usize, pub(crate) ModelIdentity);
 /// A constraint of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ConstraintId(pub(crate) usize);
+pub struct ConstraintId(pub(crate) usize, pub(crate) ModelIdentity);
 
 /// A set of coordinates with a name.
 pub struct Node {
@@ -52,6 +65,7 @@ pub struct Model {
     pub equations: usize,
     /// Length of p.
     pub parameters: usize,
+    identity: ModelIdentity,
 }
 
 impl Model {
@@ -67,7 +81,37 @@ impl Model {
         let dofs = self.dofs..self.dofs + kind.dofs();
         self.dofs = dofs.end;
         self.nodes.push(Node { name: name.to_string(), kind, fixed, dofs });
-        NodeId(self.nodes.len() - 1)
+        self.node_id(self.nodes.len() - 1)
+    }
+
+    /// The node with a number.
+    pub(crate) fn node_id(&self, index: usize) -> NodeId {
+        NodeId(index, self.identity)
+    }
+
+    /// What stands for an element that was refused: none has this number.
+    pub(crate) fn refused_element(&self) -> ElementId {
+        ElementId(usize::MAX, self.identity)
+    }
+
+    /// The same for a constraint.
+    pub(crate) fn refused_constraint(&self) -> ConstraintId {
+        ConstraintId(usize::MAX, self.identity)
+    }
+
+    /// The node, unless it is one of another model.
+    pub(crate) fn find_node(&self, id: NodeId) -> Option<&Node> {
+        self.nodes.get(id.0).filter(|_| id.1 == self.identity)
+    }
+
+    /// The element, unless it was refused or is one of another model.
+    pub(crate) fn find_element(&self, id: ElementId) -> Option<&Attached<ElementPhysics>> {
+        self.elements.get(id.0).filter(|_| id.1 == self.identity)
+    }
+
+    /// The same for a constraint.
+    pub(crate) fn find_constraint(&self, id: ConstraintId) -> Option<&Attached<ConstraintPhysics>> {
+        self.constraints.get(id.0).filter(|_| id.1 == self.identity)
     }
 
     /// Reserves `count` places in p.
@@ -82,7 +126,7 @@ impl Model {
         let physics = ElementPhysics::new(physics);
         let parameters = self.add_parameters(physics.parameter_count());
         self.elements.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
-        ElementId(self.elements.len() - 1)
+        ElementId(self.elements.len() - 1, self.identity)
     }
 
     /// Adds a constraint; the caller has checked the number of coordinates.
@@ -92,7 +136,7 @@ impl Model {
         let equations = self.equations..self.equations + physics.equation_count();
         self.equations = equations.end;
         self.constraints.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations, physics });
-        ConstraintId(self.constraints.len() - 1)
+        ConstraintId(self.constraints.len() - 1, self.identity)
     }
 
     /// A node.

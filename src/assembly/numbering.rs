@@ -175,7 +175,7 @@ impl<'m> System<'m> {
             constraints.push(Coupled { unknowns, nodes, diagonal: constraint.physics.is_nonholonomic() });
         }
         for local in locals.iter().filter(|_| options.unreduced) {
-            let own = node_columns(&[NodeId(local.node)]);
+            let own = node_columns(&[model.node_id(local.node)]);
             let nodes = vec![None; own.len()];
             let equations = local.equations.start + model.equations..local.equations.end + model.equations;
             constraints.push(Coupled { unknowns: with_multipliers(own, equations), nodes, diagonal: false });
@@ -183,7 +183,7 @@ impl<'m> System<'m> {
         let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || options.stabilized);
         let block_nodes: Vec<usize> = (0..nodes.len()).filter(|&node| with_block(&nodes[node])).collect();
         let node_block =
-            |&node: &usize| Coupled { unknowns: node_columns(&[NodeId(node)]), nodes: Vec::new(), diagonal: false };
+            |&node: &usize| Coupled { unknowns: node_columns(&[model.node_id(node)]), nodes: Vec::new(), diagonal: false };
         let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
 
         let mut entries = Vec::new();
@@ -206,7 +206,7 @@ impl<'m> System<'m> {
         let node_blocks = block_nodes.into_iter().zip(place(node_blocks)).collect();
         let part = |ids: &[NodeId], parameters: &Range<usize>| DofMap::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
-        let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[NodeId(local.node)], &(0..0)));
+        let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[model.node_id(local.node)], &(0..0)));
         let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
         System {
             model,

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::motions::{extent, motion};
-use costate::assembly::{Model, Node, VectorsAvq};
+use costate::assembly::{Model, Node, NodeId, VectorsAvq};
 use costate::elements::NodeKind;
 use costate::functionals::{Functional, Measured, Sample};
 use costate::history::{Dense, Observer};
@@ -304,6 +304,25 @@ pub fn thinned(moments: &[Snapshot]) -> impl Iterator<Item = (usize, &Snapshot)>
     moments.iter().enumerate().filter(move |(index, _)| index % stride == 0 || index + 1 == moments.len())
 }
 
+/// Of many nodes those that say something by their name: what functionals measure, then what the scene made itself; all of them where
+/// there are none of these.
+fn telling<'p>(prepared: &'p Prepared, all: Vec<&'p Node>) -> Vec<&'p Node> {
+    let model = prepared.model();
+    let is_in = |ids: &[NodeId], node: &Node| ids.iter().any(|&id| model.node(id).dofs == node.dofs);
+    let measured = |node: &&Node| {
+        prepared.functionals().iter().any(|functional| match &functional.measured {
+            // a place, velocity or angle is that of one node; stresses see those of their whole element
+            Measured::Local { nodes, .. } => nodes.len() == 1 && is_in(nodes, node),
+            _ => false,
+        })
+    };
+    let (of_functionals, others): (Vec<_>, Vec<_>) = all.into_iter().partition(measured);
+    let (of_members, own): (Vec<_>, Vec<_>) =
+        others.into_iter().partition(|node| is_in(&prepared.mechanism.nodes_of_members, node));
+    let named = [of_functionals, own].concat();
+    if named.is_empty() { of_members } else { named }
+}
+
 /// One panel for each direction in which something moves, one for free coordinates, one for the energy.
 fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
     let model = prepared.model();
@@ -311,19 +330,22 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
         let points = thinned(moments).map(|(_, moment)| (moment.t, value(moment))).collect();
         Series { name, points, style: Style::Line }
     };
-    let panel = |y_label: String, mut series: Vec<Series>| {
-        let hidden = series.len().saturating_sub(MOST_CURVES);
+    let panel = |y_label: String, mut series: Vec<Series>, all: usize| {
         series.truncate(MOST_CURVES);
-        let title = if hidden > 0 { format!("{y_label}: {MOST_CURVES} of {}", MOST_CURVES + hidden) } else { String::new() };
+        let title = if series.len() < all { format!("{y_label}: {} of {all}", series.len()) } else { String::new() };
         Chart { title, x_label: "time [s]".into(), y_label, series, ..Chart::default() }
     };
     let mut charts = Vec::new();
-    let places: Vec<&Node> = moving(model).filter(|node| !matches!(node.kind, NodeKind::Coordinates(_))).collect();
+    let mut places: Vec<&Node> = moving(model).filter(|node| !matches!(node.kind, NodeKind::Coordinates(_))).collect();
+    let all = places.len();
+    if all > MOST_CURVES {
+        places = telling(prepared, places);
+    }
     for (index, direction) in ["x", "y", "z"].into_iter().enumerate() {
         let series: Vec<Series> =
             places.iter().map(|node| curve(node.name.clone(), &|m| m.q[node.dofs.start + index])).collect();
         if series.iter().any(|series| extent(series.points.iter().map(|point| point.1)) > 1e-9) {
-            charts.push(panel(format!("{direction} [m]"), series));
+            charts.push(panel(format!("{direction} [m]"), series, all));
         }
     }
     let free = moving(model).filter(|node| matches!(node.kind, NodeKind::Coordinates(_)));
@@ -332,11 +354,12 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
         .map(|(name, dof)| curve(name, &|moment| moment.q[dof]))
         .collect();
     if !series.is_empty() {
-        charts.push(panel("coordinates".into(), series));
+        let all = series.len();
+        charts.push(panel("coordinates".into(), series, all));
     }
     if let Some(start) = moments.first().and_then(|moment| moment.energy) {
         let drift = curve(String::new(), &|moment| moment.energy.unwrap_or(f64::NAN) - start);
-        charts.push(panel("change of energy [J]".into(), vec![drift]));
+        charts.push(panel("change of energy [J]".into(), vec![drift], 1));
     }
     // one key for all panels: a node has the same colour in each
     for chart in charts.iter_mut().skip(1).filter(|chart| !chart.y_label.starts_with("coordinates")) {
@@ -350,8 +373,10 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
     units.dedup();
     for unit in units {
         let own = loads.iter().filter(|(_, functional)| functional.unit == unit);
-        let series = own.map(|(k, functional)| curve(functional.name.clone(), &|moment| moment.measured[*k])).collect();
-        charts.push(panel(format!("[{unit}]"), series));
+        let series: Vec<Series> =
+            own.map(|(k, functional)| curve(functional.name.clone(), &|moment| moment.measured[*k])).collect();
+        let all = series.len();
+        charts.push(panel(format!("[{unit}]"), series, all));
     }
     if let Some(first) = charts.first_mut() {
         let kind = if first.title.is_empty() { String::new() } else { format!(", {}", first.title) };

@@ -175,10 +175,9 @@ impl LoopCode {
         for batch in &self.batches {
             let steps = &self.steps[start..batch.end];
             start = batch.end;
-            // SAFETY (of all calls): `new` made sure that the places of all steps are below `places`, which is the
-            // length of `work`.
             macro_rules! each {
                 ($operation:expr) => {
+                    // SAFETY: `new` made sure that the places of all steps are below `places`, the length of `work`.
                     unsafe { each_step(work, steps, $operation) }
                 };
             }

@@ -1,7 +1,8 @@
 //! num-dual's types among the scalars.
 //!
 //! First-order types follow the chain rule of [`jet`](super::jet), where a zero derivative stays zero though the slope of the function is
-//! infinite; types of higher order take num-dual's own functions, which makes them independent of everything else here.
+//! infinite; types of higher order take num-dual's own functions, which makes them independent of everything else here, but for roots,
+//! powers and angles, whose derivatives at zero are not numbers there.
 
 use super::jet::{Jet, functions_by_chain};
 use super::{CurveId, Scalar};
@@ -124,15 +125,29 @@ macro_rules! higher_order {
                 let $x = self;
                 $constant
             }
-            of_num_dual!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
+            of_num_dual!(exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, recip);
             fn powi(self, exponent: i32) -> Self {
                 DualNum::powi(&self, exponent)
             }
+            fn sqrt(self) -> Self {
+                let derivatives = super::jet::derivatives_of_power(self.re, 0.5);
+                $weight(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
+            }
             fn powf(self, exponent: f64) -> Self {
-                DualNum::powf(&self, exponent)
+                $weight(self, super::jet::derivatives_of_power(self.re, exponent))
             }
             fn atan2(self, other: Self) -> Self {
-                DualNum::atan2(&self, other)
+                let angle = self.re.atan2(other.re);
+                if self.is_constant() && other.is_constant() {
+                    return angle.into();
+                }
+                // seen from axes of which one points there: the angle of a quotient whose denominator is the distance
+                let (sin, cos) = angle.sin_cos();
+                let mut quotient = (self * cos - other * sin) / (other * cos + self * sin);
+                quotient.re = 0.0;
+                let mut turned = DualNum::atan(&quotient);
+                turned.re = angle;
+                turned
             }
             fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
                 let derivatives = [0, 1, 2, 3].map(|more| curve.curve().weight(knot, order + more, self.re));
@@ -143,14 +158,15 @@ macro_rules! higher_order {
 }
 higher_order!(
     Dual2_64, x => x.v1 == 0.0 && x.v2 == 0.0,
-    |x: Dual2_64, [f, f1, f2, _]: [f64; 4]| Dual2_64::new(f, f1 * x.v1, f2 * x.v1 * x.v1 + f1 * x.v2);
+    |x: Dual2_64, [f, f1, f2, _]: [f64; 4]| Dual2_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2));
     Dual3_64, x => x.v1 == 0.0 && x.v2 == 0.0 && x.v3 == 0.0,
     |x: Dual3_64, [f, f1, f2, f3]: [f64; 4]| {
-        let third = f3 * x.v1 * x.v1 * x.v1 + 3.0 * f2 * x.v1 * x.v2 + f1 * x.v3;
-        Dual3_64::new(f, f1 * x.v1, f2 * x.v1 * x.v1 + f1 * x.v2, third)
+        let third = along(f3, x.v1 * x.v1 * x.v1) + along(f2, 3.0 * x.v1 * x.v2) + along(f1, x.v3);
+        Dual3_64::new(f, along(f1, x.v1), along(f2, x.v1 * x.v1) + along(f1, x.v2), third)
     };
     HyperDual64, x => x.eps1 == 0.0 && x.eps2 == 0.0 && x.eps1eps2 == 0.0,
     |x: HyperDual64, [f, f1, f2, _]: [f64; 4]| {
-        HyperDual64::new(f, f1 * x.eps1, f1 * x.eps2, f2 * x.eps1 * x.eps2 + f1 * x.eps1eps2)
+        let mixed = along(f2, x.eps1 * x.eps2) + along(f1, x.eps1eps2);
+        HyperDual64::new(f, along(f1, x.eps1), along(f1, x.eps2), mixed)
     }
 );

@@ -87,6 +87,16 @@ pub(super) fn powf(x: f64, exponent: f64) -> Jet {
     [x.powf(exponent), slope]
 }
 
+/// x^k and its first three derivatives; those that the exponent makes zero are zero, whatever x.
+pub(super) fn derivatives_of_power(x: f64, exponent: f64) -> [f64; 4] {
+    let mut factor = 1.0;
+    [0.0, 1.0, 2.0, 3.0].map(|order| {
+        let derivative = if factor == 0.0 { 0.0 } else { factor * x.powf(exponent - order) };
+        factor *= exponent - order;
+        derivative
+    })
+}
+
 /// Functions of [`Scalar`](super::Scalar) for a type with `fn chain(self, Jet) -> Self` and its value at `self.$value`.
 macro_rules! functions_by_chain {
     ($value:ident: $($name:ident),*) => {

@@ -43,6 +43,8 @@ pub struct MechanismBuilder<S> {
     pub functionals: Vec<Functional>,
     /// Lines of the picture.
     pub drawings: Vec<Drawing>,
+    /// Nodes that beams and cables made for themselves, which nobody gave a name.
+    pub nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
     /// What was asked for, with the numbers of masses and of elements of beams and cables that have this weight.
     gravities: Vec<(Vector3<S>, [usize; 3])>,
@@ -61,6 +63,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     numbers,
     functionals,
     drawings,
+    nodes_of_members,
     ground,
     gravities,
     masses,
@@ -83,6 +86,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.numbers.q.extend_from_slice(q);
         self.numbers.v.resize(self.numbers.q.len(), S::zero());
         self.model.add_node(name, kind, fixed)
+    }
+
+    /// A node of a beam or cable that the scene did not give.
+    fn add_node_of_member(&mut self, name: &str, kind: NodeKind, fixed: bool, q: &[S]) -> NodeId {
+        let node = self.add_node(name, kind, fixed, q);
+        self.nodes_of_members.push(node);
+        node
     }
 
     /// A rigid body's node at rest: position of its frame \[m\] and Euler parameters.
@@ -165,14 +175,14 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Initial angular velocity of a body in world components [rad/s]; not a number for a node of another mechanism, as are the
     /// following.
     pub fn angular_velocity(&self, node: NodeId) -> Vector3<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else { return no_vector() };
+        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else { return no_vector() };
         let (v, q) = (&self.numbers.v[dofs.clone()], &self.numbers.q[dofs.clone()]);
         kind.angular_velocity(v, q)
     }
 
     /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vector3<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else { return no_vector() };
+        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else { return no_vector() };
         match kind {
             NodeKind::Coordinates(_) => Vector3::zeros(),
             _ => Vector3::first_three(&self.numbers.q[dofs.start..]),
@@ -181,7 +191,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Initial Euler parameters of a body; other nodes have the axes of the world.
     pub fn rotation(&self, node: NodeId) -> Quaternion<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else {
+        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else {
             return Quaternion([S::from(f64::NAN); 4]);
         };
         match kind {
@@ -193,7 +203,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A world point \[m\] in the frame of a body; zero for other nodes, whose own position it is.
     pub fn local_point(&self, node: NodeId, point: Vector3<S>) -> Vector3<S> {
-        match self.model.nodes.get(node.0) {
+        match self.model.find_node(node) {
             Some(own) if !own.kind.has_axes() => Vector3::zeros(),
             _ => self.local_direction(node, point - self.position(node)),
         }
@@ -201,7 +211,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A world direction in the frame of a body.
     pub fn local_direction(&self, node: NodeId, direction: Vector3<S>) -> Vector3<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.nodes.get(node.0) else { return no_vector() };
+        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else { return no_vector() };
         match kind {
             NodeKind::Natural => Frame::of(NodeKind::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
             _ => self.rotation(node).rotate_back(direction),
@@ -218,7 +228,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// The kind of a node, unless it is one of another mechanism.
     fn kind_of(&mut self, owner: &str, node: NodeId) -> Option<NodeKind> {
-        let kind = self.model.nodes.get(node.0).map(|node| node.kind);
+        let kind = self.model.find_node(node).map(|node| node.kind);
         if kind.is_none() {
             self.refuse_stranger(owner, "a node");
         }
@@ -227,8 +237,8 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Whether a joint was added; one that was refused has been reported already.
     fn has_joint(&mut self, owner: &str, joint: ConstraintId) -> bool {
-        let there = joint.0 < self.model.constraints.len();
-        if !there && joint.0 != usize::MAX {
+        let there = self.model.find_constraint(joint).is_some();
+        if !there && joint != self.model.refused_constraint() {
             self.refuse_stranger(owner, "a joint");
         }
         there
@@ -236,9 +246,9 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Parameters of an element from its first one on, `count` of them; an element that was refused has been reported already.
     fn first_parameters(&mut self, owner: &str, element: ElementId, count: usize) -> Option<Vec<S>> {
-        let places = self.model.elements.get(element.0).map(|element| element.parameters.clone());
+        let places = self.model.find_element(element).map(|element| element.parameters.clone());
         let parameters = places.and_then(|places| Some(self.numbers.p[places].get(..count)?.to_vec()));
-        if parameters.is_none() && element.0 != usize::MAX {
+        if parameters.is_none() && element != self.model.refused_element() {
             self.refuse_stranger(owner, "an element");
         }
         parameters
@@ -309,7 +319,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let sound = self.check_parameters(name, element.parameter_list().len(), p.len())
             & self.check_nodes(name, nodes, &element.node_kinds());
         if !sound {
-            return ElementId(usize::MAX);
+            return self.model.refused_element();
         }
         self.numbers.p.extend_from_slice(p);
         self.model.add_element(name, nodes, element)
@@ -330,7 +340,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let sound = self.check_parameters(name, constraint.parameter_list().len(), p.len())
             & self.check_nodes(name, nodes, &constraint.node_kinds());
         if !sound {
-            return ConstraintId(usize::MAX);
+            return self.model.refused_constraint();
         }
         self.numbers.p.extend_from_slice(p);
         self.model.add_constraint(name, nodes, constraint)

@@ -251,9 +251,10 @@ impl<'s> Prepared<'s> {
         let built = built?;
         let (ours, theirs) = (&self.mechanism.model, &built.model);
         let nodes = |model: &Model| model.nodes.iter().map(|n| (n.name.clone(), n.kind, n.fixed)).collect::<Vec<_>>();
-        let parts = |model: &Model| -> Vec<(String, Vec<NodeId>, usize)> {
-            let elements = model.elements.iter().map(|e| (e.name.clone(), e.nodes.clone(), e.parameters.start));
-            let joints = model.constraints.iter().map(|c| (c.name.clone(), c.nodes.clone(), c.parameters.start));
+        let numbers = |nodes: &[NodeId]| nodes.iter().map(|node| node.0).collect();
+        let parts = |model: &Model| -> Vec<(String, Vec<usize>, usize)> {
+            let elements = model.elements.iter().map(|e| (e.name.clone(), numbers(&e.nodes), e.parameters.start));
+            let joints = model.constraints.iter().map(|c| (c.name.clone(), numbers(&c.nodes), c.parameters.start));
             elements.chain(joints).collect()
         };
         let (a, b) = (parts(ours), parts(theirs));

@@ -84,8 +84,8 @@ impl MechanismBuilder<f64> {
             let lines = self.drawings.iter().filter(|drawing| drawing.joins_nodes());
             let inner: Vec<NodeId> =
                 lines.flat_map(|line| &line.points[1..line.points.len() - 1]).map(|corner| corner.0).collect();
-            for index in (0..self.model.nodes.len()).filter(|&index| !inner.contains(&NodeId(index))) {
-                if let Some(point) = self.node_point(NodeId(index), [0.0; 3]) {
+            for index in (0..self.model.nodes.len()).filter(|&index| !inner.contains(&self.model.node_id(index))) {
+                if let Some(point) = self.node_point(self.model.node_id(index), [0.0; 3]) {
                     sketch.follow(self.model.nodes[index].name.clone(), point);
                 }
             }

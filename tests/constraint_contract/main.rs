@@ -12,8 +12,8 @@ use costate::elements::{Constraint, NodeKind, RunScalar, State, TimeFunction};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, SpatialVector, TANGENTS, Tangents, Vector3};
 use costate::testing;
 use std::f64::consts::TAU;
-use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
+use support::{Random, for_all, twelve};
 
 fn value<S: RunScalar>(case: &Case, q: &[S], p: &[S], t: S) -> Vec<S> {
     case.constraint.value(q, p, t)
@@ -29,6 +29,7 @@ fn reaction<S: RunScalar>(case: &Case, q: &[S], mu: &[S], p: &[S], t: S) -> Vec<
 }
 
 /// One random state, far from g = 0; Euler parameters have any length between 1/2 and 3/2.
+#[derive(Debug)]
 struct Sample {
     a: Vec<f64>,
     v: Vec<f64>,
@@ -44,22 +45,26 @@ impl Sample {
 }
 
 fn samples(case: &Case) -> Vec<Sample> {
-    let mut random = Random::new(5);
+    twelve(|random| sample(case, random))
+}
+
+fn for_all_samples(case: &Case, test: impl Fn(Sample)) {
+    for_all(&case.name, |random| sample(case, random), test);
+}
+
+fn sample(case: &Case, random: &mut Random) -> Sample {
     let n = case.constraint.dof_count();
-    let sample = |_| {
-        let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
-        q.extend(random.vector(case.scalars));
-        let mu = random.vector(case.constraint.equation_count());
-        let (a, v) = (random.vector(n), random.vector(n));
-        let breakpoints = case.constraint.breakpoint_times(&case.p);
-        // differences of time do not reach over a breakpoint
-        let mut t = random.uniform(-1.0, 1.0);
-        while breakpoints.iter().any(|breakpoint| (t - breakpoint).abs() < 2e-3) {
-            t = random.uniform(-1.0, 1.0);
-        }
-        Sample { a, v, q, mu, t }
-    };
-    (0..12).map(sample).collect()
+    let mut q = random_coordinates(&case.nodes, random, |random| random.uniform(0.5, 1.5));
+    q.extend(random.vector(case.scalars));
+    let mu = random.vector(case.constraint.equation_count());
+    let (a, v) = (random.vector(n), random.vector(n));
+    let breakpoints = case.constraint.breakpoint_times(&case.p);
+    // differences of time do not reach over a breakpoint
+    let mut t = random.uniform(-1.0, 1.0);
+    while breakpoints.iter().any(|breakpoint| (t - breakpoint).abs() < 2e-3) {
+        t += 1e-3;
+    }
+    Sample { a, v, q, mu, t }
 }
 
 fn complex(real: &[f64]) -> Vec<Complex64> {
@@ -144,7 +149,7 @@ fn what_is_derived_from_the_recording_is_what_other_numbers_say() {
 #[test]
 fn derivatives_equal_complex_steps_along_the_motion() {
     for case in cases() {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let g = derivatives(&case, sample.state(), &case.p, sample.t);
             let along = |x: &[f64], rate: &[f64]| -> Vec<Complex64> {
                 x.iter().zip(rate).map(|(&x, &rate)| Complex64::new(x, rate * COMPLEX_STEP)).collect()
@@ -158,19 +163,23 @@ fn derivatives_equal_complex_steps_along_the_motion() {
             assert_close(&case.name, &of(0), &value(&case, &sample.q, &case.p, sample.t), 1e-15);
             assert_close(&case.name, &of(1), &stepped.iter().map(part).collect::<Vec<_>>(), 1e-12);
             assert_close(&case.name, &of(2), &stepped_rate.iter().map(|g| part(&g[1])).collect::<Vec<_>>(), 1e-12);
-        }
+        });
     }
 }
 
 #[test]
 fn derivatives_equal_differences_of_time_along_a_smooth_path() {
     for case in cases() {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let at = |s: f64| {
                 let q: Vec<_> =
                     (0..sample.q.len()).map(|i| sample.q[i] + s * (sample.v[i] + 0.5 * s * sample.a[i])).collect();
                 value(&case, &q, &case.p, sample.t + s)
             };
+            // an angle leaps by a full turn at half a turn, and differences over the leap say nothing
+            if at(8e-4).iter().zip(at(-8e-4)).any(|(after, before)| (after - before).abs() > std::f64::consts::PI) {
+                return;
+            }
             let g = derivatives(&case, sample.state(), &case.p, sample.t);
             // one step of Richardson removes h^2; round-off of the second difference is 1e-16 / h^2
             let [(first_coarse, second_coarse), (first_fine, second_fine)] = [8e-4, 4e-4].map(|h| {
@@ -187,14 +196,14 @@ fn derivatives_equal_differences_of_time_along_a_smooth_path() {
             let (first, second): (Vec<_>, Vec<_>) = g.iter().map(|g| (g[1], g[2])).unzip();
             assert_close(&place, &first, &richardson(&first_coarse, &first_fine), 1e-7);
             assert_close(&place, &second, &richardson(&second_coarse, &second_fine), 1e-7);
-        }
+        });
     }
 }
 
 #[test]
 fn reaction_is_the_transposed_gradient_times_the_multipliers() {
     for case in cases() {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let gradient_times_mu: Vec<f64> = (0..sample.q.len())
                 .map(|column| {
                     let mut q = complex(&sample.q);
@@ -205,7 +214,7 @@ fn reaction_is_the_transposed_gradient_times_the_multipliers() {
                 .collect();
             let r = reaction(&case, &sample.q, &sample.mu, &case.p, sample.t);
             assert_close(&case.name, &r, &gradient_times_mu, 1e-12);
-        }
+        });
     }
 }
 
@@ -225,7 +234,7 @@ fn everything<S: RunScalar>(case: &Case, arguments: &[S]) -> Vec<S> {
 #[test]
 fn tangents_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
     for case in cases() {
-        for sample in samples(&case).iter().take(4) {
+        for_all_samples(&case, |sample| {
             let at = [&sample.a[..], &sample.v, &sample.q, &sample.mu, &case.p, &[sample.t]].concat();
             for first in (0..at.len()).step_by(TANGENTS) {
                 let lanes = TANGENTS.min(at.len() - first);
@@ -243,7 +252,7 @@ fn tangents_equal_complex_step_for_reaction_and_all_levels_in_every_argument() {
                     assert_close(&place, &column, &by_step, 1e-12);
                 }
             }
-        }
+        });
     }
 }
 
@@ -422,7 +431,7 @@ fn prescribed_motion_names_the_breakpoints_of_its_function() {
 #[test]
 fn rows_are_the_gradients_of_all_levels() {
     for case in cases() {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let n = sample.q.len();
             let rows = case.constraint.rows(&sample.q, &case.p, sample.t);
             let (q, p, t) = (complex(&sample.q), complex(&case.p), sample.t.into());
@@ -447,7 +456,7 @@ fn rows_are_the_gradients_of_all_levels() {
                 let (rates, halves): (Vec<f64>, Vec<f64>) = (part(&of_q, 1), part(&of_v, 2));
                 assert_close(&case.name, &rates, &halves.iter().map(|x| 0.5 * x).collect::<Vec<_>>(), 1e-12);
             }
-        }
+        });
     }
 }
 

@@ -17,9 +17,9 @@ use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, SpatialVector, TANGEN
 use costate::testing::{self, check_element};
 use num_dual::{Dual2_64, Dual64};
 use std::sync::Arc;
-use support::Random;
 use support::motion::{RigidMotion, random_coordinates};
 use support::time_functions::time_functions;
+use support::{Random, for_all, twelve};
 
 /// An element in other numbers than its recording; every `Element` is one.
 pub trait Contract {
@@ -74,6 +74,7 @@ impl<E: Element> Contract for E {
 }
 
 /// One random state; Euler parameters have any length between 1/2 and 3/2.
+#[derive(Debug)]
 struct Sample {
     a: Vec<f64>,
     v: Vec<f64>,
@@ -88,28 +89,32 @@ impl Sample {
 }
 
 fn samples(case: &Case) -> Vec<Sample> {
-    let mut random = Random::new(3);
+    twelve(|random| sample(case, random))
+}
+
+fn for_all_samples(case: &Case, test: impl Fn(Sample)) {
+    for_all(&case.name, |random| sample(case, random), test);
+}
+
+fn sample(case: &Case, random: &mut Random) -> Sample {
     let n = case.physics.dof_count();
-    let sample = |_| {
-        let mut q = random_coordinates(&case.nodes, &mut random, |random| random.uniform(0.5, 1.5));
-        q.extend(random.vector(case.scalars));
-        if case.neighbours && case.nodes[0] == Slope {
-            // the second node of a cable about as far as its length, and the slope bent by about half a radian
-            let first = Vector3::first_three(&q[3..]);
-            let bend = first.unit().perpendiculars()[0] * (0.5 * first.length());
-            for i in 0..3 {
-                q[9 + i] = first[i] + bend[i] + random.uniform(-0.05, 0.05);
-                q[6 + i] = q[i] + case.p[0] * (first[i] + 0.5 * bend[i]) + random.uniform(-0.01, 0.01);
-            }
-        } else if case.neighbours {
-            let first: Vec<f64> = q[3..7].to_vec();
-            for node in q.chunks_exact_mut(7).skip(1) {
-                node[3..].iter_mut().zip(&first).for_each(|(e, first)| *e = first + random.uniform(-0.15, 0.15));
-            }
+    let mut q = random_coordinates(&case.nodes, random, |random| random.uniform(0.5, 1.5));
+    q.extend(random.vector(case.scalars));
+    if case.neighbours && case.nodes[0] == Slope {
+        // the second node of a cable about as far as its length, and the slope bent by about half a radian
+        let first = Vector3::first_three(&q[3..]);
+        let bend = first.unit().perpendiculars()[0] * (0.5 * first.length());
+        for i in 0..3 {
+            q[9 + i] = first[i] + bend[i] + random.uniform(-0.05, 0.05);
+            q[6 + i] = q[i] + case.p[0] * (first[i] + 0.5 * bend[i]) + random.uniform(-0.01, 0.01);
         }
-        Sample { a: random.vector(n), v: random.vector(n), q, t: random.uniform(-1.0, 1.0) }
-    };
-    (0..12).map(sample).collect()
+    } else if case.neighbours {
+        let first: Vec<f64> = q[3..7].to_vec();
+        for node in q.chunks_exact_mut(7).skip(1) {
+            node[3..].iter_mut().zip(&first).for_each(|(e, first)| *e = first + random.uniform(-0.15, 0.15));
+        }
+    }
+    Sample { a: random.vector(n), v: random.vector(n), q, t: random.uniform(-1.0, 1.0) }
 }
 
 fn largest(numbers: &[f64]) -> f64 {
@@ -163,8 +168,11 @@ fn column_by_differences(case: &Case, at: &[f64], column: usize) -> Vec<f64> {
         at[column] += h;
         residual(case, &at)
     };
-    let h = 1e-5;
-    shifted(h).iter().zip(shifted(-h)).map(|(plus, minus)| (plus - minus) / (2.0 * h)).collect()
+    let central = |h: f64| -> Vec<f64> {
+        shifted(h).iter().zip(shifted(-h)).map(|(plus, minus)| (plus - minus) / (2.0 * h)).collect()
+    };
+    // one step of Richardson removes h^2
+    central(2e-5).iter().zip(central(1e-5)).map(|(coarse, fine)| (4.0 * fine - coarse) / 3.0).collect()
 }
 
 #[test]
@@ -208,17 +216,17 @@ fn every_parameter_is_read_unless_the_topology_ignores_it() {
 #[test]
 fn tangents_equal_complex_step_and_differences_in_every_argument() {
     for case in cases() {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let at = inputs(&case, &sample);
             let columns = columns_by_tangents(&case, &at);
             let scale = columns.iter().map(|column| largest(column)).fold(0.0, f64::max);
             for (k, column) in columns.iter().enumerate() {
                 let place = format!("{}, derivative to entry {k} of (a, v, q, p, t) at t = {}", case.name, sample.t);
                 assert_close(&place, column, &column_by_complex_step(&case, &at, k), 1e-12, scale);
-                // the limit is the error of a central difference: h^2 times a third derivative
+                // the limit is the round-off of a difference
                 assert_close(&place, column, &column_by_differences(&case, &at, k), 1e-7, scale);
             }
-        }
+        });
     }
 }
 
@@ -256,14 +264,14 @@ fn a_recording_reads_what_moves_its_residual_and_nothing_else() {
 #[test]
 fn value_is_the_same_in_every_number_type() {
     for case in cases() {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let at = inputs(&case, &sample);
             let real = residual(&case, &at);
             let complex = residual(&case, &at.iter().map(|&x| Complex64::from(x)).collect::<Vec<_>>());
             let tangents = residual(&case, &at.iter().map(|&x| Tangents::from(x)).collect::<Vec<_>>());
             assert_close(&case.name, &real, &complex.iter().map(|r| r.re).collect::<Vec<_>>(), 1e-14, 1.0);
             assert_close(&case.name, &real, &tangents.iter().map(|r| r.re).collect::<Vec<_>>(), 1e-14, 1.0);
-        }
+        });
     }
 }
 
@@ -271,25 +279,25 @@ fn value_is_the_same_in_every_number_type() {
 fn power_of_the_residual_is_energy_rate_minus_power_of_the_forces() {
     // what is written out without energies has no such balance
     for case in cases().into_iter().filter(|case| !case.without_energies) {
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             let power = |force: &[f64]| -> f64 { force.iter().zip(&sample.v).map(|(f, v)| f * v).sum() };
             let r = residual(&case, &inputs(&case, &sample));
             let force = case.element.force(&sample.v, &sample.q, &case.p, sample.t);
             let rate = case.element.energy_rate(sample.state(), &case.p, sample.t).eps;
             let scale = largest(&r).max(largest(&force));
             assert_close(&case.name, &[power(&r)], &[rate - power(&force)], 1e-12, scale);
-        }
+        });
     }
 }
 
 #[test]
 fn dampers_never_give_power() {
     for case in cases().iter().filter(|case| case.name.contains("damper")) {
-        for sample in samples(case) {
+        for_all_samples(case, |sample| {
             let force = case.element.force(&sample.v, &sample.q, &case.p, sample.t);
             let power: f64 = force.iter().zip(&sample.v).map(|(f, v)| f * v).sum();
             assert!(power < 0.0, "{}: {power} W", case.name);
-        }
+        });
     }
 }
 
@@ -304,7 +312,7 @@ fn damper_between_points_takes_c_times_the_square_of_the_rate() {
     for [a, b] in PAIRS {
         let p = [&[2.3], &ends[..]].concat();
         let case = Case::new("dampers", LineDamper { a, b }, &p);
-        for sample in samples(&case) {
+        for_all_samples(&case, |sample| {
             // positions along the motion: their rates need no formula of velocities
             let along = along(&sample.q, &sample.v);
             let (of_a, of_b) = along.split_at(a.dofs());
@@ -316,7 +324,7 @@ fn damper_between_points_takes_c_times_the_square_of_the_rate() {
             let vector = power(&VectorDamper { a, b }, &sample, &p);
             assert_close("line damper", &[line], &[-2.3 * length_rate * length_rate], 1e-12, 1.0);
             assert_close("vector damper", &[vector], &[-2.3 * speed * speed], 1e-12, 1.0);
-        }
+        });
     }
 }
 
@@ -327,7 +335,7 @@ fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular
     for frame in FRAMES {
         let size = TimeFunction::Constant;
         let body = Case::new("load", AppliedTorque { on: Body, frame, size: size.clone() }, &[0.3, -0.5, 0.7, 1.3]);
-        for Sample { mut v, mut q, t, a } in samples(&body) {
+        for_all_samples(&body, |Sample { mut v, mut q, t, a }| {
             // a rotation of unit length that turns by 0.9 rad/s about `axis`, exactly
             let unit = Quaternion::about(axis, t);
             q[3..].copy_from_slice(&unit.0);
@@ -340,7 +348,7 @@ fn applied_loads_have_the_power_of_force_times_velocity_and_torque_times_angular
             assert_close("force", &[of_force], &[1.3 * in_world(direction).dot(&velocity)], 1e-13, 1.0);
             let of_torque = power(&AppliedTorque { on: Body, frame, size: size.clone() }, &sample, &body.p);
             assert_close("torque", &[of_torque], &[1.3 * 0.9 * in_world(direction).dot(&axis)], 1e-13, 1.0);
-        }
+        });
     }
 }
 
@@ -419,7 +427,7 @@ fn a_soft_drive_pulls_towards_its_moving_target() {
 fn rigid_motion_keeps_the_energies_and_carries_the_residual_along() {
     let motion = RigidMotion { rotation: Quaternion([0.5, -0.5, 0.7, 0.1]), translation: Vector3::new(0.4, -1.3, 2.1) };
     for case in cases().iter().filter(|case| case.motion == Invariant && case.scalars == 0) {
-        for sample in samples(case) {
+        for_all_samples(case, |sample| {
             let q = motion.of_coordinates(&case.nodes, &sample.q);
             let [v, a] = [&sample.v, &sample.a].map(|rate| motion.of_rates(&case.nodes, rate));
             let moved = Sample { a, v, q, t: sample.t };
@@ -428,7 +436,7 @@ fn rigid_motion_keeps_the_energies_and_carries_the_residual_along() {
             let [before, after] = [&sample, &moved].map(|s| residual(case, &inputs(case, s)));
             // rotations are orthogonal maps of the coordinates, so generalized forces turn like rates
             assert_close(&case.name, &motion.of_rates(&case.nodes, &before), &after, 1e-12, 1.0);
-        }
+        });
     }
 }
 

@@ -11,7 +11,10 @@ pub fn random_coordinates(nodes: &[NodeKind], random: &mut Random, norm: impl Fn
         q.extend(random.vector(3));
         let size = if *node == NodeKind::Body { 4 } else { 3 };
         for _ in 0..(node.dofs() - 3) / size {
-            let e = random.vector(size);
+            let mut e = random.vector(size);
+            if e.iter().all(|&e| e == 0.0) {
+                e[0] = 1.0;
+            }
             let scale = norm(random) / e.iter().map(|e| e * e).sum::<f64>().sqrt();
             q.extend(e.iter().map(|e| e * scale));
         }

@@ -15,8 +15,9 @@ unsafe extern "C" {
 /// MUMPS with METIS, on one thread: what others are measured by.
 pub struct Mumps {
     handle: *mut c_void,
-    /// MUMPS keeps their places.
-    _rows: Vec<c_int>,
+    size: usize,
+    /// MUMPS keeps the places of these two.
+    rows: Vec<c_int>,
     _columns: Vec<c_int>,
     values: Vec<f64>,
 }
@@ -42,7 +43,7 @@ impl Mumps {
         if handle.is_null() {
             return Err("no memory for MUMPS".into());
         }
-        Mumps { handle, _rows: rows, _columns: columns, values: matrix.values.clone() }.checked()
+        Mumps { handle, size: pattern.size, rows, _columns: columns, values: matrix.values.clone() }.checked()
     }
 
     /// Itself, unless its last call failed.
@@ -74,12 +75,14 @@ impl Mumps {
 
 impl Foreign for Mumps {
     fn factor(&mut self) -> Result<(), String> {
-        // SAFETY: as many values as the analysis was given entries.
+        assert_eq!(self.values.len(), self.rows.len(), "values and places of the entries");
+        // SAFETY: as many values as the analysis was given entries; they live as long as the handle.
         unsafe { mumps_factor(self.handle, self.values.as_mut_ptr()) };
         self.check()
     }
 
     fn solve(&mut self, transposed: bool, rhs: &mut [f64]) -> Result<(), String> {
+        assert_eq!(rhs.len(), self.size, "numbers and unknowns");
         // SAFETY: one number for each unknown.
         unsafe { mumps_solve(self.handle, c_int::from(transposed), rhs.as_mut_ptr()) };
         self.check()

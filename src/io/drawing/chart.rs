@@ -82,59 +82,68 @@ const WIDTH: f64 = 900.0;
 const LEGEND_SIZE: f64 = 13.0;
 const LEGEND_LINE: f64 = 20.0;
 
+/// Where a chart of a stack stands, and its legend: in a corner of the plot that is free, else in columns above the plot.
+struct Panel<'c> {
+    chart: &'c Chart,
+    plot: Plot,
+    y_marks: Marks,
+    legend: Legend,
+    /// Height of the line of the title.
+    title_at: f64,
+}
+
+/// Panels from above: title, legend that found no free corner, factor of the numbers, plot. Returns them with the lower end of the last.
+fn panels(charts: &[Chart], x: Scale, plot_height: f64) -> (Vec<Panel<'_>>, f64) {
+    let scale = |chart: &Chart| {
+        let values = chart.series.iter().flat_map(|series| &series.points).filter(|point| drawable(point.0, x.log));
+        let y = Scale::around(values.map(|point| point.1), chart.log_y, 0.05);
+        (y, y.marks((plot_height / 40.0 + 2.0).round() as usize))
+    };
+    let scales: Vec<(Scale, Marks)> = charts.iter().map(scale).collect();
+    let left = 46.0 + scales.iter().map(|(_, marks)| marks_width(marks)).fold(0.0, f64::max);
+    let mut top = 8.0;
+    let mut panels = Vec::new();
+    for (chart, (y, y_marks)) in charts.iter().zip(scales) {
+        top += if chart.title.is_empty() { 12.0 } else { 32.0 };
+        let title_at = top - 10.0;
+        let mut plot = Plot { left, right: WIDTH - 30.0, top, bottom: top + plot_height, x, y };
+        let legend = Legend::of(chart, &plot);
+        if let Legend::Above { rows, .. } = legend {
+            top += rows as f64 * LEGEND_LINE + 8.0;
+        }
+        top += if y_marks.factor.is_empty() { 0.0 } else { 20.0 };
+        (plot.top, plot.bottom) = (top, top + plot_height);
+        // a free corner moves along with its plot
+        let legend = legend.moved(top - title_at - 10.0);
+        panels.push(Panel { chart, plot, y_marks, legend, title_at });
+        top += plot_height + 4.0;
+    }
+    (panels, top)
+}
+
 fn stacked(charts: &[Chart], plot_height: f64) -> Picture {
     let points = || charts.iter().flat_map(|chart| &chart.series).flat_map(|series| &series.points);
     let log_x = charts.iter().any(|chart| chart.log_x);
     let markers = charts.iter().flat_map(|chart| &chart.series).any(|series| series.style != Style::Line);
     let x = Scale::around(points().map(|point| point.0), log_x, if markers { 0.03 } else { 0.0 });
     let x_marks = x.marks(9);
-
-    // from above: titles and factors, plots, and one shared x axis
-    let mut top = 8.0;
-    let mut plots = Vec::new();
-    for chart in charts {
-        let values = chart.series.iter().flat_map(|series| &series.points).filter(|point| drawable(point.0, log_x));
-        let y = Scale::around(values.map(|point| point.1), chart.log_y, 0.05);
-        let marks = y.marks((plot_height / 40.0 + 2.0).round() as usize);
-        top += if chart.title.is_empty() { 12.0 } else { 32.0 };
-        top += if marks.factor.is_empty() { 0.0 } else { 20.0 };
-        plots.push((Plot { left: 0.0, right: 0.0, top, bottom: top + plot_height, x, y }, marks));
-        top += plot_height + 4.0;
-    }
+    let (panels, end) = panels(charts, x, plot_height);
     let labelled = charts.iter().rev().find(|chart| !chart.x_label.is_empty());
     let x_label = labelled.map_or("", |chart| &chart.x_label);
     let below = if x_label.is_empty() && x_marks.factor.is_empty() { 32.0 } else { 60.0 };
 
-    let left = 46.0 + plots.iter().map(|(_, marks)| marks_width(marks)).fold(0.0, f64::max);
-    let mut right = WIDTH - 30.0;
-    let fit = |plots: &mut [(Plot, Marks)], right: f64| {
-        for (plot, _) in plots {
-            (plot.left, plot.right) = (left, right);
-        }
-    };
-    fit(&mut plots, right);
-    // a legend that finds no free corner makes room for itself outside
-    let outside = |(chart, (plot, _)): (&Chart, &(Plot, Marks))| match free_corner(chart, plot) {
-        Some(_) => 0.0,
-        None => legend_size(chart)[0] + 12.0,
-    };
-    let room = charts.iter().zip(&plots).map(outside).fold(0.0, f64::max);
-    right -= room;
-    fit(&mut plots, right);
-
-    let mut picture = Picture::new(WIDTH, (top + below).ceil());
-    for (chart, (plot, marks)) in charts.iter().zip(&plots) {
-        plot.draw_grid(&mut picture, &x_marks, marks);
-        let title_at = plot.top - if marks.factor.is_empty() { 10.0 } else { 30.0 };
-        picture.text([plot.left, title_at], &chart.title, TITLE_SIZE, INK, Align::Left);
+    let mut picture = Picture::new(WIDTH, (end + below).ceil());
+    for Panel { chart, plot, y_marks, legend, title_at } in &panels {
+        plot.draw_grid(&mut picture, &x_marks, y_marks);
+        picture.text([plot.left, *title_at], &chart.title, TITLE_SIZE, INK, Align::Left);
         plot.draw_y_label(&mut picture, &chart.y_label);
         for (index, series) in chart.series.iter().enumerate() {
             draw_series(&mut picture, plot, series, index);
         }
         plot.draw_border(&mut picture);
-        draw_legend(&mut picture, chart, plot);
+        legend.draw(&mut picture, chart, plot, *title_at);
     }
-    if let Some((plot, _)) = plots.last() {
+    if let Some(Panel { plot, .. }) = panels.last() {
         plot.draw_x_labels(&mut picture, x_label, &x_marks);
     }
     picture
@@ -291,23 +300,62 @@ fn crosses(pair: &[Place], hidden: impl Fn(Place) -> bool) -> bool {
     (1..steps as usize).map(|step| step as f64 / steps).any(|part| hidden([x0 + part * (x1 - x0), y0 + part * (y1 - y0)]))
 }
 
-fn draw_legend(picture: &mut Picture, chart: &Chart, plot: &Plot) {
-    let [width, height] = legend_size(chart);
-    if height == 0.0 {
-        return;
+/// How the names of the series are listed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Legend {
+    None,
+    /// Below each other in a free corner of the plot, from this place on.
+    Inside(Place),
+    /// Side by side above the plot.
+    Above {
+        columns: usize,
+        rows: usize,
+    },
+}
+
+impl Legend {
+    fn of(chart: &Chart, plot: &Plot) -> Self {
+        let count = listed(chart).count();
+        if count == 0 {
+            return Legend::None;
+        }
+        free_corner(chart, plot).map_or_else(
+            || {
+                let columns = ((plot.right - plot.left) / legend_size(chart)[0]).floor().max(1.0) as usize;
+                let rows = count.div_ceil(columns);
+                // as many in each row, but for the last
+                Legend::Above { columns: count.div_ceil(rows), rows }
+            },
+            Legend::Inside,
+        )
     }
-    let [left, top] = free_corner(chart, plot).unwrap_or([plot.right + 12.0, plot.top]);
-    picture.block([left, top], [left + width, top + height], WHITE_PAPER);
-    picture.outline([left, top], [left + width, top + height], 1.0, GRID);
-    for (line, (index, series)) in listed(chart).enumerate() {
-        let y = top + 5.0 + (line as f64 + 0.5) * LEGEND_LINE;
-        if series.style != Style::Markers {
-            draw_stroke(picture, vec![[left + 10.0, y], [left + 38.0, y]], index);
+
+    /// The same for a plot that stands lower.
+    fn moved(self, by: f64) -> Self {
+        if let Legend::Inside([x, y]) = self { Legend::Inside([x, y + by]) } else { self }
+    }
+
+    fn draw(self, picture: &mut Picture, chart: &Chart, plot: &Plot, title_at: f64) {
+        let [width, height] = legend_size(chart);
+        let ([left, top], columns) = match self {
+            Legend::None => return,
+            Legend::Inside([left, top]) => {
+                picture.block([left, top], [left + width, top + height], WHITE_PAPER);
+                picture.outline([left, top], [left + width, top + height], 1.0, GRID);
+                ([left, top + 5.0], 1)
+            }
+            Legend::Above { columns, .. } => ([plot.left - 10.0, title_at + 8.0], columns),
+        };
+        for (place, (index, series)) in listed(chart).enumerate() {
+            let (left, y) = (left + (place % columns) as f64 * width, top + ((place / columns) as f64 + 0.5) * LEGEND_LINE);
+            if series.style != Style::Markers {
+                draw_stroke(picture, vec![[left + 10.0, y], [left + 38.0, y]], index);
+            }
+            if series.style != Style::Line {
+                draw_marker(picture, [left + 24.0, y], index);
+            }
+            picture.text([left + 46.0, y + 0.36 * LEGEND_SIZE], &short(&series.name), LEGEND_SIZE, INK, Align::Left);
         }
-        if series.style != Style::Line {
-            draw_marker(picture, [left + 24.0, y], index);
-        }
-        picture.text([left + 46.0, y + 0.36 * LEGEND_SIZE], &short(&series.name), LEGEND_SIZE, INK, Align::Left);
     }
 }
 
@@ -446,5 +494,22 @@ mod tests {
         let fence: Vec<_> = (0..=100).map(|k| (f64::from(k) / 100.0, f64::from(k % 2))).collect();
         let fenced = chart(vec![Series { name: "d".into(), points: fence, style: Style::Line }]);
         assert_eq!(free_corner(&fenced, &plot), None);
+    }
+
+    #[test]
+    fn a_long_legend_takes_no_width_from_the_curves() {
+        let name = |k: usize| format!("largest stress in the rear arm number {k}");
+        let fence = |k: usize| (0..=100).map(|i| (f64::from(i) / 100.0, f64::from(i % 2) + 0.1 * k as f64)).collect();
+        let series = (0..7).map(|k| Series { name: name(k), points: fence(k), style: Style::Line }).collect();
+        let crowded = [chart(series), chart(vec![wave("alone", Style::Line, 1.0, 0.0)])];
+        let x = Scale { lo: 0.0, hi: 1.0, log: false };
+        let (panels, _) = panels(&crowded, x, 190.0);
+        let Legend::Above { columns, rows } = panels[0].legend else { panic!("{:?}", panels[0].legend) };
+        assert!(panels.iter().all(|panel| panel.plot.right == WIDTH - 30.0));
+        assert!(columns >= 2 && columns * rows >= 7, "{columns} columns of {rows} rows");
+        assert!(columns as f64 * legend_size(&crowded[0])[0] <= panels[0].plot.right - panels[0].plot.left);
+        // title, rows and plot do not meet, and the next panel stands below
+        assert!(panels[0].plot.top >= panels[0].title_at + rows as f64 * LEGEND_LINE + 8.0);
+        assert!(panels[1].title_at > panels[0].plot.bottom);
     }
 }

@@ -53,7 +53,7 @@ pub enum View {
 pub struct MotionPicture {
     /// The line above the picture.
     pub title: String,
-    /// The system in order of time; at most 40 frames, evenly spread over time, are drawn.
+    /// The system in order of time; frames evenly spread over time are drawn: at most 40, and fewer of many lines.
     pub frames: Vec<Frame>,
     /// Paths of points.
     pub trails: Vec<Trail>,
@@ -347,15 +347,19 @@ fn faded(colour: Colour, age: f64) -> Colour {
     colour.map(|byte| (255.0 + (f64::from(byte) - 255.0) * strength).round() as u8)
 }
 
-/// At most 40 frames, evenly spread over time, the first and the last included.
+/// Frames evenly spread over time, the first and the last included: at most 40, and of a system of many lines so few that each can be
+/// told from the others.
 fn spread(frames: &[Frame]) -> Vec<&Frame> {
     const MOST: usize = 40;
+    const FEWEST: usize = 6;
+    const MOST_LINES: usize = 160;
     let (Some(first), Some(last)) = (frames.first(), frames.last()) else { return Vec::new() };
-    if frames.len() <= MOST {
+    let most = (MOST_LINES / first.lines.len().max(1)).clamp(FEWEST, MOST);
+    if frames.len() <= most {
         return frames.iter().collect();
     }
-    let wanted = |k: usize| first.time + (last.time - first.time) * k as f64 / (MOST - 1) as f64;
-    let mut chosen: Vec<usize> = (0..MOST - 1).map(|k| frames.partition_point(|frame| frame.time < wanted(k))).collect();
+    let wanted = |k: usize| first.time + (last.time - first.time) * k as f64 / (most - 1) as f64;
+    let mut chosen: Vec<usize> = (0..most - 1).map(|k| frames.partition_point(|frame| frame.time < wanted(k))).collect();
     chosen.push(frames.len() - 1);
     chosen.iter_mut().for_each(|index| *index = (*index).min(frames.len() - 1));
     chosen.dedup();

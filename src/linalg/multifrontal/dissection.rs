@@ -41,11 +41,15 @@ fn nested_dissection(graph: &Graph, vertices: &[u32]) -> Vec<u32> {
     if neighbours.is_empty() {
         return vertices.to_vec();
     }
+    // the numbers of METIS have 32 bits: more neighbours would begin at places that wrapped around
+    assert!(neighbours.len() <= i32::MAX as usize, "{} neighbours are too many for METIS", neighbours.len());
     let mut count = vertices.len() as i32;
     let (mut order, mut places) = (vec![0; vertices.len()], vec![0; vertices.len()]);
     let mut options = [0; metis_sys::METIS_NOPTIONS as usize];
     let lock = METIS.lock();
-    // SAFETY: the arrays have the lengths that METIS documents, and live until it returns.
+    // SAFETY: METIS reads a start for each vertex and one more, as many neighbours as the last start says, all of them numbers of
+    // vertices, a weight for each vertex, and its options; it writes a number for each vertex to the last two. All live until
+    // it returns, and the lock keeps out another call while it uses what it holds globally.
     let status = unsafe {
         metis_sys::METIS_SetDefaultOptions(options.as_mut_ptr());
         options[metis_sys::moptions_et_METIS_OPTION_SEED as usize] = 1;

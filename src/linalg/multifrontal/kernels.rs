@@ -35,7 +35,7 @@ pub fn subtract_transposed_product(c: MatrixViewMut<'_>, a: MatrixView<'_>, b: M
     dispatch(TransposedProduct { c, a, b });
 }
 
-/// Where a block of columns stands in memory.
+/// Where a block of columns that is read stands in memory.
 #[derive(Clone, Copy)]
 struct Columns {
     first: *const f64,
@@ -46,14 +46,30 @@ impl Columns {
     fn of(matrix: MatrixView<'_>) -> Self {
         Columns { first: matrix.as_ptr(), stride: matrix.stride() }
     }
-    /// The same of one that is written to.
-    fn of_mut(matrix: &mut MatrixViewMut<'_>) -> Self {
-        Columns { first: matrix.as_mut_ptr(), stride: matrix.as_view().stride() }
-    }
     /// # Safety
     /// The entry is one of the matrix.
     #[inline(always)]
     unsafe fn at(self, row: usize, column: usize) -> *const f64 {
+        // SAFETY: promised by the caller.
+        unsafe { self.first.add(row + column * self.stride) }
+    }
+}
+
+/// Where a block of columns that is written stands in memory; its pointer comes from the only reference to the entries.
+#[derive(Clone, Copy)]
+struct ColumnsMut {
+    first: *mut f64,
+    stride: usize,
+}
+
+impl ColumnsMut {
+    fn of(matrix: &mut MatrixViewMut<'_>) -> Self {
+        ColumnsMut { first: matrix.as_mut_ptr(), stride: matrix.as_view().stride() }
+    }
+    /// # Safety
+    /// The entry is one of the matrix.
+    #[inline(always)]
+    unsafe fn at(self, row: usize, column: usize) -> *mut f64 {
         // SAFETY: promised by the caller.
         unsafe { self.first.add(row + column * self.stride) }
     }
@@ -73,7 +89,7 @@ impl Kernel for Product<'_> {
         let Product { mut c, target, a, b } = self;
         let (rows, columns, depth) = (c.rows(), c.columns(), a.columns());
         assert!(a.rows() == rows && b.columns() == columns && b.rows() == depth, "sizes of a product");
-        let tiles = Tiles { c: Columns::of_mut(&mut c), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
+        let tiles = Tiles { c: ColumnsMut::of(&mut c), a: Columns::of(a), b: Columns::of(b), depth, rows, target };
         let mut column = 0;
         // SAFETY: all tiles lie in the matrices, whose sizes were compared; C is ours alone.
         unsafe {
@@ -93,7 +109,7 @@ impl Kernel for Product<'_> {
 }
 
 struct Tiles {
-    c: Columns,
+    c: ColumnsMut,
     a: Columns,
     b: Columns,
     depth: usize,
@@ -149,7 +165,7 @@ impl Tiles {
         }
         for (w, sum) in sums.iter().enumerate() {
             // SAFETY: as above, and no other reference to C is alive.
-            let out = unsafe { &mut *self.c.at(row, column + w).cast_mut().cast::<[f64; H]>() };
+            let out = unsafe { &mut *self.c.at(row, column + w).cast::<[f64; H]>() };
             for h in 0..H {
                 out[h] = if self.target == Target::Reduced { out[h] - sum[h] } else { -sum[h] };
             }
@@ -323,7 +339,7 @@ impl Kernel for UnitLower<'_> {
         let UnitLower { l, mut b } = self;
         let (size, columns) = (l.rows(), b.columns());
         assert!(l.columns() == size && b.rows() == size && size <= TRIANGLE, "sizes of a triangular system");
-        let (l, b) = (Columns::of(l), Columns::of_mut(&mut b));
+        let (l, b) = (Columns::of(l), ColumnsMut::of(&mut b));
         let mut negative = [[0.0; TRIANGLE]; TRIANGLE];
         for p in 0..size {
             for row in p + 1..size {
@@ -358,7 +374,7 @@ impl Kernel for UnitLower<'_> {
 unsafe fn unit_lower<const FUSED: bool, const W: usize>(
     negative: &[[f64; TRIANGLE]; TRIANGLE],
     size: usize,
-    b: Columns,
+    b: ColumnsMut,
     column: usize,
 ) {
     let mut x = [[0.0; TRIANGLE]; W];
@@ -379,7 +395,7 @@ unsafe fn unit_lower<const FUSED: bool, const W: usize>(
     for w in 0..W {
         for row in 0..size {
             // SAFETY: promised by the caller.
-            unsafe { *b.at(row, column + w).cast_mut() = x[w][row] };
+            unsafe { *b.at(row, column + w) = x[w][row] };
         }
     }
 }

@@ -30,9 +30,10 @@ impl Call {
     /// Of all pointers: `call` is one of this type; `x` and `y` can be read for its number of lanes, and `result`
     /// written.
     pub unsafe extern "sysv64" fn evaluate(call: *const Call, x: *const f64, y: *const f64, result: *mut f64) {
-        // SAFETY: promised by the caller, as are those below.
+        // SAFETY: promised by the caller.
         let Call { instruction, width } = unsafe { *call };
         for lane in 0..width.lanes() {
+            // SAFETY: as above, for each of the lanes.
             let (x, y) = unsafe { (*x.add(lane), *y.add(lane)) };
             let value = match instruction {
                 Instruction::Unary(function, _) => function.apply(x),
@@ -43,6 +44,7 @@ impl Call {
                 }
                 Instruction::Select(..) => unreachable!("emitted in place"),
             };
+            // SAFETY: as above.
             unsafe { *result.add(lane) = value };
         }
     }

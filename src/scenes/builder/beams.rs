@@ -159,7 +159,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let q: Vec<S> = point.components().into_iter().chain(rotation.0).collect();
             member.nodes.push(match end {
                 Some((_, End::Node(node))) => node,
-                _ => self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
+                _ => self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Body, fixed, &q),
             });
         }
         if !sound {
@@ -329,7 +329,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// Gives nodes the velocities of a rigid motion: that of a world point [m/s] and the angular velocity in the world [rad/s].
     pub fn set_rigid_motion(&mut self, nodes: &[NodeId], point: Vector3<S>, velocity: Vector3<S>, omega: Vector3<S>) {
         for &node in nodes {
-            if self.model.nodes.get(node.0).is_some_and(|node| node.fixed) {
+            if self.model.find_node(node).is_some_and(|node| node.fixed) {
                 continue;
             }
             self.set_velocity(node, velocity + omega.cross(&(self.position(node) - point)), omega);

@@ -125,7 +125,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
                 _ => {
                     let fixed = matches!(end, Some(CableLineEnd::Clamped));
-                    self.add_node(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
+                    self.add_node_of_member(&format!("{name}, node {}", i + 1), NodeKind::Slope, fixed, &q)
                 }
             });
         }
@@ -191,7 +191,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             match &self.heavy_cables[place] {
                 HeavyCable::Own(id) => {
                     // an element that was refused has been reported already
-                    let Some(element) = self.model.elements.get(id.0) else { continue };
+                    let Some(element) = self.model.find_element(*id) else { continue };
                     let first = element.parameters.start + GRAVITY;
                     for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
                         *own += component;
@@ -210,7 +210,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// [`HeldSlope::Direction`] leaves the stretch free; [`HeldSlope::Vector`] keeps it.
     pub fn cable_weld(&mut self, name: &str, nodes: [NodeId; 2], held: HeldSlope) -> ConstraintId {
-        let Some((a, slope)) = self.cable_end(name, nodes) else { return ConstraintId(usize::MAX) };
+        let Some((a, slope)) = self.cable_end(name, nodes) else { return self.model.refused_constraint() };
         let own = match held {
             HeldSlope::Vector => self.local_direction(nodes[0], slope).components().to_vec(),
             HeldSlope::Direction => {
@@ -219,7 +219,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             HeldSlope::Plane => {
                 self.mistakes
                     .push(format!("\"{name}\": a weld holds the direction or the vector of the slope; take cable_hinge"));
-                return ConstraintId(usize::MAX);
+                return self.model.refused_constraint();
             }
         };
         let p = [&self.local_point(nodes[0], self.position(nodes[1])).components()[..], &own].concat();
@@ -229,7 +229,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A cable's node on a hinge of a body about a world axis, which must be at right angles to the cable: nodes (body, cable's node).
     pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> ConstraintId {
         let axis = self.unit(name, axis);
-        let Some((a, slope)) = self.cable_end(name, nodes) else { return ConstraintId(usize::MAX) };
+        let Some((a, slope)) = self.cable_end(name, nodes) else { return self.model.refused_constraint() };
         let cosine = axis.dot(&slope.unit()).value();
         if cosine.abs() > 1e-9 {
             let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
@@ -247,14 +247,14 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// Nodes of two cables welded to each other as they stand at the start, at any angle but 0 and 180 degrees.
     pub fn cable_corner(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        let [Some(a), Some(b)] = nodes.map(|node| self.kind_of(name, node)) else { return ConstraintId(usize::MAX) };
+        let [Some(a), Some(b)] = nodes.map(|node| self.kind_of(name, node)) else { return self.model.refused_constraint() };
         if [a, b] != [NodeKind::Slope; 2] {
             let names = nodes.map(|node| self.model.nodes[node.0].name.clone());
             self.mistakes.push(format!(
                 "\"{name}\" needs nodes of two cables, but got \"{}\" and \"{}\": a cable is welded to a body by cable_weld",
                 names[0], names[1]
             ));
-            return ConstraintId(usize::MAX);
+            return self.model.refused_constraint();
         }
         let [a, b] = nodes.map(|node| Vector3::first_three(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..]));
         let angle = a.cross(&b).length().atan2(a.dot(&b));
@@ -263,7 +263,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!(
                 "\"{name}\" joins cables at {degrees:.3} degrees; cables that go straight on share a node (from_node, to_node)"
             ));
-            return ConstraintId(usize::MAX);
+            return self.model.refused_constraint();
         }
         self.add_constraint(name, &nodes, CableCorner.into(), &[angle])
     }

@@ -98,13 +98,13 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
     pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, coefficients: [S; 3]) -> ElementId {
-        let Some(of) = self.kind_of(name, node) else { return ElementId(usize::MAX) };
+        let Some(of) = self.kind_of(name, node) else { return self.model.refused_element() };
         let count = of.dofs();
         if index >= count {
             let own = &self.model.nodes[node.0].name;
             self.mistakes
                 .push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0"));
-            return ElementId(usize::MAX);
+            return self.model.refused_element();
         }
         self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &coefficients)
     }
@@ -134,20 +134,21 @@ impl<S: Scalar> MechanismBuilder<S> {
         [stiffness, damping]: [&[S]; 2],
         add: impl FnOnce(&mut Self) -> ConstraintId,
     ) -> ElementId {
-        let ConstraintId(added) = add(self);
+        let added = add(self);
         // taken back from the model; nothing at all was added after a mistake, which is told already
-        let (Some(last), true) = (self.model.constraints.len().checked_sub(1), added != usize::MAX) else {
-            return ElementId(usize::MAX);
+        let (Some(last), true) = (self.model.constraints.len().checked_sub(1), added != self.model.refused_constraint())
+        else {
+            return self.model.refused_element();
         };
         let own = self.model.constraints[last].parameters.clone();
         let same = joint.parameters() == self.model.constraints[last].physics.parameter_list()
             && joint.equations() == self.model.constraints[last].equations.len();
-        if added != last || own.end != self.model.parameters || !same {
-            let name = &self.model.constraints[added.min(last)].name;
+        if self.model.find_constraint(added).is_none() || added.0 != last || own.end != self.model.parameters || !same {
+            let name = &self.model.constraints[added.0.min(last)].name;
             self.mistakes.push(format!(
                 "the soft joint \"{name}\" is not what was added last: name the joint that the function adds"
             ));
-            return ElementId(usize::MAX);
+            return self.model.refused_element();
         }
         let Some(Attached { name, nodes, equations, .. }) = self.model.constraints.pop() else { unreachable!() };
         (self.model.equations, self.model.parameters) = (equations.start, own.start);
@@ -159,7 +160,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 stiffness.len(),
                 damping.len()
             ));
-            return ElementId(usize::MAX);
+            return self.model.refused_element();
         }
         self.element(&name, &nodes, Soft(joint), &p)
     }

@@ -197,13 +197,13 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn gear(&mut self, name: &str, angles: [NodeId; 2], radii: [S; 2]) -> ConstraintId {
         let mut offset = S::zero();
         for (node, radius) in angles.into_iter().zip(radii) {
-            let Some(kind) = self.kind_of(name, node) else { return ConstraintId(usize::MAX) };
+            let Some(kind) = self.kind_of(name, node) else { return self.model.refused_constraint() };
             let Node { name: own, dofs, .. } = &self.model.nodes[node.0];
             if kind != NodeKind::Coordinates(1) {
                 let text =
                     format!("gear \"{name}\" needs two joint angles, but node \"{own}\" is none: add one by joint_angle");
                 self.mistakes.push(text);
-                return ConstraintId(usize::MAX);
+                return self.model.refused_constraint();
             }
             offset += radius * self.numbers.q[dofs.start];
         }

@@ -1,5 +1,7 @@
 //! A user's mistake gets an answer: what is wrong, where, how much, and what to do.
 
+mod foreign_ids;
+
 use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{CableSection, Material, Section};
 use costate::prelude::*;
@@ -43,7 +45,7 @@ enum Mistake {
 struct Mistaken(Option<Mistake>);
 
 /// States a residual and no energies.
-struct Drag;
+pub struct Drag;
 impl Element for Drag {
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Body]

@@ -1,23 +1,14 @@
 //! Nodes, joints and members belong to the mechanism that made them: another one refuses them by name.
 
-use costate::assembly::NodeId;
+use super::Drag;
+use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::flexible::{CableSection, Section};
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
 use costate::functionals::LoadKind;
 use costate::functionals::quantities::{CableMeasure, ReactionNorm, SectionMeasure};
 use costate::prelude::*;
-use costate::scenes::{BeamLine, CableLine};
-
-struct Drag;
-impl Element for Drag {
-    fn nodes(&self) -> Vec<NodeKind> {
-        vec![NodeKind::Body]
-    }
-    fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
-        r[0] += s.v[0];
-    }
-}
+use costate::scenes::{BeamLine, BeamMember, CableLine, CableMember};
 
 /// What a builder is asked to do with a node of another one.
 type WithStranger = (&'static str, fn(&mut MechanismBuilder<f64>, NodeId, NodeId));
@@ -107,44 +98,67 @@ fn nodes_of_another_mechanism_are_refused_by_the_name_of_what_takes_hold_of_them
         ("count", |m, _, node| m.coordinate_functional("count", Over::Terminal, node, 0)),
         ("sag", |m, _, node| m.cable_deflection_functional("sag", Over::Terminal, [node, node], Vector3::z())),
     ];
-    for (name, call) in calls {
-        let mut m = MechanismBuilder::default();
-        let body = m.body("body", zero, Quaternion::identity());
-        m.gravity(x);
-        call(&mut m, body, strangers[8]);
-        let message = m.finish().err().unwrap_or_else(|| panic!("\"{name}\": the stranger went unnoticed"));
-        assert!(
-            message.contains(&format!("\"{name}\"")) && message.contains("node of another mechanism"),
-            "{name}: {message}"
-        );
+    // the last one has a number that this mechanism has not given to any node, the first one that of its own first node
+    for stranger in [strangers[8], strangers[0]] {
+        for (name, call) in calls {
+            let mut m = MechanismBuilder::default();
+            let body = m.body("body", zero, Quaternion::identity());
+            m.gravity(x);
+            call(&mut m, body, stranger);
+            let message = m.finish().err().unwrap_or_else(|| panic!("\"{name}\": the stranger went unnoticed"));
+            assert!(
+                message.contains(&format!("\"{name}\"")) && message.contains("node of another mechanism"),
+                "{name}: {message}"
+            );
+        }
     }
 }
 
-#[test]
-fn joints_and_members_of_another_mechanism_are_refused() {
-    let (zero, x) = (Vector3::zeros(), Vector3::new(1.0, 0.0, 0.0));
-    let ends = [zero, x];
-    let mut other = MechanismBuilder::<f64>::default();
-    let bodies = [0, 1].map(|i| other.body(&format!("{i}"), zero, Quaternion::identity()));
-    let joint = (0..9).map(|i| other.spherical(&format!("{i}"), bodies, zero)).last().expect("nine");
-    let beam = other.beam("arm", BeamLine::straight(ends, 1, Vector3::y()), &Section::new([1.0; 6]));
-    let cable = other.cable("rope", CableLine::straight(ends, 1), &CableSection::new(1.0, 1.0, 1.0));
-    let mut m = MechanismBuilder::default();
-    let body = m.body("body", zero, Quaternion::identity());
-    let over = Over::Terminal;
+/// Two bodies, so many balls between them, a beam and a cable.
+fn equipped(joints: usize) -> (MechanismBuilder<f64>, [NodeId; 2], ConstraintId, BeamMember, CableMember) {
+    let zero = Vector3::zeros();
+    let ends = [zero, Vector3::x()];
+    let mut m = MechanismBuilder::<f64>::default();
+    let bodies = [0, 1].map(|i| m.body(&format!("{i}"), zero, Quaternion::identity()));
+    let joint = (0..joints).map(|i| m.spherical(&format!("{i}"), bodies, zero)).last().expect("at least one");
+    let beam = m.beam("arm", BeamLine::straight(ends, 1, Vector3::y()), &Section::new([1.0; 6]));
+    let cable = m.cable("rope", CableLine::straight(ends, 1), &CableSection::new(1.0, 1.0, 1.0));
+    (m, bodies, joint, beam, cable)
+}
+
+/// What a mechanism says to a joint and members that are not its own.
+fn refusal(
+    mut m: MechanismBuilder<f64>,
+    body: NodeId,
+    joint: ConstraintId,
+    beam: &BeamMember,
+    cable: &CableMember,
+) -> String {
+    let (over, zero, x) = (Over::Terminal, Vector3::zeros(), Vector3::x());
     m.reaction_functional("reaction", over, joint, &[1.0; 3]);
     m.reaction_norm_functional("norm", over, joint);
     m.joint_load_functional("load", over, (joint, body), (LoadKind::Force, LoadFrame::World), x, zero);
     m.functional("own", "N", over, (&[], &[joint]), ReactionNorm, &[]);
-    m.section_functional("moment", over, &beam, 0.5, SectionMeasure::Force(4));
-    m.distributed_load("wind", &beam, (LoadFrame::World, x), TimeFunction::Constant, &[1.0]);
-    m.cable_strain_functional("strain", over, &cable, 0.5, CableMeasure::Strain);
-    m.largest_cable_stress_functional("stress", &cable, 1.0, 0.1, 1.0);
-    let message = m.finish().err().expect("the strangers went unnoticed");
-    for name in ["reaction", "norm", "load", "own", "moment", "wind", "strain", "stress"] {
-        assert!(
-            message.split("; ").any(|one| one.contains(&format!("\"{name}")) && one.contains("of another mechanism")),
-            "{name}: {message}"
-        );
+    m.section_functional("moment", over, beam, 0.5, SectionMeasure::Force(4));
+    m.distributed_load("wind", beam, (LoadFrame::World, x), TimeFunction::Constant, &[1.0]);
+    m.cable_strain_functional("strain", over, cable, 0.5, CableMeasure::Strain);
+    m.largest_cable_stress_functional("stress", cable, 1.0, 0.1, 1.0);
+    m.finish().err().expect("the strangers went unnoticed")
+}
+
+#[test]
+fn joints_and_members_of_another_mechanism_are_refused() {
+    let (_, _, joint, beam, cable) = equipped(9);
+    let mut empty = MechanismBuilder::default();
+    let body = empty.body("body", Vector3::zeros(), Quaternion::identity());
+    // a mechanism without such numbers, and one with the same numbers
+    let (twin, [own, _], ..) = equipped(9);
+    for message in [refusal(empty, body, joint, &beam, &cable), refusal(twin, own, joint, &beam, &cable)] {
+        for name in ["reaction", "norm", "load", "own", "moment", "wind", "strain", "stress"] {
+            assert!(
+                message.split("; ").any(|one| one.contains(&format!("\"{name}")) && one.contains("of another mechanism")),
+                "{name}: {message}"
+            );
+        }
     }
 }
