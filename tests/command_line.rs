@@ -402,6 +402,50 @@ fn steps_that_do_not_resolve_the_motion_are_said() {
 }
 
 #[test]
+fn energy_that_grows_where_it_is_constant_is_said() {
+    let folder = Folder::new("energy");
+    let growth_of = |arguments: &str| {
+        let arguments: Vec<&str> = arguments.split(' ').chain(["--json"]).collect();
+        let output = folder.run(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        (json(&output)["energy_growth"]["share_of_kinetic"].as_f64(), text(&output.stderr))
+    };
+    let (fine, nothing) = growth_of("run free-body --method newmark --steps 2000");
+    assert!(fine.is_some_and(|share| share < 1e-4) && !nothing.contains("warning"), "{fine:?} {nothing}");
+    let (coarse, warning) = growth_of("run free-body --method newmark --steps 20");
+    assert!(coarse.is_some_and(|share| share > 2e-3), "{coarse:?}");
+    assert!(warning.contains("warning: the energy of this scene is constant in an exact motion, but grows by"), "{warning}");
+    // dampers and drives
+    for other in ["run five-bar --end 0.1 --steps 20", "run slider-crank --end 0.1 --steps 20"] {
+        assert_eq!(growth_of(other).0, None, "{other}");
+    }
+}
+
+#[test]
+fn a_run_goes_on_with_the_file_of_one_that_stopped() {
+    let folder = Folder::new("resume");
+    let arguments = ["gradient", "pendulum", "--end", "0.5", "--steps", "60", "--history", "file:run.history", "--json"];
+    let whole = json(&folder.run(&arguments));
+    let file = fs::read(folder.0.join("run.history")).unwrap();
+    fs::remove_file(folder.0.join("run.history")).unwrap();
+    fs::write(folder.0.join("run.history.part"), &file[..file.len() / 2]).unwrap();
+    let resume: Vec<&str> = arguments.into_iter().chain(["--resume"]).collect();
+    let resumed = json(&folder.run(&resume));
+    assert_eq!(whole["functionals"], resumed["functionals"]);
+    assert_eq!(whole["newton_iterations"], resumed["newton_iterations"]);
+    let taken_over = resumed["steps_taken_over"].as_u64().unwrap();
+    assert!((15..=30).contains(&taken_over), "{taken_over}");
+    for (arguments, said) in [
+        (vec!["run", "pendulum", "--resume"], "name it, as in --history file:run.history"),
+        (vec!["run", "andrews", "--resume", "--history", "file:run.history"], "another scene, design, method"),
+        (vec!["run", "pendulum", "--history", "file:out/pendulum/histories.csv"], "results are written there"),
+    ] {
+        let output = folder.run(&arguments);
+        assert!(output.status.code() == Some(2) && text(&output.stderr).contains(said), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
 fn a_history_where_results_are_written_is_refused() {
     let folder = Folder::new("history-on-results");
     let output = folder.run(&["gradient", "pendulum", "--history", "file:out/pendulum/histories.csv"]);
