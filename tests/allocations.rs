@@ -56,9 +56,17 @@ fn allocations(prepared: &Prepared) -> Result<u64, RunError> {
 
 #[test]
 fn steps_allocate_nothing() {
-    for name in
-        ["pendulum", "double-pendulum", "five-bar", "heavy-top", "free-body", "car-axis", "duffing", "flexible-pendulum"]
-    {
+    for name in [
+        "pendulum",
+        "double-pendulum",
+        "five-bar",
+        "slider-crank",
+        "heavy-top",
+        "free-body",
+        "car-axis",
+        "duffing",
+        "flexible-pendulum",
+    ] {
         let Some(scene) = built_in::all().into_iter().find(|scene| scene.scene_name() == name) else { continue };
         let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
         for table in tables() {

@@ -1,43 +1,68 @@
+use super::Model;
 use super::numbering::System;
+use crate::elements::FormulaWork;
 
-impl System<'_> {
-    /// Rows of all constraints, those inside nodes included, towards the coordinates that move, one after the other, and their count; `None` if
-    /// there are not as many as coordinates: the mechanism moves on its own.
-    pub(crate) fn rows_of_drives(&self, q: &[f64], p: &[f64], t: f64) -> Option<(Vec<f64>, usize)> {
-        let mut columns = vec![None; self.model.dofs];
-        let moving = self.model.nodes.iter().filter(|node| !node.fixed).flat_map(|node| node.dofs.clone());
+/// Rows of all constraints towards the coordinates that move, of a mechanism whose drives determine its motion.
+#[derive(Default)]
+pub(crate) struct RowsOfDrives {
+    /// One after the other.
+    pub rows: Vec<f64>,
+    /// Their count, and that of coordinates.
+    pub size: usize,
+    /// Column of each coordinate of the model.
+    columns: Vec<Option<usize>>,
+    own: Vec<f64>,
+    local: Vec<f64>,
+    work: FormulaWork<f64>,
+}
+
+impl RowsOfDrives {
+    /// Room for those of a system; `None` if there are not as many, those inside nodes included, as coordinates: the mechanism moves on its own.
+    pub fn new(system: &System) -> Option<Self> {
+        let model = system.model;
+        let mut columns = vec![None; model.dofs];
+        let moving = model.nodes.iter().filter(|node| !node.fixed).flat_map(|node| node.dofs.clone());
         let size = moving.enumerate().map(|(column, dof)| columns[dof] = Some(column)).count();
-        let equations = self.model.equations - self.options.dropped.len() + self.local_equations;
-        let nonholonomic = self.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic());
-        if equations != size || nonholonomic {
-            return None;
-        }
-        let mut rows = Vec::with_capacity(size * size);
-        let mut add = |dofs: &[usize], own: &[f64]| {
-            let begin = rows.len();
-            rows.resize(begin + size, 0.0);
-            for (&dof, &entry) in dofs.iter().zip(own) {
-                if let Some(column) = columns[dof] {
-                    rows[begin + column] += entry;
-                }
-            }
+        let equations = model.equations - system.options.dropped.len() + system.local_equations;
+        let is_driven = equations == size && model.constraints.iter().all(|joint| !joint.physics.is_nonholonomic());
+        is_driven.then(|| RowsOfDrives { size, columns, ..Self::default() })
+    }
+
+    /// Evaluates them.
+    pub fn evaluate(&mut self, system: &System, q: &[f64], p: &[f64], t: f64) {
+        let RowsOfDrives { rows, size, columns, own, local, work } = self;
+        let model: &Model = system.model;
+        rows.clear();
+        let begin_row = |rows: &mut Vec<f64>| {
+            rows.resize(rows.len() + *size, 0.0);
+            rows.len() - *size
         };
-        for local in &self.locals {
-            let dofs: Vec<usize> = self.model.nodes[local.node].dofs.clone().collect();
-            let mut own = vec![0.0; local.equations.len() * dofs.len()];
-            local.form.rows(&q[dofs[0]..dofs[0] + dofs.len()], &mut own);
-            own.chunks(dofs.len()).for_each(|row| add(&dofs, row));
-        }
-        for joint in &self.model.constraints {
-            let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| self.model.nodes[node.0].dofs.clone()).collect();
-            let own: Vec<f64> = dofs.iter().map(|&dof| q[dof]).collect();
-            let own = joint.physics.rows(&own, &p[joint.parameters.clone()], t);
-            for (row, equation) in own.chunks(dofs.len()).zip(joint.equations.clone()) {
-                if self.options.dropped.binary_search(&equation).is_err() {
-                    add(&dofs, row);
+        for inside in &system.locals {
+            let dofs = model.nodes[inside.node].dofs.clone();
+            local.clear();
+            local.resize(inside.equations.len() * dofs.len(), 0.0);
+            inside.form.rows(&q[dofs.clone()], local);
+            for row in local.chunks(dofs.len()) {
+                let begin = begin_row(rows);
+                for (dof, entry) in dofs.clone().zip(row) {
+                    columns[dof].iter().for_each(|column| rows[begin + column] += entry);
                 }
             }
         }
-        Some((rows, size))
+        for joint in &model.constraints {
+            let dofs = || joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
+            own.clear();
+            own.extend(dofs().map(|dof| q[dof]));
+            let found = joint.physics.rows_in(own, &p[joint.parameters.clone()], t, work);
+            for (row, equation) in found.chunks(own.len()).zip(joint.equations.clone()) {
+                if system.options.dropped.binary_search(&equation).is_ok() {
+                    continue;
+                }
+                let begin = begin_row(rows);
+                for (dof, entry) in dofs().zip(row) {
+                    columns[dof].iter().for_each(|column| rows[begin + column] += entry);
+                }
+            }
+        }
     }
 }

@@ -28,6 +28,7 @@ mod residual;
 mod variational;
 
 pub use constraint_programs::ConstraintPart;
+pub(crate) use driven::RowsOfDrives;
 pub use element_programs::Force;
 pub use equations::{Equations, Level, Rates, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 pub(crate) use equations::{clone_fields, empty_fields};

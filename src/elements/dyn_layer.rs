@@ -620,13 +620,18 @@ impl ConstraintPhysics {
 
     /// Rows A (or B), equations by coordinates.
     pub fn rows<S: RunScalar>(&self, q: &[S], p: &[S], t: S) -> Vec<S> {
+        self.rows_in(q, p, t, &mut FormulaWork::default()).to_vec()
+    }
+
+    /// [`Self::rows`] in a workspace.
+    pub fn rows_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
         let (n, towards) = (self.dofs, if self.is_nonholonomic() { 0 } else { self.dofs });
         let program = self.formula().dense_program(("rows", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
         });
         let zeros = std::iter::repeat_n(S::zero(), n);
-        FormulaWork::default().run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t])).to_vec()
+        work.run(&program, zeros.chain(q.iter().chain(p).copied()).chain([t]))
     }
 
     /// Gradient of lambda . A^T mu towards q, then towards all parameters.

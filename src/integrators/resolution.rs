@@ -95,19 +95,17 @@ impl<S: RunScalar> Resolution<S> {
             }
             None => {
                 difference.clear();
-                // the middle of the step before is a step away, the acceleration that was solved for half a step
-                let (mut last, mut factor) = (std::mem::take(&mut self.errors.acceleration), step.h * step.h / 12.0);
                 if let Some(solved) = &step.restart {
-                    last.clear();
-                    last.extend(solved.unknowns.x.iter().map(|a| a.value()));
+                    self.begin(&solved.unknowns.x);
                 }
-                if self.errors.fresh || step.restart.is_some() {
-                    factor *= 2.0;
+                // the middle of the step before is a step away, the acceleration that was solved for half a step
+                let factor = if self.errors.fresh { 2.0 } else { 1.0 } * step.h * step.h / 12.0;
+                let velocities = step.v.iter().zip(&carried[1]);
+                for ((end, start), last) in velocities.zip(&mut self.errors.acceleration) {
+                    let mean = (end.value() - start.value()) / step.h;
+                    difference.push(S::from((mean - *last) * factor));
+                    *last = mean;
                 }
-                let means = step.v.iter().zip(&carried[1]).map(|(end, start)| (end.value() - start.value()) / step.h);
-                self.errors.acceleration.extend(means);
-                let changes = self.errors.acceleration.iter().zip(&last);
-                difference.extend(changes.map(|(mean, last)| S::from((mean - last) * factor)));
                 self.judge(false, number, step, &difference, scales);
                 self.errors.fresh = false;
             }
@@ -132,8 +130,8 @@ impl<S: RunScalar> Resolution<S> {
     }
 
     /// Takes note of the side on which a driven mechanism is after a step, by the rows of its constraints and drives.
-    pub fn note_side(&mut self, rows: Option<(Vec<f64>, usize)>, t: f64, number: usize) {
-        let sign = rows.map_or(0.0, |(rows, size)| sign_of_determinant(rows, size));
+    pub fn note_side(&mut self, rows: &mut [f64], size: usize, t: f64, number: usize) {
+        let sign = sign_of_determinant(rows, size);
         let StepErrors { orientation, leap, .. } = &mut self.errors;
         if *orientation * sign < 0.0 {
             *leap = leap.or(Some((t, number)));

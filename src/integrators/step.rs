@@ -8,7 +8,7 @@ use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{Watch, dependent_equations, violated};
 use super::resolution::Resolution;
 use super::{ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
-use crate::assembly::{Equations, Residual, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use std::sync::Arc;
 
@@ -32,8 +32,15 @@ pub struct Stepper<'m, S> {
     /// Carried vectors after the step.
     updated: Vec<Vec<S>>,
     resolution: Resolution<S>,
-    /// Its drives determine the motion.
-    is_driven: bool,
+    /// Of a mechanism whose drives determine the motion.
+    drives: Option<RealDrives>,
+}
+
+/// A driven mechanism in real numbers.
+struct RealDrives {
+    rows: RowsOfDrives,
+    q: Vec<f64>,
+    p: Vec<f64>,
 }
 
 /// Steps from one look at the choice of redundant equations to the next.
@@ -131,7 +138,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             record: StepRecord::empty(),
             updated: Vec::new(),
             resolution: Resolution::default(),
-            is_driven: false,
+            drives: None,
         })
     }
 
@@ -259,11 +266,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             StepState { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(&first.unknowns.x);
-        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
-        let rows = self.acceleration.system.rows_of_drives(&real(&first.base.q), &real(&self.problem.p), t);
-        self.is_driven = rows.is_some() && guide.is_none() && !is_static;
-        if self.is_driven {
-            self.resolution.note_side(rows, t, 0);
+        let watched = guide.is_none() && !is_static;
+        if let Some(mut rows) = RowsOfDrives::new(&self.acceleration.system).filter(|_| watched) {
+            let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+            let (q, p) = (real(&first.base.q), real(&self.problem.p));
+            rows.evaluate(&self.acceleration.system, &q, &p, t);
+            self.resolution.note_side(&mut rows.rows, rows.size, t, 0);
+            self.drives = Some(RealDrives { rows, q, p });
         }
         if !guessed.is_empty() {
             self.between.last.mu = guessed;
@@ -293,13 +302,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         if self.between.chosen_anew || self.method.table.is_static() {
             return self.resolution.forget_side();
         }
-        if !self.is_driven {
-            return;
-        }
-        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
-        let (q, p) = (real(&self.between.carried[0]), real(&self.problem.p));
-        let rows = self.acceleration.system.rows_of_drives(&q, &p, end);
-        self.resolution.note_side(rows, self.record.t, self.between.step);
+        let Some(RealDrives { rows, q, p }) = &mut self.drives else { return };
+        q.clear();
+        q.extend(self.between.carried[0].iter().map(|q| q.value()));
+        rows.evaluate(&self.acceleration.system, q, p, end);
+        self.resolution.note_side(&mut rows.rows, rows.size, self.record.t, self.between.step);
     }
 
     /// The step made last.

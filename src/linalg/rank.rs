@@ -39,8 +39,8 @@ pub fn independent_rows(rows: &[Vec<f64>], rank: Option<usize>) -> Vec<usize> {
     chosen
 }
 
-/// Sign of the determinant of a square matrix given by rows: 1, -1, or 0 where a pivot vanishes.
-pub fn sign_of_determinant(mut rows: Vec<f64>, size: usize) -> f64 {
+/// Sign of the determinant of a square matrix given by rows, which are eliminated: 1, -1, or 0 where a pivot vanishes.
+pub fn sign_of_determinant(rows: &mut [f64], size: usize) -> f64 {
     let mut sign = 1.0;
     for k in 0..size {
         let pivot = (k..size).max_by(|&i, &j| rows[i * size + k].abs().total_cmp(&rows[j * size + k].abs())).unwrap_or(k);
@@ -69,13 +69,13 @@ mod tests {
     #[test]
     fn determinants_have_their_signs() {
         let cyclic = vec![0.0, 2.0, 0.0, 0.0, 0.0, 3.0, 0.5, 0.0, 0.0];
-        assert_eq!(sign_of_determinant(cyclic.clone(), 3), 1.0);
-        let exchanged: Vec<f64> = [3..6, 0..3, 6..9].into_iter().flat_map(|row| cyclic[row].to_vec()).collect();
-        assert_eq!(sign_of_determinant(exchanged, 3), -1.0);
-        assert_eq!(sign_of_determinant(vec![1.0, 2.0, 2.0, 4.0], 2), 0.0);
+        assert_eq!(sign_of_determinant(&mut cyclic.clone(), 3), 1.0);
+        let mut exchanged: Vec<f64> = [3..6, 0..3, 6..9].into_iter().flat_map(|row| cyclic[row].to_vec()).collect();
+        assert_eq!(sign_of_determinant(&mut exchanged, 3), -1.0);
+        assert_eq!(sign_of_determinant(&mut [1.0, 2.0, 2.0, 4.0], 2), 0.0);
         // 1 2 / 3 4 has -2, and 4 with a negative first row 2
-        assert_eq!(sign_of_determinant(vec![1.0, 2.0, 3.0, 4.0], 2), -1.0);
-        assert_eq!(sign_of_determinant(vec![-1.0, -2.0, 3.0, 4.0], 2), 1.0);
+        assert_eq!(sign_of_determinant(&mut [1.0, 2.0, 3.0, 4.0], 2), -1.0);
+        assert_eq!(sign_of_determinant(&mut [-1.0, -2.0, 3.0, 4.0], 2), 1.0);
     }
 
     #[test]

@@ -68,12 +68,36 @@ impl ProgramCache {
     }
 }
 
-/// All formulas of the process, by the operations that were recorded.
-type Formulas = Mutex<HashMap<u64, Vec<(Vec<Operation>, Arc<Formula>)>>>;
+/// Formulas that are kept for models to come, whether one of today uses them or not.
+const KEPT: usize = 1000;
 
-fn formulas() -> &'static Formulas {
-    static FORMULAS: OnceLock<Formulas> = OnceLock::new();
-    FORMULAS.get_or_init(Formulas::default)
+/// The formulas of the process, by the operations that were recorded.
+#[derive(Default)]
+struct Formulas {
+    known: HashMap<u64, Vec<(Vec<Operation>, Arc<Formula>)>>,
+    count: usize,
+    /// Count at which those are forgotten that no model uses.
+    full: usize,
+}
+
+impl Formulas {
+    /// Makes room: a process may build model after model, each with formulas of its own.
+    fn forget_unused(&mut self) {
+        if self.count < self.full.max(KEPT) {
+            return;
+        }
+        self.known.retain(|_, same| {
+            same.retain(|(_, formula)| Arc::strong_count(formula) > 1);
+            !same.is_empty()
+        });
+        self.count = self.known.values().map(Vec::len).sum();
+        self.full = 2 * self.count;
+    }
+}
+
+fn formulas() -> &'static Mutex<Formulas> {
+    static FORMULAS: OnceLock<Mutex<Formulas>> = OnceLock::new();
+    FORMULAS.get_or_init(Mutex::default)
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -109,17 +133,19 @@ impl Formula {
         let mut hasher = DefaultHasher::new();
         (inputs, &outputs, graph.operations()).hash(&mut hasher);
         let mut all = lock(formulas());
-        let same = all.entry(hasher.finish()).or_default();
-        for (operations, formula) in &*same {
+        let hash = hasher.finish();
+        for (operations, formula) in all.known.get(&hash).into_iter().flatten() {
             if formula.inputs == inputs && formula.outputs == outputs && operations == graph.operations() {
                 return Arc::clone(formula);
             }
         }
+        all.forget_unused();
         let operations = graph.operations().to_vec();
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
         let gradients = ProgramCache::default();
         let formula = Arc::new(Formula { inputs, outputs, graph, programs, values, gradients });
-        same.push((operations, Arc::clone(&formula)));
+        all.known.entry(hash).or_default().push((operations, Arc::clone(&formula)));
+        all.count += 1;
         formula
     }
 
@@ -206,4 +232,19 @@ impl Formula {
 pub fn continued(graph: &mut Graph, nodes: &[Node], formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Vec<Node> {
     let results = extend(graph, nodes, formula);
     results.into_iter().map(|result| result.node(graph)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formulas_that_no_model_uses_are_forgotten() {
+        let record = |k: usize| Formula::record(1, |x| vec![x[0] * (k as f64 + 0.5)]).expect("does not branch");
+        let used = record(0);
+        (1..5 * KEPT).for_each(|k| drop(record(k)));
+        let count = lock(formulas()).count;
+        assert!(count < 3 * KEPT, "{count} formulas are kept");
+        assert!(Arc::ptr_eq(&used, &record(0)), "one that is used was forgotten");
+    }
 }
