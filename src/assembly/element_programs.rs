@@ -5,7 +5,7 @@ use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
-use crate::program::{Formula, Graph, LinearForm, Node, Program};
+use crate::program::{Formula, Graph, LinearForm, Node, Program, Stages};
 use std::sync::Arc;
 
 /// What an element adds to F.
@@ -130,8 +130,13 @@ pub(super) fn matrix(
         let zero = graph.zero();
         let mut block = vec![zero; columns * columns];
         let n = layout.n;
+        if let (Some(stages), false) = (&formula.stages, stabilized) {
+            let movements = Movements { n, rates: &rates[..3], moves };
+            return in_stages(graph, (inputs, outputs, stages), nodes, &columns_of, movements);
+        }
         let forms = graph.linear_forms(outputs, [0, n, 2 * n], n);
-        let interpolated = forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
+        // along an interpolated number all that depends on it moves: less than along a coordinate, where it belongs to one point
+        let interpolated = forms.len() <= INTERPOLATED * n && forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
         let by_coordinates = interpolated.then(|| along_coordinates(graph, outputs, &forms, (n, &rates[..3], moves)));
         for column in 0..columns {
             let moved = match &by_coordinates {
@@ -146,6 +151,96 @@ pub(super) fn matrix(
         }
         block
     })
+}
+
+/// Interpolated numbers for each coordinate up to which the matrix is made along them.
+const INTERPOLATED: usize = 3;
+
+/// How the coordinates of an element move with its unknowns.
+struct Movements<'r> {
+    /// Number of coordinates.
+    n: usize,
+    /// gamma, beta, alpha.
+    rates: &'r [Node],
+    /// Which of them are not zero.
+    moves: [bool; 3],
+}
+
+/// The matrix of a residual R = (dy/dq)^T F(y) with a map y(q) of each node by itself: dF/dy once, then the maps of rows and columns, and
+/// what F does along the turning of its own map.
+fn in_stages(
+    graph: &mut Graph,
+    (inputs, outputs, stages): (&[Node], &[Node], &Stages<Node>),
+    nodes: &[NodeReduction],
+    columns_of: &Columns,
+    Movements { n, rates, moves }: Movements,
+) -> Vec<Node> {
+    let (zero, one) = (graph.zero(), graph.constant(1.0));
+    let (each, size) = (stages.each, Columns::count(nodes, false));
+    let moving = |graph: &Graph, list: &[Node]| -> Vec<(Node, Node)> {
+        list.iter().filter(|&&number| graph.constant_of(number).is_none()).map(|&number| (number, zero)).collect()
+    };
+    let (still, fixed) = (moving(graph, &stages.numbers.concat()), moving(graph, &stages.forces));
+    let mut block = vec![zero; size * size];
+    // N_L^T (dy/dq)^T: for each number its weights in the rows of its node
+    let mut weights: Vec<Vec<Node>> = Vec::new();
+    let mut first = 0;
+    for (place, &number) in stages.numbers[2].iter().enumerate() {
+        let node = place / each;
+        if place % each == 0 {
+            first = nodes[..node].iter().map(|node| node.unknowns()).sum();
+        }
+        let gradient = graph.reverse(&[number], &[one], &inputs[2 * n..3 * n]);
+        let mut rows = vec![zero; size];
+        columns_of.reduce(graph, &gradient, false, &mut rows);
+        weights.push(rows[first..first + nodes[node].unknowns()].to_vec());
+    }
+    let mut column = 0;
+    for (node, reduction) in nodes.iter().enumerate() {
+        let own = node * each..(node + 1) * each;
+        // dF towards the numbers of this node and their rates, where they move
+        let along: Vec<(usize, Vec<Node>)> = (0..3)
+            .flat_map(|kind| own.clone().map(move |place| (kind, place)))
+            .filter(|&(kind, place)| moves[kind] && graph.constant_of(stages.numbers[kind][place]).is_none())
+            .map(|(kind, place)| (kind * stages.numbers[kind].len() + place, stages.numbers[kind][place]))
+            .collect::<Vec<_>>()
+            .into_iter()
+            .map(|(place, number)| {
+                let mut seeds = still.clone();
+                seeds.push((number, one));
+                (place, graph.forward(&stages.forces, &seeds))
+            })
+            .collect();
+        for _ in 0..reduction.unknowns() {
+            let input = |kind: usize, dof: usize| inputs[kind * n + dof];
+            let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
+            let movement = graph.forward(&stages.numbers.concat(), &seeds);
+            let target = &mut block[column * size..][..size];
+            // the map turns while F stays
+            let turning = graph.forward(outputs, &[&seeds[..], &fixed].concat());
+            columns_of.reduce(graph, &turning, false, target);
+            let mut force = vec![zero; stages.forces.len()];
+            for (place, by_number) in &along {
+                let moved = movement[*place];
+                for (force, &entry) in force.iter_mut().zip(by_number) {
+                    let term = graph.mul(entry, moved);
+                    *force = graph.add(*force, term);
+                }
+            }
+            let mut row = 0;
+            for (own, (force, weights)) in nodes.iter().zip(force.chunks(each).zip(weights.chunks(each))) {
+                for (&force, weights) in force.iter().zip(weights) {
+                    for (target, &weight) in target[row..].iter_mut().zip(weights) {
+                        let term = graph.mul(weight, force);
+                        *target = graph.add(*target, term);
+                    }
+                }
+                row += own.unknowns();
+            }
+            column += 1;
+        }
+    }
+    block
 }
 
 /// The matrix column by column, from derivatives along the interpolated numbers: of these a point has fewer than the element has

@@ -194,7 +194,7 @@ impl<E: Element> AnyElement for E {
     }
     fn record_residual(&self) -> Recording {
         let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
-        Formula::record(3 * n + m + 1, |x| {
+        Formula::record_in_stages(3 * n + m + 1, |x| {
             let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
             residual(self, State { a, v, q }, p, t[0])
         })
