@@ -176,68 +176,47 @@ fn in_stages(
     Movements { n, rates, moves }: Movements,
 ) -> Vec<Node> {
     let (zero, one) = (graph.zero(), graph.constant(1.0));
-    let (each, size) = (stages.each, Columns::count(nodes, false));
+    let (numbers, size) = (stages.numbers.concat(), Columns::count(nodes, false));
     let moving = |graph: &Graph, list: &[Node]| -> Vec<(Node, Node)> {
         list.iter().filter(|&&number| graph.constant_of(number).is_none()).map(|&number| (number, zero)).collect()
     };
-    let (still, fixed) = (moving(graph, &stages.numbers.concat()), moving(graph, &stages.forces));
-    let mut block = vec![zero; size * size];
-    // N_L^T (dy/dq)^T: for each number its weights in the rows of its node
-    let mut weights: Vec<Vec<Node>> = Vec::new();
-    let mut first = 0;
-    for (place, &number) in stages.numbers[2].iter().enumerate() {
-        let node = place / each;
-        if place % each == 0 {
-            first = nodes[..node].iter().map(|node| node.unknowns()).sum();
-        }
+    let (still, fixed) = (moving(graph, &numbers), moving(graph, &stages.forces));
+    // N_L^T (dy/dq)^T: for each number the rows that its force enters, with weights
+    let rows_of = |graph: &mut Graph, number: Node| -> Vec<(usize, Node)> {
         let gradient = graph.reverse(&[number], &[one], &inputs[2 * n..3 * n]);
         let mut rows = vec![zero; size];
         columns_of.reduce(graph, &gradient, false, &mut rows);
-        weights.push(rows[first..first + nodes[node].unknowns()].to_vec());
-    }
-    let mut column = 0;
-    for (node, reduction) in nodes.iter().enumerate() {
-        let own = node * each..(node + 1) * each;
-        // dF towards the numbers of this node and their rates, where they move
-        let along: Vec<(usize, Vec<Node>)> = (0..3)
-            .flat_map(|kind| own.clone().map(move |place| (kind, place)))
-            .filter(|&(kind, place)| moves[kind] && graph.constant_of(stages.numbers[kind][place]).is_none())
-            .map(|(kind, place)| (kind * stages.numbers[kind].len() + place, stages.numbers[kind][place]))
-            .collect::<Vec<_>>()
-            .into_iter()
-            .map(|(place, number)| {
-                let mut seeds = still.clone();
-                seeds.push((number, one));
-                (place, graph.forward(&stages.forces, &seeds))
-            })
-            .collect();
-        for _ in 0..reduction.unknowns() {
-            let input = |kind: usize, dof: usize| inputs[kind * n + dof];
-            let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
-            let movement = graph.forward(&stages.numbers.concat(), &seeds);
-            let target = &mut block[column * size..][..size];
-            // the map turns while F stays
-            let turning = graph.forward(outputs, &[&seeds[..], &fixed].concat());
-            columns_of.reduce(graph, &turning, false, target);
-            let mut force = vec![zero; stages.forces.len()];
-            for (place, by_number) in &along {
-                let moved = movement[*place];
-                for (force, &entry) in force.iter_mut().zip(by_number) {
-                    let term = graph.mul(entry, moved);
-                    *force = graph.add(*force, term);
-                }
+        rows.into_iter().enumerate().filter(|(_, weight)| !graph.is_zero(*weight)).collect()
+    };
+    let rows: Vec<_> = stages.numbers[2].iter().map(|&number| rows_of(graph, number)).collect();
+    // dF towards each number that moves
+    let mut along: Vec<Option<Vec<Node>>> = vec![None; numbers.len()];
+    let mut block = vec![zero; size * size];
+    for (column, target) in block.chunks_exact_mut(size).enumerate() {
+        let input = |kind: usize, dof: usize| inputs[kind * n + dof];
+        let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
+        // the maps turn while F stays
+        let turning = graph.forward(outputs, &[&seeds[..], &fixed].concat());
+        columns_of.reduce(graph, &turning, false, target);
+        let mut force = vec![zero; stages.forces.len()];
+        for (place, moved) in graph.forward(&numbers, &seeds).into_iter().enumerate() {
+            if graph.is_zero(moved) {
+                continue;
             }
-            let mut row = 0;
-            for (own, (force, weights)) in nodes.iter().zip(force.chunks(each).zip(weights.chunks(each))) {
-                for (&force, weights) in force.iter().zip(weights) {
-                    for (target, &weight) in target[row..].iter_mut().zip(weights) {
-                        let term = graph.mul(weight, force);
-                        *target = graph.add(*target, term);
-                    }
-                }
-                row += own.unknowns();
+            let by_number = along[place].get_or_insert_with(|| {
+                let seeds = [&still[..], &[(numbers[place], one)]].concat();
+                graph.forward(&stages.forces, &seeds)
+            });
+            for (force, &entry) in force.iter_mut().zip(&*by_number) {
+                let term = graph.mul(entry, moved);
+                *force = graph.add(*force, term);
             }
-            column += 1;
+        }
+        for (force, rows) in force.into_iter().zip(&rows) {
+            for &(row, weight) in rows {
+                let term = graph.mul(weight, force);
+                target[row] = graph.add(target[row], term);
+            }
         }
     }
     block

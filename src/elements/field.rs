@@ -252,14 +252,14 @@ impl<F: Field> Element for Flexible<F> {
         self.0.breakpoints(p)
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
-        let each = F::MAPPED?;
+        F::MAPPED?;
         let y = self.node_numbers(s.q, p);
         let moving = |x: &[Recorded], rate: &[Recorded]| x.iter().copied().zip(rate.iter().copied()).collect::<Vec<_>>();
         let v = along_motion(&y, &moving(s.q, s.v));
         let a = along_motion(&v, &[moving(s.q, s.v), moving(s.v, s.a)].concat());
         let forces = from_energies(&OfNodeNumbers(self), State { a: &a, v: &v, q: &y }, p, t);
         let residual = gradient_of(&y, &forces, s.q);
-        Some((residual, Stages { numbers: [a, v, y], forces, each }))
+        Some((residual, Stages { numbers: [a, v, y], forces }))
     }
 }
 

@@ -53,18 +53,16 @@ pub struct Formula {
 /// R = (dy/dq)^T F.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Stages<N> {
-    /// d2y/dt2, dy/dt and y, node after node.
+    /// d2y/dt2, dy/dt and y.
     pub numbers: [Vec<N>; 3],
     /// F, conjugate to y.
     pub forces: Vec<N>,
-    /// How many numbers belong to one node.
-    pub each: usize,
 }
 
 impl Stages<Recorded> {
     fn nodes(self, graph: &mut Graph) -> Stages<Node> {
         let mut nodes = |list: Vec<Recorded>| list.into_iter().map(|number| number.node(graph)).collect();
-        Stages { numbers: self.numbers.map(&mut nodes), forces: nodes(self.forces), each: self.each }
+        Stages { numbers: self.numbers.map(&mut nodes), forces: nodes(self.forces) }
     }
 }
 
