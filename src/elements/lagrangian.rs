@@ -72,11 +72,7 @@ fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
 }
 
 /// Force F = dL/dq + Q and momentum P = dL/dv.
-fn force_and_momentum(
-    element: &impl Formulas,
-    [v, q, p]: [&[Recorded]; 3],
-    t: Recorded,
-) -> (Vec<Recorded>, Vec<Recorded>) {
+fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
     let Energies { kinetic, potential } = Energies::of(element, [v, q, p], t);
     let mut force = gradient(kinetic - potential, q);
     let mut applied = zeros(q.len());

@@ -167,10 +167,7 @@ impl<S: Scalar> Scalar for Moving<S> {
         Moving { value: self.value.less(other.value), rate: S::zero() }
     }
     fn select(self, then: Self, otherwise: Self) -> Self {
-        Moving {
-            value: self.value.select(then.value, otherwise.value),
-            rate: self.value.select(then.rate, otherwise.rate),
-        }
+        Moving { value: self.value.select(then.value, otherwise.value), rate: self.value.select(then.rate, otherwise.rate) }
     }
     fn floor(self) -> Self {
         Moving { value: self.value.floor(), rate: S::zero() }

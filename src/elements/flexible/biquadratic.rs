@@ -172,11 +172,11 @@ mod tests {
     #[test]
     fn shape_functions_reproduce_biquadratics_and_their_slopes() {
         let all = TYING_R.iter().chain(&TYING_S).chain(&TYING_RS).chain(&GAUSS).chain(&AT_NODES);
-        let places = |r: &[f64], s: &[f64]| -> Vec<(f64, f64)> {
-            s.iter().flat_map(|&s| r.iter().map(move |&r| (r, s))).collect()
-        };
+        let places =
+            |r: &[f64], s: &[f64]| -> Vec<(f64, f64)> { s.iter().flat_map(|&s| r.iter().map(move |&r| (r, s))).collect() };
         let ends = [-1.0, 0.0, 1.0];
-        let at = [places(&TWO, &THREE), places(&THREE, &TWO), places(&TWO, &TWO), places(&THREE, &THREE), places(&ends, &ends)];
+        let at =
+            [places(&TWO, &THREE), places(&THREE, &TWO), places(&TWO, &TWO), places(&THREE, &THREE), places(&ends, &ends)];
         let mut checked = 0;
         for (w, (r, s)) in all.zip(at.concat()) {
             let sum = |weights: &[f64; NODES], f: &dyn Fn(f64, f64) -> f64| -> f64 {

@@ -114,9 +114,10 @@ fn in_reference<S: Scalar>(point: usize, p: &[S]) -> [S; 12] {
     let rows = SHELL_POINTS[point];
     std::array::from_fn(|i| {
         let Some(Interpolation { component, weights }) = rows.get(i) else { return S::zero() };
-        weights.iter().enumerate().fold(S::zero(), |sum, (node, &weight)| {
-            sum + p[NODE_PARAMETERS * node + component] * weight
-        })
+        weights
+            .iter()
+            .enumerate()
+            .fold(S::zero(), |sum, (node, &weight)| sum + p[NODE_PARAMETERS * node + component] * weight)
     })
 }
 
@@ -239,9 +240,8 @@ impl ShellField {
         let second = thickness * thickness * thickness / 12.0;
         let plane = young / (-(poisson * poisson) + 1.0);
         let shear = young / ((poisson + 1.0) * 2.0);
-        let of_plane_stress = |factor: S| {
-            [plane * factor, plane * poisson * factor, zero, plane * factor, zero, shear * factor]
-        };
+        let of_plane_stress =
+            |factor: S| [plane * factor, plane * poisson * factor, zero, plane * factor, zero, shear * factor];
         let transverse = shear * thickness * SHEAR_FACTOR;
         Section {
             stiffness: [of_plane_stress(thickness), [zero; 6], of_plane_stress(second)],
