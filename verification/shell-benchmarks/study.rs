@@ -54,11 +54,11 @@ fn patches(report: &mut Report) -> Result<(), String> {
             for (i, j) in (1..4).flat_map(|j| (1..4).map(move |i| (i, j))) {
                 let own = solved.node(solved.last(), i, j)?;
                 let (x, e) = field.at(place(i, j));
+                let directors = [Quaternion::from_slice(&own[3..]), Quaternion(e)].map(|e| e.columns()[2]);
                 // displacements along the plane are of second order where the others are small
                 let first = if size == SMALL { 2 } else { 0 };
-                let sign = if own[3] < 0.0 { -1.0 } else { 1.0 };
                 let places = (first..3).map(|k| own[k] - x[k]);
-                let turns = (0..4).map(|k| sign * own[3 + k] - e[k]);
+                let turns = (0..3).map(|k| directors[0][k] - directors[1][k]);
                 worst = places.chain(turns).fold(worst, |worst, error| worst.max(error.abs() / size));
             }
             report.at_most(format!("patch/{name}/thickness {thickness}/largest error by the field"), worst, 1e-9);
@@ -217,7 +217,7 @@ fn roll_up(report: &mut Report) -> Result<(), String> {
 }
 
 fn large_hemisphere(report: &mut Report) -> Result<(), String> {
-    for elements in [4, 8, 12] {
+    for elements in [4, 8, 12, 16] {
         let solved = solve(&Benchmark::new(Problem::Hemisphere, [elements; 2]), 20)?;
         let ends = |q: &[f64]| {
             let out = solved.displacement(q, 2 * elements, 0)?;

@@ -57,8 +57,6 @@ const fn grid<const R: usize, const N: usize>(r: [f64; R], s: &[f64]) -> [Weight
 pub static TYING_R: [Weights; 6] = grid(TWO, &THREE);
 /// At the tying points of strains along s: three along r, two along s.
 pub static TYING_S: [Weights; 6] = grid(THREE, &TWO);
-/// At the tying points of strains between r and s: two by two.
-pub static TYING_RS: [Weights; 4] = grid(TWO, &TWO);
 /// At the Gauss points, three by three.
 pub static GAUSS: [Weights; GAUSS_POINTS] = grid(THREE, &THREE);
 /// At the nodes.
@@ -100,13 +98,16 @@ const fn along_r(w: &'static Weights) -> [Interpolation; 9] {
 const fn along_s(w: &'static Weights) -> [Interpolation; 9] {
     rows([vector(X, &w.by_s), vector(D, &w.value), vector(D, &w.by_s)])
 }
-/// (dx/dr, dx/ds, dd/dr, dd/ds).
-const fn between(w: &'static Weights) -> [Interpolation; 12] {
-    rows([vector(X, &w.by_r), vector(X, &w.by_s), vector(D, &w.by_r), vector(D, &w.by_s)])
-}
-/// (x, d).
-const fn place(w: &'static Weights) -> [Interpolation; 6] {
-    rows([vector(X, &w.value), vector(D, &w.value)])
+/// (x, d, dx/dr, dx/ds, dd/dr, dd/ds).
+const fn place(w: &'static Weights) -> [Interpolation; 18] {
+    rows([
+        vector(X, &w.value),
+        vector(D, &w.value),
+        vector(X, &w.by_r),
+        vector(X, &w.by_s),
+        vector(D, &w.by_r),
+        vector(D, &w.by_s),
+    ])
 }
 /// (dx/dr, dx/ds, first axis, second axis).
 const fn turn(w: &'static Weights) -> [Interpolation; 12] {
@@ -129,20 +130,17 @@ macro_rules! table {
 }
 table!(ROWS_R: along_r at TYING_R, 9 x 6);
 table!(ROWS_S: along_s at TYING_S, 9 x 6);
-table!(ROWS_RS: between at TYING_RS, 12 x 4);
-table!(ROWS_GAUSS: place at GAUSS, 6 x 9);
+table!(ROWS_GAUSS: place at GAUSS, 18 x 9);
 table!(ROWS_NODES: turn at AT_NODES, 12 x 9);
 
-/// Number of points: tying points along r, along s and between, Gauss points, and nodes.
-pub const POINTS: usize = 34;
+/// Number of points: tying points along r and along s, Gauss points, and nodes.
+pub const POINTS: usize = 30;
 /// First tying point along s.
 pub const FIRST_S: usize = 6;
-/// First tying point between r and s.
-pub const FIRST_RS: usize = 12;
 /// First Gauss point.
-pub const FIRST_GAUSS: usize = 16;
+pub const FIRST_GAUSS: usize = 12;
 /// First node.
-pub const FIRST_NODE: usize = 25;
+pub const FIRST_NODE: usize = 21;
 
 /// What is interpolated at each point of a shell.
 pub static SHELL_POINTS: [&[Interpolation]; POINTS] = {
@@ -151,10 +149,8 @@ pub static SHELL_POINTS: [&[Interpolation]; POINTS] = {
     while point < POINTS {
         all[point] = if point < FIRST_S {
             &ROWS_R[point]
-        } else if point < FIRST_RS {
-            &ROWS_S[point - FIRST_S]
         } else if point < FIRST_GAUSS {
-            &ROWS_RS[point - FIRST_RS]
+            &ROWS_S[point - FIRST_S]
         } else if point < FIRST_NODE {
             &ROWS_GAUSS[point - FIRST_GAUSS]
         } else {
@@ -171,12 +167,11 @@ mod tests {
 
     #[test]
     fn shape_functions_reproduce_biquadratics_and_their_slopes() {
-        let all = TYING_R.iter().chain(&TYING_S).chain(&TYING_RS).chain(&GAUSS).chain(&AT_NODES);
+        let all = TYING_R.iter().chain(&TYING_S).chain(&GAUSS).chain(&AT_NODES);
         let places =
             |r: &[f64], s: &[f64]| -> Vec<(f64, f64)> { s.iter().flat_map(|&s| r.iter().map(move |&r| (r, s))).collect() };
         let ends = [-1.0, 0.0, 1.0];
-        let at =
-            [places(&TWO, &THREE), places(&THREE, &TWO), places(&TWO, &TWO), places(&THREE, &THREE), places(&ends, &ends)];
+        let at = [places(&TWO, &THREE), places(&THREE, &TWO), places(&THREE, &THREE), places(&ends, &ends)];
         let mut checked = 0;
         for (w, (r, s)) in all.zip(at.concat()) {
             let sum = |weights: &[f64; NODES], f: &dyn Fn(f64, f64) -> f64| -> f64 {

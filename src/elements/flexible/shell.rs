@@ -1,6 +1,8 @@
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::biquadratic::{
-    AT_NODES, FIRST_GAUSS, FIRST_NODE, FIRST_RS, FIRST_S, GAUSS, GAUSS_POINTS, LOBATTO, NODES, NUMBERS, POINTS,
-    SHELL_POINTS, Weights,
+    AT_NODES, FIRST_GAUSS, FIRST_NODE, FIRST_S, GAUSS, GAUSS_POINTS, LOBATTO, NODES, NUMBERS, POINTS, SHELL_POINTS, Weights,
 };
 use super::shape::{THREE, THREE_WEIGHTS, TWO};
 use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter};
@@ -14,8 +16,11 @@ use std::ops::Range;
 ///
 /// E_ab = (x,a . x,b - X,a . X,b) / 2,   K_ab = (x,a . d,b + x,b . d,a - X,a . D,b - X,b . D,a) / 2,   G_a = x,a . d - X,a . D.
 ///
-/// Strains along r (E_rr, K_rr, G_r) are taken at r = -+1/sqrt(3), s = 0, -+sqrt(3/5), those along s at the places mirrored, E_rs and K_rs at
-/// r, s = -+1/sqrt(3), and interpolated to three by three Gauss points (MITC), where
+/// Strains along r (E_rr, K_rr, G_r) are taken at r = -+1/sqrt(3), s = 0, -+sqrt(3/5), those along s at the places mirrored, and interpolated to
+/// three by three Gauss points (MITC). There E_rs and K_rs are replaced by the bilinear functions of r and s that are nearest to them in the
+/// sum of squares weighted by 1/j, with dA = j dr ds. Where j is constant, these are the values at r, s = -+1/sqrt(3) that MITC9 takes, to
+/// the last digit; elsewhere they keep the work of every constant stress, so that patches of distorted elements with straight edges
+/// find constant strains. With these strains
 ///
 /// V = integral of (E . A E + 2 E . B K + K . D K + G . S G) / 2 dA
 ///
@@ -75,7 +80,19 @@ const BETWEEN: usize = 2;
 /// Place of the first strain along s, of the first between, and of the first of turning.
 const STRAINS_S: usize = 6 * ALONG;
 const STRAINS_RS: usize = 2 * STRAINS_S;
-const TURNING: usize = STRAINS_RS + 4 * BETWEEN;
+const TURNING: usize = STRAINS_RS + GAUSS_POINTS * BETWEEN;
+
+/// Bilinear functions 1, r, s, r s at the Gauss points.
+const BILINEAR: [[f64; 4]; GAUSS_POINTS] = {
+    let mut all = [[1.0; 4]; GAUSS_POINTS];
+    let mut point = 0;
+    while point < GAUSS_POINTS {
+        let (r, s) = (THREE[point % 3], THREE[point / 3]);
+        all[point] = [1.0, r, s, r * s];
+        point += 1;
+    }
+    all
+};
 
 /// Upper triangle of a symmetric matrix of three rows, by rows.
 type Symmetric<S> = [S; 6];
@@ -110,7 +127,7 @@ fn combine<S: Scalar>(p: &[S], weights: &[f64; NODES], place: usize) -> Vector3<
 }
 
 /// Interpolated numbers of a point in the reference.
-fn in_reference<S: Scalar>(point: usize, p: &[S]) -> [S; 12] {
+fn in_reference<S: Scalar>(point: usize, p: &[S]) -> [S; 18] {
     let rows = SHELL_POINTS[point];
     std::array::from_fn(|i| {
         let Some(Interpolation { component, weights }) = rows.get(i) else { return S::zero() };
@@ -127,10 +144,74 @@ fn along<S: Scalar>(h: &[S]) -> [S; ALONG] {
     [slope.dot(&slope) * 0.5, slope.dot(&turn), slope.dot(&director)]
 }
 
-/// (x,r . x,s, x,r . d,s + x,s . d,r) from (x,r, x,s, d,r, d,s).
+/// (x,r . x,s, x,r . d,s + x,s . d,r) from (x, d, x,r, x,s, d,r, d,s).
 fn between<S: Scalar>(h: &[S]) -> [S; BETWEEN] {
     let vector = |place: usize| Vector3::first_three(&h[3 * place..]);
-    [vector(0).dot(&vector(1)), vector(0).dot(&vector(3)) + vector(1).dot(&vector(2))]
+    [vector(2).dot(&vector(3)), vector(2).dot(&vector(5)) + vector(3).dot(&vector(4))]
+}
+
+/// L D L^T of a symmetric matrix of four rows: L below the diagonal, 1/D on it.
+fn factors<S: Scalar>(matrix: [[S; 4]; 4]) -> [[S; 4]; 4] {
+    let mut own = matrix;
+    for k in 0..4 {
+        own[k][k] = own[k][k].recip();
+        for i in k + 1..4 {
+            let share = own[i][k] * own[k][k];
+            for j in k + 1..=i {
+                own[i][j] = own[i][j] - share * own[j][k];
+            }
+        }
+        for i in k + 1..4 {
+            own[i][k] = own[i][k] * own[k][k];
+        }
+    }
+    own
+}
+
+/// Solution for these factors.
+fn solve<S: Scalar>(factors: &[[S; 4]; 4], mut x: [S; 4]) -> [S; 4] {
+    for i in 0..4 {
+        for k in 0..i {
+            x[i] = x[i] - factors[i][k] * x[k];
+        }
+    }
+    for i in (0..4).rev() {
+        x[i] *= factors[i][i];
+        for k in i + 1..4 {
+            x[i] = x[i] - factors[k][i] * x[k];
+        }
+    }
+    x
+}
+
+/// What takes values at the Gauss points to the nearest bilinear function: the weight of each point, and the factors of the products of the
+/// bilinear functions with each other.
+struct Projection<S> {
+    weights: [S; GAUSS_POINTS],
+    factors: [[S; 4]; 4],
+}
+
+impl<S: Scalar> Projection<S> {
+    fn new(p: &[S]) -> Self {
+        let weights: [S; GAUSS_POINTS] = std::array::from_fn(|point| {
+            let (_, area) = surface(p, &GAUSS[point]);
+            area.recip() * gauss_weight(point)
+        });
+        let product = |i: usize, j: usize| {
+            let own = BILINEAR.iter().zip(&weights);
+            own.fold(S::zero(), |sum, (bilinear, &weight)| sum + weight * (bilinear[i] * bilinear[j]))
+        };
+        let matrix = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
+        Projection { weights, factors: factors(matrix) }
+    }
+    /// Coefficients of 1, r, s, r s.
+    fn of(&self, values: impl Fn(usize) -> S) -> [S; 4] {
+        let weighted: [S; GAUSS_POINTS] = std::array::from_fn(|point| values(point) * self.weights[point]);
+        let products = std::array::from_fn(|i| {
+            BILINEAR.iter().zip(&weighted).fold(S::zero(), |sum, (bilinear, &own)| sum + own * bilinear[i])
+        });
+        solve(&self.factors, products)
+    }
 }
 
 /// Tangents of the reference and its unit normal, with the area that they span.
@@ -262,8 +343,8 @@ impl ShellField {
         let section = self.section_at(p, &AT_NODES[node].value);
         [section.stiffness[0][5] * share, section.inertia[2] * share]
     }
-    /// Energy of the strains at a Gauss point, each interpolated from the tying points.
-    fn energy_at<S: Scalar>(&self, point: usize, e: &[S], p: &[S]) -> S {
+    /// Energy of the strains at a Gauss point, interpolated from the tying points, and those between r and s by their coefficients.
+    fn energy_at<S: Scalar>(&self, point: usize, e: &[S], between: &[[S; 4]; BETWEEN], p: &[S]) -> S {
         let (i, j) = (point % 3, point / 3);
         let (of_r, of_s) = (line(THREE[i]), line(THREE[j]));
         let tied_r = |which: usize| {
@@ -274,12 +355,9 @@ impl ShellField {
             let own = |b: usize| e[STRAINS_S + ALONG * (i + 3 * b) + which];
             own(0) * of_s[0] + own(1) * of_s[1]
         };
-        let tied_rs = |which: usize| {
-            let own = |a: usize, b: usize| e[STRAINS_RS + BETWEEN * (a + 2 * b) + which] * (of_r[a] * of_s[b]);
-            own(0, 0) + own(1, 0) + own(0, 1) + own(1, 1)
-        };
-        let strain = [tied_r(0), tied_s(0), tied_rs(0)];
-        let curvature = [tied_r(1), tied_s(1), tied_rs(1)];
+        let [strain_rs, curvature_rs] = between.map(|own| dot(own, BILINEAR[point].map(S::from)));
+        let strain = [tied_r(0), tied_s(0), strain_rs];
+        let curvature = [tied_r(1), tied_s(1), curvature_rs];
         let shear = [tied_r(2), tied_s(2)];
         let section = self.section_at(p, &GAUSS[point].value);
         let reference = Reference::at(p, point, self.direction(p));
@@ -384,9 +462,8 @@ impl Field for ShellField {
 
     fn strain_count(&self, point: usize) -> usize {
         match point {
-            0..FIRST_RS => ALONG,
-            FIRST_RS..FIRST_GAUSS => BETWEEN,
-            FIRST_GAUSS..FIRST_NODE => 0,
+            0..FIRST_GAUSS => ALONG,
+            FIRST_GAUSS..FIRST_NODE => BETWEEN,
             _ => 1,
         }
     }
@@ -401,7 +478,7 @@ impl Field for ShellField {
             return;
         }
         let start = in_reference(point, p);
-        if point < FIRST_RS {
+        if point < FIRST_GAUSS {
             let (now, before) = (along(h), along(&start));
             (0..ALONG).for_each(|i| e[i] = now[i] - before[i]);
         } else {
@@ -411,9 +488,11 @@ impl Field for ShellField {
     }
 
     fn stored_together<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        let projection = Projection::new(p);
+        let between = [0, 1].map(|which| projection.of(|point| e[STRAINS_RS + BETWEEN * point + which]));
         let mut energy = S::zero();
         for point in 0..GAUSS_POINTS {
-            energy += self.energy_at(point, e, p);
+            energy += self.energy_at(point, e, &between, p);
         }
         for node in 0..NODES {
             let [stiffness, _] = self.of_node(p, node);
@@ -429,4 +508,4 @@ impl Field for ShellField {
 }
 
 // the places of strains follow from the points
-const _: () = assert!(FIRST_S * ALONG == STRAINS_S && FIRST_RS * ALONG == STRAINS_RS && POINTS == FIRST_NODE + NODES);
+const _: () = assert!(FIRST_S * ALONG == STRAINS_S && FIRST_GAUSS * ALONG == STRAINS_RS && POINTS == FIRST_NODE + NODES);

@@ -6,7 +6,7 @@
 use super::{Drawing, Edge, MechanismBuilder, ShellMesh};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::biquadratic::{AT_NODES, NODES};
-use crate::elements::flexible::{Material, ShellField, ShellSection};
+use crate::elements::flexible::{Laminate, Material, ShellField, ShellSection};
 use crate::elements::{Flexible, NodeKind};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
@@ -69,6 +69,28 @@ impl<S: Scalar> MechanismBuilder<S> {
             let own = nodes.map(|[i, j]| thickness(element, [i as f64 / last[0], j as f64 / last[1]]));
             own.into_iter().chain([young, poisson, density]).collect()
         })
+    }
+
+    /// A shell of plies; axis 1 of its surface lies along `direction` in the world, projected on it.
+    pub fn laminate_shell(
+        &mut self,
+        name: &str,
+        mesh: ShellMesh<S>,
+        laminate: &Laminate<S>,
+        direction: Vector3<S>,
+    ) -> ShellMember {
+        if let Some(why) = laminate.mistake() {
+            self.mistakes.push(format!("the laminate of \"{name}\": {why}"));
+        }
+        let axis = self.unit(name, direction);
+        if mesh.normals.iter().any(|normal| !(normal.cross(&axis).length().value() > 1e-3)) {
+            self.mistakes.push(format!(
+                "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
+            ));
+        }
+        let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
+        let numbers = [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat();
+        self.add_shell(name, mesh, ShellField { section: ShellSection::Laminate }, |_, _| numbers.clone())
     }
 
     /// A shell with the section's parameters of each element, from its number and the places (i, j) of its nodes.
