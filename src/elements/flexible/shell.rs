@@ -343,8 +343,8 @@ impl ShellField {
         let section = self.section_at(p, &AT_NODES[node].value);
         [section.stiffness[0][5] * share, section.inertia[2] * share]
     }
-    /// Energy of the strains at a Gauss point, interpolated from the tying points, and those between r and s by their coefficients.
-    fn energy_at<S: Scalar>(&self, point: usize, e: &[S], between: &[[S; 4]; BETWEEN], p: &[S]) -> S {
+    /// Strains, curvatures and shear at a Gauss point towards (r, s), from those at the tying points and the coefficients of those between.
+    fn tied<S: Scalar>(point: usize, e: &[S], between: &[[S; 4]; BETWEEN]) -> ([S; 3], [S; 3], [S; 2]) {
         let (i, j) = (point % 3, point / 3);
         let (of_r, of_s) = (line(THREE[i]), line(THREE[j]));
         let tied_r = |which: usize| {
@@ -358,7 +358,28 @@ impl ShellField {
         let [strain_rs, curvature_rs] = between.map(|own| dot(own, BILINEAR[point].map(S::from)));
         let strain = [tied_r(0), tied_s(0), strain_rs];
         let curvature = [tied_r(1), tied_s(1), curvature_rs];
-        let shear = [tied_r(2), tied_s(2)];
+        (strain, curvature, [tied_r(2), tied_s(2)])
+    }
+    /// Coefficients of the strains and curvatures between r and s.
+    fn between<S: Scalar>(e: &[S], p: &[S]) -> [[S; 4]; BETWEEN] {
+        let projection = Projection::new(p);
+        [0, 1].map(|which| projection.of(|point| e[STRAINS_RS + BETWEEN * point + which]))
+    }
+    /// Strains of the reference surface and curvatures (11, 22, 2 x 12) at the Gauss points, in orthonormal axes, and thickness times half:
+    /// from the strains of the element, for an [isotropic](ShellSection::Isotropic) section.
+    pub fn surface_strains<S: Scalar>(&self, e: &[S], p: &[S]) -> [([S; 3], [S; 3], S); GAUSS_POINTS] {
+        let between = Self::between(e, p);
+        std::array::from_fn(|point| {
+            let (strain, curvature, _) = Self::tied(point, e, &between);
+            let rows = Reference::at(p, point, self.direction(p)).in_axes();
+            let weights = &GAUSS[point].value;
+            let thickness = weights.iter().zip(&p[SECTION..]).fold(S::zero(), |sum, (&weight, &own)| sum + own * weight);
+            (rows.map(|row| dot(row, strain)), rows.map(|row| dot(row, curvature)), thickness * 0.5)
+        })
+    }
+    /// Energy of the strains at a Gauss point.
+    fn energy_at<S: Scalar>(&self, point: usize, e: &[S], between: &[[S; 4]; BETWEEN], p: &[S]) -> S {
+        let (strain, curvature, shear) = Self::tied(point, e, between);
         let section = self.section_at(p, &GAUSS[point].value);
         let reference = Reference::at(p, point, self.direction(p));
         let share = reference.area * (0.5 * gauss_weight(point));
@@ -488,8 +509,7 @@ impl Field for ShellField {
     }
 
     fn stored_together<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
-        let projection = Projection::new(p);
-        let between = [0, 1].map(|which| projection.of(|point| e[STRAINS_RS + BETWEEN * point + which]));
+        let between = Self::between(e, p);
         let mut energy = S::zero();
         for point in 0..GAUSS_POINTS {
             energy += self.energy_at(point, e, &between, p);

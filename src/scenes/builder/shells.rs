@@ -8,6 +8,8 @@ use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::biquadratic::{AT_NODES, NODES};
 use crate::elements::flexible::{Laminate, Material, ShellField, ShellSection};
 use crate::elements::{Flexible, NodeKind};
+use crate::functionals::quantities::ShellFailure;
+use crate::functionals::{Functional, Measured, MeasuredQuantity, Member, Over};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// Stiffness against turning about the director, as a share of that against shear in the surface.
@@ -143,6 +145,32 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         self.draw_grid(&member);
         member
+    }
+
+    /// A functional of the largest von Mises stress anywhere in a shell by the yield stress [N/m2], by a smooth maximum with sharpness rho: see
+    /// [`ShellFailure`].
+    pub fn shell_failure_functional(&mut self, name: &str, over: Over, shell: &ShellMember, yielding: S, sharpness: f64) {
+        if !(sharpness > 0.0 && sharpness.is_finite()) {
+            self.mistakes.push(format!("\"{name}\" has a sharpness of {sharpness}; it must be greater than 0"));
+            return;
+        }
+        let quantity = MeasuredQuantity::new(Box::new(ShellFailure { sharpness }), 0);
+        let own = quantity.parameter_list().len() - 1;
+        // a shell that was refused has been reported already
+        let members: Vec<Member> = shell
+            .elements
+            .iter()
+            .filter_map(|id| self.model.elements.get(id.0))
+            .map(|element| Member { nodes: element.nodes.clone(), parameters: element.parameters.clone() })
+            .collect();
+        if members.iter().any(|member| member.parameters.len() != own) {
+            self.mistakes.push(format!("\"{name}\" needs a shell of one isotropic material; this one is a laminate"));
+            return;
+        }
+        let parameters = self.model.add_parameters(1);
+        self.numbers.p.push(yielding);
+        let measured = Measured::Largest { members, parameters, quantity, sharpness };
+        self.functionals.push(Functional { name: name.into(), unit: "-", measured, over });
     }
 
     /// Lines between elements.
