@@ -25,8 +25,6 @@ pub struct Patch {
     pub thickness: f64,
 }
 
-/// Size of displacements of fields that are linear in them.
-pub const SMALL: f64 = 1e-5;
 /// Slope of the sheared plate.
 const SLOPE: f64 = 0.05;
 const YOUNG: f64 = 1e3;
@@ -48,8 +46,13 @@ pub fn place(i: usize, j: usize) -> [f64; 2] {
 }
 
 impl Field {
-    /// Position and rotation that the field gives to the point (X, Y).
-    pub fn at(self, [x, y]: [f64; 2]) -> ([f64; 3], [f64; 4]) {
+    /// Size of displacements, small for fields that are linear in them: the membrane feels the square of deflection by thickness.
+    pub fn size(self, thickness: f64) -> f64 {
+        if matches!(self, Field::Bending | Field::Twist) { 1e-5_f64.min(1e-3 * thickness) } else { 1.0 }
+    }
+
+    /// Position and rotation that the field of some size gives to the point (X, Y).
+    pub fn at(self, size: f64, [x, y]: [f64; 2]) -> ([f64; 3], [f64; 4]) {
         let tilted = |w: f64, [w_x, w_y]: [f64; 2]| {
             // d = e_3 - grad w
             let axis = [w_y, -w_x];
@@ -65,8 +68,8 @@ impl Field {
                 let at = [f[0][0] * x + f[0][1] * y, f[1][0] * x + f[1][1] * y, 0.0];
                 (at, [half.cos(), 0.0, 0.0, half.sin()])
             }
-            Field::Bending => tilted(SMALL * (0.5 * x * x - 0.35 * y * y), [SMALL * x, -0.7 * SMALL * y]),
-            Field::Twist => tilted(SMALL * x * y, [SMALL * y, SMALL * x]),
+            Field::Bending => tilted(size * (0.5 * x * x - 0.35 * y * y), [size * x, -0.7 * size * y]),
+            Field::Twist => tilted(size * x * y, [size * y, size * x]),
             Field::Shear => ([x, y, SLOPE * x], [1.0, 0.0, 0.0, 0.0]),
         }
     }
@@ -129,7 +132,7 @@ impl Scene for Patch {
             for i in 0..5 {
                 let node = shell.node(i, j);
                 if i % 4 == 0 || j % 4 == 0 {
-                    let (x, e) = self.field.at(place(i, j));
+                    let (x, e) = self.field.at(self.field.size(self.thickness), place(i, j));
                     let first = m.model.node(node).dofs.start;
                     x.into_iter().chain(e).enumerate().for_each(|(k, own)| m.numbers.q[first + k] = S::from(own));
                 } else if self.field == Field::Shear {

@@ -140,7 +140,16 @@ impl<S: Scalar> MechanismBuilder<S> {
             p.push(S::from(DRILLING));
             p.extend([S::zero(); 3]);
             let own = format!("{name}, element {}, {}", column + 1, row + 1);
-            member.elements.push(self.add_element(&own, &nodes, Flexible(field).into(), &p));
+            // the first element is checked as any other, and what it records serves all
+            let added = match member.elements.first() {
+                Some(&like) if like.0 != usize::MAX && self.check_nodes(&own, &nodes, &[NodeKind::Body; NODES]) => {
+                    self.numbers.p.extend_from_slice(&p);
+                    self.model.add_element_like(&own, &nodes, like)
+                }
+                Some(_) => ElementId(usize::MAX),
+                None => self.add_element(&own, &nodes, Flexible(field).into(), &p),
+            };
+            member.elements.push(added);
             self.heavy_shells.push((member.elements[element], field.drilling() + 1));
         }
         self.draw_grid(&member);
