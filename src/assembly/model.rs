@@ -137,7 +137,7 @@ impl Model {
         let physics = self.elements[like.0].physics.clone();
         let parameters = self.add_parameters(physics.parameter_count());
         self.elements.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
-        ElementId(self.elements.len() - 1)
+        ElementId(self.elements.len() - 1, self.identity)
     }
 
     /// Adds a constraint; the caller has checked the number of coordinates.

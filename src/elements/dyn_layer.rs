@@ -272,6 +272,7 @@ struct ElementRecordings {
     inertia: OnceLock<Arc<Formula>>,
     energies: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
+    conservative: OnceLock<bool>,
 }
 
 /// The recording, which was checked before a run.
@@ -293,6 +294,7 @@ impl ElementPhysics {
             inertia: OnceLock::new(),
             energies,
             stresses: OnceLock::new(),
+            conservative: OnceLock::new(),
         }))
     }
 
@@ -322,7 +324,7 @@ impl ElementPhysics {
     }
     /// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
     pub fn is_conservative(&self) -> bool {
-        self.own.is_conservative()
+        *self.0.conservative.get_or_init(|| self.0.own.is_conservative())
     }
     /// Why its residual cannot be used, if so.
     pub fn residual_refused(&self) -> Option<&str> {

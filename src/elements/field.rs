@@ -1,6 +1,6 @@
 use super::lagrangian::{Formulas, from_energies};
 use super::{Element, NodeKind, Parameter, State};
-use crate::program::{Recorded, Stages, along_motion, gradient_of};
+use crate::program::{Recorded, Stages, along_motion, gradient_of, is_from_energies};
 use crate::scalar::{Moving, Scalar};
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -21,7 +21,7 @@ pub struct Interpolation {
 /// residuals that are written out. Methods are those of [`Element`], at a point; every list that one writes to holds zeros before.
 ///
 /// With a node map y = m(q, p) of each node by itself (a director from a rotation, say), y takes the place of q everywhere: h = W y, and the
-/// residual of the coordinates is (dy/dq)^T times that of y. What the points share is then differentiated towards y, and the map of each
+/// residual of the coordinates is (dy/dq)^T times that of y, which follows from energies and forces: none is written out then. What the points share is then differentiated towards y, and the map of each
 /// node by itself.
 pub trait Field: Send + Sync + 'static {
     /// Number of nodes.
@@ -236,7 +236,10 @@ impl<F: Field> Element for Flexible<F> {
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         if F::MAPPED.is_some() {
-            return S::from_energies();
+            // says that it follows from energies; one that is written out is refused, as it gives no numbers
+            let none = vec![S::zero(); F::POINTS[0].len()];
+            self.0.residual(0, State { a: &none, v: &none, q: &none }, p, t, &mut none.clone());
+            return r.fill(S::from(f64::NAN));
         }
         self.for_each_point(|point, rows, _| {
             let [a, v, q] = [s.a, s.v, s.q].map(|x| interpolate::<F, S>(rows, x));
@@ -253,6 +256,11 @@ impl<F: Field> Element for Flexible<F> {
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
         F::MAPPED?;
+        let none = vec![Recorded::from(0.0); F::POINTS[0].len()];
+        self.0.residual(0, State { a: &none, v: &none, q: &none }, p, t, &mut none.clone());
+        if !is_from_energies() {
+            return None;
+        }
         let y = self.node_numbers(s.q, p);
         let moving = |x: &[Recorded], rate: &[Recorded]| x.iter().copied().zip(rate.iter().copied()).collect::<Vec<_>>();
         let v = along_motion(&y, &moving(s.q, s.v));

@@ -39,7 +39,7 @@ use std::ops::Range;
 /// A = h C, B = 0, D = h^3/12 C with C of plane stress, S = 5/6 G h, m = rho h, m_1 = 0, m_2 = rho h^3/12;
 ///
 /// of a [laminate](ShellSection::Laminate): A [N/m], B \[N\], D [N m] by the rows of their upper triangles for (11, 22, 12), S [N/m] for
-/// (1, 2), m [kg/m2], m_1 \[kg\/m\], m_2 \[kg\], and a direction along axis 1, projected on the surface;
+/// (1, 2), m [kg/m2], m_1 [kg/m], m_2 \[kg\], and a direction along axis 1, projected on the surface;
 ///
 /// and `drilling` k, `gravity x, y, z` g [m/s2].
 ///

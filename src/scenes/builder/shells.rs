@@ -142,11 +142,14 @@ impl<S: Scalar> MechanismBuilder<S> {
             let own = format!("{name}, element {}, {}", column + 1, row + 1);
             // the first element is checked as any other, and what it records serves all
             let added = match member.elements.first() {
-                Some(&like) if like.0 != usize::MAX && self.check_nodes(&own, &nodes, &[NodeKind::Body; NODES]) => {
+                Some(&like)
+                    if self.model.find_element(like).is_some()
+                        && self.check_nodes(&own, &nodes, &[NodeKind::Body; NODES]) =>
+                {
                     self.numbers.p.extend_from_slice(&p);
                     self.model.add_element_like(&own, &nodes, like)
                 }
-                Some(_) => ElementId(usize::MAX),
+                Some(_) => self.model.refused_element(),
                 None => self.add_element(&own, &nodes, Flexible(field).into(), &p),
             };
             member.elements.push(added);
@@ -166,10 +169,15 @@ impl<S: Scalar> MechanismBuilder<S> {
         let quantity = MeasuredQuantity::new(Box::new(ShellFailure { sharpness }), 0);
         let own = quantity.parameter_list().len() - 1;
         // a shell that was refused has been reported already
+        let strange = |&id: &ElementId| id != self.model.refused_element() && self.model.find_element(id).is_none();
+        if shell.elements.iter().any(strange) {
+            self.refuse_stranger(name, "a shell");
+            return;
+        }
         let members: Vec<Member> = shell
             .elements
             .iter()
-            .filter_map(|id| self.model.elements.get(id.0))
+            .filter_map(|&id| self.model.find_element(id))
             .map(|element| Member { nodes: element.nodes.clone(), parameters: element.parameters.clone() })
             .collect();
         if members.iter().any(|member| member.parameters.len() != own) {
@@ -252,7 +260,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub(super) fn shell_gravity(&mut self, gravity: Vector3<S>, first: usize) {
         for &(element, place) in &self.heavy_shells[first..] {
             // an element that was refused has been reported already
-            let Some(element) = self.model.elements.get(element.0) else { continue };
+            let Some(element) = self.model.find_element(element) else { continue };
             let first = element.parameters.start + place;
             for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
                 *own += component;
