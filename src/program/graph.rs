@@ -348,19 +348,6 @@ impl Graph {
         reads
     }
 
-    /// How many of the operations that some nodes are made of depend on others, these included.
-    pub fn reach(&self, nodes: &[Node], from: &[Node]) -> usize {
-        let needed = self.needed(nodes);
-        let mut depends = vec![false; needed.len()];
-        from.iter().filter(|node| (node.0 as usize) < needed.len()).for_each(|node| depends[node.0 as usize] = true);
-        for index in (0..needed.len()).filter(|&index| needed[index]) {
-            let mut any = depends[index];
-            self.operations[index].for_each_operand(|operand| any |= depends[operand.0 as usize]);
-            depends[index] = any;
-        }
-        needed.iter().zip(depends).filter(|&(&needed, depends)| needed && depends).count()
-    }
-
     /// Which operations some nodes are made of.
     pub fn needed(&self, nodes: &[Node]) -> Vec<bool> {
         let mut needed = vec![false; nodes.iter().map(|node| node.0 as usize + 1).max().unwrap_or(0)];
