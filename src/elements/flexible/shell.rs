@@ -158,11 +158,13 @@ fn factors<S: Scalar>(matrix: [[S; 4]; 4]) -> [[S; 4]; 4] {
         for i in k + 1..4 {
             let share = own[i][k] * own[k][k];
             for j in k + 1..=i {
-                own[i][j] = own[i][j] - share * own[j][k];
+                let other = own[j][k];
+                own[i][j] -= share * other;
             }
         }
         for i in k + 1..4 {
-            own[i][k] = own[i][k] * own[k][k];
+            let inverse = own[k][k];
+            own[i][k] *= inverse;
         }
     }
     own
@@ -172,13 +174,15 @@ fn factors<S: Scalar>(matrix: [[S; 4]; 4]) -> [[S; 4]; 4] {
 fn solve<S: Scalar>(factors: &[[S; 4]; 4], mut x: [S; 4]) -> [S; 4] {
     for i in 0..4 {
         for k in 0..i {
-            x[i] = x[i] - factors[i][k] * x[k];
+            let known = x[k];
+            x[i] -= factors[i][k] * known;
         }
     }
     for i in (0..4).rev() {
         x[i] *= factors[i][i];
         for k in i + 1..4 {
-            x[i] = x[i] - factors[k][i] * x[k];
+            let known = x[k];
+            x[i] -= factors[k][i] * known;
         }
     }
     x

@@ -38,7 +38,7 @@ impl Scene for PlatePendulum {
         "plate of shell elements that falls from a hinge, from rest".into()
     }
     fn variables(&self) -> Vec<DesignVariable> {
-        (1..=self.strips).map(|strip| DesignVariable::new(&format!("thickness {strip}"), 0.01, (0.002, 0.03), "m")).collect()
+        (1..=self.strips).map(|strip| DesignVariable::new(format!("thickness {strip}"), 0.01, (0.002, 0.03), "m")).collect()
     }
     fn settings(&self) -> Settings {
         Settings::new(1e-3 * self.milliseconds as f64, self.milliseconds)
