@@ -135,10 +135,7 @@ pub(super) fn matrix(
             return in_stages(graph, (inputs, outputs, stages), nodes, &columns_of, movements);
         }
         let forms = graph.linear_forms(outputs, [0, n, 2 * n], n);
-        // along a number that belongs to one point less moves than along a coordinate; of many numbers for each coordinate the points hang
-        // together
-        let few = 2 * forms.len() <= 5 * n;
-        let interpolated = few && forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
+        let interpolated = forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
         let by_coordinates = interpolated.then(|| along_coordinates(graph, outputs, &forms, (n, &rates[..3], moves)));
         for column in 0..columns {
             let moved = match &by_coordinates {
