@@ -5,7 +5,7 @@
 mod support;
 
 use costate::program::{Formula, Graph, Node, Program, ProgramWork, Recorded, record};
-use costate::scalar::{COMPLEX_STEP, Complex64, CurveId, Interpolant, Scalar, TANGENTS, Tangents};
+use costate::scalar::{COMPLEX_STEP, Complex64, CurveId, Interpolant, Moving, Scalar, TANGENTS, Tangents};
 use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, HyperDual64};
 use std::sync::OnceLock;
 use support::Random;
@@ -51,6 +51,13 @@ impl Probe for Dual64 {
     fn probe(x: f64, f: impl Fn(Self) -> Self) -> Parts {
         let y = f(Dual64::new(x, 1.0));
         Parts { value: y.re, first: vec![y.eps], second: vec![] }
+    }
+}
+impl Probe for Moving<f64> {
+    const EXACT: bool = true;
+    fn probe(x: f64, f: impl Fn(Self) -> Self) -> Parts {
+        let y = f(Moving::new(x, 1.0));
+        Parts { value: y.value, first: vec![y.rate], second: vec![] }
     }
 }
 
@@ -422,6 +429,7 @@ types! {
     f64_only: f64,
     complex: Complex64,
     dual: Dual64,
+    moving: Moving<f64>,
     tangent: Tangents,
     dual_of_second_order: Dual2_64,
     dual_of_third_order: Dual3_64,

@@ -29,6 +29,8 @@ mod rigid_benchmarks;
 mod rigid_spring_beam;
 #[path = "robustness/study.rs"]
 mod robustness;
+#[path = "shell-benchmarks/study.rs"]
+mod shell_benchmarks;
 #[path = "stability/study.rs"]
 mod stability;
 #[path = "suspension/study.rs"]
@@ -78,6 +80,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(robustness::Robustness),
         Box::new(work_precision::WorkPrecision),
         Box::new(beam_benchmarks::BeamBenchmarks),
+        Box::new(shell_benchmarks::ShellBenchmarks),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(linear_solvers::LinearSolvers),

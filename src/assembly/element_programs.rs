@@ -5,7 +5,7 @@ use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
-use crate::program::{Formula, Graph, LinearForm, Node, Program};
+use crate::program::{Formula, Graph, LinearForm, Node, Program, Stages};
 use std::sync::Arc;
 
 /// What an element adds to F.
@@ -130,6 +130,10 @@ pub(super) fn matrix(
         let zero = graph.zero();
         let mut block = vec![zero; columns * columns];
         let n = layout.n;
+        if let (Some(stages), false) = (&formula.stages, stabilized) {
+            let movements = Movements { n, rates: &rates[..3], moves };
+            return in_stages(graph, (inputs, outputs, stages), nodes, &columns_of, movements);
+        }
         let forms = graph.linear_forms(outputs, [0, n, 2 * n], n);
         let interpolated = forms.iter().any(|form| form.weights.len() > 1) && !stabilized;
         let by_coordinates = interpolated.then(|| along_coordinates(graph, outputs, &forms, (n, &rates[..3], moves)));
@@ -146,6 +150,72 @@ pub(super) fn matrix(
         }
         block
     })
+}
+
+/// How the coordinates of an element move with its unknowns.
+struct Movements<'r> {
+    /// Number of coordinates.
+    n: usize,
+    /// gamma, beta, alpha.
+    rates: &'r [Node],
+    /// Which of them are not zero.
+    moves: [bool; 3],
+}
+
+/// The matrix of a residual R = (dy/dq)^T F(y) with a map y(q) of each node by itself: dF/dy once, then the maps of rows and columns, and
+/// what F does along the turning of its own map.
+fn in_stages(
+    graph: &mut Graph,
+    (inputs, outputs, stages): (&[Node], &[Node], &Stages<Node>),
+    nodes: &[NodeReduction],
+    columns_of: &Columns,
+    Movements { n, rates, moves }: Movements,
+) -> Vec<Node> {
+    let (zero, one) = (graph.zero(), graph.constant(1.0));
+    let (numbers, size) = (stages.numbers.concat(), Columns::count(nodes, false));
+    let moving = |graph: &Graph, list: &[Node]| -> Vec<(Node, Node)> {
+        list.iter().filter(|&&number| graph.constant_of(number).is_none()).map(|&number| (number, zero)).collect()
+    };
+    let (still, fixed) = (moving(graph, &numbers), moving(graph, &stages.forces));
+    // N_L^T (dy/dq)^T: for each number the rows that its force enters, with weights
+    let rows_of = |graph: &mut Graph, number: Node| -> Vec<(usize, Node)> {
+        let gradient = graph.reverse(&[number], &[one], &inputs[2 * n..3 * n]);
+        let mut rows = vec![zero; size];
+        columns_of.reduce(graph, &gradient, false, &mut rows);
+        rows.into_iter().enumerate().filter(|(_, weight)| !graph.is_zero(*weight)).collect()
+    };
+    let rows: Vec<_> = stages.numbers[2].iter().map(|&number| rows_of(graph, number)).collect();
+    // dF towards each number that moves
+    let mut along: Vec<Option<Vec<Node>>> = vec![None; numbers.len()];
+    let mut block = vec![zero; size * size];
+    for (column, target) in block.chunks_exact_mut(size).enumerate() {
+        let input = |kind: usize, dof: usize| inputs[kind * n + dof];
+        let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
+        // the maps turn while F stays
+        let turning = graph.forward(outputs, &[&seeds[..], &fixed].concat());
+        columns_of.reduce(graph, &turning, false, target);
+        let mut force = vec![zero; stages.forces.len()];
+        for (place, moved) in graph.forward(&numbers, &seeds).into_iter().enumerate() {
+            if graph.is_zero(moved) {
+                continue;
+            }
+            let by_number = along[place].get_or_insert_with(|| {
+                let seeds = [&still[..], &[(numbers[place], one)]].concat();
+                graph.forward(&stages.forces, &seeds)
+            });
+            for (force, &entry) in force.iter_mut().zip(&*by_number) {
+                let term = graph.mul(entry, moved);
+                *force = graph.add(*force, term);
+            }
+        }
+        for (force, rows) in force.into_iter().zip(&rows) {
+            for &(row, weight) in rows {
+                let term = graph.mul(weight, force);
+                target[row] = graph.add(target[row], term);
+            }
+        }
+    }
+    block
 }
 
 /// The matrix column by column, from derivatives along the interpolated numbers: of these a point has fewer than the element has

@@ -129,6 +129,17 @@ impl Model {
         ElementId(self.elements.len() - 1, self.identity)
     }
 
+    /// Adds an element with the formulas of one that is there, and other nodes of the same kinds: they are recorded once.
+    ///
+    /// # Panics
+    /// If that element is not one of this model.
+    pub fn add_element_like(&mut self, name: &str, nodes: &[NodeId], like: ElementId) -> ElementId {
+        let physics = self.elements[like.0].physics.clone();
+        let parameters = self.add_parameters(physics.parameter_count());
+        self.elements.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
+        ElementId(self.elements.len() - 1, self.identity)
+    }
+
     /// Adds a constraint; the caller has checked the number of coordinates.
     pub fn add_constraint(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyConstraint>) -> ConstraintId {
         let physics = ConstraintPhysics::new(physics);

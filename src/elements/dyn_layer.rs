@@ -194,7 +194,7 @@ impl<E: Element> AnyElement for E {
     }
     fn record_residual(&self) -> Recording {
         let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
-        Formula::record(3 * n + m + 1, |x| {
+        Formula::record_in_stages(3 * n + m + 1, |x| {
             let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
             residual(self, State { a, v, q }, p, t[0])
         })
@@ -258,8 +258,12 @@ pub(crate) fn dofs_of(nodes: &[NodeKind]) -> usize {
     nodes.iter().map(|kind| kind.dofs()).sum()
 }
 
-/// An element of a model with its recordings, each made when it is first asked for.
-pub struct ElementPhysics {
+/// An element of a model with its recordings, each made when it is first asked for, and once for all clones.
+#[derive(Clone)]
+pub struct ElementPhysics(Arc<ElementRecordings>);
+
+/// An element and what was recorded of it.
+struct ElementRecordings {
     own: Box<dyn AnyElement>,
     dofs: usize,
     parameters: usize,
@@ -268,6 +272,7 @@ pub struct ElementPhysics {
     inertia: OnceLock<Arc<Formula>>,
     energies: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
+    conservative: OnceLock<bool>,
 }
 
 /// The recording, which was checked before a run.
@@ -280,7 +285,7 @@ impl ElementPhysics {
     pub fn new(own: Box<dyn AnyElement>) -> Self {
         let (dofs, parameters) = (dofs_of(&own.node_kinds()), own.parameter_list().len());
         let [residual, impulse, energies] = [const { OnceLock::new() }; 3];
-        ElementPhysics {
+        ElementPhysics(Arc::new(ElementRecordings {
             own,
             dofs,
             parameters,
@@ -289,69 +294,70 @@ impl ElementPhysics {
             inertia: OnceLock::new(),
             energies,
             stresses: OnceLock::new(),
-        }
+            conservative: OnceLock::new(),
+        }))
     }
 
     /// Path of its type.
     pub fn type_name(&self) -> &'static str {
-        self.own.type_name()
+        self.0.own.type_name()
     }
     /// Number of coordinates.
     pub fn dof_count(&self) -> usize {
-        self.dofs
+        self.0.dofs
     }
     /// Number of parameters.
     pub fn parameter_count(&self) -> usize {
-        self.parameters
+        self.0.parameters
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
-        self.own.parameter_list()
+        self.0.own.parameter_list()
     }
     /// Times at which a load jumps.
     pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.own.breakpoint_times(p)
+        self.0.own.breakpoint_times(p)
     }
     /// Whether its energies are complete.
     pub fn has_energies(&self) -> bool {
-        self.own.has_energies()
+        self.0.own.has_energies()
     }
     /// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
     pub fn is_conservative(&self) -> bool {
-        self.own.is_conservative()
+        *self.0.conservative.get_or_init(|| self.0.own.is_conservative())
     }
     /// Why its residual cannot be used, if so.
     pub fn residual_refused(&self) -> Option<&str> {
-        self.residual.get_or_init(|| self.own.record_residual()).as_ref().err().map(String::as_str)
+        self.0.residual.get_or_init(|| self.0.own.record_residual()).as_ref().err().map(String::as_str)
     }
     /// Why it has no momentum, if so.
     pub fn impulse_refused(&self) -> Option<&str> {
-        self.impulse.get_or_init(|| self.own.record_impulse()).as_ref().err().map(String::as_str)
+        self.0.impulse.get_or_init(|| self.0.own.record_impulse()).as_ref().err().map(String::as_str)
     }
     /// R(a, v, q, p, t).
     pub fn residual(&self) -> &Arc<Formula> {
-        checked(self.residual.get_or_init(|| self.own.record_residual()))
+        checked(self.0.residual.get_or_init(|| self.0.own.record_residual()))
     }
     /// dR/da a of (a, v, q, p, t): inertia forces alone, where R is linear in a.
     pub fn inertia(&self) -> &Arc<Formula> {
-        self.inertia.get_or_init(|| {
+        self.0.inertia.get_or_init(|| {
             self.residual().derived(|graph, x, outputs| {
-                let seeds: Vec<_> = x[..self.dofs].iter().map(|&a| (a, a)).collect();
+                let seeds: Vec<_> = x[..self.0.dofs].iter().map(|&a| (a, a)).collect();
                 graph.forward(outputs, &seeds)
             })
         })
     }
     /// Whether it has strains, whose stresses a search can relieve.
     pub fn has_strains(&self) -> bool {
-        self.own.has_strains()
+        self.0.own.has_strains()
     }
     /// Formulas of its stresses, if it has strains that can be recorded apart.
     pub fn stresses(&self) -> Option<&StressFormulas> {
-        self.stresses.get_or_init(|| self.own.record_stresses().and_then(Result::ok)).as_ref()
+        self.0.stresses.get_or_init(|| self.0.own.record_stresses().and_then(Result::ok)).as_ref()
     }
     /// w_P P + w_F F of (a, v, q, p, t, w_P, w_F).
     pub fn impulse(&self) -> &Arc<Formula> {
-        checked(self.impulse.get_or_init(|| self.own.record_impulse()))
+        checked(self.0.impulse.get_or_init(|| self.0.own.record_impulse()))
     }
     /// R(a, v, q, p, t).
     pub fn residual_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<S> {
@@ -359,7 +365,7 @@ impl ElementPhysics {
     }
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
-        let place = 3 * self.dofs + self.parameters;
+        let place = 3 * self.0.dofs + self.0.parameters;
         let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])
@@ -370,13 +376,13 @@ impl ElementPhysics {
     pub fn impulse_at<S: RunScalar>(&self, s: State<S>, p: &[S], t: S, [of_momentum, of_force]: [f64; 2]) -> Vec<S> {
         let weights = [S::from(of_momentum), S::from(of_force)];
         let inputs: Vec<S> = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).chain(&weights).copied().collect();
-        let mut outputs = vec![S::zero(); self.dofs];
+        let mut outputs = vec![S::zero(); self.0.dofs];
         S::run(self.impulse().values(), &inputs, &mut outputs, &mut ProgramWork::default());
         outputs
     }
     fn evaluated<S: RunScalar>(&self, program: &Program, s: State<S>, p: &[S], t: S) -> Vec<S> {
         let inputs: Vec<S> = s.a.iter().chain(s.v).chain(s.q).chain(p).chain([&t]).copied().collect();
-        let mut outputs = vec![S::zero(); self.dofs];
+        let mut outputs = vec![S::zero(); self.0.dofs];
         S::run(program, &inputs, &mut outputs, &mut ProgramWork::default());
         outputs
     }
@@ -389,7 +395,7 @@ impl ElementPhysics {
     }
     /// The same as a formula of (v, q, p).
     pub fn energies(&self) -> &Arc<Formula> {
-        checked(self.energies.get_or_init(|| self.own.record_energies()))
+        checked(self.0.energies.get_or_init(|| self.0.own.record_energies()))
     }
 }
 

@@ -1,4 +1,5 @@
 use super::{NodeKind, Parameter};
+use crate::program::{Recorded, Stages};
 use crate::scalar::Scalar;
 
 /// Accelerations, velocities and coordinates of an element's nodes, one after the other.
@@ -68,5 +69,10 @@ pub trait Element: Send + Sync + 'static {
     /// Times at which a load jumps: steps end there and the acceleration is solved anew.
     fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()
+    }
+    /// The residual of an element with a node map, in stages; of [`Flexible`](super::Flexible) alone.
+    #[doc(hidden)]
+    fn in_stages(&self, _s: State<Recorded>, _p: &[Recorded], _t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
+        None
     }
 }

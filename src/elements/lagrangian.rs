@@ -4,7 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::{Element, State, dofs_of};
-use crate::program::{Formula, Recorded, along_motion, gradient_of, is_from_energies, record};
+use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
 /// Energies of an element.
 pub(super) struct Energies {
@@ -14,18 +14,53 @@ pub(super) struct Energies {
     pub potential: Recorded,
 }
 
+/// What a residual is made of, in recorded numbers: an element, or the same in numbers that a node map makes of its coordinates.
+pub trait Formulas {
+    fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]);
+    fn strain_count(&self) -> usize;
+    fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
+    fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
+}
+
+impl<E: Element> Formulas for E {
+    fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded {
+        Element::kinetic(self, v, q, p)
+    }
+    fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
+        Element::potential(self, q, p)
+    }
+    fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]) {
+        Element::add_force(self, v, q, p, t, force);
+    }
+    fn strain_count(&self) -> usize {
+        Element::strain_count(self)
+    }
+    fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]) {
+        Element::strains(self, q, p, t, e);
+    }
+    fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded {
+        Element::stored(self, e, p)
+    }
+    fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]) {
+        Element::damping(self, e, rate, p, t, s);
+    }
+}
+
 fn zeros(count: usize) -> Vec<Recorded> {
     vec![Recorded::from(0.0); count]
 }
 
-fn strains<E: Element>(element: &E, q: &[Recorded], p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+fn strains(element: &impl Formulas, q: &[Recorded], p: &[Recorded], t: Recorded) -> Vec<Recorded> {
     let mut e = zeros(element.strain_count());
     element.strains(q, p, t, &mut e);
     e
 }
 
 impl Energies {
-    pub fn of<E: Element>(element: &E, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
+    pub fn of(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
         let stored = element.stored(&strains(element, q, p, t), p);
         Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + stored }
     }
@@ -37,7 +72,7 @@ fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
 }
 
 /// Force F = dL/dq + Q and momentum P = dL/dv.
-fn force_and_momentum<E: Element>(element: &E, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
+fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
     let Energies { kinetic, potential } = Energies::of(element, [v, q, p], t);
     let mut force = gradient(kinetic - potential, q);
     let mut applied = zeros(q.len());
@@ -55,11 +90,19 @@ fn force_and_momentum<E: Element>(element: &E, [v, q, p]: [&[Recorded]; 3], t: R
     (force, gradient(kinetic, v))
 }
 
-/// R(a, v, q, p, t), as it is written or from energies.
-pub(super) fn residual<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+/// R(a, v, q, p, t), as it is written or from energies, and the stages in which it is made.
+pub(super) fn residual<E: Element>(
+    element: &E,
+    s: State<Recorded>,
+    p: &[Recorded],
+    t: Recorded,
+) -> (Vec<Recorded>, Option<Stages<Recorded>>) {
+    if let Some((residual, stages)) = element.in_stages(s, p, t) {
+        return (residual, Some(stages));
+    }
     match written(element, s, p, t) {
-        Some(residual) => residual,
-        None => from_energies(element, s, p, t),
+        Some(residual) => (residual, None),
+        None => (from_energies(element, s, p, t), None),
     }
 }
 
@@ -71,7 +114,7 @@ fn written<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recor
 }
 
 /// d/dt (dT/dv) - dL/dq - Q.
-fn from_energies<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+pub(super) fn from_energies(element: &impl Formulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
     let (force, momentum) = force_and_momentum(element, [s.v, s.q, p], t);
     let along_v = s.v.iter().copied().zip(s.a.iter().copied());
     let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();

@@ -24,6 +24,17 @@ pub enum Measured {
         /// The formula.
         quantity: MeasuredQuantity,
     },
+    /// The smooth maximum of a quantity over a group of elements: c + ln(sum of exp(rho (y - c))) / rho, c the largest y.
+    Largest {
+        /// The elements.
+        members: Vec<Member>,
+        /// Place in p of the parameters that all members share, behind their own.
+        parameters: Range<usize>,
+        /// The formula.
+        quantity: MeasuredQuantity,
+        /// rho, in units of 1 / y.
+        sharpness: f64,
+    },
     /// A force or moment with which a joint acts on one of its nodes.
     Load {
         /// The joint.
@@ -37,6 +48,15 @@ pub enum Measured {
     Energy,
     /// Mass of all elements \[kg\].
     Mass,
+}
+
+/// Where the quantity of a group reads one of its elements.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Its nodes.
+    pub nodes: Vec<NodeId>,
+    /// Place of its parameters in p.
+    pub parameters: Range<usize>,
 }
 
 /// What is made of it over time.
@@ -165,7 +185,7 @@ impl Functional {
         match &self.measured {
             Measured::Local { constraints, .. } => !constraints.is_empty(),
             Measured::Load { .. } => true,
-            Measured::Energy | Measured::Mass => false,
+            Measured::Largest { .. } | Measured::Energy | Measured::Mass => false,
         }
     }
 
@@ -248,11 +268,18 @@ impl Reading<'_> {
     }
 }
 
+/// c + ln(sum of exp(rho (y - c))) / rho with the largest y for c, which the result does not depend on.
+fn smooth_maximum<S: RunScalar>(values: &[S], sharpness: f64) -> S {
+    let largest = values.iter().fold(f64::NEG_INFINITY, |largest, value| largest.max(value.value()));
+    let sum = values.iter().fold(S::zero(), |sum, &value| sum + ((value - largest) * sharpness).exp());
+    sum.ln() / sharpness + largest
+}
+
 impl Measured {
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
         match self {
-            Measured::Local { quantity, .. } => quantity.refused(),
+            Measured::Local { quantity, .. } | Measured::Largest { quantity, .. } => quantity.refused(),
             _ => None,
         }
     }
@@ -269,6 +296,16 @@ impl Measured {
                     .chain(parameters.clone().map(Place::P))
                     .chain([Place::Time]);
                 read(Reading { formula: quantity.formula(), places: places.collect(), results: &[0] });
+            }
+            Measured::Largest { members, parameters, quantity, .. } => {
+                for member in members {
+                    let state = dofs(model, &member.nodes).map(Place::A).chain(dofs(model, &member.nodes).map(Place::V));
+                    let places = state
+                        .chain(dofs(model, &member.nodes).map(Place::Q))
+                        .chain(member.parameters.clone().chain(parameters.clone()).map(Place::P))
+                        .chain([Place::Time]);
+                    read(Reading { formula: quantity.formula(), places: places.collect(), results: &[0] });
+                }
             }
             Measured::Load { joint, parameters, load } => {
                 let joint = &model.constraints[joint.0];
@@ -293,8 +330,20 @@ impl Measured {
         }
     }
 
+    /// Values of all formulas.
+    fn values<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> Vec<S> {
+        S::with_work(|numbers, work| {
+            let mut values = Vec::new();
+            self.for_each_reading(model, |reading| values.push(reading.value(sample, p, numbers, work)));
+            values
+        })
+    }
+
     /// The value at a sample.
     pub fn value<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
+        if let Measured::Largest { sharpness, .. } = self {
+            return smooth_maximum(&self.values(model, sample, p), *sharpness);
+        }
         S::with_work(|numbers, work| {
             let mut sum = S::zero();
             self.for_each_reading(model, |reading| sum += reading.value(sample, p, numbers, work));
@@ -313,7 +362,16 @@ impl Measured {
         mu_bar: &mut [f64],
         p_bar: &mut [f64],
     ) {
+        // of a smooth maximum, the share of each value
+        let mut shares = Vec::new();
+        if let Measured::Largest { sharpness, .. } = self {
+            shares = self.values(model, sample, p);
+            let largest = smooth_maximum(&shares, *sharpness);
+            shares.iter_mut().for_each(|share| *share = (sharpness * (*share - largest)).exp());
+        }
+        let mut shares = shares.into_iter();
         self.for_each_reading(model, |reading| {
+            let factor = factor * shares.next().unwrap_or(1.0);
             reading.add_gradient(sample, p, factor, |place, entry| match place {
                 Place::A(dof) => at_bar.a[dof] += entry,
                 Place::V(dof) => at_bar.v[dof] += entry,

@@ -9,7 +9,7 @@ mod weights;
 
 pub mod quantities;
 
-pub use functional::{Functional, Measured, Over, Sample};
+pub use functional::{Functional, Measured, Member, Over, Sample};
 pub use load::{JointLoad, LoadKind};
 pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
 pub use reactions::least_multipliers;

@@ -41,10 +41,29 @@ pub struct Formula {
     pub inputs: usize,
     /// Results.
     pub outputs: Vec<Node>,
+    /// Stages of the residual of an element with a node map.
+    pub stages: Option<Stages<Node>>,
     graph: Mutex<Graph>,
     programs: RwLock<HashMap<Key, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
     values: OnceLock<Arc<Program>>,
     gradients: ProgramCache,
+}
+
+/// Numbers between the coordinates of an element and its residual R: y = m(q) of each node by itself, the residual F of these numbers, and
+/// R = (dy/dq)^T F.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Stages<N> {
+    /// d2y/dt2, dy/dt and y.
+    pub numbers: [Vec<N>; 3],
+    /// F, conjugate to y.
+    pub forces: Vec<N>,
+}
+
+impl Stages<Recorded> {
+    fn nodes(self, graph: &mut Graph) -> Stages<Node> {
+        let mut nodes = |list: Vec<Recorded>| list.into_iter().map(|number| number.node(graph)).collect();
+        Stages { numbers: self.numbers.map(&mut nodes), forces: nodes(self.forces) }
+    }
 }
 
 /// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one.
@@ -111,12 +130,28 @@ impl Formula {
     /// # Errors
     /// If it branches on a value: what was recorded would hold for other values only by chance.
     pub fn record(inputs: usize, formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
-        let _making = Making::begin();
-        let (results, recording) = record(&vec![f64::NAN; inputs], formula);
-        Self::of_recording(inputs, results, recording)
+        Self::record_in_stages(inputs, |x| (formula(x), None))
     }
 
-    fn of_recording(inputs: usize, results: Vec<Recorded>, recording: Recording) -> Result<Arc<Formula>, String> {
+    /// As [`Formula::record`], with the stages in which the results are made.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn record_in_stages(
+        inputs: usize,
+        formula: impl FnOnce(&[Recorded]) -> (Vec<Recorded>, Option<Stages<Recorded>>),
+    ) -> Result<Arc<Formula>, String> {
+        let _making = Making::begin();
+        let ((results, stages), recording) = record(&vec![f64::NAN; inputs], formula);
+        Self::of_recording(inputs, results, stages, recording)
+    }
+
+    fn of_recording(
+        inputs: usize,
+        results: Vec<Recorded>,
+        stages: Option<Stages<Recorded>>,
+        recording: Recording,
+    ) -> Result<Arc<Formula>, String> {
         let Recording { mut graph, looked, .. } = recording;
         if looked {
             return Err(
@@ -126,16 +161,18 @@ impl Formula {
             );
         }
         let outputs = results.into_iter().map(|result| result.node(&mut graph)).collect();
-        Ok(Self::shared(inputs, outputs, graph))
+        let stages = stages.map(|stages| stages.nodes(&mut graph));
+        Ok(Self::shared(inputs, outputs, stages, graph))
     }
 
-    fn shared(inputs: usize, outputs: Vec<Node>, graph: Graph) -> Arc<Formula> {
+    fn shared(inputs: usize, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
         let mut hasher = DefaultHasher::new();
-        (inputs, &outputs, graph.operations()).hash(&mut hasher);
+        (inputs, &outputs, &stages, graph.operations()).hash(&mut hasher);
         let mut all = lock(formulas());
         let hash = hasher.finish();
         for (operations, formula) in all.known.get(&hash).into_iter().flatten() {
-            if formula.inputs == inputs && formula.outputs == outputs && operations == graph.operations() {
+            let same = (formula.inputs, &formula.outputs, &formula.stages) == (inputs, &outputs, &stages);
+            if same && operations == graph.operations() {
                 return Arc::clone(formula);
             }
         }
@@ -143,7 +180,7 @@ impl Formula {
         let operations = graph.operations().to_vec();
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
         let gradients = ProgramCache::default();
-        let formula = Arc::new(Formula { inputs, outputs, graph, programs, values, gradients });
+        let formula = Arc::new(Formula { inputs, outputs, stages, graph, programs, values, gradients });
         all.known.entry(hash).or_default().push((operations, Arc::clone(&formula)));
         all.count += 1;
         formula
@@ -219,7 +256,7 @@ impl Formula {
         let mut graph = lock(&self.graph).clone();
         let inputs: Vec<Node> = (0..self.inputs).map(|index| graph.input(index)).collect();
         let outputs = results(&mut graph, &inputs, &self.outputs);
-        Self::shared(self.inputs, outputs, graph)
+        Self::shared(self.inputs, outputs, None, graph)
     }
 
     /// Looks at the recording.

@@ -21,7 +21,7 @@ mod operation;
 mod recorded;
 mod running;
 
-pub use formula::{Codes, Formula, ProgramCache, ProgramKey, continued};
+pub use formula::{Codes, Formula, ProgramCache, ProgramKey, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
 pub use listing::{Instruction, Listing, Source};

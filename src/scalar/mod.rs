@@ -8,6 +8,7 @@
 //! | [`Complex64`] | value and one complex perturbation | complex-step verification |
 //! | [`Tangents`], num-dual's `DualSVec64` | value and eight first derivatives | tangent runs |
 //! | num-dual's `Dual64`, `Dual2_64`, `Dual3_64`, `HyperDual64` | derivatives of first to third order | an independent check of what is derived from recordings |
+//! | [`Moving`] over any of them | value and rate along a motion | node maps of flexible elements |
 //! | [`Recorded`](crate::program::Recorded) | a place in a recording | everything else: see [`program`](crate::program) |
 //!
 //! A formula chooses by [`Scalar::select`], [`Scalar::max`], [`Scalar::abs`] and the like, which are right for every type; a formula
@@ -18,6 +19,7 @@ mod complex;
 mod curve;
 mod duals;
 mod jet;
+mod moving;
 mod real;
 mod rotation;
 mod vector;
@@ -25,6 +27,7 @@ mod vector;
 pub use complex::COMPLEX_STEP;
 pub use curve::{Curve, CurveId, Interpolant};
 pub use duals::{TANGENTS, Tangents};
+pub use moving::Moving;
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub use vector::SpatialVector;
 

@@ -5,9 +5,13 @@ mod functionals;
 mod joints;
 mod loads;
 mod rolling;
+mod shell_mesh;
+mod shells;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
+pub use shell_mesh::{Edge, ShellMesh};
+pub use shells::{DRILLING, ShellMember};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};
@@ -46,13 +50,15 @@ pub struct MechanismBuilder<S> {
     /// Nodes that beams and cables made for themselves, which nobody gave a name.
     pub nodes_of_members: Vec<NodeId>,
     ground: Option<NodeId>,
-    /// What was asked for, with the numbers of masses and of elements of beams and cables that have this weight.
-    gravities: Vec<(Vector3<S>, [usize; 3])>,
+    /// What was asked for, with the numbers of masses and of elements of beams, cables and shells that have this weight.
+    gravities: Vec<(Vector3<S>, [usize; 4])>,
     masses: Vec<(NodeId, S, Vector3<S>)>,
     /// Elements of beams: name, nodes, inertia of their Gauss points, whether eccentric.
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
     /// Elements of cables.
     heavy_cables: Vec<cables::HeavyCable<S>>,
+    /// Elements of shells, and the place of gravity among their parameters.
+    heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
     mistakes: Vec<String>,
@@ -69,6 +75,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     masses,
     heavy_beams,
     heavy_cables,
+    heavy_shells,
     angles,
     mistakes
 });

@@ -10,7 +10,9 @@ mod violation;
 
 pub mod built_in;
 
-pub use builder::{BeamLine, BeamMember, CableLine, CableMember, Drawing, MechanismBuilder};
+pub use builder::{
+    BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, MechanismBuilder, ShellMember, ShellMesh,
+};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};

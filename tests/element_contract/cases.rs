@@ -5,7 +5,8 @@ use super::support::time_functions::time_functions;
 use super::users::users_own;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use costate::elements::flexible::{
-    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
+    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, NODE_PARAMETERS, SECTION,
+    ShellField, ShellSection, SmallStrainCableField,
 };
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
@@ -185,6 +186,25 @@ pub fn cases() -> Vec<Case> {
         }
         if !eccentric {
             case.ignored.extend(["Gauss point 1: first", "Gauss point 2: first", "Gauss point 3: first"]);
+        }
+        list.push(case);
+    }
+    for (section, heavy) in [(ShellSection::Isotropic, true), (ShellSection::Laminate, false)] {
+        let field = ShellField { section };
+        let mut case = Case::flexible(format!("shell, {section:?}"), field).bound_to_world(heavy);
+        for (node, p) in case.p[..SECTION].chunks_exact_mut(NODE_PARAMETERS).enumerate() {
+            // a curved and distorted surface, and directors beside its normal
+            let (r, s) = (f64::from(node as u32 % 3) - 1.0, f64::from(node as u32 / 3) - 1.0);
+            let start = [r + 0.3 * s, 0.8 * s, 0.2 * r * s - 0.1 * r * r, 0.2 * r, 0.1 - 0.2 * s, 0.8];
+            p.iter_mut().zip(start).for_each(|(p, start)| *p = start + 0.1 * *p);
+        }
+        if section == ShellSection::Isotropic {
+            // far from the ratio at which plane stress has no stiffness
+            case.p[SECTION + 10] = 0.3;
+        }
+        let gravity = case.p.len() - 3;
+        if !heavy {
+            case.p[gravity..].fill(0.0);
         }
         list.push(case);
     }

@@ -12,7 +12,21 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Public names of numbers and options there, which have no formula of their own.
-const OPTIONS: [&str; 7] = ["STRAINS", "TYING_POINTS", "CableSection", "CableStrain", "HeldSlope", "Material", "Section"];
+const OPTIONS: [&str; 13] = [
+    "STRAINS",
+    "TYING_POINTS",
+    "DRILLING_INERTIA",
+    "NODE_PARAMETERS",
+    "SECTION",
+    "CableSection",
+    "CableStrain",
+    "HeldSlope",
+    "Laminate",
+    "Material",
+    "Ply",
+    "Section",
+    "ShellSection",
+];
 
 /// The names in the `pub use` lines of a file.
 fn public_names(file: &str) -> impl Iterator<Item = &str> {

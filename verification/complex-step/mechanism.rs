@@ -137,8 +137,10 @@ impl Case {
         let shoulder_joint = m.spherical("shoulder", [ground, arm], shoulder);
 
         // a subject on one body needs no second one
-        let alone =
-            matches!(self.subject, RigidBody | GravityOnBody | Force(NodeKind::Body, ..) | Torque(..) | Beam(_) | Cable(_));
+        let alone = matches!(
+            self.subject,
+            RigidBody | GravityOnBody | Force(NodeKind::Body, ..) | Torque(..) | Beam(_) | Cable(_) | Shell(_)
+        );
         let position = place([0.8, -0.2, -0.8]);
         let velocity = elbow_velocity + second_omega.cross(&(position - elbow));
         let light = matches!(
@@ -203,6 +205,12 @@ impl Case {
             }
             _ => None,
         };
+        if let Shell(subject) = &self.subject {
+            let own = subject.add(m, arm, arm_rotation);
+            for &node in &own.nodes[1..] {
+                m.set_velocity(node, omega.cross(&(m.position(node) - shoulder)), omega);
+            }
+        }
         m.gravity(at([0.6, -0.9, -9.7]));
 
         let both = [arm, second];
@@ -220,7 +228,7 @@ impl Case {
             function: &f,
         };
         match &self.subject {
-            RigidBody | NaturalBody | Cable(_) | PointMass | GravityOnBody | GravityOnPoint | Beam(_) => {}
+            RigidBody | NaturalBody | Cable(_) | Shell(_) | PointMass | GravityOnBody | GravityOnPoint | Beam(_) => {}
             LineSpring => drop(m.line_spring(name, both, ends, S::from(60.0), S::from(0.7))),
             LineDamper => drop(m.line_damper(name, both, ends, S::from(3.0))),
             VectorDamper => drop(m.vector_damper(name, both, ends, S::from(2.0))),
@@ -259,6 +267,7 @@ impl Case {
             RigidBody => "arm",
             NaturalBody => "link",
             Cable(subject) => subject.part(),
+            Shell(_) => super::shell::PART,
             PointMass => "bob",
             GravityOnBody => "weight of arm",
             GravityOnPoint => "weight of bob",

@@ -66,6 +66,7 @@ impl Case {
             Subject::Distance => own(7, Geometry),
             Subject::Beam(subject) => subject.reaches(self.statics),
             Subject::Cable(subject) => subject.reaches(),
+            Subject::Shell(subject) => subject.reaches(),
             Subject::Rotation(f) => [own(9, Geometry), drive(f)].concat(),
             Subject::Translation(f) => [own(9, Geometry), drive(f)].concat(),
         };

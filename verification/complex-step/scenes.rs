@@ -3,6 +3,7 @@
 use super::beam::{self, BeamSubject, Kind};
 use super::cable::CableSubject;
 use super::measures;
+use super::shell::ShellSubject;
 use costate::design::DesignVariable;
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
@@ -60,6 +61,7 @@ pub enum Subject {
     Translation(TimeFunction),
     Beam(BeamSubject),
     Cable(CableSubject),
+    Shell(ShellSubject),
 }
 
 /// One scene of the list.
@@ -172,6 +174,8 @@ pub fn list() -> Vec<Case> {
         beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
         beam("load-along-beam-world-lines", BeamSubject::Load(world, early), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
+        Case { every: [5, 1], ..element("shell", Shell(ShellSubject::Isotropic), &[]) },
+        Case { every: [5, 3], ..element("shell-of-plies", Shell(ShellSubject::Laminate), &[]) },
         cable("cable", CableSubject::Element),
         cable("cable-damped", CableSubject::Damped),
         cable("cable-small-strains", CableSubject::SmallStrain),

@@ -11,6 +11,7 @@ mod mechanism;
 mod quotient;
 mod reaches;
 mod scenes;
+mod shell;
 mod stiff_beams;
 
 use crate::verification::{Report, Study};

@@ -4,7 +4,8 @@ use super::user::{UserBeam, UserRevolute};
 use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
 use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
 use costate::elements::flexible::{
-    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, SmallStrainCableField,
+    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellSection,
+    SmallStrainCableField,
 };
 use costate::elements::forces::*;
 use costate::elements::joints::*;
@@ -44,6 +45,7 @@ const NATURAL: &[NodeKind] = &[Natural, Natural];
 const NATURAL_END: NodeKind = NodeKind::Natural;
 const BEAM: &[NodeKind] = &[Body, Body, Body];
 const CABLE: &[NodeKind] = &[Slope, Slope];
+const SHELL: &[NodeKind] = &[Body; 9];
 
 fn beam(coupled: bool, damped: bool) -> Flexible<BeamField> {
     Flexible(BeamField { coupled, damped, eccentric: coupled })
@@ -66,6 +68,8 @@ fn elements() -> Vec<Item> {
         element("cable", CABLE, move || Cable { damped: false }),
         element("cable damped", CABLE, move || Cable { damped: true }),
         element("cable of small strain", CABLE, move || Flexible(SmallStrainCableField)),
+        element("shell", SHELL, move || Flexible(ShellField { section: ShellSection::Isotropic })),
+        element("shell of plies", SHELL, move || Flexible(ShellField { section: ShellSection::Laminate })),
         element("inertia of a cable", CABLE, move || CableInertia),
         element("weight of a cable", CABLE, move || CableGravity),
         element("weight", &[Body], move || Gravity { on }),

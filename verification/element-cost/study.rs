@@ -40,10 +40,11 @@ const ROUNDS: usize = 60;
 const TRIES: usize = 10;
 
 /// Aims for residual and matrix together [us]: one element, and for each of many.
-const AIMS: [(&str, [f64; 2]); 5] = [
+const AIMS: [(&str, [f64; 2]); 6] = [
     ("rigid body", [0.16, 0.04]),
     ("beam", [1.6, 0.4]),
     ("beam damped", [2.0, 0.5]),
+    ("shell", [60.0, 15.0]),
     ("revolute", [0.5, 0.12]),
     ("bushing", [0.8, 0.2]),
 ];

@@ -2,14 +2,17 @@
 
 mod beam;
 mod beam_gravity;
+pub mod biquadratic;
 mod cable;
 mod cable_gravity;
 mod cable_inertia;
 mod cable_section;
 mod distributed_load;
 pub mod hermite;
+mod laminate;
 pub mod section;
 pub mod shape;
+mod shell;
 mod small_strain_cable;
 
 pub use beam::{Beam, BeamField, STRAINS, TYING_POINTS};
@@ -20,10 +23,12 @@ pub use cable_gravity::CableGravity;
 pub use cable_inertia::CableInertia;
 pub use cable_section::{CableSection, CableStrain};
 pub use distributed_load::{DistributedLoad, DistributedLoadField};
+pub use laminate::{Laminate, Ply};
 pub use section::{Material, Section};
+pub use shell::{DRILLING_INERTIA, NODE_PARAMETERS, SECTION, Shell, ShellField, ShellSection};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;
 
-instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, SmallStrainCable);
+instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, Shell, SmallStrainCable);

@@ -1,4 +1,4 @@
-//! Quantities of points, joints and sections of beams and cables. A new one is a file here and a line in this list.
+//! Quantities of points, joints, sections of beams and cables, and shells. A new one is a file here and a line in this list.
 
 mod cable_deflection;
 mod cable_largest_stress;
@@ -12,6 +12,7 @@ mod position;
 mod reaction;
 mod reaction_norm;
 mod section;
+mod shell_failure;
 mod target_distance;
 mod velocity;
 
@@ -27,13 +28,14 @@ pub use position::Position;
 pub use reaction::Reaction;
 pub use reaction_norm::ReactionNorm;
 pub use section::{SectionMeasure, SectionQuantity};
+pub use shell_failure::ShellFailure;
 pub use target_distance::TargetDistance;
 pub use velocity::Velocity;
 
 use super::AnyQuantity;
 use crate::elements::{Parameter, instantiate_here};
 
-instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
+instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, ShellFailure, TargetDistance, Velocity);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

@@ -10,14 +10,15 @@ use crate::elements::forces::{
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Weight of every mass, beam and cable, whether added before or after: g [m/s2]. Several calls add up.
+    /// Weight of every mass, beam, cable and shell, whether added before or after: g [m/s2]. Several calls add up.
     pub fn gravity(&mut self, gravity: Vector3<S>) {
-        self.add_weights(gravity, [0; 3]);
-        self.gravities.push((gravity, [self.masses.len(), self.heavy_beams.len(), self.heavy_cables.len()]));
+        self.add_weights(gravity, [0; 4]);
+        let weighed = [self.masses.len(), self.heavy_beams.len(), self.heavy_cables.len(), self.heavy_shells.len()];
+        self.gravities.push((gravity, weighed));
     }
 
-    /// Weight of all masses and elements of beams and cables but the first ones.
-    pub(super) fn add_weights(&mut self, gravity: Vector3<S>, [masses, beams, cables]: [usize; 3]) {
+    /// Weight of all masses and elements of beams, cables and shells but the first ones.
+    pub(super) fn add_weights(&mut self, gravity: Vector3<S>, [masses, beams, cables, shells]: [usize; 4]) {
         for place in masses..self.masses.len() {
             let (node, mass, centre) = self.masses[place];
             let name = format!("weight of {}", self.model.nodes[node.0].name);
@@ -27,6 +28,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         self.beam_gravity(gravity, beams);
         self.cable_gravity(gravity, cables);
+        self.shell_gravity(gravity, shells);
     }
 
     /// A spring along the line between world points of two nodes: stiffness [N/m], rest length \[m\].

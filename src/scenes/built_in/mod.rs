@@ -14,6 +14,7 @@ mod free_body;
 mod gear_train;
 mod heavy_top;
 mod pendulum;
+mod plate_pendulum;
 mod princeton_beam;
 mod right_angle_cantilever;
 mod rigid_spring_beam;
@@ -40,6 +41,7 @@ pub use free_body::FreeBody;
 pub use gear_train::GearTrain;
 pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
+pub use plate_pendulum::PlatePendulum;
 pub use princeton_beam::PrincetonBeam;
 pub use right_angle_cantilever::RightAngleCantilever;
 pub use rigid_spring_beam::RigidSpringBeam;
@@ -81,6 +83,7 @@ erased_here!(
     GearTrain,
     HeavyTop,
     Pendulum,
+    PlatePendulum,
     PrincetonBeam,
     RightAngleCantilever,
     RigidSpringBeam,
@@ -114,6 +117,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(FlyballGovernor),
         Box::new(FlexibleFourBar::default()),
         Box::new(FlexiblePendulum::default()),
+        Box::new(PlatePendulum::default()),
         Box::new(RigidSpringBeam),
         Box::new(Suspension::default()),
         Box::new(PrincetonBeam::default()),

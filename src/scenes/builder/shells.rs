@@ -1,0 +1,270 @@
+//! Shells on meshes of nine-node elements.
+
+// `!(x <= limit)` is how a NaN fails a check
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+
+use super::{Drawing, Edge, MechanismBuilder, ShellMesh};
+use crate::assembly::{ElementId, NodeId};
+use crate::elements::flexible::biquadratic::{AT_NODES, NODES};
+use crate::elements::flexible::{Laminate, Material, ShellField, ShellSection};
+use crate::elements::{Flexible, NodeKind};
+use crate::functionals::quantities::ShellFailure;
+use crate::functionals::{Functional, Measured, MeasuredQuantity, Member, Over};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+
+/// Stiffness against turning about the director, as a share of that against shear in the surface.
+pub const DRILLING: f64 = 0.1;
+
+/// A shell of a mechanism: its nodes and elements.
+#[derive(Clone, Debug)]
+pub struct ShellMember {
+    /// Elements along both directions.
+    pub counts: [usize; 2],
+    /// The first direction first; of a closed mesh those of its start stand at its end once more.
+    pub nodes: Vec<NodeId>,
+    /// The first direction first.
+    pub elements: Vec<ElementId>,
+}
+
+impl ShellMember {
+    /// Node (i, j) of the grid.
+    pub fn node(&self, i: usize, j: usize) -> NodeId {
+        self.nodes[i + j * (2 * self.counts[0] + 1)]
+    }
+    /// Nodes of an edge, in the order of the grid.
+    pub fn edge(&self, edge: Edge) -> Vec<NodeId> {
+        let [first, second] = self.counts.map(|count| 2 * count);
+        match edge {
+            Edge::FirstStart => (0..=second).map(|j| self.node(0, j)).collect(),
+            Edge::FirstEnd => (0..=second).map(|j| self.node(first, j)).collect(),
+            Edge::SecondStart => (0..=first).map(|i| self.node(i, 0)).collect(),
+            Edge::SecondEnd => (0..=first).map(|i| self.node(i, second)).collect(),
+        }
+    }
+}
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// A shell of one material and thickness \[m\] on a mesh, its nodes in the middle of its thickness.
+    ///
+    /// Nodes of its own start with the rotation of the nodes that are given, or that of the world.
+    pub fn shell(&mut self, name: &str, mesh: ShellMesh<S>, material: &Material<S>, thickness: S) -> ShellMember {
+        self.tapered_shell(name, mesh, material, |_, _| thickness)
+    }
+
+    /// A shell whose thickness \[m\] depends on the number of the element and on the share (u, v) of both directions: continuous if it
+    /// does not depend on the element.
+    pub fn tapered_shell(
+        &mut self,
+        name: &str,
+        mesh: ShellMesh<S>,
+        material: &Material<S>,
+        thickness: impl Fn(usize, [f64; 2]) -> S,
+    ) -> ShellMember {
+        let Material { young, poisson, density } = *material;
+        let field = ShellField { section: ShellSection::Isotropic };
+        let last = mesh.elements.map(|count| (2 * count).max(1) as f64);
+        if !(poisson.value() > -1.0 && poisson.value() < 1.0) {
+            let value = poisson.value();
+            self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
+        }
+        self.add_shell(name, mesh, field, |element, nodes| {
+            let own = nodes.map(|[i, j]| thickness(element, [i as f64 / last[0], j as f64 / last[1]]));
+            own.into_iter().chain([young, poisson, density]).collect()
+        })
+    }
+
+    /// A shell of plies; axis 1 of its surface lies along `direction` in the world, projected on it.
+    pub fn laminate_shell(
+        &mut self,
+        name: &str,
+        mesh: ShellMesh<S>,
+        laminate: &Laminate<S>,
+        direction: Vector3<S>,
+    ) -> ShellMember {
+        if let Some(why) = laminate.mistake() {
+            self.mistakes.push(format!("the laminate of \"{name}\": {why}"));
+        }
+        let axis = self.unit(name, direction);
+        if mesh.normals.iter().any(|normal| !(normal.cross(&axis).length().value() > 1e-3)) {
+            self.mistakes.push(format!(
+                "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
+            ));
+        }
+        let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
+        let numbers = [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat();
+        self.add_shell(name, mesh, ShellField { section: ShellSection::Laminate }, |_, _| numbers.clone())
+    }
+
+    /// A shell with the section's parameters of each element, from its number and the places (i, j) of its nodes.
+    pub(super) fn add_shell(
+        &mut self,
+        name: &str,
+        mesh: ShellMesh<S>,
+        field: ShellField,
+        section: impl Fn(usize, [[usize; 2]; NODES]) -> Vec<S>,
+    ) -> ShellMember {
+        let [first, second] = mesh.elements;
+        let mut member = ShellMember { counts: mesh.elements, nodes: Vec::new(), elements: Vec::new() };
+        let sound = self.check_mesh(name, &mesh);
+        let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
+        for j in 0..=2 * second {
+            for i in 0..=2 * first {
+                let place = mesh.place(i, j);
+                let given = mesh.given.iter().find(|(own, _)| *own == place);
+                member.nodes.push(match given {
+                    Some(&(_, node)) => node,
+                    None if mesh.closed && i == 2 * first => member.nodes[j * (2 * first + 1)],
+                    None => {
+                        let q: Vec<S> = mesh.points[place].components().into_iter().chain(rotation.0).collect();
+                        let fixed = mesh.clamped.contains(&place);
+                        self.add_node(&format!("{name}, node {i}, {j}"), NodeKind::Body, fixed, &q)
+                    }
+                });
+            }
+        }
+        if !sound {
+            return member;
+        }
+        for element in 0..first * second {
+            let (column, row) = (element % first, element / first);
+            let places: [[usize; 2]; NODES] = std::array::from_fn(|node| [2 * column + node % 3, 2 * row + node / 3]);
+            let nodes = places.map(|[i, j]| member.node(i, j));
+            let mut p = Vec::new();
+            for [i, j] in places {
+                let place = mesh.place(i, j);
+                for vector in [mesh.points[place], mesh.normals[place]] {
+                    p.extend(rotation.rotate_back(vector).components());
+                }
+            }
+            p.extend(section(element, places));
+            p.push(S::from(DRILLING));
+            p.extend([S::zero(); 3]);
+            let own = format!("{name}, element {}, {}", column + 1, row + 1);
+            // the first element is checked as any other, and what it records serves all
+            let added = match member.elements.first() {
+                Some(&like)
+                    if self.model.find_element(like).is_some()
+                        && self.check_nodes(&own, &nodes, &[NodeKind::Body; NODES]) =>
+                {
+                    self.numbers.p.extend_from_slice(&p);
+                    self.model.add_element_like(&own, &nodes, like)
+                }
+                Some(_) => self.model.refused_element(),
+                None => self.add_element(&own, &nodes, Flexible(field).into(), &p),
+            };
+            member.elements.push(added);
+            self.heavy_shells.push((member.elements[element], field.drilling() + 1));
+        }
+        self.draw_grid(&member);
+        member
+    }
+
+    /// A functional of the largest von Mises stress anywhere in a shell by the yield stress [N/m2], by a smooth maximum with sharpness rho: see
+    /// [`ShellFailure`].
+    pub fn shell_failure_functional(&mut self, name: &str, over: Over, shell: &ShellMember, yielding: S, sharpness: f64) {
+        if !(sharpness > 0.0 && sharpness.is_finite()) {
+            self.mistakes.push(format!("\"{name}\" has a sharpness of {sharpness}; it must be greater than 0"));
+            return;
+        }
+        let quantity = MeasuredQuantity::new(Box::new(ShellFailure { sharpness }), 0);
+        let own = quantity.parameter_list().len() - 1;
+        // a shell that was refused has been reported already
+        let strange = |&id: &ElementId| id != self.model.refused_element() && self.model.find_element(id).is_none();
+        if shell.elements.iter().any(strange) {
+            self.refuse_stranger(name, "a shell");
+            return;
+        }
+        let members: Vec<Member> = shell
+            .elements
+            .iter()
+            .filter_map(|&id| self.model.find_element(id))
+            .map(|element| Member { nodes: element.nodes.clone(), parameters: element.parameters.clone() })
+            .collect();
+        if members.iter().any(|member| member.parameters.len() != own) {
+            self.mistakes.push(format!("\"{name}\" needs a shell of one isotropic material; this one is a laminate"));
+            return;
+        }
+        let parameters = self.model.add_parameters(1);
+        self.numbers.p.push(yielding);
+        let measured = Measured::Largest { members, parameters, quantity, sharpness };
+        self.functionals.push(Functional { name: name.into(), unit: "-", measured, over });
+    }
+
+    /// Lines between elements.
+    fn draw_grid(&mut self, member: &ShellMember) {
+        let [first, second] = member.counts.map(|count| 2 * count);
+        let lines = (0..=second).step_by(2).map(|j| (0..=first).map(|i| member.node(i, j)).collect::<Vec<_>>());
+        let across = (0..=first).step_by(2).map(|i| (0..=second).map(|j| member.node(i, j)).collect::<Vec<_>>());
+        for line in lines.chain(across) {
+            self.drawings.push(Drawing { points: line.into_iter().map(|node| (node, [0.0; 3])).collect() });
+        }
+    }
+
+    fn check_mesh(&mut self, name: &str, mesh: &ShellMesh<S>) -> bool {
+        let mistakes = self.mistakes.len();
+        let [first, second] = mesh.elements;
+        if first == 0 || second == 0 {
+            self.mistakes.push(format!("\"{name}\" has {first} x {second} elements; a shell needs at least 1 x 1"));
+            return false;
+        }
+        for element in 0..first * second {
+            let (column, row) = (element % first, element / first);
+            let place = |node: usize| mesh.place(2 * column + node % 3, 2 * row + node / 3);
+            for (node, weights) in AT_NODES.iter().enumerate() {
+                let sum = |weights: &[f64; NODES]| {
+                    let terms = weights.iter().enumerate();
+                    terms.fold(Vector3::zeros(), |sum, (node, &weight)| sum + mesh.points[place(node)] * S::from(weight))
+                };
+                let (along, across) = (sum(&weights.by_r), sum(&weights.by_s));
+                let normal = along.cross(&across);
+                let cosine = normal.unit().dot(&mesh.normals[place(node)]).value();
+                if !(cosine > 0.5) {
+                    let (column, row, node) = (column + 1, row + 1, node + 1);
+                    self.mistakes.push(format!(
+                        "\"{name}\", element {column}, {row}: at its node {node} the surface and the normal enclose an angle whose cosine is \
+                         {cosine:.3}; nodes must lie apart, and the normal points to where the first direction is turned to the second \
+                         counterclockwise"
+                    ));
+                    return false;
+                }
+            }
+        }
+        let size = (mesh.points[mesh.points.len() - 1] - mesh.points[0]).length().value();
+        let mut rotation: Option<[f64; 4]> = None;
+        for &(place, node) in &mesh.given {
+            let Some(kind) = self.kind_of(name, node) else { continue };
+            let own = self.model.nodes[node.0].name.clone();
+            if kind != NodeKind::Body {
+                self.mistakes.push(format!("\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none"));
+                continue;
+            }
+            let gap = (self.position(node) - mesh.points[place]).length().value();
+            if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
+                self.mistakes.push(format!(
+                    "\"{name}\" lies {gap:.3e} m from its node \"{own}\": a shell takes hold of the origin of a body's frame"
+                ));
+            }
+            let e = self.rotation(node).0.map(Scalar::value);
+            let before = *rotation.get_or_insert(e);
+            if before.iter().zip(e).any(|(a, b)| (a - b).abs() > 1e-12) {
+                self.mistakes.push(format!(
+                    "\"{name}\" joins nodes whose frames start with different Euler parameters {before:?} and {e:?}; let them start alike, \
+                     or join nodes of its own by fixed joints"
+                ));
+            }
+        }
+        self.mistakes.len() == mistakes
+    }
+
+    /// Weight of the elements of shells from one of them on.
+    pub(super) fn shell_gravity(&mut self, gravity: Vector3<S>, first: usize) {
+        for &(element, place) in &self.heavy_shells[first..] {
+            // an element that was refused has been reported already
+            let Some(element) = self.model.find_element(element) else { continue };
+            let first = element.parameters.start + place;
+            for (own, component) in self.numbers.p[first..first + 3].iter_mut().zip(gravity.components()) {
+                *own += component;
+            }
+        }
+    }
+}

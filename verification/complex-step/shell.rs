@@ -1,0 +1,71 @@
+//! A shell of one element on the arm, curved and distorted, whose nodes start beside their reference.
+
+use super::measures::Reach;
+use costate::assembly::NodeId;
+use costate::elements::flexible::{Laminate, Material, Ply, SECTION};
+use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use costate::scenes::{MechanismBuilder, ShellMember, ShellMesh};
+
+/// Which section is tested.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShellSubject {
+    /// One material.
+    Isotropic,
+    /// Plies of two directions, beside the reference surface.
+    Laminate,
+}
+
+/// The part whose parameters are tested.
+pub const PART: &str = "shell, element 1, 1";
+
+use Reach::{Inertia, Mass, Stored};
+
+impl ShellSubject {
+    /// What each of its numbers can reach.
+    pub fn reaches(self) -> Vec<Reach> {
+        let geometry = (0..SECTION).map(|place| if place % 6 < 3 { Mass } else { Inertia });
+        let section = match self {
+            // nine thicknesses, two elastic constants, density
+            ShellSubject::Isotropic => [vec![Mass; 9], vec![Stored; 2], vec![Mass]].concat(),
+            // stiffnesses, inertia, direction
+            ShellSubject::Laminate => [vec![Stored; 21], vec![Mass], vec![Inertia; 2], vec![Stored; 3]].concat(),
+        };
+        // drilling and gravity
+        geometry.chain(section).chain([Stored; 4]).collect()
+    }
+
+    /// Adds the shell, its first node that of the arm; it turns with the arm.
+    pub fn add<S: Scalar>(self, m: &mut MechanismBuilder<S>, arm: NodeId, turned: Quaternion<S>) -> ShellMember {
+        let origin = m.position(arm);
+        let mesh = ShellMesh::on([1, 1], |u, v| {
+            let at = [0.6 * u + 0.1 * v * v, 0.5 * v + 0.05 * u * v, 0.12 * u * u - 0.1 * v + 0.15 * u * v];
+            let normal = [-0.24 * u - 0.15 * v, 0.2 - 0.3 * u, 1.0];
+            [origin + turned.rotate(Vector3::from_f64(at)), turned.rotate(Vector3::from_f64(normal))]
+        });
+        let mesh = mesh.with_node(0, 0, arm);
+        let (young, poisson, density) = (S::from(900.0), S::from(0.3), S::from(8.0));
+        let shell = match self {
+            ShellSubject::Isotropic => m.shell("shell", mesh, &Material { young, poisson, density }, S::from(0.1)),
+            ShellSubject::Laminate => {
+                let ply = |angle: f64, thickness: f64| Ply {
+                    thickness: S::from(thickness),
+                    angle: S::from(angle),
+                    young: [young, young * 0.4],
+                    poisson,
+                    shear: [300.0, 250.0, 200.0].map(S::from),
+                    density,
+                };
+                let plies = Laminate::new(vec![ply(0.4, 0.04), ply(-0.7, 0.06)]).offset(S::from(0.01));
+                m.laminate_shell("shell", mesh, &plies, turned.rotate(Vector3::from_f64([1.0, 0.3, 0.2])))
+            }
+        };
+        for (place, &node) in shell.nodes.iter().enumerate().skip(1) {
+            let phase = place as f64;
+            let shift = [0.02 * phase.sin(), 0.02 * (1.7 * phase).cos(), 0.03 * (2.3 * phase).sin()];
+            let first = m.model.node(node).dofs.start;
+            let shift = turned.rotate(Vector3::from_f64(shift));
+            (0..3).for_each(|i| m.numbers.q[first + i] += shift[i]);
+        }
+        shell
+    }
+}

@@ -1,0 +1,259 @@
+mod patch;
+mod scenes;
+mod solve;
+
+use crate::verification::{Noise, Report, Study};
+use costate::prelude::*;
+use patch::{Field, Patch, place};
+use scenes::{Benchmark, Problem};
+use solve::solve;
+
+/// Shells against patches of constant strain, published benchmarks, and what must not change.
+pub struct ShellBenchmarks;
+
+impl Study for ShellBenchmarks {
+    fn name(&self) -> &'static str {
+        "shell-benchmarks"
+    }
+    fn summary(&self) -> &'static str {
+        "shells against patches of constant strain, published static benchmarks, invariance, and vibrations of a plate"
+    }
+    fn run(&self, report: &mut Report) -> Result<(), String> {
+        let parts: [(&str, Part); 9] = [
+            ("patches", patches),
+            ("thin limit", thin_limit),
+            ("roof", roof),
+            ("pinched cylinder", pinched_cylinder),
+            ("hemisphere", hemisphere),
+            ("vibrations", vibrations),
+            ("end shear", end_shear),
+            ("roll-up", roll_up),
+            ("hemisphere, large", large_hemisphere),
+        ];
+        for (index, (title, part)) in parts.iter().enumerate() {
+            eprintln!("[{}/{}] {title}", index + 1, parts.len());
+            part(report).map_err(|error| format!("{title}: {error}"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Measures one problem.
+type Part = fn(&mut Report) -> Result<(), String>;
+
+fn patches(report: &mut Report) -> Result<(), String> {
+    for (field, name) in
+        [(Field::Membrane, "membrane"), (Field::Bending, "bending"), (Field::Twist, "twist"), (Field::Shear, "shear")]
+    {
+        for thickness in [0.1, 0.001] {
+            let size = field.size(thickness);
+            let solved = solve(&Patch { field, thickness }, 1)?;
+            let mut worst: f64 = 0.0;
+            for (i, j) in (1..4).flat_map(|j| (1..4).map(move |i| (i, j))) {
+                let own = solved.node(solved.last(), i, j)?;
+                let (x, e) = field.at(size, place(i, j));
+                let directors = [Quaternion::from_slice(&own[3..]), Quaternion(e)].map(|e| e.columns()[2]);
+                // displacements along the plane are of second order where the others are small
+                let first = if size < 1.0 { 2 } else { 0 };
+                let places = (first..3).map(|k| own[k] - x[k]);
+                let turns = (0..3).map(|k| directors[0][k] - directors[1][k]);
+                worst = places.chain(turns).fold(worst, |worst, error| worst.max(error.abs() / size));
+            }
+            report.at_most(format!("patch/{name}/thickness {thickness}/largest error by the field"), worst, 1e-9);
+        }
+    }
+    Ok(())
+}
+
+fn thin_limit(report: &mut Report) -> Result<(), String> {
+    // Timoshenko and Woinowsky-Krieger, clamped square plate: w = 0.00126532 q a^4 / D
+    let reference = 0.001_265_32;
+    for thickness in [1e-2, 1e-3, 1e-4] {
+        // a hundredth of the thickness
+        let share = 0.01 * thickness / reference;
+        for elements in [4, 8] {
+            let plate = Benchmark::linear(Problem::ClampedPlate { thickness }, [elements; 2], share);
+            let solved = solve(&plate, 1)?;
+            let w = -solved.displacement(solved.last(), elements, elements)?[2] / share;
+            let name = format!("thin limit/t by a {thickness}/{elements} x {elements} elements/deflection");
+            if elements == 8 && thickness < 5e-3 {
+                report.compare(name, w / reference, 1.0, 0.002);
+            } else {
+                report.inform(name, w / reference);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Deflections of linear theory on finer and finer meshes.
+fn converging(
+    report: &mut Report,
+    name: &str,
+    problem: Problem,
+    (meshes, share): (&[usize], f64),
+    deflection: impl Fn(&solve::Solved, usize) -> Result<f64, String>,
+) -> Result<Vec<f64>, String> {
+    let mut all = Vec::new();
+    for &elements in meshes {
+        let solved = solve(&Benchmark::linear(problem, [elements; 2], share), 1)?;
+        let own = deflection(&solved, elements)? / share;
+        report.inform(format!("{name}/{elements} x {elements} elements"), own);
+        all.push(own);
+    }
+    Ok(all)
+}
+
+fn roof(report: &mut Report) -> Result<(), String> {
+    let edge = |solved: &solve::Solved, elements: usize| Ok(-solved.displacement(solved.last(), 2 * elements, 0)?[2]);
+    let all = converging(report, "roof/deflection of the free edge", Problem::Roof, (&[2, 4, 8], 1e-5), edge)?;
+    report.compare("roof/8 x 8 elements/deflection by that of thin shells", all[2] / 0.3024, 1.0, 0.01);
+    report.compare("roof/8 x 8 elements/deflection by that with shear", all[2] / 0.3006, 1.0, 0.003);
+    Ok(())
+}
+
+fn pinched_cylinder(report: &mut Report) -> Result<(), String> {
+    let crown = |solved: &solve::Solved, _| Ok(-solved.displacement(solved.last(), 0, 0)?[2]);
+    let meshes = (&[4, 8, 16][..], 1.0);
+    let all = converging(report, "pinched cylinder/deflection", Problem::PinchedCylinder, meshes, crown)?;
+    report.compare("pinched cylinder/16 x 16 elements/deflection", all[2] / 1.8248e-5, 1.0, 0.01);
+    Ok(())
+}
+
+fn hemisphere(report: &mut Report) -> Result<(), String> {
+    let inwards = |solved: &solve::Solved, _| Ok(-solved.displacement(solved.last(), 0, 0)?[0] * 0.005);
+    let meshes = (&[4, 8, 16][..], 1e-5);
+    let all = converging(report, "hemisphere/deflection under a force of 2", Problem::Hemisphere, meshes, inwards)?;
+    report.compare("hemisphere/16 x 16 elements/deflection under a force of 2", all[2], 0.0935, 0.0005);
+    Ok(())
+}
+
+fn vibrations(report: &mut Report) -> Result<(), String> {
+    // omega a^2 sqrt(rho h / D), thin plate
+    let reference = [3.4710, 8.5065, 21.2846, 27.1988, 30.9555];
+    let thickness = 0.002;
+    let bending = thickness * (1.0_f64 / (12.0 * (1.0 - 0.09))).sqrt();
+    for elements in [4, 8] {
+        let plate = Benchmark::new(Problem::CantileverPlate { thickness }, [elements; 2]);
+        let prepared = Prepared::with(&plate, &[], Prepared::default_method(), Settings::new(1.0, 1))
+            .map_err(|error| error.to_string())?;
+        let modes = prepared.modes(5).map_err(|error| error.to_string())?;
+        for (number, (mode, reference)) in modes.iter().zip(reference).enumerate() {
+            let name = format!("cantilever plate/{elements} x {elements} elements/frequency {}", number + 1);
+            let ratio = mode.frequency / bending / reference;
+            if elements == 8 { report.compare(name, ratio, 1.0, 0.003) } else { report.inform(name, ratio) }
+        }
+    }
+    Ok(())
+}
+
+/// Rows of a table.
+fn rows(table: &'static str) -> Result<Vec<Vec<f64>>, String> {
+    let parse =
+        |line: &'static str| line.split(',').map(|field| field.trim().parse::<f64>().ok()).collect::<Option<Vec<f64>>>();
+    let rows = table.lines().skip(1).filter(|line| !line.is_empty());
+    rows.map(|line| parse(line).ok_or_else(|| format!("the row \"{line}\" is no row of numbers"))).collect()
+}
+
+/// Largest difference of displacements from columns of a table, by the largest displacement in it.
+fn against(
+    table: &'static str,
+    columns: [usize; 2],
+    equilibria: &[Vec<f64>],
+    own: impl Fn(&[f64]) -> Result<[f64; 2], String>,
+) -> Result<f64, String> {
+    let rows: Vec<Vec<f64>> = rows(table)?.into_iter().filter(|row| row[0] > 0.0).collect();
+    if rows.len() != equilibria.len() {
+        return Err(format!("{} rows, but {} equilibria", rows.len(), equilibria.len()));
+    }
+    let mut worst: f64 = 0.0;
+    for (k, column) in columns.into_iter().enumerate() {
+        let largest = rows.iter().fold(0.0, |largest: f64, row| largest.max(row[column].abs()));
+        for (row, q) in rows.iter().zip(equilibria) {
+            worst = worst.max((own(q)?[k] - row[column]).abs() / largest);
+        }
+    }
+    Ok(worst)
+}
+
+fn end_shear(report: &mut Report) -> Result<(), String> {
+    for elements in [4, 8, 16] {
+        let solved = solve(&Benchmark::new(Problem::EndShear, [elements, 1]), 20)?;
+        let tip = |q: &[f64]| {
+            let [u, _, w] = solved.displacement(q, 2 * elements, 1)?;
+            Ok([-u, w])
+        };
+        let worst = against(include_str!("sze31_cantilever_end_shear.csv"), [1, 2], &solved.equilibria, tip)?;
+        let name = format!("end shear/{elements} x 1 elements/largest error by the largest displacement");
+        if elements == 16 { report.at_most(name, worst, 0.005) } else { report.inform(name, worst) }
+    }
+    Ok(())
+}
+
+fn roll_up(report: &mut Report) -> Result<(), String> {
+    for elements in [8, 16] {
+        let bar = Benchmark { load_steps: 100, ..Benchmark::new(Problem::EndMoment, [elements, 1]) };
+        let solved = solve(&bar, 20)?;
+        let tip = |q: &[f64]| {
+            let [u, _, w] = solved.displacement(q, 2 * elements, 1)?;
+            Ok([-u, w])
+        };
+        let worst = against(include_str!("sze32_cantilever_end_moment.csv"), [2, 4], &solved.equilibria, tip)?;
+        let [u, _, w] = solved.displacement(solved.last(), 2 * elements, 1)?;
+        let gap = (u + 12.0).hypot(w) / 12.0;
+        let names = ["largest error by the largest displacement", "gap of the circle by L"];
+        let [error, gap_name] = names.map(|name| format!("roll-up/{elements} x 1 elements/{name}"));
+        if elements == 16 {
+            report.at_most(error, worst, 0.005);
+            report.at_most(gap_name, gap, 0.002);
+        } else {
+            report.inform(error, worst);
+            report.inform(gap_name, gap);
+        }
+    }
+    Ok(())
+}
+
+fn large_hemisphere(report: &mut Report) -> Result<(), String> {
+    for elements in [4, 8, 16] {
+        let solved = solve(&Benchmark::new(Problem::Hemisphere, [elements; 2]), 20)?;
+        let ends = |q: &[f64]| {
+            let out = solved.displacement(q, 2 * elements, 0)?;
+            let inwards = solved.displacement(q, 0, 0)?;
+            Ok([out[1], -inwards[0]])
+        };
+        let worst = against(include_str!("sze34_hemisphere_hole.csv"), [1, 2], &solved.equilibria, ends)?;
+        let name = format!("hemisphere, large/{elements} x {elements} elements/largest error by the largest displacement");
+        if elements == 12 {
+            report.at_most(name, worst, 0.01)
+        } else {
+            report.inform(name, worst)
+        }
+        if elements == 4 {
+            invariance(report, &solved);
+        }
+    }
+    Ok(())
+}
+
+/// The strain energy of a shell under rigid motions of its nodes.
+fn invariance(report: &mut Report, solved: &solve::Solved) {
+    let (q, mut random) = (solved.last(), Noise::new(1));
+    let energy = solved.energy(q);
+    let mut worst: f64 = 0.0;
+    for _ in 0..1000 {
+        let turn = Quaternion(std::array::from_fn(|_| random.next()));
+        let norm = turn.norm_squared().sqrt();
+        let turn = Quaternion(turn.0.map(|e| e / norm));
+        let shift = Vector3::from(std::array::from_fn(|_| random.next()));
+        let moved: Vec<f64> = q
+            .chunks_exact(7)
+            .flat_map(|node| {
+                let place = turn.rotate(Vector3::first_three(node)) + shift;
+                place.components().into_iter().chain(turn.times(Quaternion::from_slice(&node[3..])).0)
+            })
+            .collect();
+        worst = worst.max((solved.energy(&moved) / energy - 1.0).abs());
+    }
+    report.at_most("invariance/strain energy under 1000 rigid motions, relative change", worst, 1e-12);
+}
