@@ -90,10 +90,13 @@ impl ProgramCache {
 /// Formulas that are kept for models to come, whether one of today uses them or not.
 const KEPT: usize = 1000;
 
-/// The formulas of the process, by the operations that were recorded.
+/// A formula with its recorded operations.
+type Listed = (Vec<Operation>, Arc<Formula>);
+
+/// The formulas of the process, by the hash of their operations.
 #[derive(Default)]
 struct Formulas {
-    known: HashMap<u64, Vec<(Vec<Operation>, Arc<Formula>)>>,
+    known: HashMap<u64, Vec<Listed>>,
     count: usize,
     /// Count at which those are forgotten that no model uses.
     full: usize,
