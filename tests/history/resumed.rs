@@ -48,7 +48,8 @@ fn part_of(path: &Path) -> PathBuf {
 
 /// Stops a run twice, then cuts its file off at many lengths, as a crash does, and goes on each time.
 fn goes_on(prepared: &mut Prepared, place: &str) {
-    let folder = Folder::new("resumed");
+    // tests may share a process
+    let folder = Folder::new(&format!("resumed {place}"));
     prepared.keep = Keep::File(folder.0.join("whole.bin"));
     let (whole, forward) = outcome(prepared, place);
     let steps = forward.history.steps();
