@@ -194,6 +194,11 @@ pub fn list() -> Vec<Case> {
 }
 
 impl Case {
+    /// A shell.
+    pub fn is_of_shells(&self) -> bool {
+        matches!(self.subject, Subject::Shell(_))
+    }
+
     /// About a beam, its weight or its loads.
     pub fn is_of_beams(&self) -> bool {
         matches!(self.subject, Subject::Beam(_))
