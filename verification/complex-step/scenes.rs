@@ -174,8 +174,8 @@ pub fn list() -> Vec<Case> {
         beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
         beam("load-along-beam-world-lines", BeamSubject::Load(world, early), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
-        Case { every: [5, 1], ..element("shell", Shell(ShellSubject::Isotropic), &[]) },
-        Case { every: [5, 3], ..element("shell-of-plies", Shell(ShellSubject::Laminate), &[]) },
+        element("shell", Shell(ShellSubject::Isotropic), &[]),
+        element("shell-of-plies", Shell(ShellSubject::Laminate), &[]),
         cable("cable", CableSubject::Element),
         cable("cable-damped", CableSubject::Damped),
         cable("cable-small-strains", CableSubject::SmallStrain),
@@ -209,11 +209,15 @@ impl Case {
     }
     /// With flexible parts.
     pub fn is_flexible(&self) -> bool {
-        matches!(self.subject, Subject::Beam(_) | Subject::Cable(_))
+        matches!(self.subject, Subject::Beam(_) | Subject::Cable(_) | Subject::Shell(_))
     }
-    /// End of the motion [s]: steps of a quarter resolve the waves along flexible parts.
+    /// End of the motion [s]: steps of a quarter resolve the waves along flexible parts, of a tenth those between the nodes of a shell.
     pub fn end(&self) -> f64 {
-        if self.is_flexible() { 0.25 * END } else { END }
+        match self.subject {
+            Subject::Shell(_) => 0.1 * END,
+            _ if self.is_flexible() => 0.25 * END,
+            _ => END,
+        }
     }
     /// One that goes with every integrator: a body, a joint of two bodies, a nonholonomic constraint, a driver, a load that jumps.
     pub fn goes_with_all(&self) -> bool {

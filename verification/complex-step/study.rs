@@ -89,10 +89,10 @@ fn of_equilibria(case: &Case) -> Option<(Case, Member, ConstraintLevel)> {
 /// Elements of beams have up to ninety parameters, each a complex-step run: all go with two integrators, every sixth with any other, from
 /// another one on for each.
 ///
-/// The longest formulas are those of shells: every fifth of their parameters goes with the two, every thirtieth with any other.
+/// The longest formulas are those of shells: all their parameters go with the default integrator, every thirtieth with any other.
 fn share_of(case: &Case, index: usize, member: &Member) -> Case {
     if case.is_of_shells() {
-        let few = !ALL_OF_BEAMS.contains(&member.name.as_str());
+        let few = member.name != DEFAULT_TABLE;
         return if few { Case { every: [30, index % 30], ..case.clone() } } else { case.clone() };
     }
     let all = !case.is_of_beams() || case.nominal().0.len() <= 24 || ALL_OF_BEAMS.contains(&member.name.as_str());
