@@ -1,6 +1,7 @@
-//! The pendulum with less and less stretch, as a cable and as a geometrically exact beam.
+//! The pendulum with less and less stretch, as a cable and as a geometrically exact beam, and one that is set in motion smoothly.
 
 use costate::elements::flexible::{CableSection, Section};
+use costate::elements::forces::{AppliedForce, LoadFrame};
 use costate::prelude::*;
 use costate::scenes::{BeamLine, CableLine};
 
@@ -61,6 +62,42 @@ impl Scene for Stiffened {
             }
         }
         m.gravity(vector([0.0, -9.81, 0.0]));
+        Ok(())
+    }
+}
+
+/// The pendulum without weight, from rest under a force across its tip that begins smoothly: nothing in it has a breakpoint.
+pub struct Pushed {
+    pub elements: usize,
+}
+
+/// Size of the force, about half the weight of the pendulum [N], and how long it grows [s].
+const PUSH: f64 = 60.0;
+const GROWTH: f64 = 0.5;
+
+impl Scene for Pushed {
+    fn name(&self) -> String {
+        format!("pendulum of {} elements, pushed", self.elements)
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 1000)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let section = CableSection::new(
+            S::from(YOUNG * SIDE * SIDE),
+            S::from(YOUNG * SIDE.powi(4) / 12.0),
+            S::from(DENSITY * SIDE * SIDE),
+        );
+        let ends = [Vector3::zeros(), Vector3::from_f64([LENGTH, 0.0, 0.0])];
+        let ground = m.ground();
+        let cable = m.cable("pendulum", CableLine::straight(ends, self.elements), &section);
+        m.spherical("hinge", [ground, cable.start()], Vector3::zeros());
+        let push = AppliedForce { on: NodeKind::Slope, frame: LoadFrame::World, size: TimeFunction::SmoothRamp };
+        let numbers = [0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, PUSH, 0.0, GROWTH].map(S::from);
+        m.element("push", &[cable.end()], push, &numbers);
         Ok(())
     }
 }
