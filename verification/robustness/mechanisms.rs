@@ -7,7 +7,7 @@ use super::random_mechanism::RandomMechanism;
 use crate::verification::Report;
 use costate::assembly::{Jacobian, Residual, StageSystem};
 use costate::history::{Rerun, Watch};
-use costate::integrators::{StepRecord, Systems};
+use costate::integrators::{StepError, StepRecord, Systems};
 use costate::linalg::{Backend, Factorization};
 use costate::prelude::*;
 use costate::sensitivity::{Analysis, Forward};
@@ -57,8 +57,9 @@ enum Outcome {
     Error,
     /// Simulated; quotients do not exist or scatter as much as they are large.
     Unchecked,
-    /// Simulated with steps so long that their equations have several solutions: another one is taken by a design beside.
-    Torn,
+    /// Simulated with steps so long that their equations have several solutions: another one is taken by a design beside. The run has said
+    /// so if the estimated error of its steps asks for a warning.
+    Torn { said: bool },
     /// A result that is wrong without a word.
     Wrong(String),
     /// A panic.
@@ -88,14 +89,18 @@ pub fn count(report: &mut Report, mechanisms: u64) {
         (0..threads).for_each(|_| _ = scope.spawn(draw));
     });
     let outcomes = outcomes.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let mut counts = [0.0; 7];
+    let mut counts = [0.0; 8];
     for (seed, (outcome, _)) in &outcomes {
         let place = match outcome {
             Outcome::Right => 0,
             Outcome::Unchecked => 1,
             Outcome::Error => 2,
             Outcome::Refused => 3,
-            Outcome::Torn => 4,
+            Outcome::Torn { said: true } => 4,
+            Outcome::Torn { said: false } => {
+                report.note(format!("mechanism {seed} is torn without a word"));
+                7
+            }
             Outcome::Wrong(why) => {
                 report.note(format!("mechanism {seed} is wrong: {why}"));
                 5
@@ -107,7 +112,7 @@ pub fn count(report: &mut Report, mechanisms: u64) {
         };
         counts[place] += 1.0;
     }
-    let [right, unchecked, errors, refused, torn, wrong, panics] = counts;
+    let [right, unchecked, errors, refused, torn, wrong, panics, unsaid] = counts;
     report.inform("mechanisms/drawn", mechanisms as f64);
     report.inform("mechanisms/right, with a right gradient", right);
     report.inform("mechanisms/right, with difference quotients too rough to tell", unchecked);
@@ -115,9 +120,10 @@ pub fn count(report: &mut Report, mechanisms: u64) {
     report.inform("mechanisms/refused before the start", refused);
     report.at_most(
         "mechanisms/torn: steps so long that designs beside take other solutions, share",
-        torn / mechanisms as f64,
+        (torn + unsaid) / mechanisms as f64,
         TORN,
     );
+    report.at_most("mechanisms/torn, and the estimated error of the steps asks for no warning", unsaid, 0.0);
     report.at_most("mechanisms/wrong", wrong, 0.0);
     report.at_most("mechanisms/panics", panics, 0.0);
     let longest = outcomes.values().fold(0.0, |longest: f64, (_, seconds)| longest.max(*seconds));
@@ -259,7 +265,7 @@ fn check_gradient(prepared: &Prepared, analysis: &Analysis, forward: &Forward, g
         let off = all.iter().fold(f64::INFINITY, |off: f64, quotient| off.min((quotient - own).abs()));
         if !(off <= bound + NOTHING) {
             if is_torn(prepared, analysis, forward, &direction) {
-                return Outcome::Torn;
+                return Outcome::Torn { said: forward.error.is_some_and(|error| error.share > StepError::COARSE) };
             }
             if off <= bound + DEVIATIONS * noise(prepared, analysis, forward, &direction, k) / QUOTIENTS[2] {
                 rough = true;
