@@ -24,18 +24,35 @@ pub struct Report {
     pub notes: Vec<String>,
     /// Stacked charts with the name of their file; drawn where the result is recorded.
     pub pictures: Vec<(String, Vec<Chart>)>,
-    long: bool,
+    form: Form,
+}
+
+/// How much of a study is carried out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// Seconds, and nothing that depends on the clock.
+    Short,
+    /// What its record shows.
+    #[default]
+    Whole,
+    /// More of the same.
+    Long,
 }
 
 impl Report {
-    /// An empty report, of a study's long form where it has one.
-    pub fn new(long: bool) -> Self {
-        Report { long, ..Report::default() }
+    /// An empty report.
+    pub fn new(form: Form) -> Self {
+        Report { form, ..Report::default() }
+    }
+
+    /// Whether the short form of a study is asked for.
+    pub fn is_short(&self) -> bool {
+        self.form == Form::Short
     }
 
     /// Whether the long form of a study is asked for.
     pub fn is_long(&self) -> bool {
-        self.long
+        self.form == Form::Long
     }
 
     /// A number that must be within `tolerance` of `reference`.

@@ -41,7 +41,7 @@ mod variational;
 mod work_precision;
 
 pub use clock::Clock;
-pub use figure::{Figure, Report};
+pub use figure::{Figure, Form, Report};
 pub use noise::Noise;
 
 /// A study: a published or closed-form problem, measured.
@@ -50,6 +50,10 @@ pub trait Study {
     fn name(&self) -> &'static str;
     /// One sentence: what it shows.
     fn summary(&self) -> &'static str;
+    /// Forms it has beside the whole one.
+    fn forms(&self) -> &'static [Form] {
+        &[]
+    }
     /// Measures, and writes every figure to the report.
     ///
     /// # Errors

@@ -2,7 +2,7 @@ use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::names::unknown;
-use crate::verification::{Figure, Report, Study, all};
+use crate::verification::{Figure, Form, Report, Study, all};
 use clap::Args;
 use costate::io::{Cell, Table, number, write_file, write_panels};
 use serde_json::{Value, json};
@@ -20,6 +20,9 @@ pub struct VerifyOptions {
     /// Carry out the long form of a study that has one: of "robustness", with 10,000 mechanisms and 20 minutes of mutations
     #[arg(long, requires = "name")]
     long: bool,
+    /// Carry out the short form of a study that has one: seconds, and no figure that depends on the clock
+    #[arg(long, requires = "name", conflicts_with_all = ["long", "record"])]
+    short: bool,
     /// Print one JSON object with all figures on the last line of stdout
     #[arg(long)]
     json: bool,
@@ -41,10 +44,21 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     if studies.is_empty() {
         return Err(Failure::input(unknown("study", name, &known)));
     }
+    let form = match (options.short, options.long) {
+        (true, _) => Form::Short,
+        (_, true) => Form::Long,
+        _ => Form::Whole,
+    };
+    if name != "all" && form != Form::Whole && !studies.iter().any(|study| study.forms().contains(&form)) {
+        let which = if form == Form::Short { "short" } else { "long" };
+        let own: Vec<_> = all().iter().filter(|study| study.forms().contains(&form)).map(|study| study.name()).collect();
+        let own = own.join(", ");
+        return Err(Failure::input(format!("\"{name}\" has no {which} form; these have one: {own}")));
+    }
     let folder = if options.record { Some(source_folder()?) } else { None };
     let mut outcomes = Vec::new();
     for study in studies {
-        let outcome = Outcome::measure(study, options.long);
+        let outcome = Outcome::measure(study, form);
         outcome.say();
         if let Some(folder) = &folder {
             say(format_args!("wrote {}\n", outcome.record(folder)?.display()));
@@ -90,9 +104,9 @@ fn source_folder() -> Result<PathBuf, Failure> {
 }
 
 impl Outcome {
-    fn measure(study: Box<dyn Study>, long: bool) -> Self {
+    fn measure(study: Box<dyn Study>, form: Form) -> Self {
         say(format_args!("{}: {}", study.name(), study.summary()));
-        let mut report = Report::new(long);
+        let mut report = Report::new(form);
         let begun = Instant::now();
         let error = study.run(&mut report).err();
         Outcome { study, report, error, seconds: begun.elapsed().as_secs_f64() }

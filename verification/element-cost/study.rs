@@ -3,7 +3,7 @@ mod items;
 mod timing;
 mod user;
 
-use crate::verification::{Clock, Figure, Report, Study, on_one_thread};
+use crate::verification::{Clock, Figure, Form, Report, Study, on_one_thread};
 use costate::assembly::{System, SystemOptions};
 use costate::program::{Program, lanes};
 use items::Item;
@@ -19,6 +19,9 @@ impl Study for ElementCost {
     }
     fn summary(&self) -> &'static str {
         "operations and microseconds of every element and joint and of a user's own, on one thread"
+    }
+    fn forms(&self) -> &'static [Form] {
+        &[Form::Short]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         if !Clock::counts_computing() {
@@ -63,13 +66,16 @@ fn reference(name: &str) -> Result<Option<f64>, String> {
 
 fn measure(report: &mut Report) -> Result<(), String> {
     let items = items::all();
+    if report.is_short() {
+        return compare_operations(report, &items);
+    }
     let mut costs: Vec<ItemCost> = items.iter().map(ItemCost::of).collect();
     for _ in 1..PASSES {
         items.iter().zip(&mut costs).for_each(|(item, cost)| cost.improve(&ItemCost::of(item)));
     }
+    compare_operations(report, &items)?;
     for (user, model) in items::of_users() {
-        let model = items.iter().find(|item| item.name == model).ok_or_else(|| format!("no item is named {model}"))?;
-        compare_user(report, &user, model);
+        compare_times(report, &user, find(&items, model)?);
     }
     for (item, cost) in items.iter().zip(&costs) {
         let Some(reference) = reference(item.name)? else { continue };
@@ -113,13 +119,25 @@ fn inform(report: &mut Report, name: String, value: f64, aim: f64) {
     report.figures.push(Figure { name, value, reference: Some(aim), tolerance: None, pass: true });
 }
 
-/// Operations and cost of a user's element by those of its model in the library.
-fn compare_user(report: &mut Report, user: &Item, model: &Item) {
-    let [own, other] = [programs(user), programs(model)];
-    let count = |all: &[Arc<Program>; 4]| all.each_ref().map(|program| program.listing().instructions.len() as f64);
-    for ((what, own), other) in PROGRAMS.iter().zip(count(&own)).zip(count(&other)) {
-        report.compare(format!("{}/operations, {what}", user.name), own, other, 0.0);
+fn find<'i>(items: &'i [Item], name: &str) -> Result<&'i Item, String> {
+    items.iter().find(|item| item.name == name).ok_or_else(|| format!("no item is named {name}"))
+}
+
+/// Operations of users' elements by those of their models in the library.
+fn compare_operations(report: &mut Report, items: &[Item]) -> Result<(), String> {
+    for (user, model) in items::of_users() {
+        let count = |all: &[Arc<Program>; 4]| all.each_ref().map(|program| program.listing().instructions.len() as f64);
+        let [own, other] = [count(&programs(&user)), count(&programs(find(items, model)?))];
+        for ((what, own), other) in PROGRAMS.iter().zip(own).zip(other) {
+            report.compare(format!("{}/operations, {what}", user.name), own, other, 0.0);
+        }
     }
+    Ok(())
+}
+
+/// Times of a user's element by those of its model in the library.
+fn compare_times(report: &mut Report, user: &Item, model: &Item) {
+    let [own, other] = [programs(user), programs(model)];
     for wide in [false, true] {
         let ways = if wide { format!("{} lanes", lanes()) } else { "one lane".into() };
         for ((what, own), other) in PROGRAMS.iter().zip(&own).zip(&other) {

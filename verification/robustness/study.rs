@@ -9,7 +9,7 @@ mod program;
 mod random_mechanism;
 mod slender;
 
-use crate::verification::{Report, Study};
+use crate::verification::{Form, Report, Study};
 use std::time::Duration;
 
 /// The study.
@@ -21,6 +21,9 @@ impl Study for Robustness {
     }
     fn summary(&self) -> &'static str {
         "slender beams, mechanisms drawn by lot, killed runs, full disks, mutated command lines and files: all right, or an error"
+    }
+    fn forms(&self) -> &'static [Form] {
+        &[Form::Long]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         slender::statics(report)?;

@@ -7,7 +7,7 @@ mod course;
 mod runs;
 mod scenes;
 
-use crate::verification::{Clock, Report, Study, on_one_thread};
+use crate::verification::{Clock, Form, Report, Study, on_one_thread};
 use andrews::report_andrews;
 use chain::report_chain;
 use comparison::{AIMS, Aim, Measured, cheapest, report_comparison, report_tolerances};
@@ -21,6 +21,9 @@ use std::fmt::Write as _;
 
 /// Tables of the picture, at acceleration level: one of each kind, as many as there are colours.
 const DRAWN: [&str; 7] = ["midpoint", "dirk3", "sdirk4", "esdirk3", "esdirk4", "esdirk5", "generalized-alpha"];
+
+/// The motion of the short form.
+const SHORT: &str = "pendulum";
 
 /// Largest error of a reference: a hundredth of the smallest error that is read off.
 const REFERENCE: f64 = 0.01 * FINE;
@@ -53,6 +56,9 @@ impl Study for WorkPrecision {
     fn summary(&self) -> &'static str {
         "error against time for every integrator at every constraint level, and the force in a stiff member"
     }
+    fn forms(&self) -> &'static [Form] {
+        &[Form::Short]
+    }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         on_one_thread(|| measure(report))
     }
@@ -62,7 +68,10 @@ fn measure(report: &mut Report) -> Result<(), String> {
     if !Clock::counts_computing() {
         report.note("This system does not tell how long a thread computes: times are those of the clock.");
     }
-    let asked = motions();
+    let mut asked = Vec::from(motions());
+    if report.is_short() {
+        asked.retain(|motion| motion.name == SHORT);
+    }
     let mut motions = Vec::new();
     let mut charts = Vec::new();
     let mut tables_by_motion = Vec::new();
@@ -91,6 +100,9 @@ fn measure(report: &mut Report) -> Result<(), String> {
             charts.push(chart(motion, &ladders, "force", |run| run.force_error, reference.force_error, false));
         }
         motions.push(Measured { name: motion.name, ladders });
+    }
+    if report.is_short() {
+        return Ok(());
     }
     charts.extend(report_andrews(report)?);
     report_comparison(report, &motions);
