@@ -53,7 +53,7 @@ pub enum View {
 pub struct MotionPicture {
     /// The line above the picture.
     pub title: String,
-    /// The system in order of time; frames evenly spread over time are drawn: at most 40, and fewer of many lines.
+    /// The system in order of time; 40 frames evenly spread over time are drawn, or of many lines those few that lie farthest apart.
     pub frames: Vec<Frame>,
     /// Paths of points.
     pub trails: Vec<Trail>,
@@ -347,8 +347,8 @@ fn faded(colour: Colour, age: f64) -> Colour {
     colour.map(|byte| (255.0 + (f64::from(byte) - 255.0) * strength).round() as u8)
 }
 
-/// Frames evenly spread over time, the first and the last included: at most 40, and of a system of many lines so few that each can be
-/// told from the others.
+/// Frames to draw, the first and the last included: at most 40 evenly spread over time, and of a system of many lines so few that each can
+/// be told from the others, by their poses.
 fn spread(frames: &[Frame]) -> Vec<&Frame> {
     const MOST: usize = 40;
     const FEWEST: usize = 6;
@@ -358,10 +358,38 @@ fn spread(frames: &[Frame]) -> Vec<&Frame> {
     if frames.len() <= most {
         return frames.iter().collect();
     }
+    if most < MOST {
+        return farthest(frames, most);
+    }
     let wanted = |k: usize| first.time + (last.time - first.time) * k as f64 / (most - 1) as f64;
     let mut chosen: Vec<usize> = (0..most - 1).map(|k| frames.partition_point(|frame| frame.time < wanted(k))).collect();
     chosen.push(frames.len() - 1);
     chosen.iter_mut().for_each(|index| *index = (*index).min(frames.len() - 1));
+    chosen.dedup();
+    chosen.into_iter().map(|index| &frames[index]).collect()
+}
+
+/// Some frames in order of time, each as far as can be from those before it in the choice: equal times would show a motion whose period they
+/// meet in one pose.
+fn farthest(frames: &[Frame], count: usize) -> Vec<&Frame> {
+    let points = |frame: &Frame| -> Vec<[f64; 3]> {
+        frame.lines.iter().flat_map(|line| [line.points.first(), line.points.last()]).flatten().copied().collect()
+    };
+    let poses: Vec<Vec<[f64; 3]>> = frames.iter().map(points).collect();
+    let apart = |a: &[[f64; 3]], b: &[[f64; 3]]| -> f64 {
+        let squares = a.iter().zip(b).map(|(a, b)| (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>());
+        squares.filter(|square| square.is_finite()).sum()
+    };
+    let (mut chosen, mut distances) = (Vec::new(), vec![f64::INFINITY; frames.len()]);
+    let mut next = Some(frames.len() - 1);
+    while let Some(own) = next {
+        chosen.push(own);
+        distances.iter_mut().zip(&poses).for_each(|(distance, pose)| *distance = distance.min(apart(pose, &poses[own])));
+        let farthest = (0..frames.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b]));
+        next = if chosen.len() == 1 { Some(0) } else { farthest };
+        next = next.filter(|&next| chosen.len() < count && (distances[next] > 0.0 || chosen.len() == 1));
+    }
+    chosen.sort_unstable();
     chosen.dedup();
     chosen.into_iter().map(|index| &frames[index]).collect()
 }
@@ -392,6 +420,7 @@ mod tests {
     use super::super::picture::tests::png_size;
     use super::*;
     use crate::io::file::tests::Folder;
+    use std::f64::consts::TAU;
 
     /// A made-up flexible double pendulum; not a solution of any equation.
     fn pendulum(view: View) -> MotionPicture {
@@ -484,6 +513,23 @@ mod tests {
         let chosen = spread(&frames);
         assert!(chosen.len() == 40 && chosen[0].time == 0.0 && chosen[39].time == frames[4999].time);
         assert!(chosen.windows(2).all(|pair| (pair[1].time - pair[0].time) * 39.0 < 1.1));
+    }
+
+    #[test]
+    fn of_many_lines_frames_are_drawn_that_lie_apart_where_equal_times_meet_the_period() {
+        // 60 lines that swing 25 times in 5001 frames, and slowly drift
+        let at = |k: usize| {
+            let x = (TAU * k as f64 / 200.0).sin() + 1e-4 * k as f64;
+            let line = |j: usize| Polyline { points: vec![[x, j as f64, 0.0], [x + 1.0, j as f64, 0.0]], role: 0 };
+            Frame { time: k as f64, lines: (0..60).map(line).collect() }
+        };
+        let frames: Vec<Frame> = (0..5001).map(at).collect();
+        let chosen = spread(&frames);
+        assert_eq!(chosen.len(), 6);
+        let places: Vec<f64> = chosen.iter().map(|frame| frame.lines[0].points[0][0]).collect();
+        let apart = |i: usize| (0..i).map(move |j| (i, j));
+        let least = (0..6).flat_map(apart).map(|(i, j)| (places[i] - places[j]).abs()).fold(f64::INFINITY, f64::min);
+        assert!(least > 0.25, "{places:?}");
     }
 
     #[test]
