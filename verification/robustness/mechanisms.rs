@@ -4,7 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::random_mechanism::RandomMechanism;
-use crate::verification::Report;
+use crate::verification::{Clock, Report};
 use costate::assembly::{Jacobian, Residual, StageSystem};
 use costate::history::{Rerun, Watch};
 use costate::integrators::{StepError, StepRecord, Systems};
@@ -15,7 +15,6 @@ use std::collections::BTreeMap;
 use std::panic::catch_unwind;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 /// Seconds of the processor beyond which a mechanism is said to hang.
 const HANGS: f64 = 60.0;
@@ -128,27 +127,6 @@ pub fn count(report: &mut Report, mechanisms: u64) {
     report.at_most("mechanisms/panics", panics, 0.0);
     let longest = outcomes.values().fold(0.0, |longest: f64, (_, seconds)| longest.max(*seconds));
     report.at_most("mechanisms/longest time of one [s]", longest, HANGS);
-}
-
-/// Time that the processor spends on a thread, where the system tells; else all that passes.
-struct Clock {
-    begun: Instant,
-    processor: Option<f64>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Clock { begun: Instant::now(), processor: Self::processor() }
-    }
-    /// Nanoseconds come first.
-    fn processor() -> Option<f64> {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        Some(1e-9 * text.split_whitespace().next()?.parse::<f64>().ok()?)
-    }
-    fn seconds(&self) -> f64 {
-        let own = self.processor.zip(Self::processor()).map(|(from, to)| to - from);
-        own.unwrap_or(self.begun.elapsed().as_secs_f64())
-    }
 }
 
 fn simulate(seed: u64) -> Outcome {
