@@ -143,22 +143,6 @@ impl<S: Copy> Lane<'_, S> {
     }
 }
 
-/// Results of one of several elements.
-#[derive(Clone, Copy)]
-pub(super) struct Results<'o, S> {
-    numbers: &'o [S],
-    width: usize,
-    lane: usize,
-}
-
-impl<'o, S: Copy> Results<'o, S> {
-    /// One result after the other.
-    #[inline(always)]
-    pub fn iter(self) -> impl Iterator<Item = S> + 'o {
-        self.numbers.chunks_exact(self.width).map(move |own| own[self.lane])
-    }
-}
-
 /// Numbers that start at a line of the cache.
 #[derive(Clone, Debug)]
 struct Aligned<S>(Vec<S>);
@@ -185,34 +169,35 @@ impl<S: RunScalar> Aligned<S> {
 /// Workspace of evaluations.
 #[derive(Clone, Debug)]
 pub(super) struct BatchWork<S> {
+    group: Group<S>,
+    pieces: Vec<Group<S>>,
+    /// Results of several elements, one element after the other.
+    results: Vec<S>,
+}
+
+/// Elements that are evaluated side by side.
+#[derive(Clone, Debug)]
+struct Group<S> {
+    /// Its first one, while it waits.
+    first: usize,
     inputs: Aligned<S>,
     outputs: Aligned<S>,
     work: ProgramWork<S>,
-    pieces: Vec<Piece<S>>,
 }
 
-/// What one of several threads needs.
-#[derive(Clone, Debug)]
-struct Piece<S> {
-    inputs: Aligned<S>,
-    outputs: Vec<Aligned<S>>,
-    work: ProgramWork<S>,
-}
-
-impl<S> Default for Piece<S> {
+impl<S> Default for Group<S> {
     fn default() -> Self {
-        Piece { inputs: Aligned::default(), outputs: Vec::new(), work: ProgramWork::default() }
+        Group { first: 0, inputs: Aligned::default(), outputs: Aligned::default(), work: ProgramWork::default() }
     }
 }
 
 impl<S> Default for BatchWork<S> {
     fn default() -> Self {
-        let (inputs, outputs) = (Aligned::default(), Aligned::default());
-        BatchWork { inputs, outputs, work: ProgramWork::default(), pieces: Vec::new() }
+        BatchWork { group: Group::default(), pieces: Vec::new(), results: Vec::new() }
     }
 }
 
-/// Pieces into which the evaluation of many parts is divided, whatever the number of threads.
+/// Groups that several threads evaluate at a time, while the results of as many are taken.
 const PIECES: usize = 16;
 /// Instructions of all parts together below which one thread does them: waking others costs more.
 const PARALLEL: usize = 400_000;
@@ -222,62 +207,113 @@ fn next_group(left: usize, lanes: usize) -> (usize, usize) {
     if lanes > 1 && left * 3 > lanes { (left.min(lanes), lanes) } else { (1, 1) }
 }
 
+/// The first part of each group.
+fn groups(count: usize, lanes: usize) -> impl ExactSizeIterator<Item = usize> + Clone {
+    let (full, left) = (count / lanes, count % lanes);
+    let further = if left > 0 && next_group(left, lanes).1 == lanes { 1 } else { left };
+    (0..full + further).map(move |group| lanes * group.min(full) + group.saturating_sub(full))
+}
+
 /// Executes a program for `count` parts: `write` sets the arguments of one, `read` takes its results, in the order of the parts.
 pub(super) fn run_parts<S: RunScalar>(
     program: &Program,
     count: usize,
     work: &mut BatchWork<S>,
     write: impl Fn(usize, &mut Lane<S>) + Sync,
-    mut read: impl FnMut(usize, Results<S>),
+    mut read: impl FnMut(usize, &[S]) + Send,
 ) {
     let lanes = S::lanes();
-    let run = |first: usize, inputs: &mut Aligned<S>, outputs: &mut Aligned<S>, work: &mut ProgramWork<S>| {
+    let run = |first: usize, group: &mut Group<S>| {
         let (parts, width) = next_group(count - first, lanes);
-        let inputs = inputs.first(program.inputs() * width);
+        let inputs = group.inputs.first(program.inputs() * width);
         for lane in 0..width {
             write(first + lane.min(parts - 1), &mut Lane { numbers: &mut *inputs, width, lane });
         }
-        let outputs = outputs.first(program.outputs() * width);
+        let outputs = group.outputs.first(program.outputs() * width);
         if width == 1 {
-            S::run(program, inputs, outputs, work);
+            S::run(program, inputs, outputs, &mut group.work);
         } else {
-            S::run_lanes(program, inputs, outputs, work);
+            S::run_lanes(program, inputs, outputs, &mut group.work);
         }
-        (parts, width)
     };
-    let mut take = |first: usize, (parts, width): (usize, usize), outputs: &mut Aligned<S>| {
-        let numbers = &*outputs.first(program.outputs() * width);
-        (0..parts).for_each(|lane| read(first + lane, Results { numbers, width, lane }));
+    let BatchWork { group, pieces, results } = work;
+    let mut take = |first: usize, group: &mut Group<S>| {
+        let (parts, width) = next_group(count - first, lanes);
+        let numbers = &*group.outputs.first(program.outputs() * width);
+        if width == 1 {
+            return read(first, numbers);
+        }
+        transpose(numbers, width, results);
+        let own = results.chunks_exact(program.outputs().max(1));
+        own.take(parts).enumerate().for_each(|(lane, own)| read(first + lane, own));
     };
-    if count * program.listing().instructions.len() < PARALLEL || count < 2 * lanes {
-        let mut first = 0;
-        while first < count {
-            let group = run(first, &mut work.inputs, &mut work.outputs, &mut work.work);
-            take(first, group, &mut work.outputs);
-            first += group.0;
+    let mut firsts = groups(count, lanes);
+    let alone = rayon::current_num_threads() == 1 || count < 2 * lanes;
+    if alone || count * program.listing().instructions.len() < PARALLEL {
+        for first in firsts {
+            run(first, group);
+            take(first, group);
         }
         return;
     }
-    let groups = count.div_ceil(lanes);
-    let each = groups.div_ceil(PIECES);
-    work.pieces.resize_with(PIECES, Piece::default);
-    work.pieces.par_iter_mut().enumerate().for_each(|(index, piece)| {
-        piece.outputs.resize_with(piece.outputs.len().max(each * lanes), Aligned::default);
-        let (mut first, last) = (index * each * lanes, count.min((index + 1) * each * lanes));
-        let mut outputs = piece.outputs.iter_mut();
-        while first < last {
-            let Some(own) = outputs.next() else { break };
-            first += run(first, &mut piece.inputs, own, &mut piece.work).0;
+    pieces.resize_with(2 * PIECES, Group::default);
+    let (mut now, mut next) = pieces.split_at_mut(PIECES);
+    let evaluate = |firsts: &mut (dyn Iterator<Item = usize> + Send), groups: &mut [Group<S>]| -> usize {
+        let mut ready = 0;
+        for (group, first) in groups.iter_mut().zip(firsts) {
+            group.first = first;
+            ready += 1;
         }
-    });
-    for (index, piece) in work.pieces.iter_mut().enumerate() {
-        let (mut first, last) = (index * each * lanes, count.min((index + 1) * each * lanes));
-        let mut outputs = piece.outputs.iter_mut();
-        while first < last {
-            let Some(own) = outputs.next() else { break };
-            let group = next_group(count - first, lanes);
-            take(first, group, own);
-            first += group.0;
+        groups[..ready].par_iter_mut().for_each(|group| run(group.first, group));
+        ready
+    };
+    let mut ready = evaluate(&mut firsts, now);
+    while ready > 0 {
+        let taking = || now[..ready].iter_mut().for_each(|group| take(group.first, group));
+        let ((), following) = rayon::join(taking, || evaluate(&mut firsts, next));
+        ready = following;
+        std::mem::swap(&mut now, &mut next);
+    }
+}
+
+/// Results that lie side by side, one element after the other.
+fn transpose<S: RunScalar>(numbers: &[S], width: usize, results: &mut Vec<S>) {
+    let count = numbers.len() / width;
+    results.resize(numbers.len(), S::zero());
+    // in squares, so that lines of the cache are read and written whole
+    for first in (0..count).step_by(width) {
+        let last = count.min(first + width);
+        for lane in 0..width {
+            for (result, place) in results[lane * count + first..lane * count + last].iter_mut().zip(first..) {
+                *result = numbers[place * width + lane];
+            }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_hold_all_parts_once() {
+        for lanes in [1, 4, 8] {
+            for count in 0..40 {
+                let mut first = 0;
+                for own in groups(count, lanes) {
+                    assert_eq!(own, first, "{count} parts in {lanes} lanes");
+                    first += next_group(count - first, lanes).0;
+                }
+                assert_eq!(first, count);
+            }
+        }
+    }
+
+    #[test]
+    fn results_of_lanes_are_told_apart() {
+        let (mut results, count) = (Vec::new(), 13);
+        let numbers: Vec<f64> = (0..8 * count).map(|place| (place % 8 * 100 + place / 8) as f64).collect();
+        transpose(&numbers, 8, &mut results);
+        assert!(results.iter().enumerate().all(|(place, &own)| own == (place / count * 100 + place % count) as f64));
     }
 }

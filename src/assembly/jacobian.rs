@@ -1,7 +1,7 @@
 use super::batches::{BatchWork, ElementBatch, Lane, run_parts};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
-use super::numbering::{DofMap, NOWHERE, ScatterMap, System};
+use super::numbering::{DofMap, ScatterMap, System};
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar, State};
@@ -285,7 +285,7 @@ impl Jacobian {
                 },
                 |index, results| {
                     let places = &system.element_blocks[batch.parts[index]];
-                    add_entries(places, program.labels(), results.iter(), values);
+                    add_entries(places, program.labels(), results.iter().copied(), values);
                 },
             );
         }
@@ -365,9 +365,8 @@ impl Jacobian {
             if left.is_empty() { f64::from(u8::from(dof == row)) } else { left[dof * rows + row] }
         };
         let mut add = |row: usize, column: usize, value: f64| {
-            let place = places.positions[row + column * size];
-            if value != 0.0 && place != NOWHERE {
-                values[place] += value;
+            if value != 0.0 {
+                places.add(row + column * size, value, values);
             }
         };
         let local = system.nodes[node].local.map(|index| &system.locals[index]);
@@ -616,8 +615,6 @@ fn write_bases(bases: &[NullSpaces], part: &DofMap, nodes: &[NodeReduction], mut
 fn add_entries(places: &ScatterMap, labels: &[u32], entries: impl Iterator<Item = f64>, values: &mut [f64]) {
     for (&label, entry) in labels.iter().zip(entries) {
         // equations that are left out have none
-        if let Some(value) = values.get_mut(places.positions[label as usize]) {
-            *value += entry;
-        }
+        places.add(label as usize, entry, values);
     }
 }

@@ -76,9 +76,21 @@ impl DofMap {
 /// A part that adds a dense block to the matrix.
 pub(super) struct ScatterMap {
     /// Place in the matrix values of each entry of the column-major block; `NOWHERE` where nothing is added.
-    pub positions: Vec<usize>,
+    positions: Vec<u32>,
 }
-pub(super) const NOWHERE: usize = usize::MAX;
+
+/// Behind every place.
+const NOWHERE: u32 = u32::MAX;
+
+impl ScatterMap {
+    /// Adds a number to the matrix where an entry of the block belongs, if that is in it.
+    #[inline(always)]
+    pub fn add(&self, label: usize, entry: f64, values: &mut [f64]) {
+        if let Some(value) = values.get_mut(self.positions[label] as usize) {
+            *value += entry;
+        }
+    }
+}
 
 /// The numbered equations of a model: which unknowns reach the matrix, and where each part adds to it.
 pub struct System<'m> {
@@ -186,17 +198,22 @@ impl<'m> System<'m> {
             |&node: &usize| Coupled { unknowns: node_columns(&[model.node_id(node)]), nodes: Vec::new(), diagonal: false };
         let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
 
-        let mut entries = Vec::new();
+        let mut runs = Vec::new();
         for coupled in elements.iter().chain(&constraints).chain(&node_blocks) {
-            coupled.for_each_entry(|_, row, column| entries.push((column, row)));
+            coupled.for_each_run(|_, rows, column| runs.push((column, rows)));
         }
-        let pattern = SparsePattern::from_entries(columns, entries);
+        let pattern = SparsePattern::from_runs(columns, &runs);
+        drop(runs);
+        assert!(pattern.rows.len() < NOWHERE as usize, "a matrix of more than 2^32 - 1 entries");
         let place = |list: Vec<Coupled>| -> Vec<ScatterMap> {
             list.into_iter()
                 .map(|coupled| {
                     let mut positions = vec![NOWHERE; coupled.unknowns.len() * coupled.unknowns.len()];
-                    coupled.for_each_entry(|local, row, column| {
-                        positions[local] = pattern.position(row, column).unwrap_or(NOWHERE);
+                    coupled.for_each_run(|local, rows, column| {
+                        let first = pattern.position(rows.start, column).unwrap_or(pattern.rows.len());
+                        for (place, position) in (first..).zip(&mut positions[local..local + rows.len()]) {
+                            *position = place as u32;
+                        }
                     });
                     ScatterMap { positions }
                 })
@@ -322,21 +339,28 @@ struct Coupled {
 }
 
 impl Coupled {
-    /// Calls `f(local index, row, column)` for each entry; multipliers do not meet other multipliers.
-    fn for_each_entry(&self, mut f: impl FnMut(usize, usize, usize)) {
+    /// Calls `f(local index of the first, rows, column)` for entries one below the other in block and matrix; multipliers do not meet other
+    /// multipliers.
+    fn for_each_run(&self, mut f: impl FnMut(usize, Range<usize>, usize)) {
         let all = self.nodes.is_empty();
         let meet = |i: usize, j: usize| match (self.nodes.get(i), self.nodes.get(j)) {
             (Some(a), Some(b)) => a == b,
             (None, None) => all || (self.diagonal && i == j),
             _ => true,
         };
+        let count = self.unknowns.len();
         for (j, column) in self.unknowns.iter().enumerate() {
-            for (i, row) in self.unknowns.iter().enumerate() {
-                if let (Some(row), Some(column)) = (row, column)
-                    && meet(i, j)
-                {
-                    f(i + j * self.unknowns.len(), *row, *column);
+            let Some(column) = *column else { continue };
+            let mut i = 0;
+            while i < count {
+                let first = i;
+                let row = self.unknowns[i].filter(|_| meet(i, j));
+                i += 1;
+                let Some(row) = row else { continue };
+                while i < count && self.unknowns[i] == Some(row + i - first) && meet(i, j) {
+                    i += 1;
                 }
+                f(first + j * count, row..row + i - first, column);
             }
         }
     }

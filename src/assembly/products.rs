@@ -139,7 +139,7 @@ impl Products {
                     },
                     |index, results| {
                         let part = part(index);
-                        for (&label, own) in program.labels().iter().zip(results.iter()) {
+                        for (&label, &own) in program.labels().iter().zip(results) {
                             let label = label as usize;
                             let target = match label / n {
                                 0 => &mut bar.at.a[part.dof(label)],
@@ -211,7 +211,7 @@ impl Products {
                     },
                     |index, results| {
                         let part = part(index);
-                        for (&label, own) in program.labels().iter().zip(results.iter()) {
+                        for (&label, &own) in program.labels().iter().zip(results) {
                             let label = label as usize;
                             let target = if label < n {
                                 &mut bar.at.v[part.dof(label)]

@@ -265,7 +265,7 @@ impl<S: RunScalar> Residual<S> {
                 |index, lane| {
                     layout.write(lane, part(index), (at, p, t), force);
                 },
-                |index, results| add_segments(&part(index).segments, results.iter(), f),
+                |index, results| add_segments(&part(index).segments, results.iter().copied(), f),
             );
         }
     }
@@ -309,7 +309,7 @@ impl<S: RunScalar> Residual<S> {
                     layout.write(lane, part(index), (at, p, t), multipliers, scales);
                 },
                 |index, results| {
-                    let mut results = results.iter();
+                    let mut results = results.iter().copied();
                     if asked.reactions {
                         let reactions = results.by_ref().take(layout.n).map(|force| force * factor);
                         add_segments(&part(index).segments, reactions, f);
