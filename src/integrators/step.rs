@@ -89,8 +89,11 @@ fn solve<S: RunScalar>(
 
 /// Solvers of accelerations, of stages with projections, and of the start.
 fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[Newton<'m, S>; 3], RunError> {
-    let of = |system| newton(method, system);
-    Ok([of(&systems.plain)?, of(&systems.stage)?, of(&systems.plain)?])
+    let acceleration = newton(method, &systems.plain)?;
+    let another = || acceleration.another().map_err(|singular| RunError::of_pattern("start", singular));
+    let stage = if Arc::ptr_eq(&systems.plain, &systems.stage) { another() } else { newton(method, &systems.stage) }?;
+    let start = another()?;
+    Ok([acceleration, stage, start])
 }
 
 fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
@@ -252,6 +255,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         } else {
             let from = start_of(|start| Some(&start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
+        }
+        for newton in [&mut self.acceleration, &mut self.start] {
+            newton.release().map_err(|singular| RunError::of_pattern("start", singular))?;
         }
         let kinds = &self.method.table.carried;
         let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };

@@ -111,6 +111,7 @@ impl<'m> Sweep<'m> {
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
         self.select(&start.dropped, &mut solvers, None)?;
+        solvers.end_steps(&mut self.counters);
         let bars = self.start_bars(start, &mut back);
         if !self.method.table.is_static() {
             self.acceleration(&start.acceleration, bars, &mut back, &mut solvers)?;

@@ -3,6 +3,7 @@
 use super::transposed::TransposedSolver;
 use crate::integrators::{Counters, Method, RunError, SolveRecord, StepRecord, Systems};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Unknowns from which each stage of a step has a solver of its own: below, waking other threads takes longer than a factorization.
 const APART: usize = 20;
@@ -28,7 +29,10 @@ impl<'m> StepSolvers<'m> {
     /// A pattern that no numbers could make regular.
     pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
-        let plain = TransposedSolver::new(systems.plain.clone(), method, active)?;
+        let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
+            true => stage.another()?,
+            false => TransposedSolver::new(systems.plain.clone(), method, active)?,
+        };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart: false };
         let plan = solvers.stages[0].plan();
         if plan.unknowns >= APART && plan.work.is_some_and(|work| work.fill <= APART_FILL) {
@@ -64,6 +68,12 @@ impl<'m> StepSolvers<'m> {
         let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
             all.filter(|(solver, _)| solver.was_needed()).filter_map(|(solver, record)| Some((solver, record?))).collect();
         needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
+    }
+
+    /// Gives the memory of the stages back, behind the first step.
+    pub fn end_steps(&mut self, counters: &mut Counters) {
+        self.forget(counters);
+        self.stages.clear();
     }
 
     /// Forgets what was factored ahead and not asked for, and counts the work done so far.

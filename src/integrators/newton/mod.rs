@@ -97,6 +97,9 @@ pub struct Newton<'m, S> {
     pub(super) coordinate_scales: Vec<f64>,
 }
 
+/// Entries of L and U above which what is needed once is not kept: a few megabytes.
+const LARGE_FILL: usize = 1_000_000;
+
 impl<'m, S: RunScalar> Newton<'m, S> {
     /// Workspace for a system.
     ///
@@ -104,7 +107,32 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// A pattern that no numbers could make regular.
     pub fn new(system: Arc<System<'m>>, tolerance: NewtonTolerance, backend: Backend) -> Result<Self, Singular> {
         let factorization = Factorization::new(&system.pattern, backend)?;
-        Ok(Newton {
+        Ok(Self::of(system, tolerance, factorization))
+    }
+
+    /// Another one for the same system, whose pattern is analysed already.
+    ///
+    /// # Errors
+    /// As for [`Newton::new`].
+    pub fn another(&self) -> Result<Self, Singular> {
+        Ok(Self::of(self.system.clone(), self.tolerance, self.factorization.another()?))
+    }
+
+    /// Gives the memory of a large matrix and its factors back: the next search has new ones.
+    ///
+    /// # Errors
+    /// As for [`Newton::new`].
+    pub fn release(&mut self) -> Result<(), Singular> {
+        if self.factorization.plan().work.is_some_and(|work| work.fill > LARGE_FILL) {
+            self.factorization = self.factorization.another()?;
+            self.jacobian = Jacobian::new(&self.system);
+            self.factored = None;
+        }
+        Ok(())
+    }
+
+    fn of(system: Arc<System<'m>>, tolerance: NewtonTolerance, factorization: Factorization) -> Self {
+        Newton {
             residual: Residual::new(&system),
             jacobian: Jacobian::new(&system),
             rhs: vec![0.0; system.size()],
@@ -131,7 +159,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             system,
             factorization,
             tolerance,
-        })
+        }
     }
 
     /// Solves for `unknowns`, starting from what they hold.
