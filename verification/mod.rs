@@ -19,10 +19,13 @@ mod four_bar;
 mod gradient_cost;
 #[path = "linear-solvers/study.rs"]
 mod linear_solvers;
+mod memory;
 mod noise;
 mod optimized;
 #[path = "orders/study.rs"]
 mod orders;
+#[path = "plate-pendulum/study.rs"]
+mod plate_pendulum;
 #[path = "rigid-benchmarks/study.rs"]
 mod rigid_benchmarks;
 #[path = "rigid-spring-beam/study.rs"]
@@ -80,6 +83,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(rigid_benchmarks::RigidBenchmarks),
         Box::new(gradient_cost::GradientCost),
         Box::new(chain::ChainCost),
+        Box::new(plate_pendulum::PlatePendulumStudy),
         Box::new(stability::Stability),
         Box::new(robustness::Robustness),
         Box::new(work_precision::WorkPrecision),

@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_not_finite_fails_becomes_null_and_is_recorded() {
-        let outcome = Outcome::measure(Box::new(Made), false);
+        let outcome = Outcome::measure(Box::new(Made), Form::Whole);
         assert!(!outcome.pass());
         let object = outcome.json();
         assert_eq!(object["pass"], false);

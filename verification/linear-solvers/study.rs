@@ -7,10 +7,10 @@ mod faer_sparse;
 mod mumps;
 mod patterns;
 
+use crate::verification::memory::{forget_peak, memory_of_now, peak_memory};
 use crate::verification::{Clock, Noise, Report, Study, on_threads};
 use costate::linalg::{Backend, Factorization, Work};
 use patterns::{Matrix, chain, full, shell};
-use std::fs;
 use std::time::Instant;
 
 /// Makes a matrix with about a number of unknowns.
@@ -220,25 +220,4 @@ fn backward_error(Matrix { pattern, values, .. }: &Matrix, transposed: bool, x: 
     }
     let largest = |numbers: &[f64]| numbers.iter().fold(0.0, |largest: f64, number| largest.max(number.abs()));
     largest(&residual) / (largest(&rows) * largest(x) + largest(b))
-}
-
-/// A line of what the kernel says about this process [bytes]; `None` where there is no such kernel.
-fn status(name: &str) -> Option<f64> {
-    let text = fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-    let kilobytes: f64 = line.trim_start_matches(':').trim().trim_end_matches("kB").trim().parse().ok()?;
-    Some(1024.0 * kilobytes)
-}
-
-fn memory_of_now() -> Option<f64> {
-    status("VmRSS")
-}
-
-fn peak_memory() -> Option<f64> {
-    status("VmHWM")
-}
-
-/// Begins a new peak; where that is not allowed the peak of the whole process is reported.
-fn forget_peak() {
-    fs::write("/proc/self/clear_refs", "5").ok();
 }

@@ -41,7 +41,7 @@ pub use free_body::FreeBody;
 pub use gear_train::GearTrain;
 pub use heavy_top::HeavyTop;
 pub use pendulum::Pendulum;
-pub use plate_pendulum::PlatePendulum;
+pub use plate_pendulum::{PlatePendulum, Thicknesses};
 pub use princeton_beam::PrincetonBeam;
 pub use right_angle_cantilever::RightAngleCantilever;
 pub use rigid_spring_beam::RigidSpringBeam;
