@@ -111,7 +111,7 @@ impl System<'_> {
 }
 
 /// One of several elements whose numbers lie side by side.
-pub(super) struct Lane<'i, S> {
+pub(crate) struct Lane<'i, S> {
     numbers: &'i mut [S],
     width: usize,
     lane: usize,
@@ -134,7 +134,7 @@ impl<S: Copy> Lane<'_, S> {
     }
     /// Sets arguments from a place on to those of a part's coordinates.
     #[inline(always)]
-    pub fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
+    pub(super) fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
         let mut place = first;
         for segment in &part.segments {
             place = self.copy(place, &values[segment.clone()]);
@@ -145,7 +145,7 @@ impl<S: Copy> Lane<'_, S> {
 
 /// Results of one of several elements.
 #[derive(Clone, Copy)]
-pub(super) struct Results<'o, S> {
+pub(crate) struct Results<'o, S> {
     numbers: &'o [S],
     width: usize,
     lane: usize,
@@ -184,7 +184,7 @@ impl<S: RunScalar> Aligned<S> {
 
 /// Workspace of evaluations.
 #[derive(Clone, Debug)]
-pub(super) struct BatchWork<S> {
+pub(crate) struct BatchWork<S> {
     inputs: Aligned<S>,
     outputs: Aligned<S>,
     work: ProgramWork<S>,
@@ -223,7 +223,7 @@ fn next_group(left: usize, lanes: usize) -> (usize, usize) {
 }
 
 /// Executes a program for `count` parts: `write` sets the arguments of one, `read` takes its results, in the order of the parts.
-pub(super) fn run_parts<S: RunScalar>(
+pub(crate) fn run_parts<S: RunScalar>(
     program: &Program,
     count: usize,
     work: &mut BatchWork<S>,

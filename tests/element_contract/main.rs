@@ -371,7 +371,7 @@ fn torsion_spring_damper_feels_angle_and_rate_about_its_axis_only() {
         let v = [&at[..], &rate_a, &at, &rate_b].concat();
         let sample = Sample { a: vec![0.0; 14], v, q, t: 0.0 };
         let spring = TorsionSpringDamper { a: Body, b: Body };
-        let [_, potential, _] = testing::element_physics(&Arc::new(TorsionSpringDamper { a: Body, b: Body }))
+        let [_, potential, ..] = testing::element_physics(&Arc::new(TorsionSpringDamper { a: Body, b: Body }))
             .energies_at(&sample.v, &sample.q, &p);
         assert_close("energy", &[potential], &[0.5 * stiffness * (angle - rest) * (angle - rest)], 1e-13, 1.0);
         let taken = power(&spring, &sample, &p);

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::elements::flexible::Material;
-use crate::functionals::Over;
+use crate::functionals::{Aggregate, AggregateKind, Over, Times};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{Edge, MechanismBuilder, Scene, Settings, ShellMesh};
 
@@ -64,13 +64,8 @@ impl Scene for PlatePendulum {
         }
         m.gravity(vector(0.0, 0.0, -9.81));
         let tip = plate.node(2 * along, across);
-        m.shell_failure_functional(
-            "failure ratio, smooth maximum",
-            Over::SmoothMaximum { sharpness: 100.0, normalized: false },
-            &plate,
-            S::from(YIELD),
-            100.0,
-        );
+        let failure = Aggregate::new(AggregateKind::SmoothMaximum { normalized: false }, 100.0);
+        m.von_mises_functional("failure ratio, smooth maximum", failure.at(Times::Run), &plate.group(), S::from(YIELD));
         m.position_functional("height of the tip at the end", Over::Terminal, tip, Vector3::zeros(), vector(0.0, 0.0, 1.0));
         m.mass_functional("mass", Over::Initial);
         Ok(())
