@@ -66,8 +66,11 @@ impl Scene for PlatePendulum {
         let tip = plate.node(2 * along, across);
         let failure = Aggregate::new(AggregateKind::SmoothMaximum { normalized: false }, 100.0);
         m.von_mises_functional("failure ratio, smooth maximum", failure.at(Times::Run), &plate.group(), S::from(YIELD));
-        m.position_functional("height of the tip at the end", Over::Terminal, tip, Vector3::zeros(), vector(0.0, 0.0, 1.0));
+        m.position_functional("height of the tip at the end", Over::Terminal, tip, m.position(tip), vector(0.0, 0.0, 1.0));
         m.mass_functional("mass", Over::Initial);
+        let mean = Aggregate::new(AggregateKind::Exponential, 1e4).continuous();
+        m.von_mises_functional("failure ratio, induced", mean.at(Times::Run), &plate.group(), S::from(YIELD));
+        m.strain_energy_functional("strain energy, integral", Over::Integral, &plate.group());
         Ok(())
     }
 }
