@@ -85,14 +85,8 @@ fn a_bent_plate_fails_on_its_surfaces() {
 #[test]
 fn a_ply_reaches_each_of_its_strengths_alone_at_a_ratio_of_one() {
     let strength = PlyStrength { tension: [1500.0, 40.0], compression: [1200.0, 150.0], shear: 70.0 };
-    let single = [
-        [1500.0, 0.0, 0.0],
-        [-1200.0, 0.0, 0.0],
-        [0.0, 40.0, 0.0],
-        [0.0, -150.0, 0.0],
-        [0.0, 0.0, 70.0],
-        [0.0, 0.0, -70.0],
-    ];
+    let single =
+        [[1500.0, 0.0, 0.0], [-1200.0, 0.0, 0.0], [0.0, 40.0, 0.0], [0.0, -150.0, 0.0], [0.0, 0.0, 70.0], [0.0, 0.0, -70.0]];
     for stress in single {
         for share in [0.3, 1.0, 2.5] {
             let ratio = strength.failure_ratio(stress.map(|own: f64| own * share));
@@ -105,8 +99,8 @@ fn a_ply_reaches_each_of_its_strengths_alone_at_a_ratio_of_one() {
     let [s1, s2, s12] = [along / ratio, across / ratio, between / ratio];
     let [f1, f2] = [1.0 / 1500.0 - 1.0 / 1200.0, 1.0 / 40.0 - 1.0 / 150.0];
     let [f11, f22, f66] = [1.0 / (1500.0 * 1200.0), 1.0 / (40.0 * 150.0), 1.0 / (70.0 * 70.0)];
-    let criterion = f1 * s1 + f2 * s2 + f11 * s1 * s1 + f22 * s2 * s2 + f66 * s12 * s12
-        - (f11 * f22 as f64).sqrt() * s1 * s2;
+    let criterion =
+        f1 * s1 + f2 * s2 + f11 * s1 * s1 + f22 * s2 * s2 + f66 * s12 * s12 - (f11 * f22 as f64).sqrt() * s1 * s2;
     assert_close("criterion", criterion, 1.0, 1e-13);
 }
 
@@ -121,7 +115,7 @@ fn plies_fail_by_the_stresses_in_their_own_axes() {
         density: 1600.0,
     };
     let strength = PlyStrength { tension: [1500e6, 40e6], compression: [1200e6, 150e6], shear: 70e6 };
-    let stretch = 1e-4;
+    let stretch = 1e-2;
     // along the fibres and across them; without lateral contraction each ply has its own stress
     for (angles, expected) in [([0.0, 0.0], 140e9 / 1500e6), ([0.5 * PI; 2], 10e9 / 40e6), ([0.0, 0.5 * PI], 10e9 / 40e6)] {
         let mut m = MechanismBuilder::default();
@@ -141,7 +135,7 @@ fn masses_and_moments_of_inertia_of_parts_add_up_and_meet_closed_forms() {
     let plate = m.shell("plate", rectangle([4, 2]), &STEEL, THICKNESS);
     let at = Vector3::new(0.3, 0.7, -0.2);
     let body = m.body("body", at, Quaternion::about(Vector3::new(0.0, 0.6, 0.8), 0.4));
-    let block = m.rigid_body("body", body, 2.0, at, [0.3, 0.3, 0.3, 0.0, 0.0, 0.0]);
+    let block = m.rigid_body("body", body, 2.0, Vector3::zeros(), [0.3, 0.3, 0.3, 0.0, 0.0, 0.0]);
     let half = plate.part("half", |[along, _]| along < 2);
     let quarter = plate.part("quarter", |[along, across]| along >= 2 && across == 1);
     let three_quarters = ElementGroup::of_groups("three quarters", [&half, &quarter, &half]);
@@ -156,8 +150,7 @@ fn masses_and_moments_of_inertia_of_parts_add_up_and_meet_closed_forms() {
     m.mass_functional("all", Over::Initial);
     let m = m.finish().expect("sound");
     let whole = 7850.0 * THICKNESS * SIZES[0] * SIZES[1];
-    let [half, three_quarters, with_body, about_z, both, about_x, all] =
-        std::array::from_fn(|k| measured(&m, k, at_rest));
+    let [half, three_quarters, with_body, about_z, both, about_x, all] = std::array::from_fn(|k| measured(&m, k, at_rest));
     assert_close("half", half, 0.5 * whole, 1e-13);
     assert_close("three quarters", three_quarters, 0.75 * whole, 1e-13);
     assert_close("with the body", with_body, whole + 2.0, 1e-13);

@@ -1,8 +1,8 @@
 use super::aggregate::{SUMS, Totals};
-use super::measured_group::GroupWork;
-use super::{MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
 use super::load::JointLoad;
+use super::measured_group::GroupWork;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
+use super::{MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
 use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::{StartRecord, StepRecord};
@@ -304,14 +304,7 @@ impl Measured {
     }
 
     /// Adds `factor` times the gradient of its only value at a sample.
-    pub(super) fn add_gradient(
-        &self,
-        model: &Model,
-        sample: &Sample<f64>,
-        p: &[f64],
-        factor: f64,
-        bars: &mut SampleBars,
-    ) {
+    pub(super) fn add_gradient(&self, model: &Model, sample: &Sample<f64>, p: &[f64], factor: f64, bars: &mut SampleBars) {
         self.for_each_reading(model, |reading| {
             reading.add_gradient(sample, p, factor, |place, entry| match place {
                 Place::A(dof) => bars.at.a[dof] += entry,

@@ -218,7 +218,9 @@ impl GroupBatch {
             chosen.extend(results(&self.own.weights));
         }
         let key = ("values at points", chosen.clone());
-        self.own.formula.dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect())
+        self.own
+            .formula
+            .dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect())
     }
 
     /// Gradient of bar . (N, D, M) of one element, towards its state, those of its parameters that are `asked` for, and those `of_quantity`.
@@ -261,8 +263,7 @@ impl GroupBatch {
                 Argument::Time => false,
             };
             let (one, zero) = (graph.constant(1.0), graph.zero());
-            let places: SmallVec<[usize; 64]> =
-                (0..arguments.len()).filter(|&place| is_asked(&arguments[place])).collect();
+            let places: SmallVec<[usize; 64]> = (0..arguments.len()).filter(|&place| is_asked(&arguments[place])).collect();
             let towards: Vec<_> = places.iter().map(|&place| inputs[place]).collect();
             let gradient = graph.reverse(&sum, &[one], &towards);
             let mut all = vec![zero; arguments.len()];

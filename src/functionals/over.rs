@@ -1,5 +1,5 @@
-use super::{Aggregate, PointWeights};
 use super::aggregate::{SUMS, Totals};
+use super::{Aggregate, PointWeights};
 use crate::scalar::Scalar;
 
 /// What is made over time of the values that are measured, one or those of many points.

@@ -23,13 +23,7 @@ pub trait PointQuantity: Send + Sync + 'static {
         true
     }
     /// Values at the points of an element in the state `s` of its nodes.
-    fn at_points<S: Scalar>(
-        &self,
-        element: &Self::Element,
-        s: State<S>,
-        p: PointParameters<S>,
-        t: S,
-    ) -> Vec<PointValue<S>>;
+    fn at_points<S: Scalar>(&self, element: &Self::Element, s: State<S>, p: PointParameters<S>, t: S) -> Vec<PointValue<S>>;
 }
 
 /// Parameters that a [`PointQuantity`] sees.

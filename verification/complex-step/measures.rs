@@ -4,12 +4,12 @@ use super::scenes::{Case, Subject};
 use super::shell::ShellSubject;
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::NodeKind;
+use costate::elements::flexible::PlyStrength;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::quantities::{
     CableMeasure, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure,
     TargetDistance, Velocity,
 };
-use costate::elements::flexible::PlyStrength;
 use costate::functionals::{Aggregate, AggregateKind, LoadKind, Over, Times};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
 use costate::scenes::{BeamMember, CableMember, MechanismBuilder, ShellMember};
@@ -152,7 +152,8 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     match (measure, reach) {
         (_, Nothing) => true,
         (_, Sensor) => {
-            let without_numbers = [Coordinate, ReactionNorm, Energy, Measure::Mass, SectionForce, SectionStrain, StrainEnergy];
+            let without_numbers =
+                [Coordinate, ReactionNorm, Energy, Measure::Mass, SectionForce, SectionStrain, StrainEnergy];
             without_numbers.contains(&measure) || [CableStrain, CableCurvature, CableDeflection].contains(&measure)
         }
         (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),

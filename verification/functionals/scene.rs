@@ -30,19 +30,21 @@ pub struct ShellPendulum {
     pub strips: usize,
     /// Steps of 1 ms.
     pub steps: usize,
+    /// Young's modulus [N/m2].
+    pub young: f64,
     /// Its functionals.
     pub list: Vec<Entry>,
 }
 
 /// Length and width [m].
 const SIZE: [f64; 2] = [0.25, 0.05];
-/// Yield stress [N/m2]: the largest stress of the motion reaches some thousandths of it.
+/// Yield stress [N/m2].
 const YIELD: f64 = 276e6;
-/// Variables behind the thicknesses.
-const OTHERS: [(&str, f64, &str); 3] = [("length", SIZE[0], "m"), ("young", 70e9, "N/m2"), ("yield stress", YIELD, "N/m2")];
+/// Young's modulus [N/m2].
+pub const YOUNG: f64 = 70e9;
 
 /// A size of the largest failure ratio, to which exponents are related.
-pub const RATIO: f64 = 5e-3;
+pub const RATIO: f64 = 2e-4;
 
 /// The names of Table 6 with their functionals, in its order, for a sharpness by the [largest ratio](RATIO).
 pub fn of_the_table(sharpness: f64) -> Vec<Entry> {
@@ -78,7 +80,8 @@ impl Scene for ShellPendulum {
     }
     fn variables(&self) -> Vec<DesignVariable> {
         let strips = (1..=self.strips).map(|strip| (format!("thickness {strip}"), 0.01, "m"));
-        let others = OTHERS.into_iter().map(|(name, value, unit)| (name.to_string(), value, unit));
+        let others = [("length", SIZE[0], "m"), ("young", self.young, "N/m2"), ("yield stress", YIELD, "N/m2")];
+        let others = others.map(|(name, value, unit)| (name.to_string(), value, unit));
         let variable = |(name, value, unit)| DesignVariable::new(name, value, (0.5 * value, 2.0 * value), unit);
         strips.chain(others).map(variable).collect()
     }

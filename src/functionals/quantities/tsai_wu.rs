@@ -62,8 +62,7 @@ impl PointQuantity for TsaiWu {
             .map(|own| {
                 // what acts across the ply has no stress here
                 let (shear, density) = ([own[5], S::zero(), S::zero()], S::zero());
-                let ply =
-                    Ply { thickness: own[0], angle: own[1], young: [own[2], own[3]], poisson: own[4], shear, density };
+                let ply = Ply { thickness: own[0], angle: own[1], young: [own[2], own[3]], poisson: own[4], shear, density };
                 let (tension, compression) = ([own[6], own[7]], [own[8], own[9]]);
                 (ply, PlyStrength { tension, compression, shear: own[10] })
             })
