@@ -52,6 +52,15 @@ pub struct MeasuredGroup {
 struct GroupBatch {
     own: GroupFormula,
     members: Vec<GroupMember>,
+    /// Its values without their weights, and with them.
+    programs: [OnceLock<ValueProgram>; 2],
+}
+
+/// Gives the values of an element.
+struct ValueProgram {
+    program: Arc<Program>,
+    /// Arguments that it reads, with their places.
+    arguments: Vec<(usize, Argument)>,
 }
 
 /// Where the numbers of one element stand.
@@ -102,11 +111,8 @@ impl MeasuredGroup {
 
     /// Whether it changes with the state.
     pub fn is_moving(&self, model: &Model) -> bool {
-        let reads_state = |batch: &GroupBatch| {
-            let reads = batch.program(true).reads();
-            let state = |argument: &Argument| !matches!(argument, Argument::Parameter(_) | Argument::Own(_));
-            reads.iter().zip(&batch.own.arguments).any(|(&reads, argument)| reads && state(argument))
-        };
+        let is_of_state = |(_, argument): &(usize, Argument)| !matches!(argument, Argument::Parameter(_) | Argument::Own(_));
+        let reads_state = |batch: &GroupBatch| batch.program(true).arguments.iter().any(is_of_state);
         self.batches(model).iter().any(reads_state)
     }
 
@@ -128,7 +134,7 @@ impl MeasuredGroup {
                             let like = batches.iter().position(|batch| Arc::ptr_eq(&batch.own.formula, &own.formula));
                             place = Some(like.unwrap_or(batches.len()));
                             if like.is_none() {
-                                batches.push(GroupBatch { own, members: Vec::new() });
+                                batches.push(GroupBatch { own, members: Vec::new(), programs: Default::default() });
                             }
                         }
                         places.push((&element.physics, place));
@@ -163,16 +169,17 @@ impl MeasuredGroup {
         values.clear();
         for batch in self.batches(model) {
             let weighted = points == PointWeights::Own && !batch.own.weights.is_empty();
-            let program = batch.program(weighted);
-            let read = read_arguments(&program, &batch.own.arguments);
+            let ValueProgram { program, arguments } = batch.program(weighted);
             let count = batch.own.values.len();
             run_parts(
-                &program,
+                program,
                 batch.members.len(),
                 work,
                 |index, lane| {
                     let member = &batch.members[index];
-                    read.iter().for_each(|&(place, argument)| lane.set(place, member.argument(argument, sample, p, own)));
+                    for &(place, argument) in arguments {
+                        lane.set(place, member.argument(argument, sample, p, own));
+                    }
                 },
                 |_, results| {
                     let first = values.len();
@@ -211,16 +218,16 @@ impl MeasuredGroup {
 
 impl GroupBatch {
     /// The values, and then their weights if these are asked for.
-    fn program(&self, weighted: bool) -> Arc<Program> {
-        let results = |from: &[usize]| from.iter().map(|&result| result as u32).collect::<Codes>();
-        let mut chosen = results(&self.own.values);
-        if weighted {
-            chosen.extend(results(&self.own.weights));
-        }
-        let key = ("values at points", chosen.clone());
-        self.own
-            .formula
-            .dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect())
+    fn program(&self, weighted: bool) -> &ValueProgram {
+        self.programs[usize::from(weighted)].get_or_init(|| {
+            let GroupFormula { formula, arguments, values, weights } = &self.own;
+            let weights = if weighted { &weights[..] } else { &[] };
+            let chosen: Codes = values.iter().chain(weights).map(|&result| result as u32).collect();
+            let key = ("values at points", chosen.clone());
+            let program = formula
+                .dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect());
+            ValueProgram { arguments: read_arguments(&program, arguments), program }
+        })
     }
 
     /// Gradient of bar . (N, D, M) of one element, towards its state, those of its parameters that are `asked` for, and those `of_quantity`.
