@@ -22,7 +22,7 @@ pub struct Entry {
     pub over: Over,
 }
 
-/// A plate of aluminium, 25 x 5 x 0.2 cm, that falls from a hinge along its short edge from rest.
+/// A plate of aluminium, 25 x 5 x 1 cm, that falls from a hinge along its short edge from rest.
 pub struct ShellPendulum {
     /// Elements along and across.
     pub elements: [usize; 2],
@@ -39,14 +39,14 @@ pub struct ShellPendulum {
 /// Length and width [m].
 const SIZE: [f64; 2] = [0.25, 0.05];
 /// [m]
-const THICKNESS: f64 = 0.002;
+const THICKNESS: f64 = 0.01;
 /// Yield stress [N/m2].
 const YIELD: f64 = 276e6;
 /// Young's modulus [N/m2].
 pub const YOUNG: f64 = 70e9;
 
 /// A size of the largest failure ratio, to which exponents are related.
-pub const RATIO: f64 = 1e-3;
+pub const RATIO: f64 = 2e-4;
 
 /// The names of Table 6 with their functionals, in its order, for a sharpness by the [largest ratio](RATIO).
 pub fn of_the_table(sharpness: f64) -> Vec<Entry> {
