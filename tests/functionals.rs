@@ -98,9 +98,8 @@ fn a_ply_reaches_each_of_its_strengths_alone_at_a_ratio_of_one() {
     let ratio = strength.failure_ratio([along, across, between]);
     let [s1, s2, s12] = [along / ratio, across / ratio, between / ratio];
     let [f1, f2] = [1.0 / 1500.0 - 1.0 / 1200.0, 1.0 / 40.0 - 1.0 / 150.0];
-    let [f11, f22, f66] = [1.0 / (1500.0 * 1200.0), 1.0 / (40.0 * 150.0), 1.0 / (70.0 * 70.0)];
-    let criterion =
-        f1 * s1 + f2 * s2 + f11 * s1 * s1 + f22 * s2 * s2 + f66 * s12 * s12 - (f11 * f22 as f64).sqrt() * s1 * s2;
+    let [f11, f22, f66]: [f64; 3] = [1.0 / (1500.0 * 1200.0), 1.0 / (40.0 * 150.0), 1.0 / (70.0 * 70.0)];
+    let criterion = f1 * s1 + f2 * s2 + f11 * s1 * s1 + f22 * s2 * s2 + f66 * s12 * s12 - (f11 * f22).sqrt() * s1 * s2;
     assert_close("criterion", criterion, 1.0, 1e-13);
 }
 
