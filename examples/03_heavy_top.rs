@@ -37,7 +37,7 @@ impl Scene for Top {
         m.set_velocity(disk, Vector3::zeros(), axis * *spin);
         let up = Vector3::from_f64([0.0, 0.0, 1.0]);
         m.position_functional("mean height of the disk x time", Over::Integral, disk, centre, up);
-        let highest = Over::SmoothMaximum { sharpness: 1e4, normalized: true };
+        let highest = Over::smooth_maximum(1e4);
         m.position_functional("smooth maximum of height", highest, disk, centre, up);
         m.position_functional("height at the end", Over::Terminal, disk, centre, up);
         Ok(())

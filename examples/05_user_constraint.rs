@@ -41,7 +41,7 @@ impl Scene for Bead {
         m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
         m.constraint("wire", &[bead], ParabolicWire, &x[..1]);
         // released at the right, it is fastest to the left and to the right at the bottom
-        let fastest = Over::SmoothMaximum { sharpness: 1e5, normalized: true };
+        let fastest = Over::smooth_maximum(1e5);
         m.velocity_functional("fastest", fastest, bead, start, Vector3::from_f64([1.0, 0.0, 0.0]));
         Ok(())
     }

@@ -52,7 +52,7 @@ impl Scene for Arm {
         let radius = *tip_mass * (0.02 * 0.02 * 0.4);
         let zero = S::zero();
         m.rigid_body("tip mass", arm.end(), *tip_mass, Vector3::zeros(), [radius, radius, radius, zero, zero, zero]);
-        let largest = Over::SmoothMaximum { sharpness: 1.0 / RESOLVED, normalized: true };
+        let largest = Over::smooth_maximum(1.0 / RESOLVED);
         let fibre = [*height * 0.5, zero];
         m.fibre_stress_functional("largest root stress", largest, (&arm, 0.0), *young, fibre);
         m.fibre_stress_functional("root stress at the end", Over::Terminal, (&arm, 0.0), *young, fibre);

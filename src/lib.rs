@@ -73,7 +73,9 @@ pub mod prelude {
     pub use crate::elements::{
         Admissible, Constraint, Element, NodeKind, NonholonomicConstraint, Parameter, State, TimeFunction,
     };
-    pub use crate::functionals::{Over, Quantity};
+    pub use crate::functionals::{
+        Aggregate, AggregateKind, ElementGroup, Over, PointParameters, PointQuantity, PointValue, Quantity, Times,
+    };
     pub use crate::integrators::{ConstraintLevel, Method, RunError, table_by_name};
     pub use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
     pub use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Prepared, Scene, Settings};

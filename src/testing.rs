@@ -97,6 +97,9 @@ impl Sample {
 struct Shared<T>(Arc<T>);
 
 impl<E: Element> AnyElement for Shared<E> {
+    fn as_any(&self) -> &dyn std::any::Any {
+        &*self.0
+    }
     fn node_kinds(&self) -> Vec<NodeKind> {
         self.0.nodes()
     }
@@ -114,6 +117,9 @@ impl<E: Element> AnyElement for Shared<E> {
     }
     fn record_energies(&self) -> Result<Arc<Formula>, String> {
         self.0.record_energies()
+    }
+    fn record_inertia_moment(&self) -> Result<Arc<Formula>, String> {
+        self.0.record_inertia_moment()
     }
     fn has_energies(&self) -> bool {
         AnyElement::has_energies(&*self.0)
@@ -291,8 +297,8 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
             element.strains(s.q, p, 0.0, &mut e);
             e
         };
-        let potential = element.potential(s.q, p) + element.stored(&e, p);
-        let energies = [element.kinetic(s.v, s.q, p), potential, element.mass(p)];
+        let stored = element.stored(&e, p);
+        let energies = [element.kinetic(s.v, s.q, p), element.potential(s.q, p) + stored, element.mass(p), stored];
         let found = physics.energies_at(s.v, s.q, p);
         // -0 is recorded as 0
         if found != energies {

@@ -371,7 +371,7 @@ impl Scene for Everything {
         m.cable_strain_functional("strain", Over::Integral, &first, 0.5, CableMeasure::Strain);
         m.cable_strain_functional("curvature", Over::Terminal, &second, 0.3, CableMeasure::Curvature);
         m.cable_stress_functional("stress", Over::Integral, (&first, 0.8), *young, *width * 0.5);
-        let sharpness = Over::SmoothMaximum { sharpness: 1e-3, normalized: true };
+        let sharpness = Over::smooth_maximum(1e-3);
         m.cable_stress_functional("largest stress", sharpness, (&second, 0.5), *young, *width * -0.5);
         m.cable_deflection_functional("deflection", Over::Terminal, [first.start(), second.end()], up);
         m.largest_cable_stress_functional("largest stress anywhere", &second, *young, *width * 0.5, 1e-3);

@@ -71,7 +71,7 @@ impl Scene for Truss {
         m.position_functional("height", Over::Terminal, apex, place, up);
         m.position_functional("height at the start", Over::Initial, apex, place, up);
         m.position_functional("integral of the height", Over::Integral, apex, place, up);
-        let over = Over::SmoothMaximum { sharpness: 20.0, normalized: true };
+        let over = Over::smooth_maximum(20.0);
         m.position_functional("largest height", over, apex, place, up);
         m.velocity_functional("speed", Over::Terminal, apex, place, up);
         m.functional("acceleration", "m/s2", Over::Terminal, (&[apex], &[]), Acceleration, &[]);

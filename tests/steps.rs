@@ -58,7 +58,7 @@ impl Scene for Swinging {
         m.element("swing", &[node], Oscillator { jump: self.jump, declared: self.declared, wall: self.wall }, x);
         m.coordinate_functional("end", Over::Terminal, node, 0);
         m.coordinate_functional("integral", Over::Integral, node, 0);
-        m.coordinate_functional("largest", Over::SmoothMaximum { sharpness: 3.0, normalized: true }, node, 0);
+        m.coordinate_functional("largest", Over::smooth_maximum(3.0), node, 0);
         Ok(())
     }
 }

@@ -15,6 +15,8 @@ mod figure;
 mod flexible_pendulum;
 #[path = "four-bar/study.rs"]
 mod four_bar;
+#[path = "functionals/study.rs"]
+mod functionals;
 #[path = "gradient-cost/study.rs"]
 mod gradient_cost;
 #[path = "linear-solvers/study.rs"]
@@ -89,6 +91,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(work_precision::WorkPrecision),
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(shell_benchmarks::ShellBenchmarks),
+        Box::new(functionals::Functionals),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(linear_solvers::LinearSolvers),

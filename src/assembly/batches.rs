@@ -111,7 +111,7 @@ impl System<'_> {
 }
 
 /// One of several elements whose numbers lie side by side.
-pub(super) struct Lane<'i, S> {
+pub(crate) struct Lane<'i, S> {
     numbers: &'i mut [S],
     width: usize,
     lane: usize,
@@ -134,7 +134,7 @@ impl<S: Copy> Lane<'_, S> {
     }
     /// Sets arguments from a place on to those of a part's coordinates.
     #[inline(always)]
-    pub fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
+    pub(super) fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
         let mut place = first;
         for segment in &part.segments {
             place = self.copy(place, &values[segment.clone()]);
@@ -168,7 +168,7 @@ impl<S: RunScalar> Aligned<S> {
 
 /// Workspace of evaluations.
 #[derive(Clone, Debug)]
-pub(super) struct BatchWork<S> {
+pub(crate) struct BatchWork<S> {
     group: Group<S>,
     pieces: Vec<Group<S>>,
     /// Results of several elements, one element after the other.
@@ -215,7 +215,7 @@ fn groups(count: usize, lanes: usize) -> impl ExactSizeIterator<Item = usize> + 
 }
 
 /// Executes a program for `count` parts: `write` sets the arguments of one, `read` takes its results, in the order of the parts.
-pub(super) fn run_parts<S: RunScalar>(
+pub(crate) fn run_parts<S: RunScalar>(
     program: &Program,
     count: usize,
     work: &mut BatchWork<S>,

@@ -27,6 +27,7 @@ mod reduction;
 mod residual;
 mod variational;
 
+pub(crate) use batches::{BatchWork, run_parts};
 pub use constraint_programs::ConstraintPart;
 pub(crate) use driven::RowsOfDrives;
 pub use element_programs::Force;

@@ -89,6 +89,12 @@ impl Model {
         NodeId(index, self.identity)
     }
 
+    /// All elements, in their order.
+    pub fn element_ids(&self) -> impl Iterator<Item = ElementId> {
+        let identity = self.identity;
+        (0..self.elements.len()).map(move |index| ElementId(index, identity))
+    }
+
     /// What stands for an element that was refused: none has this number.
     pub(crate) fn refused_element(&self) -> ElementId {
         ElementId(usize::MAX, self.identity)

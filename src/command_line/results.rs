@@ -153,7 +153,7 @@ impl<'p> Results<'p> {
         sample.share(model, p);
         self.row.extend(&sample.mu);
         let measured = self.row.len();
-        self.row.extend(courses(self.prepared).map(|functional| functional.measured.value(model, &sample, p)));
+        self.row.extend(courses(self.prepared).map(|functional| functional.measured_at(model, &sample, p)));
         self.csv.row(&self.row).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
@@ -268,7 +268,11 @@ fn moving(model: &Model) -> impl Iterator<Item = &Node> {
 
 /// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
 fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
-    let has = |functional: &&Functional| !matches!(functional.measured, Measured::Energy | Measured::Mass);
+    let has = |functional: &&Functional| match &functional.measured {
+        Measured::Energy => false,
+        Measured::Group(group) => group.is_moving(prepared.model()),
+        _ => true,
+    };
     prepared.functionals().iter().filter(has)
 }
 

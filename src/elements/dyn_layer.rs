@@ -6,8 +6,9 @@ use super::lagrangian::{
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
 use crate::elements::NodeKind;
 use crate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
-use crate::scalar::{Complex64, Scalar, Tangents};
+use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
 use num_dual::Derivative;
+use std::any::Any;
 use std::cell::RefCell;
 use std::sync::{Arc, OnceLock};
 
@@ -137,6 +138,8 @@ pub trait AnyElement: Send + Sync {
     fn type_name(&self) -> &'static str {
         std::any::type_name::<Self>()
     }
+    /// Itself, for quantities of elements of one type.
+    fn as_any(&self) -> &dyn Any;
     /// Kinds of its nodes.
     fn node_kinds(&self) -> Vec<NodeKind>;
     /// Its parameters.
@@ -147,8 +150,11 @@ pub trait AnyElement: Send + Sync {
     fn record_residual(&self) -> Recording;
     /// Records w_P P + w_F F as a function of (a, v, q, p, t, w_P, w_F), with the momentum P = dL/dv and the force F = dL/dq + Q.
     fn record_impulse(&self) -> Recording;
-    /// Records kinetic energy, potential energy with what is stored in strains, and mass, as functions of (v, q, p).
+    /// Records kinetic energy, potential energy with what is stored in strains, mass, and what is stored in strains, as functions of
+    /// (v, q, p).
     fn record_energies(&self) -> Recording;
+    /// Records the moment of inertia about an axis through a point as a function of (q, p, point, axis).
+    fn record_inertia_moment(&self) -> Recording;
     /// Whether these energies are all that the element has: whether its residual follows from them and from losses.
     fn has_energies(&self) -> bool;
     /// Whether nothing changes its energy but the motion.
@@ -183,6 +189,9 @@ fn arguments<const N: usize>(all: &[Recorded], counts: [usize; N]) -> [&[Recorde
 }
 
 impl<E: Element> AnyElement for E {
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
     fn node_kinds(&self) -> Vec<NodeKind> {
         self.nodes()
     }
@@ -219,8 +228,23 @@ impl<E: Element> AnyElement for E {
         let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
         Formula::record(2 * n + m, |x| {
             let [v, q, p] = arguments(x, [n, n, m]);
-            let Energies { kinetic, potential } = Energies::of(self, [v, q, p], Recorded::from(0.0));
-            vec![kinetic, potential, self.mass(p)]
+            let Energies { kinetic, potential, stored } = Energies::of(self, [v, q, p], Recorded::from(0.0));
+            vec![kinetic, potential, self.mass(p), stored]
+        })
+    }
+    fn record_inertia_moment(&self) -> Recording {
+        let (kinds, m) = (self.nodes(), self.parameters().len());
+        let n = dofs_of(&kinds);
+        Formula::record(n + m + 6, |x| {
+            let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
+            let mut v = vec![Recorded::from(0.0); n];
+            let mut first = 0;
+            for kind in kinds {
+                let places = first..first + kind.dofs();
+                kind.turn(&q[places.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[places]);
+                first += kind.dofs();
+            }
+            vec![self.kinetic(&v, q, p) * 2.0]
         })
     }
     fn has_energies(&self) -> bool {
@@ -271,6 +295,7 @@ struct ElementRecordings {
     impulse: OnceLock<Recording>,
     inertia: OnceLock<Arc<Formula>>,
     energies: OnceLock<Recording>,
+    inertia_moment: OnceLock<Recording>,
     stresses: OnceLock<Option<StressFormulas>>,
     conservative: OnceLock<bool>,
 }
@@ -284,7 +309,7 @@ impl ElementPhysics {
     /// An element, recorded when that is first asked for.
     pub fn new(own: Box<dyn AnyElement>) -> Self {
         let (dofs, parameters) = (dofs_of(&own.node_kinds()), own.parameter_list().len());
-        let [residual, impulse, energies] = [const { OnceLock::new() }; 3];
+        let [residual, impulse, energies, inertia_moment] = [const { OnceLock::new() }; 4];
         ElementPhysics(Arc::new(ElementRecordings {
             own,
             dofs,
@@ -293,6 +318,7 @@ impl ElementPhysics {
             impulse,
             inertia: OnceLock::new(),
             energies,
+            inertia_moment,
             stresses: OnceLock::new(),
             conservative: OnceLock::new(),
         }))
@@ -301,6 +327,14 @@ impl ElementPhysics {
     /// Path of its type.
     pub fn type_name(&self) -> &'static str {
         self.0.own.type_name()
+    }
+    /// The element itself, if it is one of type `E`.
+    pub fn downcast<E: 'static>(&self) -> Option<&E> {
+        self.0.own.as_any().downcast_ref()
+    }
+    /// Whether another one has the same recordings.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
     }
     /// Number of coordinates.
     pub fn dof_count(&self) -> usize {
@@ -386,16 +420,20 @@ impl ElementPhysics {
         S::run(program, &inputs, &mut outputs, &mut ProgramWork::default());
         outputs
     }
-    /// Kinetic energy, potential energy and mass.
-    pub fn energies_at<S: RunScalar>(&self, v: &[S], q: &[S], p: &[S]) -> [S; 3] {
+    /// Kinetic energy, potential energy, mass, and the part of the potential energy that is stored in strains.
+    pub fn energies_at<S: RunScalar>(&self, v: &[S], q: &[S], p: &[S]) -> [S; 4] {
         let inputs: Vec<S> = v.iter().chain(q).chain(p).copied().collect();
-        let mut outputs = [S::zero(); 3];
+        let mut outputs = [S::zero(); 4];
         S::run(self.energies().values(), &inputs, &mut outputs, &mut ProgramWork::default());
         outputs
     }
     /// The same as a formula of (v, q, p).
     pub fn energies(&self) -> &Arc<Formula> {
         checked(self.0.energies.get_or_init(|| self.0.own.record_energies()))
+    }
+    /// Twice the kinetic energy of a turn at 1 rad/s, as a formula of (q, p, point, axis): the moment of inertia about the axis [kg m2].
+    pub fn inertia_moment(&self) -> &Arc<Formula> {
+        checked(self.0.inertia_moment.get_or_init(|| self.0.own.record_inertia_moment()))
     }
 }
 

@@ -12,6 +12,8 @@ pub(super) struct Energies {
     pub kinetic: Recorded,
     /// V with what is stored in strains.
     pub potential: Recorded,
+    /// What is stored in strains.
+    pub stored: Recorded,
 }
 
 /// What a residual is made of, in recorded numbers: an element, or the same in numbers that a node map makes of its coordinates.
@@ -62,7 +64,7 @@ fn strains(element: &impl Formulas, q: &[Recorded], p: &[Recorded], t: Recorded)
 impl Energies {
     pub fn of(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
         let stored = element.stored(&strains(element, q, p, t), p);
-        Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + stored }
+        Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + stored, stored }
     }
 }
 
@@ -73,7 +75,7 @@ fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
 
 /// Force F = dL/dq + Q and momentum P = dL/dv.
 fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
-    let Energies { kinetic, potential } = Energies::of(element, [v, q, p], t);
+    let Energies { kinetic, potential, .. } = Energies::of(element, [v, q, p], t);
     let mut force = gradient(kinetic - potential, q);
     let mut applied = zeros(q.len());
     element.add_force(v, q, p, t, &mut applied);

@@ -112,6 +112,24 @@ impl NodeKind {
         }
     }
 
+    /// Velocities of its coordinates, into `v`, while the world turns with the angular velocity `omega` [rad/s] about the world point
+    /// `about`.
+    pub fn turn<S: Scalar>(self, q: &[S], about: Vector3<S>, omega: Vector3<S>, v: &mut [S]) {
+        if self.in_space().is_none() {
+            return;
+        }
+        let turned = |x: &[S]| omega.cross(&Vector3::first_three(x)).components();
+        v[..3].copy_from_slice(&omega.cross(&(Vector3::first_three(q) - about)).components());
+        match self {
+            NodeKind::Body => {
+                let e = Quaternion::from_slice(&q[3..]);
+                v[3..].copy_from_slice(&e.rate_of_body_velocity(e.rotate_back(omega)));
+            }
+            // slopes and axes are vectors in the world
+            _ => q[3..].chunks_exact(3).zip(v[3..].chunks_exact_mut(3)).for_each(|(x, v)| v.copy_from_slice(&turned(x))),
+        }
+    }
+
     /// Adds the generalized force of the world force `force` \[N\] at the body point `point`.
     #[inline(always)]
     pub fn add_force<S: Scalar>(self, q: &[S], point: Vector3<S>, force: Vector3<S>, generalized: &mut [S]) {

@@ -1,9 +1,8 @@
-// equations, state, parameters, time and targets are arguments
-#![allow(clippy::too_many_arguments)]
-
-use super::MeasuredQuantity;
+use super::aggregate::{SUMS, Totals};
 use super::load::JointLoad;
+use super::measured_group::GroupWork;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
+use super::{MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
 use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::{StartRecord, StepRecord};
@@ -24,17 +23,8 @@ pub enum Measured {
         /// The formula.
         quantity: MeasuredQuantity,
     },
-    /// The smooth maximum of a quantity over a group of elements: c + ln(sum of exp(rho (y - c))) / rho, c the largest y.
-    Largest {
-        /// The elements.
-        members: Vec<Member>,
-        /// Place in p of the parameters that all members share, behind their own.
-        parameters: Range<usize>,
-        /// The formula.
-        quantity: MeasuredQuantity,
-        /// rho, in units of 1 / y.
-        sharpness: f64,
-    },
+    /// A quantity of the elements of a group, at one or several points of each.
+    Group(MeasuredGroup),
     /// A force or moment with which a joint acts on one of its nodes.
     Load {
         /// The joint.
@@ -46,41 +36,9 @@ pub enum Measured {
     },
     /// Kinetic and potential energy of all elements \[J\].
     Energy,
-    /// Mass of all elements \[kg\].
-    Mass,
 }
 
-/// Where the quantity of a group reads one of its elements.
-#[derive(Clone, Debug)]
-pub struct Member {
-    /// Its nodes.
-    pub nodes: Vec<NodeId>,
-    /// Place of its parameters in p.
-    pub parameters: Range<usize>,
-}
-
-/// What is made of it over time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Over {
-    /// Value at the start.
-    Initial,
-    /// Value at the end.
-    Terminal,
-    /// Integral over time, with the integrator's own weights.
-    Integral,
-    /// Smooth maximum (Kreisselmeier & Steinhauser): c + ln(I) / rho, I = integral of exp(rho (y - c)), c the largest y seen.
-    ///
-    /// With `normalized` I is divided by the duration, which makes the value independent of the unit of time and at most the
-    /// maximum; without, it is the form of Boopathy & Kennedy.
-    SmoothMaximum {
-        /// rho, in units of 1 / y.
-        sharpness: f64,
-        /// Divide by the duration.
-        normalized: bool,
-    },
-}
-
-/// A functional f: a measured quantity and what is made of it over time.
+/// A functional f: what is measured at each time, and what is made of it over time and points.
 pub struct Functional {
     /// Name.
     pub name: String,
@@ -171,11 +129,14 @@ impl Sample<f64> {
 }
 
 impl Functional {
-    /// Unit of its value: an integral has the second of the integration in it.
+    /// Unit of its value: an integral has the second of the integration in it, squared aggregates the square of what is measured.
     pub fn value_unit(&self) -> String {
+        let squared = self.over.aggregate().is_some_and(|aggregate| aggregate.kind.is_squared());
         match (self.over, self.unit) {
             (Over::Integral, "-") => "s".into(),
             (Over::Integral, unit) => format!("{unit} s"),
+            (_, "-") => "-".into(),
+            (_, unit) if squared => format!("({unit})^2"),
             (_, unit) => unit.into(),
         }
     }
@@ -185,22 +146,21 @@ impl Functional {
         match &self.measured {
             Measured::Local { constraints, .. } => !constraints.is_empty(),
             Measured::Load { .. } => true,
-            Measured::Largest { .. } | Measured::Energy | Measured::Mass => false,
+            Measured::Group(_) | Measured::Energy => false,
         }
     }
 
-    /// Factor with which the gradient of the measured quantity at a stage enters df.
-    pub fn stage_factor(&self, model: &Model, sample: &Sample<f64>, p: &[f64], value: f64, duration: f64) -> f64 {
-        match self.over {
-            Over::Initial | Over::Terminal => 0.0,
-            Over::Integral => sample.weight,
-            Over::SmoothMaximum { sharpness, normalized } => {
-                // d f = sum w exp(rho (y - c)) dy / integral, and the integral is exp(rho (f - c)) times the measure: c cancels
-                let measure = if normalized { duration } else { 1.0 };
-                let y = self.measured.value(model, sample, p);
-                sample.weight * (sharpness * (y - value)).exp() / measure
-            }
-        }
+    /// What it measures at one time: of points that it aggregates, the aggregate at that time.
+    pub fn measured_at<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
+        let (Measured::Group(group), Over::Aggregate { aggregate, .. }) = (&self.measured, self.over) else {
+            return self.measured.value(model, sample, p);
+        };
+        let mut work = GroupWork::default();
+        group.write_values(model, sample, p, self.over.points(), &mut work);
+        let offset = aggregate.following(aggregate.first_offset(), &work.values);
+        let mut sums = [S::zero(); SUMS];
+        self.over.add_terms(&work.values, offset, 1.0, &mut sums);
+        self.over.value(Totals { offset, sums })
     }
 }
 
@@ -227,9 +187,8 @@ fn dofs<'m>(model: &'m Model, nodes: &'m [NodeId]) -> impl Iterator<Item = usize
     nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone())
 }
 
-/// Kinetic and potential energy, or mass, among the results of an element's energies.
+/// Kinetic and potential energy among the results of an element's energies.
 const ENERGIES: &[usize] = &[0, 1];
-const MASS: &[usize] = &[2];
 
 impl Reading<'_> {
     fn value<S: RunScalar>(&self, sample: &Sample<S>, p: &[S], all: &mut [Vec<S>; 2], work: &mut ProgramWork<S>) -> S {
@@ -268,23 +227,17 @@ impl Reading<'_> {
     }
 }
 
-/// c + ln(sum of exp(rho (y - c))) / rho with the largest y for c, which the result does not depend on.
-fn smooth_maximum<S: RunScalar>(values: &[S], sharpness: f64) -> S {
-    let largest = values.iter().fold(f64::NEG_INFINITY, |largest, value| largest.max(value.value()));
-    let sum = values.iter().fold(S::zero(), |sum, &value| sum + ((value - largest) * sharpness).exp());
-    sum.ln() / sharpness + largest
-}
-
 impl Measured {
     /// Why its formula cannot be used, if so.
-    pub fn refused(&self) -> Option<&str> {
+    pub fn refused(&self, model: &Model) -> Option<&str> {
         match self {
-            Measured::Local { quantity, .. } | Measured::Largest { quantity, .. } => quantity.refused(),
+            Measured::Local { quantity, .. } => quantity.refused(),
+            Measured::Group(group) => group.refused(model),
             _ => None,
         }
     }
 
-    /// Calls `read` for each formula of which it is the sum.
+    /// Calls `read` for each formula of which it is the sum; a group has a way of its own.
     fn for_each_reading(&self, model: &Model, mut read: impl FnMut(Reading)) {
         match self {
             Measured::Local { nodes, constraints, parameters, quantity } => {
@@ -297,16 +250,7 @@ impl Measured {
                     .chain([Place::Time]);
                 read(Reading { formula: quantity.formula(), places: places.collect(), results: &[0] });
             }
-            Measured::Largest { members, parameters, quantity, .. } => {
-                for member in members {
-                    let state = dofs(model, &member.nodes).map(Place::A).chain(dofs(model, &member.nodes).map(Place::V));
-                    let places = state
-                        .chain(dofs(model, &member.nodes).map(Place::Q))
-                        .chain(member.parameters.clone().chain(parameters.clone()).map(Place::P))
-                        .chain([Place::Time]);
-                    read(Reading { formula: quantity.formula(), places: places.collect(), results: &[0] });
-                }
-            }
+            Measured::Group(_) => {}
             Measured::Load { joint, parameters, load } => {
                 let joint = &model.constraints[joint.0];
                 let places = dofs(model, &joint.nodes)
@@ -317,32 +261,40 @@ impl Measured {
                     .chain([Place::Time]);
                 read(Reading { formula: load.formula(&joint.physics), places: places.collect(), results: &[0] });
             }
-            Measured::Energy | Measured::Mass => {
-                let results = if matches!(self, Measured::Mass) { MASS } else { ENERGIES };
+            Measured::Energy => {
                 for element in &model.elements {
                     let places = dofs(model, &element.nodes)
                         .map(Place::V)
                         .chain(dofs(model, &element.nodes).map(Place::Q))
                         .chain(element.parameters.clone().map(Place::P));
-                    read(Reading { formula: element.physics.energies(), places: places.collect(), results });
+                    read(Reading { formula: element.physics.energies(), places: places.collect(), results: ENERGIES });
                 }
             }
         }
     }
 
-    /// Values of all formulas.
-    fn values<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> Vec<S> {
-        S::with_work(|numbers, work| {
-            let mut values = Vec::new();
-            self.for_each_reading(model, |reading| values.push(reading.value(sample, p, numbers, work)));
-            values
-        })
+    /// Writes its values at a sample, one or those of all points, with their weights where these are asked for and otherwise 1.
+    pub(super) fn write_values<S: RunScalar>(
+        &self,
+        model: &Model,
+        sample: &Sample<S>,
+        p: &[S],
+        points: PointWeights,
+        work: &mut GroupWork<S>,
+    ) {
+        if let Measured::Group(group) = self {
+            return group.write_values(model, sample, p, points, work);
+        }
+        work.values.clear();
+        work.values.push([self.value(model, sample, p), S::one()]);
     }
 
-    /// The value at a sample.
+    /// The value at a sample; of points their sum by weights.
     pub fn value<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
-        if let Measured::Largest { sharpness, .. } = self {
-            return smooth_maximum(&self.values(model, sample, p), *sharpness);
+        if let Measured::Group(group) = self {
+            let mut work = GroupWork::default();
+            group.write_values(model, sample, p, PointWeights::Own, &mut work);
+            return work.values.iter().map(|&[value, weight]| value * weight).sum();
         }
         S::with_work(|numbers, work| {
             let mut sum = S::zero();
@@ -351,33 +303,15 @@ impl Measured {
         })
     }
 
-    /// Adds `factor` times the gradient at a sample.
-    pub fn add_gradient(
-        &self,
-        model: &Model,
-        sample: &Sample<f64>,
-        p: &[f64],
-        factor: f64,
-        at_bar: &mut VectorsAvq<f64>,
-        mu_bar: &mut [f64],
-        p_bar: &mut [f64],
-    ) {
-        // of a smooth maximum, the share of each value
-        let mut shares = Vec::new();
-        if let Measured::Largest { sharpness, .. } = self {
-            shares = self.values(model, sample, p);
-            let largest = smooth_maximum(&shares, *sharpness);
-            shares.iter_mut().for_each(|share| *share = (sharpness * (*share - largest)).exp());
-        }
-        let mut shares = shares.into_iter();
+    /// Adds `factor` times the gradient of its only value at a sample.
+    pub(super) fn add_gradient(&self, model: &Model, sample: &Sample<f64>, p: &[f64], factor: f64, bars: &mut SampleBars) {
         self.for_each_reading(model, |reading| {
-            let factor = factor * shares.next().unwrap_or(1.0);
             reading.add_gradient(sample, p, factor, |place, entry| match place {
-                Place::A(dof) => at_bar.a[dof] += entry,
-                Place::V(dof) => at_bar.v[dof] += entry,
-                Place::Q(dof) => at_bar.q[dof] += entry,
-                Place::Mu(row) => mu_bar[row] += entry,
-                Place::P(index) => p_bar[index] += entry,
+                Place::A(dof) => bars.at.a[dof] += entry,
+                Place::V(dof) => bars.at.v[dof] += entry,
+                Place::Q(dof) => bars.at.q[dof] += entry,
+                Place::Mu(row) => bars.mu[row] += entry,
+                Place::P(index) => bars.p[index] += entry,
                 Place::Time => {}
             });
         });

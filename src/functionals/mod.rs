@@ -1,7 +1,14 @@
 //! Numbers that a motion is judged by: quantities at a time, and what is made of them over time.
 
+mod aggregate;
+mod element_group;
+mod element_sum;
 mod functional;
+mod gradient;
 mod load;
+mod measured_group;
+mod over;
+mod point_quantity;
 mod quantity;
 mod reactions;
 mod values;
@@ -9,8 +16,15 @@ mod weights;
 
 pub mod quantities;
 
-pub use functional::{Functional, Measured, Member, Over, Sample};
+pub use aggregate::{Aggregate, AggregateKind, PointWeights, Totals};
+pub use element_group::ElementGroup;
+pub use element_sum::ElementSum;
+pub use functional::{Functional, Measured, Sample};
+pub use gradient::{FunctionalGradient, SampleBars};
 pub use load::{JointLoad, LoadKind};
+pub use measured_group::{Argument, GroupFormula, MeasuredGroup};
+pub use over::{Over, Times};
+pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};
 pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
 pub use reactions::least_multipliers;
 pub use values::Values;

@@ -1,4 +1,6 @@
-use super::{Functional, Over, Sample};
+use super::aggregate::{SUMS, Totals};
+use super::measured_group::GroupWork;
+use super::{Functional, Sample, Times};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
 use crate::integrators::{Combination, StartRecord, StepRecord, Table};
@@ -8,8 +10,8 @@ use crate::integrators::{Combination, StartRecord, StepRecord, Table};
 /// An integral z of f follows the table's own recursion for z' = f, z = sum of earlier z + h sum of weights f: a method that looks
 /// further back keeps as many earlier integrals as it reads. [`QuadratureWeights`](super::QuadratureWeights) is its transpose.
 ///
-/// A smooth maximum is summed relative to the largest value so far, c, and rescaled by exp(rho (c - c')) when a larger one, c',
-/// comes: so one pass gives the value and its offset.
+/// An aggregate is summed relative to the largest value so far, c, and rescaled when a larger one comes: so one pass gives the value and
+/// its offset.
 pub struct Values<'f, S> {
     functionals: &'f [Functional],
     model: &'f Model,
@@ -17,28 +19,25 @@ pub struct Values<'f, S> {
     p: &'f [S],
     /// Offsets follow the largest value; otherwise they are given.
     following: bool,
-    offsets: Vec<Option<f64>>,
-    /// For each functional its initial value, or its integral after the last step and before, latest first.
-    sums: Vec<Vec<S>>,
-    duration: f64,
+    offsets: Vec<f64>,
+    /// For each functional its sums after the last step and before, latest first.
+    sums: Vec<Vec<[S; SUMS]>>,
     /// The end of the last step.
     last: Option<Sample<S>>,
     sample: Sample<S>,
     /// Whether any functional reads multipliers.
     reading: bool,
+    work: GroupWork<S>,
 }
 
 impl<'f, S: RunScalar> Values<'f, S> {
-    /// For a real run: offsets of smooth maxima are found on the way.
+    /// For a real run: offsets of aggregates are found on the way.
     pub fn new(functionals: &'f [Functional], model: &'f Model, table: &'f Table, p: &'f [S]) -> Self {
-        let offset = |functional: &Functional| match functional.over {
-            Over::SmoothMaximum { .. } => Some(f64::NEG_INFINITY),
-            _ => None,
-        };
         let older = table.quadrature.carried.len().max(1);
-        let sum = |functional: &Functional| match functional.over {
-            Over::Initial | Over::Terminal => vec![S::from(f64::NAN)],
-            _ => vec![S::zero(); older],
+        let sums = |functional: &Functional| match functional.over.times() {
+            // until it is read
+            Times::Start | Times::End => vec![[S::from(f64::NAN); SUMS]],
+            Times::Run => vec![[S::zero(); SUMS]; older],
         };
         Values {
             functionals,
@@ -46,12 +45,12 @@ impl<'f, S: RunScalar> Values<'f, S> {
             table,
             p,
             following: true,
-            offsets: functionals.iter().map(offset).collect(),
-            sums: functionals.iter().map(sum).collect(),
-            duration: 0.0,
+            offsets: functionals.iter().map(|functional| functional.over.first_offset()).collect(),
+            sums: functionals.iter().map(sums).collect(),
             last: None,
             sample: Sample::empty(),
             reading: functionals.iter().any(Functional::reads_multipliers),
+            work: GroupWork::default(),
         }
     }
 
@@ -61,81 +60,92 @@ impl<'f, S: RunScalar> Values<'f, S> {
         model: &'f Model,
         table: &'f Table,
         p: &'f [S],
-        offsets: &[Option<f64>],
+        totals: &[Totals<f64>],
     ) -> Self {
-        Values { following: false, offsets: offsets.to_vec(), ..Self::new(functionals, model, table, p) }
+        let offsets = totals.iter().map(|totals| totals.offset).collect();
+        Values { following: false, offsets, ..Self::new(functionals, model, table, p) }
+    }
+
+    /// Adds what functional `k` reads at a sample with a weight in time.
+    fn add(&mut self, k: usize, sample: &Sample<S>, weight: f64) {
+        let Functional { measured, over, .. } = &self.functionals[k];
+        let (sums, offset, work) = (&mut self.sums[k], &mut self.offsets[k], &mut self.work);
+        measured.write_values(self.model, sample, self.p, over.points(), work);
+        if let Some(aggregate) = over.aggregate().filter(|_| self.following) {
+            let before = *offset;
+            *offset = aggregate.following(before, &work.values);
+            if *offset > before {
+                let smaller = aggregate.kernel(before, *offset);
+                sums.iter_mut().for_each(|sums| sums[..2].iter_mut().for_each(|sum| *sum *= S::from(smaller)));
+            }
+        }
+        over.add_terms(&work.values, *offset, weight, &mut sums[0]);
+    }
+
+    /// Reads functional `k` at its only sample.
+    fn read(&mut self, k: usize, sample: &Sample<S>) {
+        self.sums[k][0] = [S::zero(); SUMS];
+        self.add(k, sample, 1.0);
+    }
+
+    /// Functionals that read at some times.
+    fn at(&self, times: Times) -> impl Iterator<Item = usize> + use<'f, S> {
+        let functionals = self.functionals;
+        (0..functionals.len()).filter(move |&k| functionals[k].over.times() == times)
     }
 
     /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<S>) {
-        for (functional, sum) in self.functionals.iter().zip(&mut self.sums) {
-            if functional.over == Over::Initial {
-                let mut sample = Sample::initial(start);
-                if functional.reads_multipliers() {
-                    sample.share(self.model, self.p);
-                }
-                sum[0] = functional.measured.value(self.model, &sample, self.p);
+        for k in self.at(Times::Start) {
+            let mut sample = Sample::initial(start);
+            if self.functionals[k].reads_multipliers() {
+                sample.share(self.model, self.p);
             }
+            self.read(k, &sample);
         }
     }
 
     /// A finished step.
     pub fn step(&mut self, step: &StepRecord<S>) {
-        self.duration += step.h;
-        if self.functionals.iter().any(|functional| functional.over == Over::Terminal) {
+        if self.at(Times::End).next().is_some() {
             self.last.get_or_insert_with(Sample::empty).set_terminal(step);
         }
-        if self.functionals.iter().all(|functional| matches!(functional.over, Over::Initial | Over::Terminal)) {
+        if self.at(Times::Run).next().is_none() {
             return;
         }
         let Combination { carried, stages } = &self.table.scheme(step.scheme).quadrature;
-        for (functional, sums) in self.functionals.iter().zip(&mut self.sums) {
-            if matches!(functional.over, Over::Integral | Over::SmoothMaximum { .. }) {
-                let latest = sums.iter().zip(carried).map(|(&sum, &factor)| sum * factor).sum();
-                sums.rotate_right(1);
-                sums[0] = latest;
-            }
+        for k in self.at(Times::Run) {
+            let sums = &mut self.sums[k];
+            let latest = std::array::from_fn(|i| sums.iter().zip(carried).map(|(sum, &factor)| sum[i] * factor).sum());
+            sums.rotate_right(1);
+            sums[0] = latest;
         }
+        let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
         for (stage, weight) in stages.iter().enumerate() {
-            self.sample.set_stage(step, stage, step.h * weight);
+            sample.set_stage(step, stage, step.h * weight);
             if self.reading {
-                self.sample.share(self.model, self.p);
+                sample.share(self.model, self.p);
             }
-            let sample = &self.sample;
-            for ((functional, sums), offset) in self.functionals.iter().zip(&mut self.sums).zip(&mut self.offsets) {
-                let value = || functional.measured.value(self.model, sample, self.p);
-                match functional.over {
-                    Over::Initial | Over::Terminal => {}
-                    Over::Integral => sums[0] += value() * sample.weight,
-                    Over::SmoothMaximum { sharpness, .. } => {
-                        let (y, c) = (value(), offset.get_or_insert(0.0));
-                        if self.following && y.value() > *c {
-                            if c.is_finite() {
-                                let smaller = S::from((sharpness * (*c - y.value())).exp());
-                                sums.iter_mut().for_each(|sum| *sum *= smaller);
-                            }
-                            *c = y.value();
-                        }
-                        sums[0] += ((y - *c) * sharpness).exp() * sample.weight;
-                    }
-                }
+            for k in self.at(Times::Run) {
+                self.add(k, &sample, sample.weight);
             }
         }
+        self.sample = sample;
     }
 
-    /// The values at the end of the last step, and the offsets of smooth maxima.
-    pub fn finish(mut self) -> (Vec<S>, Vec<Option<f64>>) {
-        if let Some(last) = self.last.as_mut().filter(|_| self.reading) {
-            last.share(self.model, self.p);
-        }
-        let value = |((functional, sums), offset): ((&Functional, &Vec<S>), &Option<f64>)| match functional.over {
-            Over::Initial | Over::Integral => sums[0],
-            Over::Terminal => self.last.as_ref().map_or(sums[0], |last| functional.measured.value(self.model, last, self.p)),
-            Over::SmoothMaximum { sharpness, normalized } => {
-                let measure = if normalized { self.duration } else { 1.0 };
-                (sums[0] / measure).ln() / sharpness + offset.unwrap_or(0.0)
+    /// The values at the end of the last step, and the sums of which they are made.
+    pub fn finish(mut self) -> (Vec<S>, Vec<Totals<S>>) {
+        if let Some(mut last) = self.last.take() {
+            if self.reading {
+                last.share(self.model, self.p);
             }
-        };
-        (self.functionals.iter().zip(&self.sums).zip(&self.offsets).map(value).collect(), self.offsets)
+            for k in self.at(Times::End) {
+                self.read(k, &last);
+            }
+        }
+        let totals = |(sums, &offset): (&Vec<[S; SUMS]>, &f64)| Totals { offset, sums: sums[0] };
+        let totals: Vec<Totals<S>> = self.sums.iter().zip(&self.offsets).map(totals).collect();
+        let values = self.functionals.iter().zip(&totals).map(|(functional, &totals)| functional.over.value(totals));
+        (values.collect(), totals)
     }
 }

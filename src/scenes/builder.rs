@@ -2,6 +2,7 @@ mod beams;
 mod cables;
 mod forces;
 mod functionals;
+mod groups;
 mod joints;
 mod loads;
 mod rolling;
@@ -436,6 +437,9 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let (have, wanted) = (self.model.dof_count(nodes), quantity.dof_count());
+        if !self.check_over(name, over) {
+            return;
+        }
         if have != wanted {
             self.mistakes.push(format!("\"{name}\" works on {wanted} coordinates, but its nodes have {have}"));
         }

@@ -169,7 +169,13 @@ impl<'s> Prepared<'s> {
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
         let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, divide, plan, keep };
         prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
-        Ok(prepared)
+        let refused = |functional: &Functional| {
+            Some(format!("functional \"{}\": {}", functional.name, functional.measured.refused(prepared.model())?))
+        };
+        match prepared.functionals().iter().find_map(refused) {
+            Some(why) => Err(RunError::Input(why)),
+            None => Ok(prepared),
+        }
     }
 
     /// The topology.

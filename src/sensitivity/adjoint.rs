@@ -7,7 +7,7 @@ use super::solvers::StepSolvers;
 use super::transposed::{Backward, SolutionBar};
 use crate::assembly::VectorsAvq;
 use crate::design::ModelNumbers;
-use crate::functionals::{Functional, Over, QuadratureWeights, Sample};
+use crate::functionals::{Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, Times, Totals};
 use crate::history::{History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
@@ -46,7 +46,7 @@ fn distribute(
     }
 }
 
-/// Discrete adjoint of a recorded run for several functionals at once; `values` are theirs in that run, `active` says of which
+/// Discrete adjoint of a recorded run for several functionals at once; `totals` are their sums in that run, `active` says of which
 /// parameters derivatives are asked for (others get what functionals themselves make of them).
 ///
 /// # Errors
@@ -56,16 +56,18 @@ pub fn adjoint(
     rerun: &Rerun,
     history: &dyn History,
     functionals: &[&Functional],
-    values: &[f64],
+    totals: &[Totals<f64>],
     active: &[bool],
 ) -> Result<AdjointRun, RunError> {
     let (method, systems) = (rerun.method, rerun.systems());
     let mut sweep = Sweep {
         problem: rerun.problem,
         method,
-        functionals,
-        values,
-        duration: rerun.grid.duration(history.steps()),
+        functionals: functionals
+            .iter()
+            .zip(totals)
+            .map(|(functional, totals)| FunctionalGradient::new(functional, rerun.problem.model, totals, active))
+            .collect(),
         active,
         systems: Systems { plain: systems.plain.clone(), stage: systems.stage.clone() },
         counters: Counters::default(),
@@ -76,9 +78,7 @@ pub fn adjoint(
 struct Sweep<'m> {
     problem: &'m Problem<'m, f64>,
     method: &'m Method,
-    functionals: &'m [&'m Functional],
-    values: &'m [f64],
-    duration: f64,
+    functionals: Vec<FunctionalGradient<'m>>,
     active: &'m [bool],
     systems: Systems<'m>,
     counters: Counters,
@@ -197,33 +197,38 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// Adds the gradient of functional `k` at a sample; returns the adjoints of (a, v, q) and mu.
-    fn measure(&self, k: usize, sample: &Sample<f64>, factor: f64, p_bar: &mut [f64]) -> (VectorsAvq<f64>, Vec<f64>) {
+    /// Adds the gradient of functional `k` at a sample with a weight in time; returns the adjoints of (a, v, q) and mu.
+    fn measure(&mut self, k: usize, sample: &Sample<f64>, weight: f64, p_bar: &mut [f64]) -> (VectorsAvq<f64>, Vec<f64>) {
         let model = self.problem.model;
         let mut at_bar = VectorsAvq::zeros(model.dofs);
         let mut mu_bar = vec![0.0; sample.mu.len()];
-        if factor != 0.0 {
-            let measured = &self.functionals[k].measured;
-            measured.add_gradient(model, sample, &self.problem.p, factor, &mut at_bar, &mut mu_bar, p_bar);
+        if weight != 0.0 {
+            let mut bars = SampleBars { at: &mut at_bar, mu: &mut mu_bar, p: p_bar };
+            self.functionals[k].add(model, sample, &self.problem.p, weight, &mut bars);
             sample.share_transposed(model, &self.problem.p, &mut mu_bar, &mut at_bar.q, p_bar);
         }
         (at_bar, mu_bar)
     }
 
+    /// When functional `k` reads.
+    fn times(&self, k: usize) -> Times {
+        self.functionals[k].functional.over.times()
+    }
+
     /// Shares the forces of redundant constraints, if a functional reads them.
     fn share(&self, sample: &mut Sample<f64>) {
-        if self.functionals.iter().any(|functional| functional.reads_multipliers()) {
+        if self.functionals.iter().any(|own| own.functional.reads_multipliers()) {
             sample.share(self.problem.model, &self.problem.p);
         }
     }
 
     /// Adjoint of the first acceleration: what the first step carried over, and initial functionals.
-    fn start_bars(&self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionBar> {
+    fn start_bars(&mut self, start: &StartRecord<f64>, back: &mut [Backward]) -> Vec<SolutionBar> {
         let mut bars = take_carried_acceleration(&self.method.table, back);
         let mut sample = Sample::initial(start);
         self.share(&mut sample);
         for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
-            if self.functionals[k].over == Over::Initial {
+            if self.times(k) == Times::Start {
                 let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
                 add(&mut back.carried[0], 1.0, &at.q);
                 add(&mut back.carried[1], 1.0, &at.v);
@@ -277,7 +282,7 @@ impl<'m> Sweep<'m> {
             sample.set_terminal(step);
             self.share(&mut sample);
             for (k, (stages, back)) in stages.iter_mut().zip(back.iter_mut()).enumerate() {
-                if self.functionals[k].over == Over::Terminal {
+                if self.times(k) == Times::End {
                     let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
                     add(&mut back.carried[0], 1.0, &at.q);
                     add(&mut back.carried[1], 1.0, &at.v);
@@ -359,10 +364,8 @@ impl<'m> Sweep<'m> {
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
         let mut base_bars = Vec::with_capacity(back.len());
         for (k, (back, stages)) in back.iter_mut().zip(stages.iter_mut()).enumerate() {
-            let functional = &self.functionals[k];
-            let factor =
-                functional.stage_factor(self.problem.model, &sample, &self.problem.p, self.values[k], self.duration);
-            let (at, mu) = self.measure(k, &sample, factor, &mut back.p);
+            let weight = if self.times(k) == Times::Run { sample.weight } else { 0.0 };
+            let (at, mu) = self.measure(k, &sample, weight, &mut back.p);
             let own = &mut stages[stage];
             add(&mut own.mu, 1.0, &mu);
             add(&mut own.x, shift.gamma, &at.a);

@@ -5,7 +5,7 @@ use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
-use crate::functionals::{Functional, Over, Values};
+use crate::functionals::{Functional, Over, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
     Counters, Guide, InitialState, Method, Pause, Problem, Recorder, Replay, RunError, StartPlan, StartRecord, StepControl,
@@ -51,8 +51,8 @@ pub struct Forward {
     pub rejected: usize,
     /// Values of the functionals.
     pub values: Vec<f64>,
-    /// Offsets of the smooth maxima.
-    pub offsets: Vec<Option<f64>>,
+    /// The sums of which these are made.
+    pub totals: Vec<Totals<f64>>,
     /// Largest estimated error of a step, where steps of a motion are given.
     pub error: Option<StepError>,
     /// Start \[s\] and number of the first step that leaps over a dead point of a driven mechanism onto another branch.
@@ -160,12 +160,12 @@ impl<'m> Analysis<'m> {
         };
         let Measuring { values, mut history, .. } = recorder;
         let run = run.and_then(|run| history.finish().map(|()| run));
-        let (values, offsets) = values.finish();
+        let (values, totals) = values.finish();
         let (counters, rejected, error, leap, stopped) = match run {
             Ok(run) => (run.counters, run.rejected, run.error, run.leap, None),
             Err(error) => (Counters::default(), 0, None, None, Some(error)),
         };
-        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, offsets, error, leap, counters }, stopped))
+        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, totals, error, leap, counters }, stopped))
     }
 
     /// Values of the functionals alone: no step is kept.
@@ -214,8 +214,8 @@ impl<'m> Analysis<'m> {
         let Some(k) = forward.values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
         let (functional, value) = (&self.functionals[k], forward.values[k]);
         let why = match functional.over {
-            Over::SmoothMaximum { .. } => {
-                "a smooth maximum needs steps that resolve its peak, all the more where a method has negative weights; try a smaller step or sharpness"
+            Over::Aggregate { .. } => {
+                "an aggregate needs steps that resolve its peak, all the more where a method has negative weights; try a smaller step or sharpness"
             }
             _ => "what it measures is no number at a state of the run: look at its formula and parameters",
         };
@@ -248,8 +248,8 @@ impl<'m> Analysis<'m> {
         let active = chain.active_parameters();
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
-        let values: Vec<f64> = places.iter().map(|&k| forward.values[k]).collect();
-        let run = adjoint(&rerun, &*forward.history, &functionals, &values, &active)?;
+        let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();
+        let run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
         for (&k, bar) in places.iter().zip(&run.gradients) {
             rows[k] = chain.gradient(bar);
@@ -378,7 +378,7 @@ impl<'m> Analysis<'m> {
     /// Values of the functionals with derivative parts.
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
-        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.offsets);
+        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals);
         let mut recorder = Perturbation(values);
         let counters = self.perturbed_run(&numbers, forward, &mut recorder)?;
         Ok((recorder.0.finish().0, counters))

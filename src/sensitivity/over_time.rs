@@ -104,7 +104,7 @@ impl<S: RunScalar> Reading<'_, S> {
         }
         self.times.push(self.sample.t);
         for (functional, measured) in self.functionals.iter().zip(&mut self.measured) {
-            measured.push(functional.measured.value(self.model, &self.sample, self.p));
+            measured.push(functional.measured_at(self.model, &self.sample, self.p));
         }
     }
 }

@@ -12,7 +12,7 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Public names of numbers and options there, which have no formula of their own.
-const OPTIONS: [&str; 13] = [
+const OPTIONS: [&str; 15] = [
     "STRAINS",
     "TYING_POINTS",
     "DRILLING_INERTIA",
@@ -24,7 +24,9 @@ const OPTIONS: [&str; 13] = [
     "Laminate",
     "Material",
     "Ply",
+    "PlyStrength",
     "Section",
+    "ShellPoint",
     "ShellSection",
 ];
 

@@ -1,16 +1,18 @@
 //! The list of functionals, and which design variables they cannot depend on.
 
 use super::scenes::{Case, Subject};
+use super::shell::ShellSubject;
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::NodeKind;
+use costate::elements::flexible::PlyStrength;
 use costate::elements::forces::LoadFrame;
 use costate::functionals::quantities::{
     CableMeasure, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, SectionMeasure,
     TargetDistance, Velocity,
 };
-use costate::functionals::{LoadKind, Over};
+use costate::functionals::{Aggregate, AggregateKind, LoadKind, Over, Times};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{BeamMember, CableMember, MechanismBuilder};
+use costate::scenes::{BeamMember, CableMember, MechanismBuilder, ShellMember};
 
 /// A quantity of the library.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,15 +39,21 @@ pub enum Measure {
     CableStress,
     LargestCableStress,
     CableDeflection,
+    InertiaMoment,
+    StrainEnergy,
+    VonMises,
+    TsaiWu,
 }
 
-const NORMALIZED: Over = Over::SmoothMaximum { sharpness: 3.0, normalized: true };
+const NORMALIZED: Over = Over::smooth_maximum(3.0);
 /// Forces reach tens of newtons: a sharper maximum would see one stage, or the negative weight of another.
-const OF_FORCE: Over = Over::SmoothMaximum { sharpness: 0.05, normalized: true };
-const PLAIN: Over = Over::SmoothMaximum { sharpness: 0.5, normalized: false };
+const OF_FORCE: Over = Over::smooth_maximum(0.05);
+const PLAIN: Over = Aggregate::new(AggregateKind::SmoothMaximum { normalized: false }, 0.5).at(Times::Run);
+
+const STRESS: Aggregate = Aggregate::smooth_maximum(5.0);
 
 /// Every quantity and every use of one over time; a new one is a line here.
-const LIST: [(Measure, Over); 30] = [
+const LIST: [(Measure, Over); 40] = [
     (Measure::Position, Over::Initial),
     (Measure::Position, Over::Terminal),
     (Measure::Position, Over::Integral),
@@ -76,6 +84,16 @@ const LIST: [(Measure, Over); 30] = [
     (Measure::CableStress, OF_FORCE),
     (Measure::LargestCableStress, OF_FORCE),
     (Measure::CableDeflection, Over::Terminal),
+    (Measure::InertiaMoment, Over::Terminal),
+    (Measure::StrainEnergy, Over::Integral),
+    (Measure::VonMises, STRESS.at(Times::Run)),
+    (Measure::VonMises, Aggregate::new(AggregateKind::Exponential, 5.0).continuous().at(Times::Run)),
+    (Measure::VonMises, Aggregate::new(AggregateKind::SquaredPower, 4.0).at(Times::End)),
+    (Measure::VonMises, Over::Terminal),
+    (Measure::TsaiWu, STRESS.continuous().at(Times::Run)),
+    (Measure::TsaiWu, Aggregate::new(AggregateKind::Power, 4.0).continuous().at(Times::Run)),
+    (Measure::TsaiWu, Aggregate::new(AggregateKind::SquaredExponential, 5.0).at(Times::Run)),
+    (Measure::TsaiWu, Over::Integral),
 ];
 
 impl Case {
@@ -88,6 +106,10 @@ impl Case {
         let measured = |entry: &(Measure, Over)| match entry.0 {
             SectionForce | SectionStrain | FibreStress if !beam => false,
             CableStrain | CableCurvature | CableStress | LargestCableStress | CableDeflection if !cable => false,
+            // the potential of a cable is that of its strains and its weight
+            StrainEnergy if !(self.is_of_beams() || self.is_of_shells()) => false,
+            VonMises if !matches!(self.subject, Subject::Shell(ShellSubject::Isotropic)) => false,
+            TsaiWu if !matches!(self.subject, Subject::Shell(ShellSubject::Laminate)) => false,
             Energy if !self.has_energies() => false,
             Velocity | JointRate | JointSpeed if self.statics => false,
             _ => !self.statics || entry.1 != Over::Initial,
@@ -131,7 +153,8 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
     match (measure, reach) {
         (_, Nothing) => true,
         (_, Sensor) => {
-            let without_numbers = [Coordinate, ReactionNorm, Energy, Measure::Mass, SectionForce, SectionStrain];
+            let without_numbers =
+                [Coordinate, ReactionNorm, Energy, Measure::Mass, SectionForce, SectionStrain, StrainEnergy];
             without_numbers.contains(&measure) || [CableStrain, CableCurvature, CableDeflection].contains(&measure)
         }
         (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),
@@ -195,6 +218,8 @@ pub struct Seen {
     pub beam: Option<BeamMember>,
     /// Whose strains are measured.
     pub cable: Option<CableMember>,
+    /// Whose stresses are measured.
+    pub shell: Option<ShellMember>,
 }
 
 /// Adds the list to a scene; `sensor` scales all numbers of the functionals, which are parameters like any other.
@@ -285,6 +310,23 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             Measure::LargestCableStress => {
                 if let Some(cable) = &seen.cable {
                     m.largest_cable_stress_functional(&name, cable, sensor * 40.0, sensor * 0.2, 0.05);
+                }
+            }
+            Measure::InertiaMoment => {
+                let [point, axis] = [[0.2, 0.1, -0.3], [0.4, -0.7, 0.5]].map(|x| Vector3::<S>::from_f64(x) * sensor);
+                m.inertia_moment_functional(&name, over, &m.all_elements(), point, axis);
+            }
+            Measure::StrainEnergy => m.strain_energy_functional(&name, over, &m.all_elements()),
+            Measure::VonMises => {
+                if let Some(shell) = &seen.shell {
+                    m.von_mises_functional(&name, over, &shell.group(), sensor * 40.0);
+                }
+            }
+            Measure::TsaiWu => {
+                if let Some(shell) = &seen.shell {
+                    let [tension, compression] = [[40.0, 20.0], [30.0, 25.0]].map(|pair| pair.map(|own| sensor * own));
+                    let strength = PlyStrength { tension, compression, shear: sensor * 15.0 };
+                    m.tsai_wu_functional(&name, over, &shell.group(), &ShellSubject::laminate(), &[strength; 2]);
                 }
             }
             Measure::CableDeflection => {

@@ -205,12 +205,16 @@ impl Case {
             }
             _ => None,
         };
-        if let Shell(subject) = &self.subject {
-            let own = subject.add(m, arm, arm_rotation);
-            for &node in &own.nodes[1..] {
-                m.set_velocity(node, omega.cross(&(m.position(node) - shoulder)), omega);
+        let shell = match &self.subject {
+            Shell(subject) => {
+                let own = subject.add(m, arm, arm_rotation);
+                for &node in &own.nodes[1..] {
+                    m.set_velocity(node, omega.cross(&(m.position(node) - shoulder)), omega);
+                }
+                Some(own)
             }
-        }
+            _ => None,
+        };
         m.gravity(at([0.6, -0.9, -9.7]));
 
         let both = [arm, second];
@@ -281,6 +285,6 @@ impl Case {
         let second_is = m.model.node(second).kind.in_space().unwrap_or(NodeKind::Body);
         let joint = joint.unwrap_or(shoulder_joint);
         let shoulder = shoulder_joint;
-        (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible, cable }, places)
+        (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible, cable, shell }, places)
     }
 }

@@ -23,7 +23,24 @@ const DRILLING_FROM_END: usize = 4;
 
 use Reach::{Inertia, Mass, Stored};
 
+/// E, nu and the density.
+const MATERIAL: [f64; 3] = [900.0, 0.3, 8.0];
+
 impl ShellSubject {
+    /// Plies of two directions, beside the reference surface.
+    pub fn laminate<S: Scalar>() -> Laminate<S> {
+        let [young, poisson, density] = MATERIAL.map(S::from);
+        let ply = |angle: f64, thickness: f64| Ply {
+            thickness: S::from(thickness),
+            angle: S::from(angle),
+            young: [young, young * 0.4],
+            poisson,
+            shear: [300.0, 250.0, 200.0].map(S::from),
+            density,
+        };
+        Laminate::new(vec![ply(0.4, 0.04), ply(-0.7, 0.06)]).offset(S::from(0.01))
+    }
+
     /// What each of its numbers can reach.
     pub fn reaches(self) -> Vec<Reach> {
         let geometry = (0..SECTION).map(|place| if place % 6 < 3 { Mass } else { Inertia });
@@ -46,20 +63,11 @@ impl ShellSubject {
             [origin + turned.rotate(Vector3::from_f64(at)), turned.rotate(Vector3::from_f64(normal))]
         });
         let mesh = mesh.with_node(0, 0, arm);
-        let (young, poisson, density) = (S::from(900.0), S::from(0.3), S::from(8.0));
+        let [young, poisson, density] = MATERIAL.map(S::from);
         let shell = match self {
             ShellSubject::Isotropic => m.shell("shell", mesh, &Material { young, poisson, density }, S::from(0.1)),
             ShellSubject::Laminate => {
-                let ply = |angle: f64, thickness: f64| Ply {
-                    thickness: S::from(thickness),
-                    angle: S::from(angle),
-                    young: [young, young * 0.4],
-                    poisson,
-                    shear: [300.0, 250.0, 200.0].map(S::from),
-                    density,
-                };
-                let plies = Laminate::new(vec![ply(0.4, 0.04), ply(-0.7, 0.06)]).offset(S::from(0.01));
-                m.laminate_shell("shell", mesh, &plies, turned.rotate(Vector3::from_f64([1.0, 0.3, 0.2])))
+                m.laminate_shell("shell", mesh, &Self::laminate(), turned.rotate(Vector3::from_f64([1.0, 0.3, 0.2])))
             }
         };
         // the inertia against drilling is tiny and the nodes start drilled: as soft as this, steps resolve it

@@ -82,12 +82,12 @@ impl Scene for Arm {
         m.line_spring("spring", [ground, lower], [anchor, tip], *stiffness, S::from(0.2 * metre));
         m.position_functional("height at the end", Over::Terminal, lower, tip, up);
         // the sharpness is per unit of what is measured
-        let largest = Over::SmoothMaximum { sharpness: 20.0 / metre, normalized: true };
+        let largest = Over::smooth_maximum(20.0 / metre);
         m.position_functional("largest height", largest, lower, tip, up);
         m.energy_functional("energy at the end", Over::Terminal);
         let force = [1.0, 0.0, 0.0, 0.0, 0.0].map(S::from);
         m.reaction_functional("hinge force at the end", Over::Terminal, hinge, &force);
-        let largest = Over::SmoothMaximum { sharpness: 0.1 / newton, normalized: true };
+        let largest = Over::smooth_maximum(0.1 / newton);
         m.reaction_functional("largest hinge force", largest, hinge, &force);
         Ok(())
     }

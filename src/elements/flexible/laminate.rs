@@ -25,6 +25,39 @@ pub struct Ply<S> {
     pub density: S,
 }
 
+/// Stresses at which a ply fails, each of them alone; all greater than 0 [N/m2].
+#[derive(Clone, Copy, Debug)]
+pub struct PlyStrength<S> {
+    /// X_t along the fibres and Y_t across.
+    pub tension: [S; 2],
+    /// X_c along the fibres and Y_c across.
+    pub compression: [S; 2],
+    /// S between them.
+    pub shear: S,
+}
+
+impl<S: Scalar> PlyStrength<S> {
+    /// The failure ratio y of Tsai and Wu, by which all strengths divided are just reached, for stresses in the axes of the ply: 1 where
+    /// it fails, and proportional to the stresses,
+    ///
+    /// y = (L + sqrt(L^2 + 4 Q)) / 2,   L = F_1 s_1 + F_2 s_2,   Q = F_11 s_1^2 + F_22 s_2^2 + F_66 s_12^2 + 2 F_12 s_1 s_2
+    ///
+    /// with F_1 = 1/X_t - 1/X_c, F_11 = 1/(X_t X_c), the same of Y for F_2 and F_22, F_66 = 1/S^2, F_12 = -sqrt(F_11 F_22) / 2: L / y + Q /
+    /// y^2 = 1.
+    ///
+    /// Source: Tsai & Wu (1971).
+    pub fn failure_ratio(&self, [along, across, between]: [S; 3]) -> S {
+        let (tension, compression) = (self.tension.map(S::recip), self.compression.map(S::recip));
+        let [first, second] = [0, 1].map(|i| tension[i] - compression[i]);
+        let [first_square, second_square] = [0, 1].map(|i| tension[i] * compression[i]);
+        let linear = first * along + second * across;
+        let sheared = between / self.shear;
+        let both = (first_square * second_square).sqrt() * along * across;
+        let square = first_square * along * along + second_square * across * across + sheared * sheared - both;
+        (linear + (linear * linear + square * 4.0).sqrt()) * 0.5
+    }
+}
+
 /// Plies from the lowest place along the normal to the highest.
 #[derive(Clone, Debug)]
 pub struct Laminate<S> {
@@ -53,23 +86,38 @@ impl<S: Scalar> Ply<S> {
         }
     }
 
-    /// Stiffness against (E_11, E_22, 2 E_12) in the axes of the shell [N/m2].
-    fn in_plane(&self) -> Symmetric<S> {
+    /// Stiffness against (E_11, E_22, 2 E_12) in the axes of the ply [N/m2].
+    fn along_fibres(&self) -> [[S; 3]; 3] {
         let (zero, [along, across]) = (S::zero(), self.young);
         let other = self.poisson * across / along;
         let inverse = (-(self.poisson * other) + 1.0).recip();
-        let q = [
+        [
             [along * inverse, other * along * inverse, zero],
             [other * along * inverse, across * inverse, zero],
             [zero, zero, self.shear[0]],
-        ];
+        ]
+    }
+
+    /// Rows that take strains in the axes of the shell to those in the axes of the ply.
+    fn turned(&self) -> [[S; 3]; 3] {
         let (s, c) = self.angle.sin_cos();
-        let turned = [[c * c, s * s, s * c], [s * s, c * c, -(s * c)], [-(s * c) * 2.0, s * c * 2.0, c * c - s * s]];
+        [[c * c, s * s, s * c], [s * s, c * c, -(s * c)], [-(s * c) * 2.0, s * c * 2.0, c * c - s * s]]
+    }
+
+    /// Stiffness against (E_11, E_22, 2 E_12) in the axes of the shell [N/m2].
+    fn in_plane(&self) -> Symmetric<S> {
+        let (q, turned) = (self.along_fibres(), self.turned());
         let entry = |i: usize, j: usize| {
             let terms = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
-            terms.fold(zero, |sum, (k, l)| sum + turned[k][i] * q[k][l] * turned[l][j])
+            terms.fold(S::zero(), |sum, (k, l)| sum + turned[k][i] * q[k][l] * turned[l][j])
         };
         [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| entry(i, j))
+    }
+
+    /// Stresses along and across the fibres and between them, from strains (E_11, E_22, 2 E_12) in the axes of the shell [N/m2].
+    pub fn stresses(&self, strain: [S; 3]) -> [S; 3] {
+        let times = |rows: [[S; 3]; 3], x: [S; 3]| rows.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
+        times(self.along_fibres(), times(self.turned(), strain))
     }
 
     /// Stiffness against transverse shear along axes 1 and 2, upper triangle [N/m2].

@@ -23,9 +23,9 @@ pub use cable_gravity::CableGravity;
 pub use cable_inertia::CableInertia;
 pub use cable_section::{CableSection, CableStrain};
 pub use distributed_load::{DistributedLoad, DistributedLoadField};
-pub use laminate::{Laminate, Ply};
+pub use laminate::{Laminate, Ply, PlyStrength};
 pub use section::{Material, Section};
-pub use shell::{DRILLING_INERTIA, NODE_PARAMETERS, SECTION, Shell, ShellField, ShellSection};
+pub use shell::{DRILLING_INERTIA, NODE_PARAMETERS, SECTION, Shell, ShellField, ShellPoint, ShellSection};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;

@@ -5,7 +5,7 @@ use super::biquadratic::{
     AT_NODES, FIRST_GAUSS, FIRST_NODE, FIRST_S, GAUSS, GAUSS_POINTS, LOBATTO, NODES, NUMBERS, POINTS, SHELL_POINTS, Weights,
 };
 use super::shape::{THREE, THREE_WEIGHTS, TWO};
-use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter};
+use crate::elements::{Element, Field, Flexible, Interpolation, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
@@ -96,6 +96,26 @@ const BILINEAR: [[f64; 4]; GAUSS_POINTS] = {
 
 /// Upper triangle of a symmetric matrix of three rows, by rows.
 type Symmetric<S> = [S; 6];
+
+/// A Gauss point of a deformed shell.
+#[derive(Clone, Copy, Debug)]
+pub struct ShellPoint<S> {
+    /// E_11, E_22, 2 E_12 of the reference surface, in orthonormal axes: axis 1 along the direction of a laminate, otherwise along X,r.
+    pub strain: [S; 3],
+    /// K_11, K_22, 2 K_12 \[1/m\]: strains at the place z are E + z K.
+    pub curvature: [S; 3],
+    /// Thickness \[m\]; 0 for a laminate, whose plies say it.
+    pub thickness: S,
+    /// The area of the reference surface for which it stands \[m2\].
+    pub area: S,
+}
+
+impl<S: Scalar> ShellPoint<S> {
+    /// Strains at the place `z` along the normal.
+    pub fn strain_at(&self, z: S) -> [S; 3] {
+        std::array::from_fn(|i| self.strain[i] + self.curvature[i] * z)
+    }
+}
 
 /// Stiffness and inertia of a section for each area.
 struct Section<S> {
@@ -218,6 +238,11 @@ impl<S: Scalar> Projection<S> {
     }
 }
 
+/// Thickness of an isotropic section where shape functions have some values.
+fn thickness<S: Scalar>(p: &[S], weights: &[f64; NODES]) -> S {
+    weights.iter().zip(&p[SECTION..]).fold(S::zero(), |sum, (&weight, &own)| sum + own * weight)
+}
+
 /// Tangents of the reference and its unit normal, with the area that they span.
 fn surface<S: Scalar>(p: &[S], weights: &Weights) -> ([Vector3<S>; 3], S) {
     let (first, second) = (combine(p, &weights.by_r, 0), combine(p, &weights.by_s, 0));
@@ -320,7 +345,7 @@ impl ShellField {
                 inertia: [own[21], own[22], own[23]],
             };
         }
-        let thickness = weights.iter().zip(own).fold(zero, |sum, (&weight, &thickness)| sum + thickness * weight);
+        let thickness = thickness(p, weights);
         let (young, poisson, density) = (own[NODES], own[NODES + 1], own[NODES + 2]);
         let second = thickness * thickness * thickness / 12.0;
         let plane = young / (-(poisson * poisson) + 1.0);
@@ -369,18 +394,6 @@ impl ShellField {
         let projection = Projection::new(p);
         [0, 1].map(|which| projection.of(|point| e[STRAINS_RS + BETWEEN * point + which]))
     }
-    /// Strains of the reference surface and curvatures (11, 22, 2 x 12) at the Gauss points, in orthonormal axes, and thickness times half:
-    /// from the strains of the element, for an [isotropic](ShellSection::Isotropic) section.
-    pub fn surface_strains<S: Scalar>(&self, e: &[S], p: &[S]) -> [([S; 3], [S; 3], S); GAUSS_POINTS] {
-        let between = Self::between(e, p);
-        std::array::from_fn(|point| {
-            let (strain, curvature, _) = Self::tied(point, e, &between);
-            let rows = Reference::at(p, point, self.direction(p)).in_axes();
-            let weights = &GAUSS[point].value;
-            let thickness = weights.iter().zip(&p[SECTION..]).fold(S::zero(), |sum, (&weight, &own)| sum + own * weight);
-            (rows.map(|row| dot(row, strain)), rows.map(|row| dot(row, curvature)), thickness * 0.5)
-        })
-    }
     /// Energy of the strains at a Gauss point.
     fn energy_at<S: Scalar>(&self, point: usize, e: &[S], between: &[[S; 4]; BETWEEN], p: &[S]) -> S {
         let (strain, curvature, shear) = Self::tied(point, e, between);
@@ -394,6 +407,31 @@ impl ShellField {
             energy += dot(strain, times(&b, curvature)) * 2.0;
         }
         energy + shear[0] * (s[0] * shear[0] + s[1] * shear[1]) + shear[1] * (s[1] * shear[0] + s[2] * shear[1])
+    }
+}
+
+impl Shell {
+    /// The Gauss points for coordinates and parameters of the element.
+    pub fn points<S: Scalar>(&self, q: &[S], p: &[S]) -> [ShellPoint<S>; GAUSS_POINTS] {
+        let mut e = vec![S::zero(); Element::strain_count(self)];
+        // strains of a shell do not depend on time
+        Element::strains(self, q, p, S::zero(), &mut e);
+        let (field, between) = (&self.0, ShellField::between(&e, p));
+        std::array::from_fn(|point| {
+            let (strain, curvature, _) = ShellField::tied(point, &e, &between);
+            let reference = Reference::at(p, point, field.direction(p));
+            let rows = reference.in_axes();
+            let thickness = match field.section {
+                ShellSection::Isotropic => thickness(p, &GAUSS[point].value),
+                ShellSection::Laminate => S::zero(),
+            };
+            ShellPoint {
+                strain: rows.map(|row| dot(row, strain)),
+                curvature: rows.map(|row| dot(row, curvature)),
+                thickness,
+                area: reference.area * gauss_weight(point),
+            }
+        })
     }
 }
 

@@ -12,9 +12,10 @@ mod position;
 mod reaction;
 mod reaction_norm;
 mod section;
-mod shell_failure;
 mod target_distance;
+mod tsai_wu;
 mod velocity;
+mod von_mises;
 
 pub use cable_deflection::CableDeflection;
 pub use cable_largest_stress::CableLargestStress;
@@ -28,14 +29,16 @@ pub use position::Position;
 pub use reaction::Reaction;
 pub use reaction_norm::ReactionNorm;
 pub use section::{SectionMeasure, SectionQuantity};
-pub use shell_failure::ShellFailure;
 pub use target_distance::TargetDistance;
+pub use tsai_wu::TsaiWu;
 pub use velocity::Velocity;
+pub use von_mises::VonMises;
 
-use super::AnyQuantity;
+use super::{AnyPointQuantity, AnyQuantity, ElementSum};
 use crate::elements::{Parameter, instantiate_here};
 
-instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, ShellFailure, TargetDistance, Velocity);
+instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
+instantiate_here!(dyn AnyPointQuantity: ElementSum, TsaiWu, VonMises);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

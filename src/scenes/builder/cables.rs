@@ -355,7 +355,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A smooth maximum over time and length of the axial stress of a cable, tension or compression [N/m2], in fibres at a distance
     /// `distance` \[m\] from the axis, for Young's modulus `young` [N/m2] and a sharpness [m2/N]; the mean over time is taken as in
-    /// [`Over::SmoothMaximum`] with `normalized`, so that it does not depend on the unit of time.
+    /// [`Over::smooth_maximum`], so that it does not depend on the unit of time.
     pub fn largest_cable_stress_functional(
         &mut self,
         name: &str,
@@ -369,7 +369,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let Some(&first) = cable.elements.first() else { return };
         let Some(length) = self.first_parameters(name, first, 1) else { return };
         let p = [length[0], young, distance];
-        let over = Over::SmoothMaximum { sharpness, normalized: true };
+        let over = Over::smooth_maximum(sharpness);
         let quantity = CableLargestStress { strain: cable.strain, elements, sharpness };
         self.add_functional(name, "N/m2", over, (&cable.nodes, &[]), quantity.into(), &p);
     }

@@ -114,9 +114,4 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn energy_functional(&mut self, name: &str, over: Over) {
         self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::Energy, over });
     }
-
-    /// A functional of the mass of all elements \[kg\].
-    pub fn mass_functional(&mut self, name: &str, over: Over) {
-        self.functionals.push(Functional { name: name.into(), unit: "kg", measured: Measured::Mass, over });
-    }
 }

@@ -8,8 +8,7 @@ use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::biquadratic::{AT_NODES, NODES};
 use crate::elements::flexible::{Laminate, Material, ShellField, ShellSection};
 use crate::elements::{Flexible, NodeKind};
-use crate::functionals::quantities::ShellFailure;
-use crate::functionals::{Functional, Measured, MeasuredQuantity, Member, Over};
+use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// Stiffness against turning about the director, as a share of that against shear in the surface.
@@ -18,6 +17,8 @@ pub const DRILLING: f64 = 0.1;
 /// A shell of a mechanism: its nodes and elements.
 #[derive(Clone, Debug)]
 pub struct ShellMember {
+    /// Its name.
+    pub name: String,
     /// Elements along both directions.
     pub counts: [usize; 2],
     /// The first direction first; of a closed mesh those of its start stand at its end once more.
@@ -30,6 +31,16 @@ impl ShellMember {
     /// Node (i, j) of the grid.
     pub fn node(&self, i: usize, j: usize) -> NodeId {
         self.nodes[i + j * (2 * self.counts[0] + 1)]
+    }
+    /// All its elements.
+    pub fn group(&self) -> ElementGroup {
+        ElementGroup::new(&self.name, self.elements.iter().copied())
+    }
+    /// Those of its elements for which `is_in` says so, from their places [along the first direction, along the second], counted from 0.
+    pub fn part(&self, name: &str, is_in: impl Fn([usize; 2]) -> bool) -> ElementGroup {
+        let along = self.counts[0].max(1);
+        let chosen = self.elements.iter().enumerate().filter(|(place, _)| is_in([place % along, place / along]));
+        ElementGroup::new(name, chosen.map(|(_, &element)| element))
     }
     /// Nodes of an edge, in the order of the grid.
     pub fn edge(&self, edge: Edge) -> Vec<NodeId> {
@@ -104,7 +115,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         section: impl Fn(usize, [[usize; 2]; NODES]) -> Vec<S>,
     ) -> ShellMember {
         let [first, second] = mesh.elements;
-        let mut member = ShellMember { counts: mesh.elements, nodes: Vec::new(), elements: Vec::new() };
+        let mut member = ShellMember { name: name.into(), counts: mesh.elements, nodes: Vec::new(), elements: Vec::new() };
         let sound = self.check_mesh(name, &mesh);
         let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
         for j in 0..=2 * second {
@@ -157,37 +168,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         self.draw_grid(&member);
         member
-    }
-
-    /// A functional of the largest von Mises stress anywhere in a shell by the yield stress [N/m2], by a smooth maximum with sharpness rho: see
-    /// [`ShellFailure`].
-    pub fn shell_failure_functional(&mut self, name: &str, over: Over, shell: &ShellMember, yielding: S, sharpness: f64) {
-        if !(sharpness > 0.0 && sharpness.is_finite()) {
-            self.mistakes.push(format!("\"{name}\" has a sharpness of {sharpness}; it must be greater than 0"));
-            return;
-        }
-        let quantity = MeasuredQuantity::new(Box::new(ShellFailure { sharpness }), 0);
-        let own = quantity.parameter_list().len() - 1;
-        // a shell that was refused has been reported already
-        let strange = |&id: &ElementId| id != self.model.refused_element() && self.model.find_element(id).is_none();
-        if shell.elements.iter().any(strange) {
-            self.refuse_stranger(name, "a shell");
-            return;
-        }
-        let members: Vec<Member> = shell
-            .elements
-            .iter()
-            .filter_map(|&id| self.model.find_element(id))
-            .map(|element| Member { nodes: element.nodes.clone(), parameters: element.parameters.clone() })
-            .collect();
-        if members.iter().any(|member| member.parameters.len() != own) {
-            self.mistakes.push(format!("\"{name}\" needs a shell of one isotropic material; this one is a laminate"));
-            return;
-        }
-        let parameters = self.model.add_parameters(1);
-        self.numbers.p.push(yielding);
-        let measured = Measured::Largest { members, parameters, quantity, sharpness };
-        self.functionals.push(Functional { name: name.into(), unit: "-", measured, over });
     }
 
     /// Lines between elements.

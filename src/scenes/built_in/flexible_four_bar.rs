@@ -88,7 +88,7 @@ impl Scene for FlexibleFourBar {
         m.set_rigid_motion(&second.nodes, b, speed, Vector3::zeros());
         m.set_rigid_motion(&third.nodes, d, Vector3::zeros(), hinge * (rate * *ab / *cd));
 
-        let peak = |sharpness| Over::SmoothMaximum { sharpness, normalized: true };
+        let peak = |sharpness| Over::smooth_maximum(sharpness);
         m.section_functional("largest moment at mid-span of AB", peak(0.2), &first, 0.5, SectionMeasure::Force(4));
         m.section_functional("axial force at mid-span of AB", Over::Terminal, &first, 0.5, SectionMeasure::Force(0));
         m.section_functional("torsion at mid-span of AB", Over::Terminal, &first, 0.5, SectionMeasure::Force(3));

@@ -1,6 +1,6 @@
 use crate::design::DesignVariable;
 use crate::elements::flexible::Material;
-use crate::functionals::Over;
+use crate::functionals::{Aggregate, AggregateKind, Over, Times};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{Edge, MechanismBuilder, Scene, Settings, ShellMesh};
 
@@ -90,15 +90,13 @@ impl Scene for PlatePendulum {
         }
         m.gravity(vector(0.0, 0.0, -9.81));
         let tip = plate.node(2 * along, across);
-        m.shell_failure_functional(
-            "failure ratio, smooth maximum",
-            Over::SmoothMaximum { sharpness: 100.0, normalized: false },
-            &plate,
-            S::from(YIELD),
-            100.0,
-        );
-        m.position_functional("height of the tip at the end", Over::Terminal, tip, Vector3::zeros(), vector(0.0, 0.0, 1.0));
+        let failure = Aggregate::new(AggregateKind::SmoothMaximum { normalized: false }, 100.0);
+        m.von_mises_functional("failure ratio, smooth maximum", failure.at(Times::Run), &plate.group(), S::from(YIELD));
+        m.position_functional("height of the tip at the end", Over::Terminal, tip, m.position(tip), vector(0.0, 0.0, 1.0));
         m.mass_functional("mass", Over::Initial);
+        let mean = Aggregate::new(AggregateKind::Exponential, 1e4).continuous();
+        m.von_mises_functional("failure ratio, induced", mean.at(Times::Run), &plate.group(), S::from(YIELD));
+        m.strain_energy_functional("strain energy, integral", Over::Integral, &plate.group());
         Ok(())
     }
 }

@@ -59,7 +59,7 @@ impl Scene for RightAngleCantilever {
         let zero = S::zero();
         m.element("push", &[first.end()], push, &[out.components(), [zero; 3], [zero, *force, zero]].concat());
         m.position_functional("z of the tip", Over::Terminal, second.end(), tip, out);
-        let peak = Over::SmoothMaximum { sharpness: 5.0, normalized: true };
+        let peak = Over::smooth_maximum(5.0);
         m.position_functional("largest z of the elbow", peak, first.end(), elbow, out);
         m.section_functional("torsion at the clamp", Over::Terminal, &first, 0.0, SectionMeasure::Force(3));
         m.energy_functional("energy", Over::Terminal);

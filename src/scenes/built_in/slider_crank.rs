@@ -81,7 +81,7 @@ impl Scene for SliderCrank {
         let along = Vector3::from_f64([1.0, 0.0, 0.0]);
         m.position_functional("x of the slider, integral", Over::Integral, slider, end, along);
         m.reaction_functional("driving moment, integral", Over::Integral, drive, &[S::one()]);
-        let largest = Over::SmoothMaximum { sharpness: 0.5, normalized: true };
+        let largest = Over::smooth_maximum(0.5);
         m.reaction_functional("largest driving moment", largest, drive, &[-S::one()]);
         Ok(())
     }

@@ -63,7 +63,7 @@ impl Scene for SpinUpBeam {
         m.prescribed_rotation("spin-up", [ground, beam.start()], hinge, TimeFunction::table(times)?, &angles);
         m.target_functional("squared distance of the tip from the hinge", Over::Terminal, beam.end(), tip, Vector3::zeros());
         m.section_functional("axial force at the hinge", Over::Terminal, &beam, 0.0, SectionMeasure::Force(0));
-        let peak = Over::SmoothMaximum { sharpness: 1e-3, normalized: true };
+        let peak = Over::smooth_maximum(1e-3);
         m.section_functional("largest moment at the hinge", peak, &beam, 0.0, SectionMeasure::Force(5));
         m.energy_functional("energy", Over::Terminal);
         Ok(())

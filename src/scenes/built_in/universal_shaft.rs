@@ -70,7 +70,7 @@ impl Scene for UniversalShaft {
         m.position_functional("y of the output's flange at the end", Over::Terminal, output, tip, y);
         m.velocity_functional("speed of the output's flange along y at the end", Over::Terminal, output, tip, y);
         m.reaction_functional("driving moment, integral", Over::Integral, drive, &[-S::one()]);
-        let largest = Over::SmoothMaximum { sharpness: 20.0, normalized: true };
+        let largest = Over::smooth_maximum(20.0);
         m.reaction_functional("largest driving moment", largest, drive, &[-S::one()]);
         Ok(())
     }

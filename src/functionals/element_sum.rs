@@ -1,0 +1,60 @@
+use super::AnyPointQuantity;
+use super::measured_group::{Argument, GroupFormula};
+use crate::elements::{ElementPhysics, Parameter};
+
+/// A number of each element, whose sum is that of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ElementSum {
+    /// Mass \[kg\].
+    Mass,
+    /// What is stored in strains, half the compliance of a linear structure under the loads that strain it \[J\].
+    StrainEnergy,
+    /// Moment of inertia about an axis: twice the kinetic energy of a turn about it at 1 rad/s [kg m2].
+    ///
+    /// Parameters: a point of the axis \[m\] and its direction of length 1, in the world.
+    InertiaMoment,
+}
+
+/// Places of results among the energies of an element.
+const MASS: usize = 2;
+const STORED: usize = 3;
+
+impl AnyPointQuantity for ElementSum {
+    fn name(&self) -> &'static str {
+        match self {
+            ElementSum::Mass => "a mass",
+            ElementSum::StrainEnergy => "a strain energy",
+            ElementSum::InertiaMoment => "a moment of inertia",
+        }
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        if *self != ElementSum::InertiaMoment {
+            return Vec::new();
+        }
+        let (point, axis) = (["point x", "point y", "point z"], ["axis x", "axis y", "axis z"]);
+        point.map(|name| Parameter::new(name, "m")).into_iter().chain(axis.map(|name| Parameter::new(name, "-"))).collect()
+    }
+    fn is_on(&self, element: &ElementPhysics) -> bool {
+        self.record(element).is_ok_and(|own| own.formula.inspect(|graph, outputs| !graph.is_zero(outputs[own.values[0]])))
+    }
+    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
+        let (n, m) = (element.dof_count(), element.parameter_count());
+        let coordinates = (0..n).map(Argument::Q).chain((0..m).map(Argument::Parameter));
+        let of_energies = |result| GroupFormula {
+            formula: element.energies().clone(),
+            arguments: (0..n).map(Argument::V).chain(coordinates.clone()).collect(),
+            values: vec![result],
+            weights: Vec::new(),
+        };
+        Ok(match self {
+            ElementSum::Mass => of_energies(MASS),
+            ElementSum::StrainEnergy => of_energies(STORED),
+            ElementSum::InertiaMoment => GroupFormula {
+                formula: element.inertia_moment().clone(),
+                arguments: coordinates.chain((0..self.parameter_list().len()).map(Argument::Own)).collect(),
+                values: vec![0],
+                weights: Vec::new(),
+            },
+        })
+    }
+}

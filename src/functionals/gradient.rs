@@ -1,0 +1,60 @@
+use super::aggregate::{SUMS, Totals, derivatives};
+use super::measured_group::GroupGradient;
+use super::{Functional, Measured, Sample};
+use crate::assembly::{Model, VectorsAvq};
+use crate::scalar::Tangents;
+
+/// Where the gradient at a sample goes.
+pub struct SampleBars<'b> {
+    /// Accelerations, velocities, coordinates.
+    pub at: &'b mut VectorsAvq<f64>,
+    /// Multipliers.
+    pub mu: &'b mut [f64],
+    /// Parameters.
+    pub p: &'b mut [f64],
+}
+
+/// Gives the gradient of a functional by what it reads at each sample, from the sums of its run.
+pub struct FunctionalGradient<'f> {
+    /// The functional.
+    pub functional: &'f Functional,
+    /// Derivatives of its value by its sums.
+    bars: [f64; SUMS],
+    /// Offset of these sums.
+    offset: f64,
+    group: Option<GroupGradient>,
+}
+
+impl<'f> FunctionalGradient<'f> {
+    /// For a run with these sums; derivatives towards parameters of a group are those that are `active`.
+    pub fn new(functional: &'f Functional, model: &Model, totals: &Totals<f64>, active: &[bool]) -> Self {
+        let Functional { over, measured, .. } = functional;
+        let offset = totals.offset;
+        let bars = derivatives(totals.sums, |sums| over.value(Totals { offset, sums }));
+        let group = match measured {
+            Measured::Group(group) => Some(group.gradient(model, over, active)),
+            _ => None,
+        };
+        FunctionalGradient { functional, bars, offset, group }
+    }
+
+    /// Adds the share of a sample with a weight in time.
+    pub fn add(&mut self, model: &Model, sample: &Sample<f64>, p: &[f64], weight: f64, bars: &mut SampleBars) {
+        if weight == 0.0 {
+            return;
+        }
+        let Functional { over, measured, .. } = self.functional;
+        let weighted = self.bars.map(|bar| bar * weight);
+        if let Some(group) = &mut self.group {
+            group.add(sample, p, (weighted, self.offset), bars.at, bars.p);
+            return;
+        }
+        // a sum is linear in what it adds up
+        let value = if over.aggregate().is_some() { measured.value(model, sample, p) } else { 0.0 };
+        let [factor] = derivatives([value], |[y]| {
+            let terms = over.terms(y, Tangents::from(1.0), Tangents::from(self.offset));
+            terms.into_iter().zip(weighted).map(|(term, bar)| term * bar).sum()
+        });
+        measured.add_gradient(model, sample, p, factor, bars);
+    }
+}

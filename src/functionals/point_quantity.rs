@@ -1,0 +1,101 @@
+use super::measured_group::{Argument, GroupFormula};
+use crate::elements::{Element, ElementPhysics, Parameter, State};
+use crate::program::Formula;
+use crate::scalar::Scalar;
+
+/// A number at several points of each element of a group, as a stress: one formula, and nothing else.
+///
+/// It is written for elements of one type; a group may hold others, which are skipped.
+pub trait PointQuantity: Send + Sync + 'static {
+    /// The elements that have it.
+    type Element: Element;
+    /// What it is, in a message: "the bending moment of a plate".
+    const NAME: &'static str;
+    /// Its physical numbers beside those of the element, in the order of `p.own`.
+    const PARAMETERS: &'static [Parameter] = &[];
+
+    /// Parameters of this instance.
+    fn parameters(&self) -> Vec<Parameter> {
+        Self::PARAMETERS.to_vec()
+    }
+    /// Whether an element of the type has it, from its options.
+    fn is_of(&self, _element: &Self::Element) -> bool {
+        true
+    }
+    /// Values at the points of an element in the state `s` of its nodes.
+    fn at_points<S: Scalar>(&self, element: &Self::Element, s: State<S>, p: PointParameters<S>, t: S) -> Vec<PointValue<S>>;
+}
+
+/// Parameters that a [`PointQuantity`] sees.
+#[derive(Clone, Copy, Debug)]
+pub struct PointParameters<'p, S> {
+    /// Those of the element.
+    pub element: &'p [S],
+    /// Its own, the same for all elements.
+    pub own: &'p [S],
+}
+
+/// A value at a point of an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointValue<S> {
+    /// The value.
+    pub value: S,
+    /// What the point stands for in an integral over the group: an area \[m2\], a length \[m\], a mass \[kg\].
+    pub weight: S,
+}
+
+/// A quantity of the elements of a group with its type erased; every [`PointQuantity`] is one.
+pub trait AnyPointQuantity: Send + Sync {
+    /// What it is, in a message.
+    fn name(&self) -> &'static str;
+    /// Its own parameters.
+    fn parameter_list(&self) -> Vec<Parameter>;
+    /// Whether an element has it.
+    fn is_on(&self, element: &ElementPhysics) -> bool;
+    /// Its formula for an element that has it.
+    ///
+    /// # Errors
+    /// In words, if the formula branches on a value.
+    fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String>;
+}
+
+impl<Q: PointQuantity> AnyPointQuantity for Q {
+    fn name(&self) -> &'static str {
+        Q::NAME
+    }
+    fn parameter_list(&self) -> Vec<Parameter> {
+        self.parameters()
+    }
+    fn is_on(&self, element: &ElementPhysics) -> bool {
+        element.downcast::<Q::Element>().is_some_and(|element| self.is_of(element))
+    }
+    fn record(&self, physics: &ElementPhysics) -> Result<GroupFormula, String> {
+        let Some(element) = physics.downcast::<Q::Element>() else {
+            return Err(format!("it is none of {}", physics.type_name()));
+        };
+        let (n, m, own) = (physics.dof_count(), physics.parameter_count(), self.parameters().len());
+        let mut points = 0;
+        let formula = Formula::record(3 * n + m + own + 1, |x| {
+            let (state, rest) = x.split_at(3 * n);
+            let (of_element, rest) = rest.split_at(m);
+            let (own, t) = rest.split_at(own);
+            let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
+            let all = self.at_points(element, s, PointParameters { element: of_element, own }, t[0]);
+            points = all.len();
+            all.iter().map(|point| point.value).chain(all.iter().map(|point| point.weight)).collect()
+        })?;
+        let arguments = (0..n)
+            .map(Argument::A)
+            .chain((0..n).map(Argument::V))
+            .chain((0..n).map(Argument::Q))
+            .chain((0..m).map(Argument::Parameter))
+            .chain((0..own).map(Argument::Own))
+            .chain([Argument::Time]);
+        Ok(GroupFormula {
+            formula,
+            arguments: arguments.collect(),
+            values: (0..points).collect(),
+            weights: (points..2 * points).collect(),
+        })
+    }
+}
