@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// All methods of the contracts: formulas, and how many numbers they have. Another method is another promise of an author: it belongs here
 /// only if it cannot be read off the recording.
-const CONTRACTS: [(&str, &str, &str); 5] = [
+const CONTRACTS: [(&str, &str, &str); 6] = [
     (
         "elements/element.rs",
         "Element",
@@ -20,6 +20,7 @@ const CONTRACTS: [(&str, &str, &str); 5] = [
     ("elements/constraint.rs", "Constraint", "nodes equations parameters g breakpoints"),
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
     ("functionals/quantity.rs", "Quantity", "dofs parameters value rated_count rated value_with_rates"),
+    ("functionals/point_quantity.rs", "PointQuantity", "parameters is_of at_points"),
 ];
 
 /// Parts of names that say derivative, or product with one.
@@ -39,13 +40,16 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 10] = [
+const OTHERS: [(&str, &str, &str); 13] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("elements/dyn_layer.rs", "reaction_gradient", "of what was recorded"),
     ("elements/flexible/small_strain_cable.rs", "second_derivative", "d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/cable.rs", "derivatives", "dr/dx and d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/hermite.rs", "derivative_rows", "of shape functions, as tables of numbers"),
+    ("functionals/aggregate.rs", "derivatives", "of a formula of a few sums, by dual numbers"),
+    ("functionals/aggregate.rs", "with_derivative", "a dual number to begin with"),
+    ("functionals/measured_group.rs", "gradient", "makes the program of the recording"),
     ("functionals/functional.rs", "share_transposed", "hands on to the solve with transposed matrices below"),
     ("functionals/functional.rs", "add_gradient", "runs the program made of the recording"),
     ("functionals/reactions.rs", "add_least_multipliers_transposed", "solve with transposed matrices, as in a step"),
