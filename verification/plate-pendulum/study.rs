@@ -21,7 +21,7 @@ const OF_NODES: [usize; 2] = [112, 22];
 /// Largest difference of adjoint and complex step.
 const EXACT: f64 = 1e-11;
 /// Gradients of which the fastest counts.
-const REPEATS: usize = 3;
+const REPEATS: usize = 7;
 /// Integrator of the source: two stages, diagonally implicit.
 const METHOD: &str = "dirk2";
 /// Steps of a run.
