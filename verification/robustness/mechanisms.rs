@@ -37,6 +37,9 @@ const ROUND_OFF: f64 = 1e-11;
 /// Derivatives that are zero but for round-off \[m, J, N s\], of values that a drawn mechanism has from 1e-4 on: a reaction that is zero is
 /// what round-off leaves of the forces beside it.
 const NOTHING: f64 = 1e-15;
+/// The same of the derivative of a functional that is nothing itself, here and beside: the norm of a reaction that round-off leaves has the
+/// derivatives of its components for slope, whose terms are of the size of the forces and cancel.
+const SLOPE_OF_NOTHING: f64 = 1e-12;
 /// Curvature of a functional over its values, in squares of the relative change of the variables, beyond which it jumps.
 const JUMP: f64 = 1e4;
 /// Largest share of mechanisms whose steps may be so long.
@@ -241,7 +244,9 @@ fn check_gradient(prepared: &Prepared, analysis: &Analysis, forward: &Forward, g
         let size = own.abs().max(gradient[k].iter().fold(0.0, |size: f64, g| size.max(g.abs())));
         let bound = DEVIATIONS * spread + SHARE * size + ROUND_OFF * forward.values[k].abs() / QUOTIENTS[2];
         let off = all.iter().fold(f64::INFINITY, |off: f64, quotient| off.min((quotient - own).abs()));
-        if !(off <= bound + NOTHING) {
+        let is_nothing = |x: f64| x.abs() <= NOTHING;
+        let vanishes = is_nothing(forward.values[k]) && all.iter().all(|&quotient| is_nothing(quotient));
+        if !(off <= bound + if vanishes { SLOPE_OF_NOTHING } else { NOTHING }) {
             // a reaction that is zero may be round-off or not: that is no jump
             if off <= bound + DEVIATIONS * noise(prepared, analysis, forward, &direction, k) / QUOTIENTS[2] {
                 rough = true;
