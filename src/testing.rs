@@ -187,6 +187,16 @@ fn seeded(x: &[f64], place: usize) -> Vec<Dual64> {
     x.iter().enumerate().map(|(i, &x)| Dual64::new(x, f64::from(u8::from(i == place)))).collect()
 }
 
+/// Damping stresses of an element, those of its dissipation function by num-dual's numbers.
+pub fn damping_stresses<E: Element>(element: &E, [e, rate, p]: [&[f64]; 3], t: f64) -> Vec<f64> {
+    let mut stresses = vec![0.0; e.len()];
+    element.damping(e, rate, p, t, &mut stresses);
+    for (place, stress) in stresses.iter_mut().enumerate() {
+        *stress += element.dissipation(&lift::<Dual64>(e), &seeded(rate, place), &lift(p)).eps;
+    }
+    stresses
+}
+
 /// Momentum dL/dv, force dL/dq + Q and d/dt (dL/dv) by num-dual's numbers.
 fn lagrangian<E: Element>(element: &E, Sample { a, v, q, p, t }: &Sample) -> [Vec<f64>; 3] {
     let n = q.len();
@@ -200,8 +210,7 @@ fn lagrangian<E: Element>(element: &E, Sample { a, v, q, p, t }: &Sample) -> [Ve
     };
     let along = strains(&moving(q, v), Dual64::new(*t, 1.0));
     let (e, rate): (Vec<f64>, Vec<f64>) = along.iter().map(|e| (e.re, e.eps)).unzip();
-    let mut stresses = vec![0.0; e.len()];
-    element.damping(&e, &rate, p, *t, &mut stresses);
+    let stresses = damping_stresses(element, [&e, &rate, p], *t);
     let mut result = [(); 3].map(|()| Vec::with_capacity(n));
     for i in 0..n {
         result[0].push(element.kinetic(&seeded(v, i), &lift(q), &p1).eps);

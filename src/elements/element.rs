@@ -18,10 +18,10 @@ pub struct State<'a, S> {
 /// Give either [`residual`](Element::residual), or any of
 ///
 /// * the kinetic energy T(v, q, p) and the potential energy V(q, p),
-/// * strains e(q, p, t) with the energy W(e, p) stored in them and the damping stresses s(e, de/dt, p, t),
+/// * strains e(q, p, t) with the energy W(e, p) stored in them, the damping stresses s(e, de/dt, p, t) and the dissipation D(e, de/dt, p),
 /// * the non-conservative force Q(v, q, p, t),
 ///
-/// from which R = d/dt (dT/dv) - dT/dq + dV/dq + (de/dq)^T (dW/de + s) - Q is made. The formula is recorded, and all derivatives are made
+/// from which R = d/dt (dT/dv) - dT/dq + dV/dq + (de/dq)^T (dW/de + s + dD/d(de/dt)) - Q is made. The formula is recorded, and all derivatives are made
 /// of the recording: there is no method by which one could be supplied. What is linear, constant, sparse or not read is seen there, too.
 ///
 /// Every list that a method writes to holds zeros before. Every physical number is a parameter in `p`; the element itself holds topology
@@ -62,6 +62,11 @@ pub trait Element: Send + Sync + 'static {
     }
     /// Damping stresses s(e, de/dt, p, t), conjugate to the strains, into `s`.
     fn damping<S: Scalar>(&self, _e: &[S], _rate: &[S], _p: &[S], _t: S, _s: &mut [S]) {}
+    /// Rayleigh's dissipation function D(e, de/dt, p) \[W\], whose derivative towards the strain rates is a damping stress: half the lost
+    /// power where it is of second degree in them.
+    fn dissipation<S: Scalar>(&self, _e: &[S], _rate: &[S], _p: &[S]) -> S {
+        S::zero()
+    }
     /// Mass \[kg\].
     fn mass<S: Scalar>(&self, _p: &[S]) -> S {
         S::zero()

@@ -72,6 +72,10 @@ pub trait Field: Send + Sync + 'static {
     }
     /// Damping stresses of a point, conjugate to its strains, into `s`.
     fn damping<S: Scalar>(&self, _point: usize, _e: &[S], _rate: &[S], _p: &[S], _s: &mut [S]) {}
+    /// Rayleigh's dissipation function of the strain rates of all points \[W\], for laws that take their strains from several of them.
+    fn dissipation_together<S: Scalar>(&self, _e: &[S], _rate: &[S], _p: &[S]) -> S {
+        S::zero()
+    }
     /// The residual of a point, conjugate to h, into `r`; left out where the other methods give it.
     fn residual<S: Scalar>(&self, _point: usize, _s: State<S>, _p: &[S], _t: S, _r: &mut [S]) {
         S::from_energies();
@@ -234,6 +238,9 @@ impl<F: Field> Element for Flexible<F> {
             self.0.damping(point, &e[own.clone()], &rate[own.clone()], &p[self.0.parameters_of(point)], &mut s[own]);
         });
     }
+    fn dissipation<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S]) -> S {
+        self.0.dissipation_together(e, rate, p)
+    }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
         if F::MAPPED.is_some() {
             // says that it follows from energies; one that is written out is refused, as it gives no numbers
@@ -295,5 +302,8 @@ impl<F: Field> Formulas for OfNodeNumbers<'_, F> {
     }
     fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]) {
         Element::damping(self.0, e, rate, p, t, s);
+    }
+    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded {
+        Element::dissipation(self.0, e, rate, p)
     }
 }

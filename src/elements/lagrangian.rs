@@ -25,6 +25,7 @@ pub trait Formulas {
     fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
     fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded;
     fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
+    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded;
 }
 
 impl<E: Element> Formulas for E {
@@ -48,6 +49,9 @@ impl<E: Element> Formulas for E {
     }
     fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]) {
         Element::damping(self, e, rate, p, t, s);
+    }
+    fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded {
+        Element::dissipation(self, e, rate, p)
     }
 }
 
@@ -73,6 +77,14 @@ fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
     gradient_of(&[of], &[Recorded::from(1.0)], towards)
 }
 
+/// Damping stresses s + dD/d(de/dt).
+fn losses(element: &impl Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+    let mut stresses = zeros(e.len());
+    element.damping(e, rate, p, t, &mut stresses);
+    let dissipated = gradient(element.dissipation(e, rate, p), rate);
+    stresses.into_iter().zip(dissipated).map(|(stress, dissipated)| stress + dissipated).collect()
+}
+
 /// Force F = dL/dq + Q and momentum P = dL/dv.
 fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
     let Energies { kinetic, potential, .. } = Energies::of(element, [v, q, p], t);
@@ -83,8 +95,7 @@ fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: R
     // along the motion of coordinates and time
     let moving: Vec<(Recorded, Recorded)> =
         q.iter().copied().zip(v.iter().copied()).chain([(t, Recorded::from(1.0))]).collect();
-    let mut stresses = zeros(e.len());
-    element.damping(&e, &along_motion(&e, &moving), p, t, &mut stresses);
+    let stresses = losses(element, [&e, &along_motion(&e, &moving), p], t);
     let damping = gradient_of(&e, &stresses, q);
     for ((force, applied), damping) in force.iter_mut().zip(applied).zip(damping) {
         *force = *force + applied - damping;
@@ -222,9 +233,7 @@ pub(super) fn has_energies<E: Element>(element: &E) -> bool {
             let stored = element.stored(&e, p);
             // strains that depend on time do work
             let steady = is_zero(gradient(stored, t)[0]);
-            let mut losses = zeros(e.len());
-            element.damping(&e, &zeros(e.len()), p, t[0], &mut losses);
-            let lossless = losses.iter().all(|&loss| is_zero(loss));
+            let lossless = losses(element, [&e, &zeros(e.len()), p], t[0]).into_iter().all(is_zero);
             let Some(own) = written(element, s, p, t[0]) else { return steady && lossless };
             is_written = true;
             let made = from_energies(element, s, p, t[0]);
@@ -239,14 +248,13 @@ pub(super) fn is_conservative<E: Element>(element: &E) -> bool {
     let (n, m) = (dofs_of(&element.nodes()), element.parameters().len());
     let mut is_free = true;
     let forces = Formula::record(2 * n + m + 1, |x| {
-        let ((v, rest), zero) = (x.split_at(n), Recorded::from(0.0));
+        let (v, rest) = x.split_at(n);
         let ((q, rest), mut force) = (rest.split_at(n), zeros(n));
         let (p, t) = rest.split_at(m);
         element.add_force(v, q, p, t[0], &mut force);
         let mut e = strains(element, q, p, t[0]);
         let moving: Vec<(Recorded, Recorded)> = q.iter().copied().zip(v.iter().copied()).collect();
-        let mut losses = vec![zero; e.len()];
-        element.damping(&e, &along_motion(&e, &moving), p, t[0], &mut losses);
+        let losses = losses(element, [&e, &along_motion(&e, &moving), p], t[0]);
         e.extend(&losses);
         is_free = force.iter().chain(&losses).all(|&force| is_zero(force));
         e

@@ -6,13 +6,16 @@ mod groups;
 mod joints;
 mod loads;
 mod rolling;
+mod shell_joining;
 mod shell_mesh;
 mod shells;
+mod thin_walls;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
 pub use shell_mesh::{Edge, ShellMesh};
 pub use shells::{DRILLING, ShellMember};
+pub use thin_walls::{Extrusion, Profile, ThinWalls};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};

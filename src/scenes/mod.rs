@@ -11,7 +11,8 @@ mod violation;
 pub mod built_in;
 
 pub use builder::{
-    BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, MechanismBuilder, ShellMember, ShellMesh,
+    BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, MechanismBuilder, Profile,
+    ShellMember, ShellMesh, ThinWalls,
 };
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};

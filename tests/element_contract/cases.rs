@@ -6,7 +6,7 @@ use super::users::users_own;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, NODE_PARAMETERS, SECTION,
-    ShellField, ShellSection, SmallStrainCableField,
+    ShellField, ShellPressureField, ShellSection, SmallStrainCableField,
 };
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
@@ -189,9 +189,17 @@ pub fn cases() -> Vec<Case> {
         }
         list.push(case);
     }
-    for (section, heavy) in [(ShellSection::Isotropic, true), (ShellSection::Laminate, false)] {
-        let field = ShellField { section };
-        let mut case = Case::flexible(format!("shell, {section:?}"), field).bound_to_world(heavy);
+    let shells = [(ShellSection::Isotropic, true, false), (ShellSection::Laminate, false, false), (ShellSection::Isotropic, false, true), (ShellSection::Laminate, true, true)];
+    for (section, heavy, damped) in shells {
+        let field = ShellField { section, damped };
+        // stiffnesses of plies are any numbers here, and only where they are positive definite is damping a loss
+        let kind = match (damped, section) {
+            (true, ShellSection::Isotropic) => ", internal damper",
+            (true, ShellSection::Laminate) => ", damped",
+            _ => "",
+        };
+        let name = format!("shell, {section:?}{kind}");
+        let mut case = Case::flexible(name, field).bound_to_world(heavy);
         for (node, p) in case.p[..SECTION].chunks_exact_mut(NODE_PARAMETERS).enumerate() {
             // a curved and distorted surface, and directors beside its normal
             let (r, s) = (f64::from(node as u32 % 3) - 1.0, f64::from(node as u32 / 3) - 1.0);
@@ -202,9 +210,9 @@ pub fn cases() -> Vec<Case> {
             // far from the ratio at which plane stress has no stiffness
             case.p[SECTION + 10] = 0.3;
         }
-        let gravity = case.p.len() - 3;
+        let gravity = field.drilling() + 1;
         if !heavy {
-            case.p[gravity..].fill(0.0);
+            case.p[gravity..gravity + 3].fill(0.0);
         }
         list.push(case);
     }
@@ -221,6 +229,11 @@ pub fn cases() -> Vec<Case> {
                 .bound_to_world(frame == LoadFrame::World);
             let each = case.p.len() / 3;
             case.p.chunks_exact_mut(each).for_each(|p| p[4..].copy_from_slice(&own));
+            list.push(case);
+            let mut case = Case::flexible(format!("{of_time} pressure in {frame:?} on a shell"), ShellPressureField { frame, size: size.clone() })
+                .bound_to_world(frame == LoadFrame::World);
+            let areas = case.p.len() - own.len();
+            case.p[areas..].copy_from_slice(&own);
             list.push(case);
         }
     }

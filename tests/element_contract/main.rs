@@ -55,8 +55,7 @@ impl<E: Element> Contract for E {
         self.add_force(v, q, p, t, &mut force);
         let moving = strains(self, &along(q, v), p, Dual64::new(t, 1.0));
         let (e, rate): (Vec<f64>, Vec<f64>) = moving.iter().map(|e| (e.re, e.eps)).unzip();
-        let mut stresses = vec![0.0; e.len()];
-        self.damping(&e, &rate, p, t, &mut stresses);
+        let stresses = testing::damping_stresses(self, [&e, &rate, p], t);
         for (dof, force) in force.iter_mut().enumerate() {
             let mut q = still(q);
             q[dof].eps = 1.0;

@@ -207,7 +207,7 @@ impl Case {
         };
         let shell = match &self.subject {
             Shell(subject) => {
-                let own = subject.add(m, arm, arm_rotation);
+                let own = subject.add(m, arm, arm_rotation, &f);
                 for &node in &own.nodes[1..] {
                     m.set_velocity(node, omega.cross(&(m.position(node) - shoulder)), omega);
                 }
@@ -271,7 +271,7 @@ impl Case {
             RigidBody => "arm",
             NaturalBody => "link",
             Cable(subject) => subject.part(),
-            Shell(_) => super::shell::PART,
+            Shell(subject) => subject.part(),
             PointMass => "bob",
             GravityOnBody => "weight of arm",
             GravityOnPoint => "weight of bob",

@@ -2,26 +2,26 @@
 
 use super::measures::Reach;
 use costate::assembly::NodeId;
+use costate::elements::TimeFunction;
 use costate::elements::flexible::{Laminate, Material, Ply, SECTION};
+use costate::elements::forces::LoadFrame;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, ShellMember, ShellMesh};
 
-/// Which section is tested.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is tested of the shell.
+#[derive(Clone, Debug)]
 pub enum ShellSubject {
     /// One material.
     Isotropic,
     /// Plies of two directions, beside the reference surface.
     Laminate,
+    /// One material that damps.
+    Damped,
+    /// A pressure on it.
+    Pressure(LoadFrame, TimeFunction),
 }
 
-/// The part whose parameters are tested.
-pub const PART: &str = "shell, element 1, 1";
-
-/// Place of the penalty against drilling, counted from the end of the parameters: gravity follows.
-const DRILLING_FROM_END: usize = 4;
-
-use Reach::{Inertia, Mass, Stored};
+use Reach::{Force, Inertia, Later, Mass, Stored};
 
 /// E, nu and the density.
 const MATERIAL: [f64; 3] = [900.0, 0.3, 8.0];
@@ -41,21 +41,36 @@ impl ShellSubject {
         Laminate::new(vec![ply(0.4, 0.04), ply(-0.7, 0.06)]).offset(S::from(0.01))
     }
 
+    /// The part whose parameters are tested.
+    pub fn part(&self) -> &'static str {
+        if matches!(self, ShellSubject::Pressure(..)) { "pressure, element 1" } else { "shell, element 1, 1" }
+    }
+
     /// What each of its numbers can reach.
-    pub fn reaches(self) -> Vec<Reach> {
+    pub fn reaches(&self) -> Vec<Reach> {
         let geometry = (0..SECTION).map(|place| if place % 6 < 3 { Mass } else { Inertia });
         let section = match self {
+            ShellSubject::Pressure(LoadFrame::World, _) => return [vec![Force; 27], vec![Force, Force, Later]].concat(),
+            // the frequency shows from the second moment on
+            ShellSubject::Pressure(LoadFrame::Body, _) => return vec![Force, Force, Later, Force],
             // nine thicknesses, two elastic constants, density
-            ShellSubject::Isotropic => [vec![Mass; 9], vec![Stored; 2], vec![Mass]].concat(),
+            ShellSubject::Isotropic | ShellSubject::Damped => [vec![Mass; 9], vec![Stored; 2], vec![Mass]].concat(),
             // stiffnesses, inertia, direction
             ShellSubject::Laminate => [vec![Stored; 21], vec![Mass], vec![Inertia; 2], vec![Stored; 3]].concat(),
         };
+        let damping = matches!(self, ShellSubject::Damped).then_some(Force);
         // drilling and gravity
-        geometry.chain(section).chain([Stored; 4]).collect()
+        geometry.chain(section).chain([Stored; 4]).chain(damping).collect()
     }
 
     /// Adds the shell, its first node that of the arm; it turns with the arm.
-    pub fn add<S: Scalar>(self, m: &mut MechanismBuilder<S>, arm: NodeId, turned: Quaternion<S>) -> ShellMember {
+    pub fn add<S: Scalar>(
+        &self,
+        m: &mut MechanismBuilder<S>,
+        arm: NodeId,
+        turned: Quaternion<S>,
+        function: &[S],
+    ) -> ShellMember {
         let origin = m.position(arm);
         let mesh = ShellMesh::on([1, 1], |u, v| {
             let at = [0.6 * u + 0.1 * v * v, 0.5 * v + 0.05 * u * v, 0.12 * u * u - 0.1 * v + 0.15 * u * v];
@@ -63,17 +78,21 @@ impl ShellSubject {
             [origin + turned.rotate(Vector3::from_f64(at)), turned.rotate(Vector3::from_f64(normal))]
         });
         let mesh = mesh.with_node(0, 0, arm);
+        let mesh = if matches!(self, ShellSubject::Damped) { mesh.damped(S::from(0.02)) } else { mesh };
         let [young, poisson, density] = MATERIAL.map(S::from);
         let shell = match self {
-            ShellSubject::Isotropic => m.shell("shell", mesh, &Material { young, poisson, density }, S::from(0.1)),
             ShellSubject::Laminate => {
                 m.laminate_shell("shell", mesh, &Self::laminate(), turned.rotate(Vector3::from_f64([1.0, 0.3, 0.2])))
             }
+            _ => m.shell("shell", mesh, &Material { young, poisson, density }, S::from(0.1)),
         };
         // the inertia against drilling is tiny and the nodes start drilled: as soft as this, steps resolve it
-        let drilling = m.model.elements.last().map(|element| element.parameters.end - DRILLING_FROM_END);
-        if let Some(drilling) = drilling {
-            m.numbers.p[drilling] = S::from(1e-3);
+        let first = m.model.elements.last().map(|element| element.parameters.start);
+        if let Some(first) = first {
+            m.numbers.p[first + shell.drilling()] = S::from(1e-3);
+        }
+        if let ShellSubject::Pressure(frame, size) = self {
+            m.pressure("pressure", &shell, *frame, size.clone(), function);
         }
         for (place, &node) in shell.nodes.iter().enumerate().skip(1) {
             let phase = place as f64;

@@ -1,6 +1,6 @@
 //! Shape functions of nine nodes at (r, s) in {-1, 0, 1} x {-1, 0, 1}, r first, and where shells use them.
 
-use super::shape::{THREE, TWO, slopes, values};
+use super::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
 use crate::elements::Interpolation;
 
 /// Nodes: node 3 b + a + 1 stands at r = a - 1, s = b - 1.
@@ -62,6 +62,11 @@ pub static GAUSS: [Weights; GAUSS_POINTS] = grid(THREE, &THREE);
 /// At the nodes.
 pub static AT_NODES: [Weights; NODES] = grid([-1.0, 0.0, 1.0], &[-1.0, 0.0, 1.0]);
 
+/// Weight of a Gauss point.
+pub fn gauss_weight(point: usize) -> f64 {
+    THREE_WEIGHTS[point % 3] * THREE_WEIGHTS[point / 3]
+}
+
 /// Weights of Lobatto quadrature at the nodes.
 pub const LOBATTO: [f64; 3] = [1.0 / 3.0, 4.0 / 3.0, 1.0 / 3.0];
 
@@ -109,6 +114,10 @@ const fn place(w: &'static Weights) -> [Interpolation; 18] {
         vector(D, &w.by_s),
     ])
 }
+/// (x, dx/dr, dx/ds).
+const fn on_surface(w: &'static Weights) -> [Interpolation; 9] {
+    rows([vector(X, &w.value), vector(X, &w.by_r), vector(X, &w.by_s)])
+}
 /// (dx/dr, dx/ds, first axis, second axis).
 const fn turn(w: &'static Weights) -> [Interpolation; 12] {
     rows([vector(X, &w.by_r), vector(X, &w.by_s), vector(FIRST, &w.value), vector(SECOND, &w.value)])
@@ -132,6 +141,18 @@ table!(ROWS_R: along_r at TYING_R, 9 x 6);
 table!(ROWS_S: along_s at TYING_S, 9 x 6);
 table!(ROWS_GAUSS: place at GAUSS, 18 x 9);
 table!(ROWS_NODES: turn at AT_NODES, 12 x 9);
+table!(ROWS_SURFACE: on_surface at GAUSS, 9 x 9);
+
+/// What loads on a surface interpolate at each Gauss point: (x, dx/dr, dx/ds).
+pub static SURFACE_POINTS: [&[Interpolation]; GAUSS_POINTS] = {
+    let mut all: [&[Interpolation]; GAUSS_POINTS] = [&[]; GAUSS_POINTS];
+    let mut point = 0;
+    while point < GAUSS_POINTS {
+        all[point] = &ROWS_SURFACE[point];
+        point += 1;
+    }
+    all
+};
 
 /// Number of points: tying points along r and along s, Gauss points, and nodes.
 pub const POINTS: usize = 30;

@@ -13,6 +13,7 @@ mod laminate;
 pub mod section;
 pub mod shape;
 mod shell;
+mod shell_pressure;
 mod small_strain_cable;
 
 pub use beam::{Beam, BeamField, STRAINS, TYING_POINTS};
@@ -26,9 +27,10 @@ pub use distributed_load::{DistributedLoad, DistributedLoadField};
 pub use laminate::{Laminate, Ply, PlyStrength};
 pub use section::{Material, Section};
 pub use shell::{DRILLING_INERTIA, NODE_PARAMETERS, SECTION, Shell, ShellField, ShellPoint, ShellSection};
+pub use shell_pressure::{ShellPressure, ShellPressureField};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;
 
-instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, Shell, SmallStrainCable);
+instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, Shell, ShellPressure, SmallStrainCable);

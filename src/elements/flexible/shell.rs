@@ -3,8 +3,9 @@
 
 use super::biquadratic::{
     AT_NODES, FIRST_GAUSS, FIRST_NODE, FIRST_S, GAUSS, GAUSS_POINTS, LOBATTO, NODES, NUMBERS, POINTS, SHELL_POINTS, Weights,
+    gauss_weight,
 };
-use super::shape::{THREE, THREE_WEIGHTS, TWO};
+use super::shape::{THREE, TWO};
 use crate::elements::{Element, Field, Flexible, Interpolation, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::ops::Range;
@@ -31,6 +32,9 @@ use std::ops::Range;
 ///
 /// Kinetic energy: integral of (m |dx/dt|^2 + 2 m_1 dx/dt . dd/dt + m_2 |dd/dt|^2) / 2 dA. Weight: V = -g . integral of m x + m_1 d dA.
 ///
+/// Damping proportional to stiffness adds Rayleigh's function eta V of the strain rates in place of the strains: it takes 2 eta V of them
+/// from the power, nothing in rigid motions.
+///
 /// Parameters, of each node
 /// * `position x, y, z`  X \[m\]
 /// * `director x, y, z`  D, normal to the surface, of length 1, both in a frame that all nodes share at the start
@@ -41,7 +45,7 @@ use std::ops::Range;
 /// of a [laminate](ShellSection::Laminate): A [N/m], B \[N\], D [N m] by the rows of their upper triangles for (11, 22, 12), S [N/m] for
 /// (1, 2), m [kg/m2], m_1 [kg/m], m_2 \[kg\], and a direction along axis 1, projected on the surface;
 ///
-/// and `drilling` k, `gravity x, y, z` g [m/s2].
+/// and `drilling` k, `gravity x, y, z` g [m/s2], and with [`damped`](ShellField::damped) `damping` eta \[s\].
 ///
 /// Source: Bucalem & Bathe (1993), MITC9; Boopathy & Kennedy, section 3, for directors from rotations in multibody systems; Hughes &
 /// Brezzi (1989) for the penalty.
@@ -49,6 +53,8 @@ use std::ops::Range;
 pub struct ShellField {
     /// What its section is made of.
     pub section: ShellSection,
+    /// With damping proportional to stiffness.
+    pub damped: bool,
 }
 
 /// What the section of a shell is made of.
@@ -265,11 +271,6 @@ fn line(x: f64) -> [f64; 2] {
     [0.5 * (1.0 + x / TWO[0]), 0.5 * (1.0 + x / TWO[1])]
 }
 
-/// Weight of a Gauss point.
-fn gauss_weight(point: usize) -> f64 {
-    THREE_WEIGHTS[point % 3] * THREE_WEIGHTS[point / 3]
-}
-
 /// M x for an upper triangle.
 fn times<S: Scalar>(m: &Symmetric<S>, x: [S; 3]) -> [S; 3] {
     let [a, b, c, d, e, f] = *m;
@@ -314,13 +315,6 @@ impl<S: Scalar> Reference<S> {
 }
 
 impl ShellField {
-    /// Number of parameters of the section.
-    fn section_parameters(&self) -> usize {
-        match self.section {
-            ShellSection::Isotropic => NODES + 3,
-            ShellSection::Laminate => 27,
-        }
-    }
     /// Place of the drilling factor, before gravity.
     pub const fn drilling(&self) -> usize {
         SECTION
@@ -472,11 +466,12 @@ impl Field for ShellField {
         }
         list.push(Parameter::positive("drilling", "-"));
         list.extend(["gravity x", "gravity y", "gravity z"].map(|name| Parameter::new(name, "m/s2")));
+        list.extend(self.damped.then(|| Parameter::non_negative("damping", "s")));
         list
     }
 
     fn parameters_of(&self, _point: usize) -> Range<usize> {
-        0..SECTION + self.section_parameters() + 4
+        0..self.drilling() + 4 + usize::from(self.damped)
     }
 
     fn node_map<S: Scalar>(&self, node: usize, q: &[S], p: &[S], y: &mut [S]) {
@@ -562,6 +557,10 @@ impl Field for ShellField {
             energy += stiffness * p[self.drilling()] * turning * turning * 0.5;
         }
         energy
+    }
+
+    fn dissipation_together<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S]) -> S {
+        if self.damped { self.stored_together(rate, p) * p[self.drilling() + 4] } else { S::zero() }
     }
 
     fn mass<S: Scalar>(&self, p: &[S]) -> S {

@@ -2,6 +2,7 @@
 
 use crate::assembly::NodeId;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use std::f64::consts::FRAC_PI_4;
 
 /// One of the four edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub struct ShellMesh<S> {
     pub(super) clamped: Vec<usize>,
     /// Nodes that are there already.
     pub(super) given: Vec<(usize, NodeId)>,
+    /// Damping proportional to stiffness \[s\].
+    pub(super) damping: Option<S>,
 }
 
 impl<S: Scalar> ShellMesh<S> {
@@ -46,7 +49,7 @@ impl<S: Scalar> ShellMesh<S> {
                 (point, normal.unit())
             })
             .unzip();
-        ShellMesh { elements, points, normals, closed: false, clamped: Vec::new(), given: Vec::new() }
+        ShellMesh { elements, points, normals, closed: false, clamped: Vec::new(), given: Vec::new(), damping: None }
     }
 
     /// A flat plate: a corner \[m\] and the edges that start there \[m\].
@@ -83,10 +86,27 @@ impl<S: Scalar> ShellMesh<S> {
         })
     }
 
+    /// One of the six parts of a sphere that the faces of a cube make, seen from its centre \[m\]: two unit vectors at right angles along
+    /// the edges of the face, by equal angles; normals point outwards. [`joined`](super::MechanismBuilder::joined), six make a sphere without poles.
+    pub fn sphere_face(centre: Vector3<S>, radius: S, [first, second]: [Vector3<S>; 2], elements: [usize; 2]) -> Self {
+        let outwards = first.cross(&second);
+        let tangent = |share: f64| S::from((FRAC_PI_4 * (2.0 * share - 1.0)).tan());
+        Self::on(elements, |u, v| {
+            let direction = (outwards + first * tangent(u) + second * tangent(v)).unit();
+            [centre + direction * radius, direction]
+        })
+    }
+
     /// The first direction goes around and ends in the nodes where it started: a tube.
     #[must_use]
     pub fn closed(mut self) -> Self {
         self.closed = true;
+        self
+    }
+    /// Damping proportional to stiffness: strain rates times eta \[s\] add to the strains in all stresses.
+    #[must_use]
+    pub fn damped(mut self, damping: S) -> Self {
+        self.damping = Some(damping);
         self
     }
     /// The nodes of an edge never move.
@@ -127,7 +147,7 @@ impl<S: Scalar> ShellMesh<S> {
         i + j * (last + 1)
     }
     /// Numbers of the nodes of an edge.
-    fn places(&self, edge: Edge) -> Vec<usize> {
+    pub(super) fn places(&self, edge: Edge) -> Vec<usize> {
         let [first, second] = self.elements.map(|count| 2 * count);
         match edge {
             Edge::FirstStart => (0..=second).map(|j| self.place(0, j)).collect(),

@@ -5,9 +5,10 @@
 
 use super::{Drawing, Edge, MechanismBuilder, ShellMesh};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::flexible::biquadratic::{AT_NODES, NODES};
-use crate::elements::flexible::{Laminate, Material, ShellField, ShellSection};
-use crate::elements::{Flexible, NodeKind};
+use crate::elements::flexible::biquadratic::{AT_NODES, GAUSS, NODES, gauss_weight};
+use crate::elements::flexible::{Laminate, Material, ShellField, ShellPressureField, ShellSection};
+use crate::elements::forces::LoadFrame;
+use crate::elements::{Flexible, NodeKind, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
@@ -25,6 +26,7 @@ pub struct ShellMember {
     pub nodes: Vec<NodeId>,
     /// The first direction first.
     pub elements: Vec<ElementId>,
+    field: ShellField,
 }
 
 impl ShellMember {
@@ -42,6 +44,19 @@ impl ShellMember {
         let chosen = self.elements.iter().enumerate().filter(|(place, _)| is_in([place % along, place / along]));
         ElementGroup::new(name, chosen.map(|(_, &element)| element))
     }
+    /// Place of the drilling factor among the parameters of each element.
+    pub fn drilling(&self) -> usize {
+        self.field.drilling()
+    }
+    /// Places (i, j) of the nodes of an element.
+    fn places_of(&self, element: usize) -> [[usize; 2]; NODES] {
+        let (column, row) = (element % self.counts[0], element / self.counts[0]);
+        std::array::from_fn(|node| [2 * column + node % 3, 2 * row + node / 3])
+    }
+    /// Nodes of an element.
+    pub fn nodes_of(&self, element: usize) -> [NodeId; NODES] {
+        self.places_of(element).map(|[i, j]| self.node(i, j))
+    }
     /// Nodes of an edge, in the order of the grid.
     pub fn edge(&self, edge: Edge) -> Vec<NodeId> {
         let [first, second] = self.counts.map(|count| 2 * count);
@@ -52,6 +67,11 @@ impl ShellMember {
             Edge::SecondEnd => (0..=first).map(|i| self.node(i, second)).collect(),
         }
     }
+}
+
+/// Sum of points with weights.
+fn tangent<S: Scalar>(points: &[Vector3<S>; NODES], weights: &[f64; NODES]) -> Vector3<S> {
+    points.iter().zip(weights).fold(Vector3::zeros(), |sum, (&point, &weight)| sum + point * S::from(weight))
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
@@ -72,13 +92,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         thickness: impl Fn(usize, [f64; 2]) -> S,
     ) -> ShellMember {
         let Material { young, poisson, density } = *material;
-        let field = ShellField { section: ShellSection::Isotropic };
         let last = mesh.elements.map(|count| (2 * count).max(1) as f64);
         if !(poisson.value() > -1.0 && poisson.value() < 1.0) {
             let value = poisson.value();
             self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
         }
-        self.add_shell(name, mesh, field, |element, nodes| {
+        self.add_shell(name, mesh, ShellSection::Isotropic, |element, nodes| {
             let own = nodes.map(|[i, j]| thickness(element, [i as f64 / last[0], j as f64 / last[1]]));
             own.into_iter().chain([young, poisson, density]).collect()
         })
@@ -103,7 +122,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
         let numbers = [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat();
-        self.add_shell(name, mesh, ShellField { section: ShellSection::Laminate }, |_, _| numbers.clone())
+        self.add_shell(name, mesh, ShellSection::Laminate, |_, _| numbers.clone())
     }
 
     /// A shell with the section's parameters of each element, from its number and the places (i, j) of its nodes.
@@ -111,11 +130,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         &mut self,
         name: &str,
         mesh: ShellMesh<S>,
-        field: ShellField,
+        kind: ShellSection,
         section: impl Fn(usize, [[usize; 2]; NODES]) -> Vec<S>,
     ) -> ShellMember {
         let [first, second] = mesh.elements;
-        let mut member = ShellMember { name: name.into(), counts: mesh.elements, nodes: Vec::new(), elements: Vec::new() };
+        let field = ShellField { section: kind, damped: mesh.damping.is_some() };
+        let (counts, nodes, elements) = (mesh.elements, Vec::new(), Vec::new());
+        let mut member = ShellMember { name: name.into(), counts, nodes, elements, field };
         let sound = self.check_mesh(name, &mesh);
         let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
         for j in 0..=2 * second {
@@ -138,7 +159,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         for element in 0..first * second {
             let (column, row) = (element % first, element / first);
-            let places: [[usize; 2]; NODES] = std::array::from_fn(|node| [2 * column + node % 3, 2 * row + node / 3]);
+            let places = member.places_of(element);
             let nodes = places.map(|[i, j]| member.node(i, j));
             let mut p = Vec::new();
             for [i, j] in places {
@@ -150,6 +171,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             p.extend(section(element, places));
             p.push(S::from(DRILLING));
             p.extend([S::zero(); 3]);
+            p.extend(mesh.damping);
             let own = format!("{name}, element {}, {}", column + 1, row + 1);
             // the first element is checked as any other, and what it records serves all
             let added = match member.elements.first() {
@@ -168,6 +190,31 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         self.draw_grid(&member);
         member
+    }
+
+    /// A pressure on a shell with its size over time [N/m2], one value for each number of `size`: it pushes to where the normal points.
+    ///
+    /// A dead load (`LoadFrame::World`) keeps the normal and the area that the shell has at the start; a follower (`LoadFrame::Body`) stands
+    /// normal to the deformed surface and acts on its area.
+    pub fn pressure(&mut self, name: &str, shell: &ShellMember, frame: LoadFrame, size: TimeFunction, values: &[S]) {
+        for (element, &id) in shell.elements.iter().enumerate() {
+            // an element that was refused has been reported already
+            if id == self.model.refused_element() {
+                continue;
+            }
+            let nodes = shell.nodes_of(element);
+            let points = nodes.map(|node| self.position(node));
+            let mut p = Vec::new();
+            if frame == LoadFrame::World {
+                for (weights, point) in GAUSS.iter().zip(0..) {
+                    let area = tangent(&points, &weights.by_r).cross(&tangent(&points, &weights.by_s));
+                    p.extend((area * S::from(gauss_weight(point))).components());
+                }
+            }
+            p.extend_from_slice(values);
+            let load = Flexible(ShellPressureField { frame, size: size.clone() });
+            self.add_element(&format!("{name}, element {}", element + 1), &nodes, load.into(), &p);
+        }
     }
 
     /// Lines between elements.
@@ -190,13 +237,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         for element in 0..first * second {
             let (column, row) = (element % first, element / first);
             let place = |node: usize| mesh.place(2 * column + node % 3, 2 * row + node / 3);
+            let points: [Vector3<S>; NODES] = std::array::from_fn(|node| mesh.points[place(node)]);
             for (node, weights) in AT_NODES.iter().enumerate() {
-                let sum = |weights: &[f64; NODES]| {
-                    let terms = weights.iter().enumerate();
-                    terms.fold(Vector3::zeros(), |sum, (node, &weight)| sum + mesh.points[place(node)] * S::from(weight))
-                };
-                let (along, across) = (sum(&weights.by_r), sum(&weights.by_s));
-                let normal = along.cross(&across);
+                let normal = tangent(&points, &weights.by_r).cross(&tangent(&points, &weights.by_s));
                 let cosine = normal.unit().dot(&mesh.normals[place(node)]).value();
                 if !(cosine > 0.5) {
                     let (column, row, node) = (column + 1, row + 1, node + 1);
