@@ -14,8 +14,10 @@ const SAME_PLACE: f64 = 1e-9;
 impl<S: Scalar> MechanismBuilder<S> {
     /// A mesh whose edges take over the nodes of shells that stand at the same places: walls that meet at any angle, which then stays.
     ///
-    /// Each wall keeps the directors of its own normals, in the frame of the common nodes. Turning a node about the normal of one wall, which
-    /// is held by the penalty against drilling alone, bends the other.
+    /// Each wall keeps the directors of its own normals, in the frame of the common nodes: turning one about the normal of a wall, which the
+    /// penalty against drilling holds, bends the other. Where walls are sheared, the penalty adds to the stiffness as much as its share of
+    /// their area by the nodes of the corners: half a percent of the torsional stiffness of a square tube with two elements across each wall,
+    /// half of that with four.
     #[must_use]
     pub fn joined(&self, mut mesh: ShellMesh<S>, shells: &[&ShellMember]) -> ShellMesh<S> {
         let size = (mesh.points[mesh.points.len() - 1] - mesh.points[0]).length().value();
