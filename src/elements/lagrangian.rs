@@ -81,7 +81,12 @@ fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
 fn losses(element: &impl Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
     let mut stresses = zeros(e.len());
     element.damping(e, rate, p, t, &mut stresses);
-    let dissipated = gradient(element.dissipation(e, rate, p), rate);
+    let dissipation = element.dissipation(e, rate, p);
+    // rates may be the constant 0, too, and its gradient towards itself is 1
+    if is_zero(dissipation) {
+        return stresses;
+    }
+    let dissipated = gradient(dissipation, rate);
     stresses.into_iter().zip(dissipated).map(|(stress, dissipated)| stress + dissipated).collect()
 }
 

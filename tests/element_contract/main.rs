@@ -275,6 +275,16 @@ fn value_is_the_same_in_every_number_type() {
 }
 
 #[test]
+fn springs_and_flexible_elements_state_their_energies_whether_they_damp_or_not() {
+    let of_energies =
+        |case: &&Case| ["line spring", "beam", "cable", "shell"].iter().any(|name| case.name.starts_with(name));
+    let cases = cases();
+    let own: Vec<&Case> = cases.iter().filter(of_energies).collect();
+    assert!(own.len() > 15, "{}", own.len());
+    own.iter().for_each(|case| assert!(case.physics.has_energies(), "{}", case.name));
+}
+
+#[test]
 fn power_of_the_residual_is_energy_rate_minus_power_of_the_forces() {
     // what is written out without energies has no such balance
     for case in cases().into_iter().filter(|case| !case.without_energies) {
