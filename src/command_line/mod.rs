@@ -6,6 +6,7 @@ mod gradient;
 mod histories;
 mod interrupt;
 mod list;
+mod meshes;
 mod modes;
 mod motions;
 mod names;

@@ -37,6 +37,9 @@ pub struct SceneOptions {
     /// Write histories at multiples of this time instead of at the steps [s]
     #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
     output_step: Option<f64>,
+    /// Write meshes for ParaView: fields.pvd, with a .vtu file for each row of the histories
+    #[arg(long)]
+    vtk: bool,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
     /// bdf2, bdf3, variational; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8, variational:1 its quadrature point at
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
@@ -214,6 +217,11 @@ impl SceneOptions {
     /// Time between the rows of the histories [s], if it is not that of the steps.
     pub fn output_step(&self) -> Option<f64> {
         self.output_step
+    }
+
+    /// Whether meshes for ParaView are written.
+    pub fn writes_meshes(&self) -> bool {
+        self.vtk
     }
 
     /// The folder for the results.

@@ -1,6 +1,7 @@
-//! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg.
+//! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg, fields.pvd with its .vtu files.
 
 use super::failure::Failure;
+use super::meshes::Meshes;
 use super::motions::{extent, motion};
 use costate::assembly::{Model, Node, NodeId, VectorsAvq};
 use costate::elements::NodeKind;
@@ -50,6 +51,7 @@ pub struct Results<'p> {
     prepared: &'p Prepared<'p>,
     folder: PathBuf,
     csv: CsvFile,
+    meshes: Option<Meshes<'p>>,
     /// Coordinates and equations that have a column.
     dofs: Vec<usize>,
     equations: Range<usize>,
@@ -109,6 +111,7 @@ impl<'p> Results<'p> {
             prepared,
             folder: folder.to_path_buf(),
             csv,
+            meshes: None,
             dofs,
             equations: 0..model.equations,
             dropped: Vec::new(),
@@ -123,6 +126,13 @@ impl<'p> Results<'p> {
             count: 0,
             steps: 0,
         })
+    }
+
+    /// Writes meshes, too.
+    #[must_use]
+    pub fn with_meshes(mut self) -> Self {
+        self.meshes = Some(Meshes::new(self.prepared, &self.folder));
+        self
     }
 
     fn add(&mut self, t: f64, [a, v, q]: [&[f64]; 3], mu: &[f64]) -> Result<(), RunError> {
@@ -154,7 +164,9 @@ impl<'p> Results<'p> {
         self.row.extend(&sample.mu);
         let measured = self.row.len();
         self.row.extend(courses(self.prepared).map(|functional| functional.measured_at(model, &sample, p)));
-        self.csv.row(&self.row).map_err(|error| RunError::History {
+        let written = self.csv.row(&self.row);
+        let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(t, q));
+        written.and_then(|()| meshes()).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
             hint: "choose a folder on a disk with room (--out)".into(),
@@ -221,6 +233,9 @@ impl<'p> Results<'p> {
         keep(self.add_end().map_err(Failure::from), &[]);
         let folder = self.folder;
         keep(self.csv.finish_cut().map_err(Failure::from), &[folder.join(HISTORIES)]);
+        if let Some(meshes) = &self.meshes {
+            keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
+        }
         progress.set(1);
         self.moments.extend(self.last.filter(|last| self.moments.last() != Some(last)));
         let picture = |name: &str| [".png", ".svg"].map(|end| folder.join(format!("{name}{end}")));

@@ -72,6 +72,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];
     let progress = Progress::new("simulating", marks as u64);
     let results = Results::begin(prepared, options.output_step(), &folder)?;
+    let results = if options.writes_meshes() { results.with_meshes() } else { results };
     let mut watched = Watched { results, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;

@@ -1,4 +1,5 @@
-//! Output: files written whole or not at all, tables; with the feature `cli` also charts, pictures of a motion, progress bars.
+//! Output: files written whole or not at all, tables; with the feature `cli` also charts, pictures of a motion, meshes for ParaView,
+//! progress bars.
 //!
 //! Everything here takes plain numbers, so any result of the other folders can be written.
 
@@ -9,6 +10,8 @@ mod file;
 mod progress;
 mod read;
 mod table;
+#[cfg(feature = "cli")]
+mod vtu;
 
 #[cfg(feature = "cli")]
 pub use drawing::{Chart, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_panels};
@@ -17,3 +20,5 @@ pub use file::{IoError, write_file, write_with};
 pub use progress::Progress;
 pub use read::read_csv;
 pub use table::{Cell, CsvFile, Table, number, write_csv};
+#[cfg(feature = "cli")]
+pub use vtu::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};

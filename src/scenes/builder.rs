@@ -61,6 +61,8 @@ pub struct MechanismBuilder<S> {
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
     /// Elements of cables.
     heavy_cables: Vec<cables::HeavyCable<S>>,
+    /// Shells, for what is shown of them.
+    pub(super) shells: Vec<ShellMember>,
     /// Elements of shells, and the place of gravity among their parameters.
     heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.
@@ -79,6 +81,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     masses,
     heavy_beams,
     heavy_cables,
+    shells,
     heavy_shells,
     angles,
     mistakes

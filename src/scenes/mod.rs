@@ -6,6 +6,7 @@ mod prepared;
 mod scene;
 mod sketch;
 mod statics;
+mod surfaces;
 mod violation;
 
 pub mod built_in;
@@ -19,4 +20,5 @@ pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};
 pub use statics::Equilibrium;
+pub use surfaces::Surface;
 pub use violation::Violation;

@@ -2,7 +2,7 @@ use super::builder::MechanismBuilder;
 use crate::assembly::NodeId;
 use crate::elements::{NodeKind, Parameter};
 use crate::functionals::Measured;
-use crate::scalar::{SpatialVector, Vector3};
+use crate::scalar::{Quaternion, SpatialVector, Vector3};
 use std::ops::Range;
 
 /// A point that moves with a node.
@@ -19,6 +19,20 @@ impl NodePoint {
     /// Its place in the world \[m\] at coordinates `q` of the whole mechanism.
     pub fn at(&self, q: &[f64]) -> [f64; 3] {
         self.kind.position(&q[self.dofs.clone()], Vector3::from(self.local)).components()
+    }
+    /// Coordinates of its node among those of the whole mechanism.
+    pub fn coordinates<'q>(&self, q: &'q [f64]) -> &'q [f64] {
+        &q[self.dofs.clone()]
+    }
+    /// Rotation vector from one pose of the node to another, in world components \[rad\]; zero for nodes without axes.
+    pub fn rotation(&self, from: &[f64], to: &[f64]) -> [f64; 3] {
+        let [before, after] = [from, to].map(|q| Quaternion::of_columns(&self.kind.axes(self.coordinates(q))));
+        let (real, vector) = after.times(before.conjugate()).parts();
+        let length = vector.length();
+        // the shorter way around
+        let angle = 2.0 * if real < 0.0 { f64::atan2(-length, -real) } else { f64::atan2(length, real) };
+        let scale = if length > 0.0 { angle / length } else { 2.0 };
+        (vector * scale).components()
     }
 }
 
@@ -97,8 +111,8 @@ impl MechanismBuilder<f64> {
         self.model.nodes.iter().find(|node| node.dofs == point.dofs).map_or_else(String::new, |node| node.name.clone())
     }
 
-    /// `None` for a node without a place in space.
-    fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
+    /// A place in the frame of a node \[m\]; `None` for a node without a place in space.
+    pub fn node_point(&self, node: NodeId, local: [f64; 3]) -> Option<NodePoint> {
         let node = &self.model.nodes[node.0];
         let kind = node.kind.in_space()?;
         let local = if kind.has_axes() { local } else { [0.0; 3] };

@@ -17,6 +17,11 @@ pub enum Problem {
     EndMoment,
     /// Sze et al. (2004), 3.4: a hemisphere with a hole under alternating radial forces; a quarter of it.
     Hemisphere,
+    /// Sze et al. (2004), a shallow cylindrical roof, hinged along its straight edges, under a force in its middle; a quarter of it.
+    HingedRoof {
+        /// Thickness [mm].
+        thickness: f64,
+    },
     /// The roof of Scordelis and Lo under its weight; a quarter of it.
     Roof,
     /// A cylinder between diaphragms, pinched; an eighth of it.
@@ -189,6 +194,22 @@ impl Scene for Benchmark {
                 load(m, ("in".into(), false), shell.node(0, 0), [-200.0 * self.share, 0.0, 0.0])?;
                 let last = 2 * self.elements[0];
                 load(m, ("out".into(), false), shell.node(last, 0), [0.0, 200.0 * self.share, 0.0])?;
+            }
+            Problem::HingedRoof { thickness } => {
+                // N and mm
+                let mesh = self.cylinder([2540.0, 254.0], 0.1);
+                let shell = m.shell("shell", mesh, &material(3102.75, 0.3, 0.0), S::from(thickness));
+                let (crown, side) = (shell.edge(Edge::FirstStart), shell.edge(Edge::FirstEnd));
+                crown[1..].iter().for_each(|&node| symmetry(m, node, 0));
+                let middle = shell.edge(Edge::SecondStart);
+                middle[1..middle.len() - 1].iter().for_each(|&node| symmetry(m, node, 1));
+                slide(m, crown[0], 2);
+                for (place, &node) in side.iter().enumerate() {
+                    let (ground, at) = (m.ground(), m.position(node));
+                    m.revolute(&format!("hinge {place}"), [ground, node], at, unit(1));
+                }
+                // a quarter of 3000 N
+                load(m, ("force".into(), false), crown[0], [0.0, 0.0, -750.0 * self.share])?;
             }
             Problem::Roof => {
                 let mesh = self.cylinder([25.0, 25.0], 40.0_f64.to_radians());

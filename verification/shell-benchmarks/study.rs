@@ -3,6 +3,7 @@ mod scenes;
 mod solve;
 
 use crate::verification::{Noise, Report, Study};
+use costate::integrators::ArcLength;
 use costate::prelude::*;
 use patch::{Field, Patch, place};
 use scenes::{Benchmark, Problem};
@@ -19,7 +20,7 @@ impl Study for ShellBenchmarks {
         "shells against patches of constant strain, published static benchmarks, invariance, and vibrations of a plate"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let parts: [(&str, Part); 9] = [
+        let parts: [(&str, Part); 10] = [
             ("patches", patches),
             ("thin limit", thin_limit),
             ("roof", roof),
@@ -29,6 +30,7 @@ impl Study for ShellBenchmarks {
             ("end shear", end_shear),
             ("roll-up", roll_up),
             ("hemisphere, large", large_hemisphere),
+            ("hinged roof", hinged_roof),
         ];
         for (index, (title, part)) in parts.iter().enumerate() {
             eprintln!("[{}/{}] {title}", index + 1, parts.len());
@@ -231,6 +233,38 @@ fn large_hemisphere(report: &mut Report) -> Result<(), String> {
         }
         if elements == 4 {
             invariance(report, &solved);
+        }
+    }
+    Ok(())
+}
+
+/// Snap-through of a shallow roof: the largest load before it, along the path by its arc length.
+fn hinged_roof(report: &mut Report) -> Result<(), String> {
+    // limits of the load [N], of published curves to two digits and one
+    for (thickness, limit) in [(12.7, 2200.0), (6.35, 600.0)] {
+        for elements in [4, 8] {
+            let roof = Benchmark::new(Problem::HingedRoof { thickness }, [elements; 2]);
+            let prepared = Prepared::new(&roof).map_err(|error| error.to_string())?;
+            let crown = prepared.model().nodes.iter().find(|node| node.name == "shell, node 0, 0");
+            let height = crown.ok_or("no node at the crown")?.dofs.start + 2;
+            let start = prepared.problem().start.q[height];
+            // 30 mm down the roof has snapped through
+            let arc = ArcLength::new(0.1).up_to_coordinate(height, start - 30.0);
+            let path = prepared.path(&arc).map_err(|error| error.to_string())?;
+            let Some(first) = path.limits.first() else { return Err("the load has no limit".into()) };
+            let name = |what: &str| format!("hinged roof/{thickness} mm/{elements} x {elements} elements/{what}");
+            let share = 3000.0 * first.load / limit;
+            if elements == 8 {
+                report.compare(name("limit load by the published one"), share, 1.0, 0.03);
+            } else {
+                report.inform(name("limit load by the published one"), share);
+            }
+            report.inform(name("deflection there [mm]"), start - first.q[height]);
+            let least = path
+                .points
+                .iter()
+                .fold(f64::INFINITY, |least, point| least.min(if point.q[height] < start { point.load } else { least }));
+            report.inform(name("least load of the path [N]"), 3000.0 * least);
         }
     }
     Ok(())

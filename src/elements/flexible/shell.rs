@@ -79,6 +79,10 @@ const SHEAR_FACTOR: f64 = 5.0 / 6.0;
 pub const NODE_PARAMETERS: usize = 6;
 /// Place of the first parameter of the section.
 pub const SECTION: usize = NODES * NODE_PARAMETERS;
+/// Place of Young's modulus of a shell of one material, behind the thicknesses of the nodes.
+pub const YOUNG: usize = SECTION + NODES;
+/// Place of Poisson's ratio.
+pub const POISSON: usize = YOUNG + 1;
 
 /// Strains at each tying point along r or s, and between.
 const ALONG: usize = 3;
@@ -120,6 +124,20 @@ impl<S: Scalar> ShellPoint<S> {
     /// Strains at the place `z` along the normal.
     pub fn strain_at(&self, z: S) -> [S; 3] {
         std::array::from_fn(|i| self.strain[i] + self.curvature[i] * z)
+    }
+    /// Von Mises stresses [N/m2] on the lower and upper surface of a shell of one material, of plane stress at small strains:
+    ///
+    /// s^2 = s_11^2 - s_11 s_22 + s_22^2 + 3 s_12^2,   (s_11, s_22, s_12) = C (E -+ h/2 K).
+    pub fn von_mises(&self, young: S, poisson: S) -> [S; 2] {
+        let plane = young / (-(poisson * poisson) + 1.0);
+        let shear = young / ((poisson + 1.0) * 2.0);
+        let half = self.thickness * 0.5;
+        [-half, half].map(|z| {
+            let [along, across, between] = self.strain_at(z);
+            let (first, second) = (plane * (along + poisson * across), plane * (across + poisson * along));
+            let mixed = shear * between;
+            (first * first - first * second + second * second + mixed * mixed * 3.0).sqrt()
+        })
     }
 }
 
@@ -340,7 +358,7 @@ impl ShellField {
             };
         }
         let thickness = thickness(p, weights);
-        let (young, poisson, density) = (own[NODES], own[NODES + 1], own[NODES + 2]);
+        let (young, poisson, density) = (p[YOUNG], p[POISSON], p[POISSON + 1]);
         let second = thickness * thickness * thickness / 12.0;
         let plane = young / (-(poisson * poisson) + 1.0);
         let shear = young / ((poisson + 1.0) * 2.0);

@@ -44,6 +44,10 @@ impl ShellMember {
         let chosen = self.elements.iter().enumerate().filter(|(place, _)| is_in([place % along, place / along]));
         ElementGroup::new(name, chosen.map(|(_, &element)| element))
     }
+    /// What its elements are.
+    pub fn field(&self) -> ShellField {
+        self.field
+    }
     /// Place of the drilling factor among the parameters of each element.
     pub fn drilling(&self) -> usize {
         self.field.drilling()
@@ -189,6 +193,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.heavy_shells.push((member.elements[element], field.drilling() + 1));
         }
         self.draw_grid(&member);
+        self.shells.push(member.clone());
         member
     }
 
