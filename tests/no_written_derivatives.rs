@@ -9,13 +9,14 @@ const CONTRACTS: [(&str, &str, &str); 6] = [
     (
         "elements/element.rs",
         "Element",
-        "nodes parameters residual kinetic potential add_force strain_count strains stored damping mass breakpoints in_stages",
+        "nodes parameters residual kinetic potential add_force strain_count strains stored damping dissipation mass breakpoints \
+         in_stages",
     ),
     (
         "elements/field.rs",
         "Field",
         "parameters parameters_of node_map residual kinetic potential add_force strain_count strains stored stored_together damping \
-         mass breakpoints",
+         dissipation_together mass breakpoints",
     ),
     ("elements/constraint.rs", "Constraint", "nodes equations parameters g breakpoints"),
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),

@@ -18,10 +18,12 @@ pub struct Meshes<'p> {
     surfaces: Vec<Surface>,
 }
 
+/// Where points with an identity stand.
+type Known = HashMap<(usize, [u64; 3]), usize>;
+
 /// Where a point stands among others, which it joins if it is new.
-fn place(points: &mut Vec<NodePoint>, known: &mut HashMap<String, usize>, point: &NodePoint) -> usize {
-    // numbers in frames have no order of their own
-    *known.entry(format!("{point:?}")).or_insert_with(|| {
+fn place(points: &mut Vec<NodePoint>, known: &mut Known, point: &NodePoint) -> usize {
+    *known.entry(point.identity()).or_insert_with(|| {
         points.push(point.clone());
         points.len() - 1
     })
@@ -32,15 +34,15 @@ impl<'p> Meshes<'p> {
     pub fn new(prepared: &'p Prepared<'p>, folder: &Path) -> Self {
         let mechanism = &prepared.mechanism;
         let (surfaces, sketch) = (mechanism.surfaces(), mechanism.sketch());
-        let (mut points, mut known, mut cells) = (Vec::new(), HashMap::new(), Vec::new());
+        let (mut points, mut known, mut cells) = (Vec::new(), Known::new(), Vec::new());
         for surface in &surfaces {
             let nodes = surface.nodes.each_ref().map(|node| place(&mut points, &mut known, node));
             cells.push(MeshCell::BiquadraticQuad(nodes));
         }
-        let of_surfaces = points.len();
+        let on_surfaces = known.clone();
         for (_, line) in &sketch.lines {
             // edges of shells are seen on their surfaces
-            if line.iter().all(|point| points[..of_surfaces].contains(point)) {
+            if line.iter().all(|point| on_surfaces.contains_key(&point.identity())) {
                 continue;
             }
             cells.push(MeshCell::PolyLine(line.iter().map(|point| place(&mut points, &mut known, point)).collect()));

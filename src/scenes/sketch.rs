@@ -20,6 +20,10 @@ impl NodePoint {
     pub fn at(&self, q: &[f64]) -> [f64; 3] {
         self.kind.position(&q[self.dofs.clone()], Vector3::from(self.local)).components()
     }
+    /// First coordinate of its node and the bits of its place there: the same for equal points alone.
+    pub fn identity(&self) -> (usize, [u64; 3]) {
+        (self.dofs.start, self.local.map(f64::to_bits))
+    }
     /// Coordinates of its node among those of the whole mechanism.
     pub fn coordinates<'q>(&self, q: &'q [f64]) -> &'q [f64] {
         &q[self.dofs.clone()]
