@@ -179,8 +179,8 @@ impl Scene for Vessel {
                 let faces =
                     m.sphere_shell("sphere", (Vector3::zeros(), radius), self.elements, &material(POISSON), thickness);
                 // the middles of three faces move along their normals alone
-                for normal in 0..3 {
-                    let middle = faces[normal].node(self.elements, self.elements);
+                for (normal, face) in faces.iter().enumerate().take(3) {
+                    let middle = face.node(self.elements, self.elements);
                     (1..3).for_each(|other| hold(m, middle, (normal + other) % 3));
                 }
                 let crown = (faces[0].node(self.elements, self.elements), 0);
