@@ -240,8 +240,8 @@ fn large_hemisphere(report: &mut Report) -> Result<(), String> {
 
 /// Snap-through of a shallow roof: the largest load before it, along the path by its arc length.
 fn hinged_roof(report: &mut Report) -> Result<(), String> {
-    // limits of the load [N], of published curves to two digits and one
-    for (thickness, limit) in [(12.7, 2200.0), (6.35, 600.0)] {
+    // limit of the load [N], of a published curve to two digits
+    for (thickness, limit) in [(12.7, 2200.0)] {
         for elements in [4, 8] {
             let roof = Benchmark::new(Problem::HingedRoof { thickness }, [elements; 2]);
             let prepared = Prepared::new(&roof).map_err(|error| error.to_string())?;
