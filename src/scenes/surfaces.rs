@@ -1,7 +1,7 @@
 use super::builder::MechanismBuilder;
 use super::sketch::NodePoint;
-use crate::elements::flexible::biquadratic::NODES;
 use crate::elements::Flexible;
+use crate::elements::flexible::biquadratic::NODES;
 use crate::elements::flexible::{POISSON, SECTION, ShellField, ShellSection, YOUNG};
 use std::ops::Range;
 

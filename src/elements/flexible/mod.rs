@@ -26,9 +26,7 @@ pub use cable_section::{CableSection, CableStrain};
 pub use distributed_load::{DistributedLoad, DistributedLoadField};
 pub use laminate::{Laminate, Ply, PlyStrength};
 pub use section::{Material, Section};
-pub use shell::{
-    DRILLING_INERTIA, NODE_PARAMETERS, POISSON, SECTION, Shell, ShellField, ShellPoint, ShellSection, YOUNG,
-};
+pub use shell::{DRILLING_INERTIA, NODE_PARAMETERS, POISSON, SECTION, Shell, ShellField, ShellPoint, ShellSection, YOUNG};
 pub use shell_pressure::{ShellPressure, ShellPressureField};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
