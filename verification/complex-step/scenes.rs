@@ -106,6 +106,8 @@ pub fn list() -> Vec<Case> {
     let soft = |joint: Subject| Soft(Box::new(joint));
     let table = TimeFunction::table(vec![-0.1, 0.12, 0.31, 0.6]).expect("the knots increase");
     let early = TimeFunction::lines(vec![-0.025, 0.0775, 0.15]).expect("the knots increase");
+    // before the end of a shell's motion
+    let soon = TimeFunction::lines(vec![-0.01, 0.031, 0.06]).expect("the knots increase");
     let (world, body) = (LoadFrame::World, LoadFrame::Body);
     let started = SmoothStart(Arc::new(Sine));
     let started = constraint("prescribed-translation-started", Translation(started), &[0.02, 0.1, 5.0, 0.2, 0.6]);
@@ -172,12 +174,12 @@ pub fn list() -> Vec<Case> {
         beam("beam-eccentric", BeamSubject::Element(Kind::Eccentric), &[]),
         beam("beam-offset-damped", BeamSubject::Element(Kind::Offset), &[]),
         beam("weight-of-beam", BeamSubject::Weight(Kind::Offset), &[]),
-        beam("load-along-beam-world-lines", BeamSubject::Load(world, early.clone()), &[1.0, 3.0, -2.0]),
+        beam("load-along-beam-world-lines", BeamSubject::Load(world, early), &[1.0, 3.0, -2.0]),
         beam("load-along-beam-body-sine", BeamSubject::Load(body, Sine), &[1.0, 2.0, 9.0, 0.4]),
         element("shell", Shell(ShellSubject::Isotropic), &[]),
         element("shell-of-plies", Shell(ShellSubject::Laminate), &[]),
         element("shell-damped", Shell(ShellSubject::Damped), &[]),
-        element("pressure-world-lines", Shell(ShellSubject::Pressure(world, early)), &[1.0, 3.0, -2.0]),
+        element("pressure-world-lines", Shell(ShellSubject::Pressure(world, soon)), &[1.0, 3.0, -2.0]),
         element("pressure-body-sine", Shell(ShellSubject::Pressure(body, Sine)), &[1.0, 2.0, 9.0, 0.4]),
         cable("cable", CableSubject::Element),
         cable("cable-damped", CableSubject::Damped),
