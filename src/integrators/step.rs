@@ -226,6 +226,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let InitialState { mut q, mut v } = self.problem.start.clone();
         let mut start_projections = [None, None];
         let is_static = self.method.table.is_static();
+        // a large solver before the next one is used
+        let give_back =
+            |newton: &mut Newton<'m, S>| newton.release().map_err(|singular| RunError::of_pattern("start", singular));
         if plan.project && self.constrained && !is_static {
             let place = || "projection of the start (t = 0 s)".to_string();
             let zeros = || vec![S::zero(); model.dofs];
@@ -242,6 +245,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             solve(&mut self.start, &mut second, from, p, &place)?;
             add_scaled(&mut v, &second.unknowns.x, 1.0);
             start_projections = [Some(first), Some(second)];
+            give_back(&mut self.start)?;
         }
         let mut first = SolveRecord::empty();
         let mut guessed = Vec::new();
@@ -251,14 +255,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             Residual::shape(&self.acceleration.system, &mut first.unknowns, true);
             if guide.is_none() {
                 guessed = self.start.reactions_at_release(&first.base, &self.problem.p, t).mu;
+                give_back(&mut self.start)?;
             }
         } else {
             let from = start_of(|start| Some(&start.acceleration));
             self.solve_acceleration((&q, &v), t, 0, from, &mut first)?;
         }
-        for newton in [&mut self.acceleration, &mut self.start] {
-            newton.release().map_err(|singular| RunError::of_pattern("start", singular))?;
-        }
+        give_back(&mut self.acceleration)?;
         let kinds = &self.method.table.carried;
         let rates = if self.stage.system.options.stabilized { model.dofs } else { 0 };
         // older vectors are read only after as many steps have written them

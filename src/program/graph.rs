@@ -1,7 +1,6 @@
 use super::operation::{Binary, Node, Operation, Unary};
 use crate::scalar::{CurveId, Scalar};
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use std::hash::{Hash, Hasher};
 
 /// Operations of a recorded formula and of what is derived from it: equal ones are shared, constants folded, zeros and ones removed.
 ///
@@ -9,9 +8,15 @@ use std::hash::{BuildHasherDefault, Hasher};
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     operations: Vec<Operation>,
-    places: HashMap<Operation, Node, BuildHasherDefault<OperationHasher>>,
+    /// Numbers of operations, each where its hash says or behind; [`NONE`] where there is none. At most half full, a power of two long.
+    places: Vec<u32>,
     choices: bool,
 }
+
+/// No operation.
+const NONE: u32 = u32::MAX;
+/// Length of the shortest table of places.
+const PLACES: usize = 64;
 
 /// Multiplies and rotates: operations are a few small numbers.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,12 +62,36 @@ impl Graph {
     }
 
     fn push(&mut self, operation: Operation) -> Node {
-        let next = Node(self.operations.len() as u32);
-        let place = *self.places.entry(operation).or_insert(next);
-        if place == next {
+        if 2 * self.operations.len() >= self.places.len() {
+            self.widen();
+        }
+        let place = self.place_of(operation);
+        if self.places[place] == NONE {
+            self.places[place] = self.operations.len() as u32;
             self.operations.push(operation);
         }
+        Node(self.places[place])
+    }
+
+    /// Where the number of an operation stands, or will.
+    fn place_of(&self, operation: Operation) -> usize {
+        let mut hasher = OperationHasher::default();
+        operation.hash(&mut hasher);
+        let mask = self.places.len() - 1;
+        let mut place = hasher.finish() as usize & mask;
+        while self.places[place] != NONE && self.operations[self.places[place] as usize] != operation {
+            place = (place + 1) & mask;
+        }
         place
+    }
+
+    /// Doubles the table of places.
+    fn widen(&mut self) {
+        self.places = vec![NONE; PLACES.max(2 * self.places.len())];
+        for (number, &operation) in (0u32..).zip(&self.operations) {
+            let place = self.place_of(operation);
+            self.places[place] = number;
+        }
     }
 
     /// The value of a node that is a constant.

@@ -126,7 +126,7 @@ impl<'m> Sweep<'m> {
                         mu: vec![0.0; multipliers],
                     })
                     .collect();
-                let solver = &mut solvers.plain;
+                let solver = solvers.plain();
                 let bases = solver.through(record, &self.problem.p, &bars, &mut back, &mut self.counters)?;
                 for (back, base) in back.iter_mut().zip(bases) {
                     add(&mut back.carried[0], 1.0, &base.q);
@@ -247,7 +247,7 @@ impl<'m> Sweep<'m> {
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
-        let bases = solvers.plain.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
+        let bases = solvers.plain().through(record, &self.problem.p, &bars, back, &mut self.counters)?;
         for (back, base) in back.iter_mut().zip(bases) {
             add(&mut back.carried[0], 1.0, &base.q);
             add(&mut back.carried[1], 1.0, &base.v);
@@ -333,7 +333,7 @@ impl<'m> Sweep<'m> {
                     SolutionBar { x, rate: Vec::new(), mu: vec![0.0; multipliers] }
                 })
                 .collect();
-            let solver = &mut solvers.plain;
+            let solver = solvers.plain();
             let bases = solver.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
             for ((back, base), stages) in back.iter_mut().zip(bases).zip(stages.iter_mut()) {
                 add(&mut back.carried[0], 1.0, &base.q);

@@ -13,12 +13,12 @@ const APART_FILL: usize = 1_000_000;
 /// Solvers of the systems of one step.
 ///
 /// Small stages have one each, whatever the number of threads, so that their numbers do not depend on it; large ones, whose
-/// factorizations employ all threads themselves and take most of the memory, share one.
+/// factorizations employ all threads themselves and take most of the memory, share one, also with what has the same pattern beside them.
 pub(super) struct StepSolvers<'m> {
     /// Whether each stage has a solver of its own.
     pub are_apart: bool,
-    /// Of projections and accelerations: both projections of a step mostly have the same matrix.
-    pub plain: TransposedSolver<'m>,
+    /// Of projections and accelerations, if they do not share that of the stages: both projections of a step mostly have the same matrix.
+    plain: Option<TransposedSolver<'m>>,
     stages: Vec<TransposedSolver<'m>>,
 }
 
@@ -29,14 +29,15 @@ impl<'m> StepSolvers<'m> {
     /// A pattern that no numbers could make regular.
     pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
+        let plan = stage.plan();
+        let are_apart = plan.unknowns >= APART && plan.work.is_some_and(|work| work.fill <= APART_FILL);
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
-            true => stage.another()?,
-            false => TransposedSolver::new(systems.plain.clone(), method, active)?,
+            true if plan.work.is_some_and(|work| work.fill > APART_FILL) => None,
+            true => Some(stage.another()?),
+            false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?),
         };
-        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart: false };
-        let plan = solvers.stages[0].plan();
-        if plan.unknowns >= APART && plan.work.is_some_and(|work| work.fill <= APART_FILL) {
-            solvers.are_apart = true;
+        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart };
+        if are_apart {
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
             for _ in 1..method.table.stages.len().max(starter) {
                 solvers.stages.push(solvers.stages[0].another()?);
@@ -51,7 +52,8 @@ impl<'m> StepSolvers<'m> {
     /// As for [`StepSolvers::new`].
     pub fn another(&self) -> Result<Self, RunError> {
         let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
-        Ok(StepSolvers { stages, plain: self.plain.another()?, are_apart: self.are_apart })
+        let plain = self.plain.as_ref().map(TransposedSolver::another).transpose()?;
+        Ok(StepSolvers { stages, plain, are_apart: self.are_apart })
     }
 
     /// The solver of a stage.
@@ -59,12 +61,17 @@ impl<'m> StepSolvers<'m> {
         &mut self.stages[if self.are_apart { stage } else { 0 }]
     }
 
+    /// The solver of projections and accelerations.
+    pub fn plain(&mut self) -> &mut TransposedSolver<'m> {
+        self.plain.as_mut().unwrap_or(&mut self.stages[0])
+    }
+
     /// Factors the systems of a step whose adjoints were needed in the last one that these solvers served.
     pub fn factor(&mut self, step: &StepRecord<f64>, p: &[f64]) {
         let stages = step.stages.iter().map(|stage| stage.known.is_none().then_some(&stage.solve));
         // the one that comes first on the way back
         let projection = step.velocity_projection.as_ref().or(step.position_projection.as_ref());
-        let all = self.stages.iter_mut().zip(stages).chain([(&mut self.plain, projection)]);
+        let all = self.stages.iter_mut().zip(stages).chain(self.plain.iter_mut().map(|solver| (solver, projection)));
         let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
             all.filter(|(solver, _)| solver.was_needed()).filter_map(|(solver, record)| Some((solver, record?))).collect();
         needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
@@ -73,11 +80,13 @@ impl<'m> StepSolvers<'m> {
     /// Gives the memory of the stages back, behind the first step.
     pub fn end_steps(&mut self, counters: &mut Counters) {
         self.forget(counters);
-        self.stages.clear();
+        if self.plain.is_some() {
+            self.stages.clear();
+        }
     }
 
     /// Forgets what was factored ahead and not asked for, and counts the work done so far.
     pub fn forget(&mut self, counters: &mut Counters) {
-        self.stages.iter_mut().chain([&mut self.plain]).for_each(|solver| solver.forget(counters));
+        self.stages.iter_mut().chain(&mut self.plain).for_each(|solver| solver.forget(counters));
     }
 }
