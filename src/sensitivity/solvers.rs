@@ -63,7 +63,10 @@ impl<'m> StepSolvers<'m> {
 
     /// The solver of projections and accelerations.
     pub fn plain(&mut self) -> &mut TransposedSolver<'m> {
-        self.plain.as_mut().unwrap_or(&mut self.stages[0])
+        match &mut self.plain {
+            Some(plain) => plain,
+            None => &mut self.stages[0],
+        }
     }
 
     /// Factors the systems of a step whose adjoints were needed in the last one that these solvers served.
