@@ -4,8 +4,8 @@ use super::user::{UserBeam, UserRevolute};
 use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
 use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
 use costate::elements::flexible::{
-    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellSection,
-    SmallStrainCableField,
+    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
+    ShellSection, SmallStrainCableField,
 };
 use costate::elements::forces::*;
 use costate::elements::joints::*;
@@ -56,6 +56,7 @@ fn elements() -> Vec<Item> {
     let (on, a, b) = (NodeKind::Body, NodeKind::Body, NodeKind::Body);
     let frame = LoadFrame::Body;
     let load = || DistributedLoadField { frame: LoadFrame::World, size: TimeFunction::Constant };
+    let pressure = |frame: LoadFrame| Flexible(ShellPressureField { frame, size: TimeFunction::Constant });
     vec![
         element("rigid body", &[Body], move || RigidBody),
         element("rigid body in natural coordinates", &[Natural], move || NaturalBody),
@@ -69,7 +70,10 @@ fn elements() -> Vec<Item> {
         element("cable damped", CABLE, move || Cable { damped: true }),
         element("cable of small strain", CABLE, move || Flexible(SmallStrainCableField)),
         element("shell", SHELL, move || Flexible(ShellField { section: ShellSection::Isotropic, damped: false })),
+        element("shell damped", SHELL, move || Flexible(ShellField { section: ShellSection::Isotropic, damped: true })),
         element("shell of plies", SHELL, move || Flexible(ShellField { section: ShellSection::Laminate, damped: false })),
+        element("dead pressure on a shell", SHELL, move || pressure(LoadFrame::World)),
+        element("follower pressure on a shell", SHELL, move || pressure(LoadFrame::Body)),
         element("inertia of a cable", CABLE, move || CableInertia),
         element("weight of a cable", CABLE, move || CableGravity),
         element("weight", &[Body], move || Gravity { on }),
