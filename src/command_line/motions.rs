@@ -1,9 +1,10 @@
 //! Pictures of a mechanism in space: the time lapse of a motion, and modes of vibration.
 
 use super::results::{Snapshot, thinned};
+use costate::elements::flexible::biquadratic::GAUSS_POINTS;
 use costate::integrators::Mode;
-use costate::io::{Frame, MotionPicture, Polyline, Trail, View};
-use costate::scenes::{Drawn, NodePoint, Prepared};
+use costate::io::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
+use costate::scenes::{Drawn, NodePoint, Prepared, nodes_of_surfaces};
 use std::f64::consts::PI;
 
 /// Moments of a drawn mode, in half a period.
@@ -57,6 +58,11 @@ pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<Motio
     motion(prepared, &moments)
 }
 
+/// Where points are at a moment \[m\].
+fn at(points: &[NodePoint], moment: &Snapshot) -> Vec<[f64; 3]> {
+    points.iter().map(|point| point.at(&moment.q)).collect()
+}
+
 /// The time lapse; `None` if nothing of the scene has a place in space.
 pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
     let sketch = prepared.mechanism.sketch();
@@ -65,7 +71,7 @@ pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture
     }
     let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
-        points: points.iter().map(|point| point.at(&moment.q)).collect(),
+        points: at(points, moment),
         role: usize::from(bodies && *drawn == Drawn::Link),
     };
     let frame = |(index, moment): (usize, &Snapshot)| {
@@ -82,8 +88,32 @@ pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture
     let frames: Vec<Frame> = thinned(moments).map(frame).collect();
     let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
     let title = prepared.scene.scene_name();
-    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, view: View::Isometric };
+    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, ..MotionPicture::default() };
     motion.view = view(&motion);
+    Some(motion)
+}
+
+/// The time lapse, its last pose with shells as surfaces that are coloured by their stress where that is known.
+pub fn coloured_motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
+    let mut motion = motion(prepared, moments)?;
+    let surfaces = prepared.mechanism.surfaces();
+    let (Some(frame), Some(moment)) = (motion.frames.last_mut(), moments.last()) else { return Some(motion) };
+    if surfaces.is_empty() {
+        return Some(motion);
+    }
+    // the lines of shells are seen as edges of their surfaces
+    let on_surfaces = nodes_of_surfaces(&surfaces);
+    let is_own = |line: &[NodePoint]| line.iter().all(|point| on_surfaces.contains(&point.identity()));
+    let sketch = prepared.mechanism.sketch();
+    let own: Vec<Vec<[f64; 3]>> =
+        sketch.lines.iter().filter(|(_, line)| is_own(line)).map(|(_, line)| at(line, moment)).collect();
+    frame.lines.retain(|line| !own.contains(&line.points));
+    let (q, p) = (&moment.q, &prepared.mechanism.numbers.p);
+    let facets = surfaces.iter().flat_map(|surface| {
+        let values = surface.stresses(q, p).unwrap_or([f64::NAN; GAUSS_POINTS]);
+        surface.pieces(q).into_iter().zip(values).map(|((corners, outlined), value)| Facet { corners, outlined, value })
+    });
+    motion.surface = Some(ColouredSurface { quantity: "von Mises stress [N/m2]".into(), facets: facets.collect() });
     Some(motion)
 }
 

@@ -14,7 +14,7 @@ mod table;
 mod vtu;
 
 #[cfg(feature = "cli")]
-pub use drawing::{Chart, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_panels};
+pub use drawing::{Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_panels};
 pub use file::{IoError, write_file, write_with};
 #[cfg(feature = "cli")]
 pub use progress::Progress;

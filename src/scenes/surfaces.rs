@@ -1,8 +1,10 @@
 use super::builder::MechanismBuilder;
 use super::sketch::NodePoint;
 use crate::elements::Flexible;
-use crate::elements::flexible::biquadratic::NODES;
+use crate::elements::flexible::biquadratic::{GAUSS_POINTS, NODES, weights};
+use crate::elements::flexible::shape::THREE;
 use crate::elements::flexible::{POISSON, SECTION, ShellField, ShellSection, YOUNG};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// An element of a shell with what is shown of it at any coordinates.
@@ -41,12 +43,38 @@ impl Surface {
 
     /// Largest von Mises stress [N/m2] of an isotropic shell at its Gauss points, on the lower and the upper surface.
     pub fn stress(&self, q: &[f64], p: &[f64]) -> Option<f64> {
+        Some(self.stresses(q, p)?.into_iter().fold(0.0, f64::max))
+    }
+
+    /// The same at each Gauss point, r first.
+    pub fn stresses(&self, q: &[f64], p: &[f64]) -> Option<[f64; GAUSS_POINTS]> {
         if self.field.section != ShellSection::Isotropic {
             return None;
         }
         let (shell, p) = (Flexible(self.field), &p[self.parameters.clone()]);
         let own: Vec<f64> = self.nodes.iter().flat_map(|node| node.coordinates(q).to_vec()).collect();
-        let stresses = shell.points(&own, p).map(|point| point.von_mises(p[YOUNG], p[POISSON]));
-        Some(stresses.into_iter().flatten().fold(0.0, f64::max))
+        let at_points = shell.points(&own, p);
+        Some(at_points.map(|point| point.von_mises(p[YOUNG], p[POISSON]).into_iter().fold(0.0, f64::max)))
     }
+
+    /// The piece of the reference surface around each Gauss point: its corners \[m\], and whether it ends at the edge of the element from each
+    /// corner to the next.
+    pub fn pieces(&self, q: &[f64]) -> [([[f64; 3]; 4], [bool; 4]); GAUSS_POINTS] {
+        let nodes = self.nodes.each_ref().map(|node| node.at(q));
+        let ends = [-1.0, 0.5 * THREE[0], 0.5 * THREE[2], 1.0];
+        let at = |i: usize, j: usize| {
+            let own = weights(ends[i], ends[j]).value;
+            [0, 1, 2].map(|k| own.iter().zip(&nodes).map(|(weight, node)| weight * node[k]).sum())
+        };
+        std::array::from_fn(|point| {
+            let (i, j) = (point % 3, point / 3);
+            let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            (corners, [j == 0, i == 2, j == 2, i == 0])
+        })
+    }
+}
+
+/// The nodes of surfaces, by their identities: a line through such nodes alone is seen on the surfaces.
+pub fn nodes_of_surfaces(surfaces: &[Surface]) -> HashSet<(usize, [u64; 3])> {
+    surfaces.iter().flat_map(|surface| &surface.nodes).map(NodePoint::identity).collect()
 }

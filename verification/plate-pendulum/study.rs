@@ -6,8 +6,8 @@ use costate::assembly::{Jacobian, Residual, StageSystem};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, Systems, table_by_name};
 use costate::linalg::{Backend, Factorization};
-use costate::scenes::built_in::{PlatePendulum, Thicknesses};
-use costate::scenes::{AnyScene, Prepared, Scene, Settings};
+use costate::scenes::built_in::{BoxTubePendulum, PlatePendulum, Thicknesses};
+use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::largest_difference;
 use std::time::Instant;
 
@@ -16,6 +16,8 @@ pub struct PlatePendulumStudy;
 
 /// Meshes of the source, and one of 192,000 unknowns as it counts them: eight a node.
 const MESHES: [[usize; 2]; 4] = [[25, 5], [55, 11], [100, 20], [150, 39]];
+/// Elements along the box tube of the source, and across each of its four walls.
+const TUBE: [usize; 2] = [100, 5];
 /// A mesh of 10,000 nodes, each with a thickness of its own.
 const OF_NODES: [usize; 2] = [112, 22];
 /// Largest difference of adjoint and complex step.
@@ -32,33 +34,53 @@ impl Study for PlatePendulumStudy {
         "plate-pendulum"
     }
     fn summary(&self) -> &'static str {
-        "falling plate of up to 2,000 shell elements: time of each phase, of steps and gradients, and memory"
+        "falling plate and box tube of up to 5,850 shell elements: time of each phase, of steps and gradients, and memory"
     }
     fn forms(&self) -> &'static [Form] {
         &[Form::Short]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         let words = |error: RunError| error.to_string();
-        gradient(report).map_err(words)?;
+        gradient(report, &PlatePendulum::default()).map_err(words)?;
+        gradient(report, &BoxTubePendulum::default()).map_err(words)?;
         if report.is_short() {
             return Ok(());
         }
-        for (index, elements) in MESHES.into_iter().enumerate() {
-            eprintln!("[{}/{}] {} x {}", index + 1, MESHES.len() + 1, elements[0], elements[1]);
+        let of_mesh = |elements: [usize; 2]| {
+            let name = format!("{} x {}", elements[0], elements[1]);
+            let plate = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: STEPS };
+            Subject { name, elements: elements[0] * elements[1], scene: Box::new(plate) }
+        };
+        let tube = Subject {
+            name: format!("box tube {} x 4 x {}", TUBE[0], TUBE[1]),
+            elements: 4 * TUBE[0] * TUBE[1],
+            scene: Box::new(BoxTubePendulum { elements: TUBE, milliseconds: STEPS }),
+        };
+        let subjects: Vec<Subject> = MESHES.into_iter().map(of_mesh).chain([tube]).collect();
+        for (index, subject) in subjects.iter().enumerate() {
+            eprintln!("[{}/{}] {}", index + 1, subjects.len() + 1, subject.name);
             for threads in [1, 2] {
-                on_threads(threads, || phases(report, elements, threads).map_err(words))?;
+                on_threads(threads, || phases(report, subject, threads).map_err(words))?;
             }
         }
-        eprintln!("[{0}/{0}] thicknesses", MESHES.len() + 1);
+        eprintln!("[{0}/{0}] thicknesses", subjects.len() + 1);
         on_one_thread(|| thicknesses(report).map_err(words))
     }
 }
 
-fn prepare(scene: &PlatePendulum, steps: usize) -> Result<Prepared<'_>, RunError> {
+/// A scene whose phases are measured.
+struct Subject {
+    name: String,
+    /// Number of shell elements.
+    elements: usize,
+    scene: Box<dyn AnyScene>,
+}
+
+fn prepare(scene: &dyn AnyScene, steps: usize) -> Result<Prepared<'_>, RunError> {
     let table = table_by_name(METHOD).ok_or_else(|| RunError::Input(format!("no method {METHOD}")))?;
-    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
     let settings = Settings::new(1e-3 * steps as f64, steps);
-    let mut prepared = Prepared::with(scene as &dyn AnyScene, &x, Method::new(table, ConstraintLevel::default()), settings)?;
+    let mut prepared = Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)?;
     prepared.mechanism.functionals.truncate(1);
     Ok(prepared)
 }
@@ -86,16 +108,15 @@ fn last_stage(prepared: &Prepared) -> Result<SolveRecord<f64>, RunError> {
     last.ok_or_else(|| RunError::Input("no stage was solved".into()))
 }
 
-/// Gradients of a coarse plate against complex step.
-fn gradient(report: &mut Report) -> Result<(), RunError> {
-    let scene = PlatePendulum::default();
-    let prepared = Prepared::new(&scene as &dyn AnyScene)?;
+/// Gradients of a coarse mesh against complex step.
+fn gradient(report: &mut Report, scene: &dyn AnyScene) -> Result<(), RunError> {
+    let prepared = Prepared::new(scene)?;
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x)?;
     let (adjoint, stepped) = (analysis.adjoint(&prepared.x, &forward)?, analysis.complex_step(&prepared.x, &forward)?);
     for ((functional, own), other) in prepared.functionals().iter().zip(&adjoint.rows).zip(&stepped.rows) {
         report.at_most(
-            format!("gradient/{}, adjoint - complex step", functional.name),
+            format!("gradient/{}/{}, adjoint - complex step", scene.scene_name(), functional.name),
             largest_difference(own, other),
             EXACT,
         );
@@ -132,11 +153,9 @@ fn thicknesses(report: &mut Report) -> Result<(), RunError> {
 }
 
 /// Phases of one step, whole steps, and their gradient.
-fn phases(report: &mut Report, elements: [usize; 2], threads: usize) -> Result<(), RunError> {
-    let [along, across] = elements;
-    let name = |what: &str| format!("{along} x {across}, {threads} thread{}/{what}", if threads > 1 { "s" } else { "" });
-    let scene = PlatePendulum { elements, thicknesses: Thicknesses::Strips(1), milliseconds: STEPS };
-    let [one, all] = [1, 1 + STEPS].map(|steps| prepare(&scene, steps));
+fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), RunError> {
+    let name = |what: &str| format!("{}, {threads} thread{}/{what}", subject.name, if threads > 1 { "s" } else { "" });
+    let [one, all] = [1, 1 + STEPS].map(|steps| prepare(&*subject.scene, steps));
     let (one, all) = (one?, all?);
     let solve = last_stage(&one)?;
     let problem = one.problem();
@@ -168,7 +187,7 @@ fn phases(report: &mut Report, elements: [usize; 2], threads: usize) -> Result<(
     ] {
         report.inform(name(&format!("{what} [s]")), seconds);
     }
-    report.inform(name("residual and matrix of an element [us]"), 1e6 * (of_residual + of_matrix) / (along * across) as f64);
+    report.inform(name("residual and matrix of an element [us]"), 1e6 * (of_residual + of_matrix) / subject.elements as f64);
     drop((residual, jacobian, factorization));
 
     // what is set up once is in both

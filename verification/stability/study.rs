@@ -6,7 +6,7 @@ mod four_bar;
 mod loops;
 mod scenes;
 
-use crate::verification::{Report, Study};
+use crate::verification::{Form, Report, Study};
 use condition::condition;
 use costate::assembly::VectorsAvq;
 use costate::functionals::{Measured, Sample};
@@ -20,6 +20,8 @@ use scenes::{Arm, NearlyParallelRods, UnequalMasses, Units};
 
 /// Steps of the long runs.
 const LONG: usize = 1_000_000;
+/// The same in the short form.
+const SHORTENED: usize = 100_000;
 /// Their size [s].
 const LONG_STEP: f64 = 1e-2;
 /// Unstable along the imaginary axis: the energy of what swings without damping grows, until there is no solution.
@@ -42,6 +44,9 @@ impl Study for Stability {
     }
     fn summary(&self) -> &'static str {
         "a million steps, steps down to 1e-8 s, mass ratios to 1e8, other units, nearly singular poses, loops and dead points"
+    }
+    fn forms(&self) -> &'static [Form] {
+        &[Form::Short]
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         small_steps(report)?;
@@ -69,19 +74,20 @@ fn default_at(level: ConstraintLevel) -> Method {
     Method { level, ..Prepared::default_method() }
 }
 
-/// Energy and constraints over a million steps, for every table.
+/// Energy and constraints over many steps, for every table.
 fn long_runs(report: &mut Report) -> Result<(), String> {
     let scenes: [(&str, &dyn AnyScene); 2] = [("free-body", FreeBody.as_ref()), ("pendulum", Pendulum.as_ref())];
     let runs: Vec<_> = scenes.iter().flat_map(|scene| tables().into_iter().map(move |table| (scene, table))).collect();
+    let steps = if report.is_short() { SHORTENED } else { LONG };
     let drifts: Vec<Result<(f64, Violation), String>> = runs
         .par_iter()
         .map(|((_, scene), table)| {
             let method = Method::new(table.clone(), ConstraintLevel::Acceleration);
-            drift(&prepare(*scene, method, LONG as f64 * LONG_STEP, LONG)?)
+            drift(&prepare(*scene, method, steps as f64 * LONG_STEP, steps)?)
         })
         .collect();
     for (((name, _), table), outcome) in runs.iter().zip(drifts) {
-        let figure = |what: &str| format!("{LONG:e} steps/{name}/{}/{what}", table.name);
+        let figure = |what: &str| format!("{steps:e} steps/{name}/{}/{what}", table.name);
         let (energy, worst) = match outcome {
             Ok(drift) => drift,
             Err(error) if table.name == GROWING => {

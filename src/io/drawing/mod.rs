@@ -10,4 +10,4 @@ mod picture;
 mod plot;
 
 pub use chart::{Chart, Series, Style, write_panels};
-pub use motion::{Frame, MotionPicture, Polyline, Trail, View};
+pub use motion::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};

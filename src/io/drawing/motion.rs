@@ -25,6 +25,26 @@ pub struct Frame {
     pub lines: Vec<Polyline>,
 }
 
+/// A piece of a surface in the last frame.
+#[derive(Debug, Clone)]
+pub struct Facet {
+    /// Its corners, all the way around \[m\].
+    pub corners: [[f64; 3]; 4],
+    /// Whether a line is drawn from each corner to the next.
+    pub outlined: [bool; 4],
+    /// What it is coloured by; not a number where there is nothing.
+    pub value: f64,
+}
+
+/// Surfaces of the last frame, coloured by a quantity.
+#[derive(Debug, Clone, Default)]
+pub struct ColouredSurface {
+    /// The quantity and its unit.
+    pub quantity: String,
+    /// The pieces.
+    pub facets: Vec<Facet>,
+}
+
 /// The path of a point through the whole motion.
 #[derive(Debug, Clone, Default)]
 pub struct Trail {
@@ -59,6 +79,8 @@ pub struct MotionPicture {
     pub trails: Vec<Trail>,
     /// Points fixed to the ground, x, y, z \[m\].
     pub anchors: Vec<[f64; 3]>,
+    /// Surfaces of the last frame.
+    pub surface: Option<ColouredSurface>,
     /// From where the motion is seen.
     pub view: View,
 }
@@ -84,7 +106,8 @@ impl MotionPicture {
     fn points(&self) -> impl Iterator<Item = &[f64; 3]> {
         let frames = self.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
         let trails = self.trails.iter().flat_map(|trail| &trail.points);
-        frames.chain(trails).chain(&self.anchors).filter(|point| shown(point))
+        let surface = self.surface.iter().flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);
+        frames.chain(trails).chain(&self.anchors).chain(surface).filter(|point| shown(point))
     }
 
     fn planar(&self, [x_label, y_label]: [&str; 2]) -> Picture {
@@ -211,6 +234,9 @@ impl MotionPicture {
                 }
             }
         }
+        if let Some(surface) = &self.surface {
+            surface.draw(picture, self.view, &place);
+        }
         self.draw_trails(picture, &place);
         self.draw_anchors(picture, &place);
         for line in &final_frame.lines {
@@ -261,7 +287,8 @@ impl MotionPicture {
     }
 
     fn head_height(&self) -> f64 {
-        if self.named_trails().next().is_some() { 66.0 } else { 46.0 }
+        let rows = [self.named_trails().next().is_some(), self.surface.is_some()];
+        46.0 + 20.0 * rows.into_iter().filter(|&row| row).count() as f64
     }
 
     /// Title and names of the trails at the left, the key to the times at the right.
@@ -272,6 +299,9 @@ impl MotionPicture {
             picture.line(vec![[x, 50.0], [x + 22.0, 50.0]], 1.6, self.trail_colour(index));
             picture.text([x + 28.0, 54.5], &trail.name, MARK_SIZE, GREY_INK, Align::Left);
             x += 50.0 + text_width(&trail.name, MARK_SIZE);
+        }
+        if let Some(surface) = &self.surface {
+            surface.draw_key(picture, [right, self.head_height() - 12.0]);
         }
         if self.frames.is_empty() {
             return;
@@ -307,6 +337,78 @@ impl MotionPicture {
     fn trail_colour(&self, index: usize) -> Colour {
         let roles = self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role + 1).max().unwrap_or(0);
         PALETTE[(roles + index) % PALETTE.len()]
+    }
+}
+
+/// Colours from the least to the largest value, equally far apart: those of viridis (Smith & van der Walt 2015).
+const MAP: [Colour; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+/// Where there is no value.
+const NO_VALUE: Colour = [222, 226, 231];
+
+/// The colour of a share of the range.
+fn map_colour(share: f64) -> Colour {
+    if share.is_nan() {
+        return NO_VALUE;
+    }
+    let place = share.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
+    let below = (place as usize).min(MAP.len() - 2);
+    let mix = place - below as f64;
+    [0, 1, 2].map(|k| {
+        let [from, to] = [MAP[below][k], MAP[below + 1][k]].map(f64::from);
+        (from + (to - from) * mix).round() as u8
+    })
+}
+
+impl ColouredSurface {
+    /// Least and largest value; `None` where there is none.
+    fn range(&self) -> Option<[f64; 2]> {
+        let values = self.facets.iter().map(|facet| facet.value).filter(|value| value.is_finite());
+        let [least, most] =
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| [least.min(value), most.max(value)]);
+        (least <= most).then_some([least, most])
+    }
+
+    /// The far pieces first, so that near ones cover them.
+    fn draw(&self, picture: &mut Picture, view: View, place: impl Fn([f64; 3]) -> Place) {
+        let [least, most] = self.range().unwrap_or([0.0, 1.0]);
+        let nearness = |facet: &&Facet| facet.corners.iter().map(|&corner| nearness(view, corner)).sum::<f64>();
+        let mut facets: Vec<&Facet> = self.facets.iter().filter(|facet| facet.corners.iter().all(shown)).collect();
+        facets.sort_by(|a, b| nearness(a).total_cmp(&nearness(b)));
+        for Facet { corners, outlined, value } in facets {
+            let colour = map_colour(if most > least { (value - least) / (most - least) } else { value - least });
+            let corners = corners.map(&place);
+            // no paper shows between neighbours
+            picture.line(corners.iter().chain(corners.first()).copied().collect(), 0.8, colour);
+            picture.area(corners.to_vec(), colour);
+            for side in (0..4).filter(|&side| outlined[side]) {
+                picture.line(vec![corners[side], corners[(side + 1) % 4]], 0.6, WHITE_PAPER);
+            }
+        }
+    }
+
+    /// Quantity, least and largest value, on a line that ends at a place.
+    fn draw_key(&self, picture: &mut Picture, [right, line]: Place) {
+        let Some([least, most]) = self.range() else { return };
+        let short = |value: f64| if value == 0.0 { "0".into() } else { format!("{value:.2e}") };
+        let (from, to) = (format!("{}: {}", self.quantity, short(least)), short(most));
+        let end = right - text_width(&to, MARK_SIZE) - 8.0;
+        let (start, top, bottom) = (end - 130.0, line - 10.5, line + 1.5);
+        picture.text([right, line], &to, MARK_SIZE, GREY_INK, Align::Right);
+        picture.text([start - 8.0, line], &from, MARK_SIZE, GREY_INK, Align::Right);
+        for step in 0..65 {
+            // each block reaches to the end, so that no paper shows between it and the next
+            picture.block([start + 2.0 * f64::from(step), top], [end, bottom], map_colour(f64::from(step) / 64.0));
+        }
+    }
+}
+
+/// How near a point is to who looks.
+fn nearness(view: View, [x, y, z]: [f64; 3]) -> f64 {
+    match view {
+        View::Xy => z,
+        View::Xz => -y,
+        View::Yz => x,
+        View::Isometric => x + y + z,
     }
 }
 
@@ -417,10 +519,44 @@ fn round_time(time: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::picture::Shape;
     use super::super::picture::tests::png_size;
     use super::*;
     use crate::io::file::tests::Folder;
     use std::f64::consts::TAU;
+
+    #[test]
+    fn near_pieces_of_surfaces_cover_far_ones_in_the_colours_of_their_values() {
+        let square = |x: f64, value: f64| Facet {
+            corners: [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 1.0], [x, 0.0, 1.0]],
+            outlined: [true; 4],
+            value,
+        };
+        // seen along -x: the one at x = 2 is the nearest
+        let facets = vec![square(2.0, 30.0), square(0.0, 10.0), square(1.0, f64::NAN)];
+        let surface = ColouredSurface { quantity: "stress".into(), facets };
+        let mut picture = Picture::new(100.0, 100.0);
+        surface.draw(&mut picture, View::Yz, |point| flat(View::Yz, point));
+        let colours: Vec<Colour> = picture
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                Shape::Area { colour, .. } => Some(*colour),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(colours, [MAP[0], NO_VALUE, MAP[4]]);
+        let lines = picture.shapes.iter().filter(|shape| matches!(shape, Shape::Line { colour: WHITE_PAPER, .. })).count();
+        assert_eq!(lines, 12);
+        assert_eq!(surface.range(), Some([10.0, 30.0]));
+        // a picture has a key to the values, and one without values has none
+        let with_key = |value: f64| {
+            let surface = Some(ColouredSurface { quantity: "stress".into(), facets: vec![square(0.0, value)] });
+            let picture = MotionPicture { surface, frames: vec![Frame::default()], ..MotionPicture::default() }.picture();
+            picture.shapes.iter().any(|shape| matches!(shape, Shape::Text { text, .. } if text.starts_with("stress")))
+        };
+        assert!(with_key(1.0) && !with_key(f64::NAN));
+    }
 
     /// A made-up flexible double pendulum; not a solution of any equation.
     fn pendulum(view: View) -> MotionPicture {

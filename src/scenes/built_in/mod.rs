@@ -1,6 +1,7 @@
 //! The scenes of the command line. A new one is a file here, and its name in the lists of modules, of erased scenes and of [`all`].
 
 mod andrews;
+mod box_tube_pendulum;
 mod bricard;
 mod car_axis;
 mod chain;
@@ -28,6 +29,7 @@ mod universal_shaft;
 mod von_mises_truss;
 
 pub use andrews::Andrews;
+pub use box_tube_pendulum::BoxTubePendulum;
 pub use bricard::Bricard;
 pub use car_axis::CarAxis;
 pub use chain::{Chain, ChainVariables};
@@ -70,6 +72,7 @@ macro_rules! erased_here {
 
 erased_here!(
     Andrews,
+    BoxTubePendulum,
     Bricard,
     CarAxis,
     Chain,
@@ -118,6 +121,7 @@ pub fn all() -> Vec<Box<dyn AnyScene>> {
         Box::new(FlexibleFourBar::default()),
         Box::new(FlexiblePendulum::default()),
         Box::new(PlatePendulum::default()),
+        Box::new(BoxTubePendulum::default()),
         Box::new(RigidSpringBeam),
         Box::new(Suspension::default()),
         Box::new(PrincetonBeam::default()),
