@@ -34,6 +34,7 @@ mod rigid_benchmarks;
 mod rigid_spring_beam;
 #[path = "robustness/study.rs"]
 mod robustness;
+mod rounding;
 #[path = "shell-benchmarks/study.rs"]
 mod shell_benchmarks;
 #[path = "stability/study.rs"]

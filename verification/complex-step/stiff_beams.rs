@@ -1,8 +1,9 @@
 //! Stiff beams with the default method: what a difference quotient can show, functional by functional.
 
+use super::QUOTIENT;
 use super::quotient::{central, noise, quotients};
-use super::{QUOTIENT, SCATTER};
 use crate::verification::Report;
+use crate::verification::rounding::SCATTER;
 use costate::design::{DesignMap, ModelNumbers};
 use costate::integrators::RunError;
 use costate::program::Recorded;

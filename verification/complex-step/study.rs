@@ -14,13 +14,14 @@ mod scenes;
 mod shell;
 mod stiff_beams;
 
+use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
 use crate::verification::{Report, Study};
 use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name,
     table_named, tables,
 };
 use costate::scenes::{AnyScene, Prepared, Scene, Settings};
-use costate::sensitivity::{Analysis, largest_difference};
+use costate::sensitivity::largest_difference;
 use measures::Reads;
 use quotient::Quotient;
 use rayon::prelude::*;
@@ -32,8 +33,6 @@ const EXACT: f64 = 1e-12;
 const ROUNDINGS: f64 = 8.0;
 /// Largest difference from a difference quotient, relative to the largest term of the directional derivative.
 const QUOTIENT: f64 = 1e-7;
-/// How many times the noise of the runs over its step a quotient may be off.
-const SCATTER: f64 = 4.0;
 /// Noise over the step beyond which a quotient shows nothing, relative to the largest term.
 const BLIND: f64 = 1e-3;
 
@@ -259,11 +258,6 @@ impl Outcome {
     }
 }
 
-/// The larger one, or NaN.
-fn worse(a: f64, b: f64) -> f64 {
-    if b <= a { a } else { b }
-}
-
 /// All functionals of one scene with one method, four ways.
 fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outcome, RunError> {
     let method = Method::new(member.table.clone(), level);
@@ -306,12 +300,11 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
             Reads::Start => EXACT,
         };
         if exact <= EXACT && worse(differences[0], differences[1]) > EXACT {
-            let [up, down] = match &nearby {
-                Some(rows) => rows,
-                None => nearby.insert(adjoints_nearby(&analysis, &x)?),
+            let nearby: &NearbyAdjoints = match &nearby {
+                Some(nearby) => nearby,
+                None => nearby.insert(NearbyAdjoints::of(&analysis, &x)?),
             };
-            let pairs = [(&up[index], &down[index]), (&up[index], rows[1]), (&down[index], rows[1])];
-            let scatter = pairs.iter().fold(0.0, |most: f64, (one, other)| most.max(largest_difference(one, other)));
+            let scatter = nearby.scatter(index, rows[1], <[f64]>::to_vec);
             let limit = EXACT.max(SCATTER * scatter);
             let difference = worse(differences[0], differences[1]);
             if outcome.rounded.is_none_or(|[other, of_other]| !(difference / limit <= other / of_other)) {
@@ -362,15 +355,6 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let all = exact.into_iter().chain(outcome.of_coordinates).chain(outcome.of_velocities).chain(outcome.of_forces);
     outcome.above = usize::from(all.fold(0.0, worse) > EXACT);
     Ok(outcome)
-}
-
-/// Adjoint gradients at the designs next to this one, on the same steps.
-fn adjoints_nearby(analysis: &Analysis, x: &[f64]) -> Result<[Vec<Vec<f64>>; 2], RunError> {
-    let at = |rounded: fn(f64) -> f64| -> Result<Vec<Vec<f64>>, RunError> {
-        let x: Vec<f64> = x.iter().map(|&x| rounded(x)).collect();
-        Ok(analysis.adjoint(&x, &analysis.forward(&x)?)?.rows)
-    };
-    Ok([at(f64::next_up)?, at(f64::next_down)?])
 }
 
 /// What round-off of the constraints leaves of velocities and multipliers at a constraint level: [`ROUNDINGS`] through the table.

@@ -10,7 +10,7 @@ use std::ops::Range;
 /// where the normal points. Around a closed volume V the follower does the work f dV, and its forces have no resultant.
 ///
 /// Parameters:
-/// * of a dead load, at each Gauss point: `area x, y, z`  N dA, in the world [m2]
+/// * of a dead load, at each Gauss point: `area x, y, z`  N dA, in the world \[m2\]
 /// * parameters of f(t) [N/m2]
 pub struct ShellPressureField {
     /// Dead in the world, or follower with the body.
