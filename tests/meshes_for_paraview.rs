@@ -1,10 +1,13 @@
-//! Files for ParaView, read back by another library: what is written is what was computed.
+//! Files for ParaView, read back by the rules of their format: what is written is what was computed.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use costate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh, read_csv};
-use std::path::PathBuf;
+use flate2::read::ZlibDecoder;
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 use std::process::Command;
-use vtkio::Vtk;
-use vtkio::model::{Attribute as ReadAttribute, Attributes, CellType, DataSet, IOBuffer, UnstructuredGridPiece};
 
 /// A folder of its own for one test, removed when dropped.
 struct Folder(PathBuf);
@@ -19,23 +22,80 @@ impl Drop for Folder {
     }
 }
 
-fn read(path: &std::path::Path) -> UnstructuredGridPiece {
-    let vtk = Vtk::import(path).unwrap_or_else(|error| panic!("{}: {error:?}", path.display()));
-    let DataSet::UnstructuredGrid { pieces, .. } = vtk.data else { panic!("no unstructured grid") };
-    pieces.into_iter().next().expect("a piece").into_loaded_piece_data(None).expect("data")
+/// The arrays of a file by section and name, by the rules of VTK's XML formats: compressed blocks behind the text, in base64, each array with
+/// a header of its own (number of blocks, bytes of a block, bytes of a last one that is not full or 0, bytes of each when compressed).
+///
+/// Source: docs.vtk.org, VTKXMLFileFormats.
+struct Arrays(HashMap<(String, String), (String, Vec<u8>)>);
+
+impl Arrays {
+    fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).expect("text");
+        let document = roxmltree::Document::parse(&text).expect("XML");
+        let root = document.root_element();
+        let said =
+            ["type", "byte_order", "header_type", "compressor"].map(|name| root.attribute(name).expect("an attribute"));
+        assert_eq!(said, ["UnstructuredGrid", "LittleEndian", "UInt64", "vtkZLibDataCompressor"]);
+        let appended = document.descendants().find(|node| node.has_tag_name("AppendedData")).expect("data");
+        let letters = appended.text().expect("letters").trim().strip_prefix('_').expect("a mark before the data");
+        let mut all = HashMap::new();
+        for array in document.descendants().filter(|node| node.has_tag_name("DataArray")) {
+            let said = |name: &str| array.attribute(name).expect("an attribute").to_string();
+            let section = array.parent().expect("a section").tag_name().name().to_string();
+            let place: usize = said("offset").parse().expect("a number");
+            all.insert((section, said("Name")), (said("type"), unpacked(&letters[place..])));
+        }
+        Arrays(all)
+    }
+    fn of(&self, section: &str, name: &str, kind: &str) -> &[u8] {
+        let found = self.0.get(&(section.to_string(), name.to_string()));
+        let (own, bytes) = found.unwrap_or_else(|| panic!("no \"{name}\" in {section}"));
+        assert_eq!(own, kind, "{name}");
+        bytes
+    }
+    fn numbers(&self, section: &str, name: &str) -> Vec<f64> {
+        words(self.of(section, name, "Float64")).map(f64::from_le_bytes).collect()
+    }
+    fn indices(&self, name: &str) -> Vec<i64> {
+        words(self.of("Cells", name, "Int64")).map(i64::from_le_bytes).collect()
+    }
 }
 
-fn numbers(buffer: &IOBuffer) -> Vec<f64> {
-    buffer.clone().cast_into().expect("numbers")
+fn words(bytes: &[u8]) -> impl Iterator<Item = [u8; 8]> {
+    bytes.chunks(8).map(|word| word.try_into().expect("eight bytes"))
 }
 
-fn named(attributes: &[ReadAttribute], wanted: &str) -> Vec<f64> {
-    let found = attributes.iter().find_map(|attribute| match attribute {
-        ReadAttribute::DataArray(array) if array.name == wanted => Some(numbers(&array.data)),
-        _ => None,
-    });
-    found.unwrap_or_else(|| panic!("no \"{wanted}\""))
+/// The bytes of an array at the start of some letters.
+fn unpacked(letters: &str) -> Vec<u8> {
+    // encoded on its own: as many letters as its bytes take, filled up to four
+    let decoded = |from: usize, bytes: usize| {
+        let own = &letters[from..from + bytes.div_ceil(3) * 4];
+        (STANDARD.decode(own).expect("base64"), from + own.len())
+    };
+    let sizes = |count: usize| {
+        let (bytes, end) = decoded(0, 8 * count);
+        (words(&bytes).map(|word| u64::from_le_bytes(word) as usize).collect::<Vec<_>>(), end)
+    };
+    // three bytes are four letters: the first three numbers can be read alone
+    let blocks = sizes(3).0[0];
+    let (header, start) = sizes(3 + blocks);
+    let (compressed, _) = decoded(start, header[3..].iter().sum());
+    let (mut rest, mut all) = (&compressed[..], Vec::new());
+    for (block, &size) in header[3..].iter().enumerate() {
+        let (own, others) = rest.split_at(size);
+        let before = all.len();
+        ZlibDecoder::new(own).read_to_end(&mut all).expect("a compressed block");
+        let full = block + 1 < blocks || header[2] == 0;
+        assert_eq!(all.len() - before, if full { header[1] } else { header[2] });
+        rest = others;
+    }
+    all
 }
+
+/// VTK's numbers of cells.
+const VERTEX: u8 = 1;
+const POLY_LINE: u8 = 4;
+const BIQUADRATIC_QUAD: u8 = 28;
 
 #[test]
 fn a_mesh_is_read_as_it_was_written() {
@@ -52,16 +112,19 @@ fn a_mesh_is_read_as_it_was_written() {
     series.add(0.25, &mesh).expect("written");
     let pvd = std::fs::read_to_string(series.finish().expect("written")).expect("text");
     assert!(pvd.contains("timestep=\"0.25\" part=\"0\" file=\"fields-000000.vtu\""), "{pvd}");
-    let UnstructuredGridPiece { points: own, cells, data } = read(&folder.0.join("fields-000000.vtu"));
-    assert_eq!(numbers(&own), points.concat());
+    let arrays = Arrays::read(&folder.0.join("fields-000000.vtu"));
+    assert_eq!(arrays.numbers("Points", "points"), points.concat());
+    assert_eq!(arrays.of("Cells", "types", "UInt8"), [BIQUADRATIC_QUAD, POLY_LINE, VERTEX]);
     // corners of the element, middles of its edges, its centre
-    let (types, (connectivity, offsets)) = (cells.types.clone(), cells.cell_verts.into_xml());
-    assert_eq!(types, [CellType::BiquadraticQuad, CellType::PolyLine, CellType::Vertex]);
-    assert_eq!(connectivity, [0, 2, 8, 6, 1, 5, 7, 3, 4, 0, 4, 9, 7]);
-    assert_eq!(offsets, [9, 12, 13]);
-    let Attributes { point, cell } = data;
-    assert_eq!(named(&point, "displacement [m]"), values);
-    assert_eq!(named(&cell, "a < \"b\" & c"), [1.5, -2.0, 1e300]);
+    assert_eq!(arrays.indices("connectivity"), [0, 2, 8, 6, 1, 5, 7, 3, 4, 0, 4, 9, 7]);
+    assert_eq!(arrays.indices("offsets"), [9, 12, 13]);
+    assert_eq!(arrays.numbers("PointData", "displacement [m]"), values);
+    assert_eq!(arrays.numbers("CellData", "a < \"b\" & c"), [1.5, -2.0, 1e300]);
+    // more than one block
+    let many: Vec<[f64; 3]> = (0..100_000).map(|i| [f64::from(i).sin(), f64::from(i), 0.0]).collect();
+    let cloud = UnstructuredMesh { points: many.clone(), ..UnstructuredMesh::default() };
+    cloud.write(&folder.0.join("cloud.vtu")).expect("written");
+    assert_eq!(Arrays::read(&folder.0.join("cloud.vtu")).numbers("Points", "points"), many.concat());
     let short = Attribute { name: "short".into(), components: 3, values: vec![0.0; 4] };
     let error = UnstructuredMesh { point_data: vec![short], ..mesh }.write(&folder.0.join("x.vtu")).expect_err("refused");
     assert!(error.to_string().contains("\"short\" has 4 values for 10 points with 3 components each"), "{error}");
@@ -78,9 +141,9 @@ fn a_run_writes_where_its_shell_stands_and_how_it_is_stressed() {
     let (header, rows) = read_csv(&folder.0.join("histories.csv")).expect("histories");
     let last = rows.last().expect("rows");
     let column = |name: &str| last[header.iter().position(|own| own == name).unwrap_or_else(|| panic!("{name}"))];
-    let UnstructuredGridPiece { points, data, cells } = read(&folder.0.join("fields-000003.vtu"));
+    let arrays = Arrays::read(&folder.0.join("fields-000003.vtu"));
     assert!(!folder.0.join("fields-000004.vtu").exists());
-    let (points, displacements) = (numbers(&points), named(&data.point, "displacement [m]"));
+    let (points, displacements) = (arrays.numbers("Points", "points"), arrays.numbers("PointData", "displacement [m]"));
     // the corner beside the tip
     let corner = points
         .chunks_exact(3)
@@ -90,15 +153,15 @@ fn a_run_writes_where_its_shell_stands_and_how_it_is_stressed() {
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         assert_eq!(points[3 * corner + k], column(&format!("plate, node 10, 0.{axis} [m]")), "{axis}");
     }
-    let rotation = &named(&data.point, "rotation [rad]")[3 * corner..3 * corner + 3];
+    let rotation = &arrays.numbers("PointData", "rotation [rad]")[3 * corner..3 * corner + 3];
     let (real, about_y) = (column("plate, node 10, 0.e0 [-]"), column("plate, node 10, 0.e2 [-]"));
     // it turns about y, downwards
     assert!((rotation[1] - 2.0 * f64::atan2(about_y, real)).abs() < 1e-6 && rotation[1] > 1e-3, "{rotation:?}");
-    let shells = cells.types.iter().filter(|own| **own == CellType::BiquadraticQuad).count();
+    let shells = arrays.of("Cells", "types", "UInt8").iter().filter(|own| **own == BIQUADRATIC_QUAD).count();
     assert_eq!(shells, 5);
-    let thickness = named(&data.cell, "thickness [m]");
+    let thickness = arrays.numbers("CellData", "thickness [m]");
     assert!(thickness[..5].iter().zip([0.01, 0.02, 0.01, 0.01, 0.01]).all(|(own, given)| (own - given).abs() < 1e-15));
-    let stress = named(&data.cell, "von Mises stress [N/m2]");
+    let stress = arrays.numbers("CellData", "von Mises stress [N/m2]");
     // weight bends and pulls it, in kilopascals or megapascals
     assert!(stress[..5].iter().all(|stress| (1e3..1e8).contains(stress)), "{stress:?}");
 }
