@@ -25,7 +25,8 @@ use costate::sensitivity::largest_difference;
 use measures::Reads;
 use quotient::Quotient;
 use rayon::prelude::*;
-use scenes::Case;
+use scenes::{Case, Subject};
+use shell::ShellSubject;
 
 /// Largest difference of the exact gradients, relative to the largest entry of each row.
 const EXACT: f64 = 1e-12;
@@ -88,11 +89,18 @@ fn of_equilibria(case: &Case) -> Option<(Case, Member, ConstraintLevel)> {
 /// Elements of beams have up to ninety parameters, each a complex-step run: all go with two integrators, every sixth with any other, from
 /// another one on for each.
 ///
-/// The longest formulas are those of shells: all their parameters go with the default integrator, every thirtieth with any other.
+/// The longest formulas are those of shells: all their parameters go with the default integrator, every thirtieth with any other; of damped
+/// ones, which add one parameter, every tenth with this one among them.
 fn share_of(case: &Case, index: usize, member: &Member) -> Case {
     if case.is_of_shells() {
-        let few = member.name != DEFAULT_TABLE;
-        return if few { Case { every: [30, index % 30], ..case.clone() } } else { case.clone() };
+        let every = if member.name != DEFAULT_TABLE {
+            [30, index % 30]
+        } else if matches!(case.subject, Subject::Shell(ShellSubject::Damped)) {
+            [10, (case.nominal().0.len() - 1) % 10]
+        } else {
+            [1, 0]
+        };
+        return Case { every, ..case.clone() };
     }
     let all = !case.is_of_beams() || case.nominal().0.len() <= 24 || ALL_OF_BEAMS.contains(&member.name.as_str());
     Case { every: if all { [1, 0] } else { [6, index] }, ..case.clone() }

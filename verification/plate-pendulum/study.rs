@@ -202,8 +202,8 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
     let before = memory_of_now();
     forget_peak();
     let (first, counted) = both(&one)?;
-    let (whole, counters) = both(&all)?;
     let peak = peak_memory();
+    let (whole, counters) = both(&all)?;
     let a_step = |number: f64| number / STEPS as f64;
     report.inform(name("one forward step [s]"), a_step(whole[0] - first[0]));
     report.inform(name("its adjoint and gradient [s]"), a_step(whole[1] - first[1]));
@@ -214,7 +214,7 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
         report.inform(name(&format!("{what} of a step")), a_step((own - first) as f64));
     }
     if let (Some(before), Some(peak)) = (before, peak) {
-        report.inform(name("memory at its peak, simulation and gradient [MB]"), (peak - before) / 1e6);
+        report.inform(name("memory at its peak, simulation of one step and gradient [MB]"), (peak - before) / 1e6);
     }
     Ok(())
 }
