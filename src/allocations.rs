@@ -15,6 +15,12 @@ unsafe impl GlobalAlloc for Counting {
         // SAFETY: the caller's promises are those of `System`.
         unsafe { System.alloc(layout) }
     }
+    // zeros of the system are pages that take no memory before they are written to
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: as above.
+        unsafe { System.alloc_zeroed(layout) }
+    }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         // SAFETY: as above.
         unsafe { System.dealloc(pointer, layout) }
