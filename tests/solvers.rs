@@ -3,7 +3,7 @@
 use costate::linalg::{Backend, SolverPlan};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
-use costate::scenes::built_in::{CarAxis, FiveBar, FlexibleFourBar, SliderCrank};
+use costate::scenes::built_in::{CarAxis, FiveBar, FlexibleFourBar, PlatePendulum, SliderCrank, Thicknesses};
 
 /// Values and gradients of a scene, with the solver that was used.
 fn results(scene: &dyn AnyScene, settings: Settings, backend: Backend) -> (SolverPlan, Vec<Vec<f64>>) {
@@ -30,6 +30,23 @@ fn gradients_are_the_same_whatever_solves_the_systems() {
             let difference = largest_difference(expected, own);
             assert!(difference < 1e-12, "{}: {difference:e}", backend.name());
         }
+    }
+}
+
+/// Stages, projections and accelerations take turns with one solver there.
+#[test]
+fn a_large_system_whose_solver_is_shared_has_an_exact_gradient() {
+    let plate = PlatePendulum { elements: [40, 8], thicknesses: Thicknesses::Strips(2), milliseconds: 2 };
+    let prepared = Prepared::new(&plate).expect("a scene");
+    let fill = prepared.linear_solver().expect("a plan").work.expect("an analysis").fill;
+    assert!(fill > 1_000_000, "{fill} entries of L and U: small systems do not share");
+    let (analysis, x) = (prepared.analysis(), &prepared.x);
+    let forward = analysis.forward(x).expect("a run");
+    let adjoint = analysis.adjoint(x, &forward).expect("a gradient").rows;
+    let complex = analysis.complex_step(x, &forward).expect("a gradient").rows;
+    for (functional, (adjoint, complex)) in prepared.functionals().iter().zip(adjoint.iter().zip(&complex)) {
+        let difference = largest_difference(complex, adjoint);
+        assert!(difference < 1e-10, "{}: {difference:e}", functional.name);
     }
 }
 

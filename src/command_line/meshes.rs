@@ -1,7 +1,7 @@
 //! What a mechanism is made of as meshes for ParaView: shells as surfaces with their stress, beams and bodies as lines, the rest as points.
 
 use costate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
-use costate::scenes::{NodePoint, Prepared, Surface, nodes_of_surfaces};
+use costate::scenes::{Drawn, NodePoint, Prepared, Surface};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -39,12 +39,8 @@ impl<'p> Meshes<'p> {
             let nodes = surface.nodes.each_ref().map(|node| place(&mut points, &mut known, node));
             cells.push(MeshCell::BiquadraticQuad(nodes));
         }
-        let on_surfaces = nodes_of_surfaces(&surfaces);
-        for (_, line) in &sketch.lines {
-            // edges of shells are seen on their surfaces
-            if line.iter().all(|point| on_surfaces.contains(&point.identity())) {
-                continue;
-            }
+        // edges of shells are seen on their surfaces
+        for (_, line) in sketch.lines.iter().filter(|(drawn, _)| *drawn != Drawn::Shell) {
             cells.push(MeshCell::PolyLine(line.iter().map(|point| place(&mut points, &mut known, point)).collect()));
         }
         for (_, followed) in &sketch.followed {

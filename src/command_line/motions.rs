@@ -4,7 +4,7 @@ use super::results::{Snapshot, thinned};
 use costate::elements::flexible::biquadratic::GAUSS_POINTS;
 use costate::integrators::Mode;
 use costate::io::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
-use costate::scenes::{Drawn, NodePoint, Prepared, nodes_of_surfaces};
+use costate::scenes::{Drawn, NodePoint, Prepared};
 use std::f64::consts::PI;
 
 /// Moments of a drawn mode, in half a period.
@@ -37,7 +37,7 @@ pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<Motio
         measured: Vec::new(),
     };
     let points = |size: f64| -> Option<Vec<[f64; 3]>> {
-        let picture = motion(prepared, &[moved(0.0, size)])?;
+        let picture = lapse(prepared, &[moved(0.0, size)], None)?;
         let lines = picture.frames.into_iter().flat_map(|frame| frame.lines).flat_map(|line| line.points);
         Some(lines.chain(picture.trails.into_iter().flat_map(|trail| trail.points)).chain(picture.anchors).collect())
     };
@@ -55,31 +55,44 @@ pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<Motio
     }
     let angle = |k: usize| PI * k as f64 / (MODE_MOMENTS - 1) as f64;
     let moments: Vec<Snapshot> = (0..MODE_MOMENTS).map(|k| moved(angle(k), size)).collect();
-    motion(prepared, &moments)
+    lapse(prepared, &moments, None)
 }
 
-/// Where points are at a moment \[m\].
-fn at(points: &[NodePoint], moment: &Snapshot) -> Vec<[f64; 3]> {
-    points.iter().map(|point| point.at(&moment.q)).collect()
-}
-
-/// The time lapse; `None` if nothing of the scene has a place in space.
+/// The time lapse, its last pose with shells as surfaces; `None` if nothing of the scene has a place in space.
 pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
+    lapse(prepared, moments, moments.last().and_then(|last| surface(prepared, last)))
+}
+
+/// The shells at a moment, coloured by their stress where that is known; `None` where there are none.
+fn surface(prepared: &Prepared, moment: &Snapshot) -> Option<ColouredSurface> {
+    let (q, p) = (&moment.q, &prepared.mechanism.numbers.p);
+    let surfaces = prepared.mechanism.surfaces();
+    let facets = surfaces.iter().flat_map(|surface| {
+        let values = surface.stresses(q, p).unwrap_or([f64::NAN; GAUSS_POINTS]);
+        surface.pieces(q).into_iter().zip(values).map(|((corners, outlined), value)| Facet { corners, outlined, value })
+    });
+    let quantity = "von Mises stress [N/m2]".into();
+    (!surfaces.is_empty()).then(|| ColouredSurface { quantity, facets: facets.collect() })
+}
+
+/// Poses at some moments; with a surface for the last one it stands in place of the lines of shells.
+fn lapse(prepared: &Prepared, moments: &[Snapshot], surface: Option<ColouredSurface>) -> Option<MotionPicture> {
     let sketch = prepared.mechanism.sketch();
     if sketch.lines.is_empty() && sketch.followed.is_empty() {
         return None;
     }
-    let bodies = sketch.lines.iter().any(|line| line.0 == Drawn::Body);
+    let bodies = sketch.lines.iter().any(|line| line.0 != Drawn::Link);
     let line = |(drawn, points): &(Drawn, Vec<NodePoint>), moment: &Snapshot| Polyline {
-        points: at(points, moment),
+        points: points.iter().map(|point| point.at(&moment.q)).collect(),
         role: usize::from(bodies && *drawn == Drawn::Link),
     };
     let frame = |(index, moment): (usize, &Snapshot)| {
+        let is_last = index + 1 == moments.len();
         // springs and dampers of earlier times would hide the bodies
-        let links = !bodies || index + 1 == moments.len();
-        let of = |kind: Drawn| sketch.lines.iter().filter(move |line| line.0 == kind).map(|own| line(own, moment));
-        let links = of(Drawn::Link).filter(|_| links);
-        Frame { time: moment.t, lines: links.chain(of(Drawn::Body)).collect() }
+        let links = sketch.lines.iter().filter(|(drawn, _)| *drawn == Drawn::Link && (!bodies || is_last));
+        let covered = is_last && surface.is_some();
+        let others = sketch.lines.iter().filter(|(drawn, _)| *drawn == Drawn::Body || (*drawn == Drawn::Shell && !covered));
+        Frame { time: moment.t, lines: links.chain(others).map(|own| line(own, moment)).collect() }
     };
     let trail = |(name, point): &(String, NodePoint)| Trail {
         name: name.clone(),
@@ -88,32 +101,8 @@ pub fn motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture
     let frames: Vec<Frame> = thinned(moments).map(frame).collect();
     let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
     let title = prepared.scene.scene_name();
-    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, ..MotionPicture::default() };
+    let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, surface, view: View::Isometric };
     motion.view = view(&motion);
-    Some(motion)
-}
-
-/// The time lapse, its last pose with shells as surfaces that are coloured by their stress where that is known.
-pub fn coloured_motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<MotionPicture> {
-    let mut motion = motion(prepared, moments)?;
-    let surfaces = prepared.mechanism.surfaces();
-    let (Some(frame), Some(moment)) = (motion.frames.last_mut(), moments.last()) else { return Some(motion) };
-    if surfaces.is_empty() {
-        return Some(motion);
-    }
-    // the lines of shells are seen as edges of their surfaces
-    let on_surfaces = nodes_of_surfaces(&surfaces);
-    let is_own = |line: &[NodePoint]| line.iter().all(|point| on_surfaces.contains(&point.identity()));
-    let sketch = prepared.mechanism.sketch();
-    let own: Vec<Vec<[f64; 3]>> =
-        sketch.lines.iter().filter(|(_, line)| is_own(line)).map(|(_, line)| at(line, moment)).collect();
-    frame.lines.retain(|line| !own.contains(&line.points));
-    let (q, p) = (&moment.q, &prepared.mechanism.numbers.p);
-    let facets = surfaces.iter().flat_map(|surface| {
-        let values = surface.stresses(q, p).unwrap_or([f64::NAN; GAUSS_POINTS]);
-        surface.pieces(q).into_iter().zip(values).map(|((corners, outlined), value)| Facet { corners, outlined, value })
-    });
-    motion.surface = Some(ColouredSurface { quantity: "von Mises stress [N/m2]".into(), facets: facets.collect() });
     Some(motion)
 }
 
@@ -121,7 +110,8 @@ pub fn coloured_motion(prepared: &Prepared, moments: &[Snapshot]) -> Option<Moti
 fn view(motion: &MotionPicture) -> View {
     let lines = motion.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
     let trails = motion.trails.iter().flat_map(|trail| &trail.points);
-    let points: Vec<&[f64; 3]> = lines.chain(trails).chain(&motion.anchors).collect();
+    let corners = motion.surface.iter().flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);
+    let points: Vec<&[f64; 3]> = lines.chain(trails).chain(&motion.anchors).chain(corners).collect();
     let extents = [0, 1, 2].map(|index| extent(points.iter().map(|point| point[index])));
     let largest = extents.iter().fold(0.0, |most: f64, &x| most.max(x));
     match extents.map(|extent| extent <= FLAT * largest) {

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::meshes::Meshes;
-use super::motions::{coloured_motion, extent};
+use super::motions::{extent, motion};
 use costate::assembly::{Model, Node, NodeId, VectorsAvq};
 use costate::elements::NodeKind;
 use costate::functionals::{Functional, Measured, Sample};
@@ -244,7 +244,7 @@ impl<'p> Results<'p> {
             keep(write_panels(&charts, &folder.join("histories")).map_err(Failure::from), &picture("histories"));
         }
         progress.set(2);
-        if let Some(motion) = coloured_motion(self.prepared, &self.moments) {
+        if let Some(motion) = motion(self.prepared, &self.moments) {
             keep(motion.write(&folder.join("motion")).map_err(Failure::from), &picture("motion"));
         }
         (files, unwritten)
@@ -486,7 +486,7 @@ mod tests {
             let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
             let prepared = Prepared::new(&scene).unwrap();
             let results = ran(&prepared, &folder);
-            assert_eq!(coloured_motion(&prepared, &results.moments).unwrap().view, expected, "{velocity:?}");
+            assert_eq!(motion(&prepared, &results.moments).unwrap().view, expected, "{velocity:?}");
         }
     }
 

@@ -23,10 +23,13 @@ use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
 use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::Drawn;
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
+    /// What the line stands for.
+    pub drawn: Drawn,
     /// Corners: nodes, and places in their frames \[m\].
     pub points: Vec<(NodeId, [f64; 3])>,
 }
@@ -468,7 +471,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let corner = |&point: &Vector3<S>| (node, self.local_point(node, point).components().map(Scalar::value));
         let points = points.iter().map(corner).collect();
-        self.drawings.push(Drawing { points });
+        self.drawings.push(Drawing { drawn: Drawn::Body, points });
     }
 
     /// Adds the weights and checks what was collected.

@@ -20,5 +20,5 @@ pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};
 pub use statics::Equilibrium;
-pub use surfaces::{Surface, nodes_of_surfaces};
+pub use surfaces::Surface;
 pub use violation::Violation;

@@ -43,8 +43,10 @@ impl NodePoint {
 /// What a line of a picture stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drawn {
-    /// A line that the scene drew with a body or the ground.
+    /// A line that the scene drew with a body or the ground, a beam or a cable.
     Body,
+    /// A line between the elements of a shell, which its surface shows as well.
+    Shell,
     /// A part between two points: spring, damper, link.
     Link,
 }
@@ -69,7 +71,7 @@ impl MechanismBuilder<f64> {
             let points: Vec<_> = drawing.points.iter().filter_map(|&(node, point)| self.node_point(node, point)).collect();
             match &points[..] {
                 [only] if only.fixed => sketch.add_anchor(only.at(&self.numbers.q)),
-                [_, _, ..] => sketch.lines.push((Drawn::Body, points)),
+                [_, _, ..] => sketch.lines.push((drawing.drawn, points)),
                 _ => {}
             }
         }
@@ -162,7 +164,7 @@ impl Sketch {
 mod tests {
     use super::*;
     use crate::scenes::AnyScene;
-    use crate::scenes::built_in::{FiveBar, Pendulum};
+    use crate::scenes::built_in::{FiveBar, Pendulum, PlatePendulum};
 
     fn mechanism(scene: &dyn AnyScene) -> MechanismBuilder<f64> {
         let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
@@ -180,6 +182,17 @@ mod tests {
         assert_eq!(name, "point of psi");
         let tip = point.at(&five_bar.numbers.q);
         assert!(tip.iter().zip([0.0, 2.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-15), "{tip:?}");
+    }
+
+    #[test]
+    fn lines_of_shells_are_told_from_others_on_the_same_nodes() {
+        let mut plate = mechanism(&PlatePendulum::default());
+        let edge: Vec<NodeId> = plate.shells[0].edge(crate::scenes::Edge::FirstEnd);
+        let points = edge.into_iter().map(|node| (node, [0.0; 3])).collect();
+        plate.drawings.push(crate::scenes::Drawing { drawn: Drawn::Body, points });
+        let kinds: Vec<Drawn> = plate.sketch().lines.into_iter().map(|(drawn, _)| drawn).collect();
+        // five elements along and one across
+        assert_eq!(kinds, [vec![Drawn::Shell; 8], vec![Drawn::Body]].concat());
     }
 
     #[test]

@@ -4,7 +4,6 @@ use crate::elements::Flexible;
 use crate::elements::flexible::biquadratic::{GAUSS_POINTS, NODES, weights};
 use crate::elements::flexible::shape::THREE;
 use crate::elements::flexible::{POISSON, SECTION, ShellField, ShellSection, YOUNG};
-use std::collections::HashSet;
 use std::ops::Range;
 
 /// An element of a shell with what is shown of it at any coordinates.
@@ -33,6 +32,11 @@ impl MechanismBuilder<f64> {
     }
 }
 
+/// The larger one, or what is not a number: a stress that is none is not hidden behind others.
+fn larger(a: f64, b: f64) -> f64 {
+    if b <= a { a } else { b }
+}
+
 impl Surface {
     /// Mean thickness of an isotropic shell \[m\], from the parameters of the whole mechanism.
     pub fn thickness(&self, p: &[f64]) -> Option<f64> {
@@ -43,7 +47,7 @@ impl Surface {
 
     /// Largest von Mises stress [N/m2] of an isotropic shell at its Gauss points, on the lower and the upper surface.
     pub fn stress(&self, q: &[f64], p: &[f64]) -> Option<f64> {
-        Some(self.stresses(q, p)?.into_iter().fold(0.0, f64::max))
+        Some(self.stresses(q, p)?.into_iter().fold(0.0, larger))
     }
 
     /// The same at each Gauss point, r first.
@@ -54,7 +58,7 @@ impl Surface {
         let (shell, p) = (Flexible(self.field), &p[self.parameters.clone()]);
         let own: Vec<f64> = self.nodes.iter().flat_map(|node| node.coordinates(q).to_vec()).collect();
         let at_points = shell.points(&own, p);
-        Some(at_points.map(|point| point.von_mises(p[YOUNG], p[POISSON]).into_iter().fold(0.0, f64::max)))
+        Some(at_points.map(|point| point.von_mises(p[YOUNG], p[POISSON]).into_iter().fold(0.0, larger)))
     }
 
     /// The piece of the reference surface around each Gauss point: its corners \[m\], and whether it ends at the edge of the element from each
@@ -72,9 +76,4 @@ impl Surface {
             (corners, [j == 0, i == 2, j == 2, i == 0])
         })
     }
-}
-
-/// The nodes of surfaces, by their identities: a line through such nodes alone is seen on the surfaces.
-pub fn nodes_of_surfaces(surfaces: &[Surface]) -> HashSet<(usize, [u64; 3])> {
-    surfaces.iter().flat_map(|surface| &surface.nodes).map(NodePoint::identity).collect()
 }

@@ -30,9 +30,10 @@ impl<'m> StepSolvers<'m> {
     pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
         let plan = stage.plan();
-        let are_apart = plan.unknowns >= APART && plan.work.is_some_and(|work| work.fill <= APART_FILL);
+        let is_large = plan.work.is_some_and(|work| work.fill > APART_FILL);
+        let are_apart = plan.unknowns >= APART && !is_large;
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
-            true if plan.work.is_some_and(|work| work.fill > APART_FILL) => None,
+            true if is_large => None,
             true => Some(stage.another()?),
             false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?),
         };
@@ -80,7 +81,7 @@ impl<'m> StepSolvers<'m> {
         needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
     }
 
-    /// Gives the memory of the stages back, behind the first step.
+    /// Gives the memory of the stages back, behind the first step, unless the accelerations of the start need it.
     pub fn end_steps(&mut self, counters: &mut Counters) {
         self.forget(counters);
         if self.plain.is_some() {

@@ -89,7 +89,7 @@ impl ShellSubject {
         // the inertia against drilling is tiny and the nodes start drilled: as soft as this, steps resolve it
         let first = m.model.elements.last().map(|element| element.parameters.start);
         if let Some(first) = first {
-            m.numbers.p[first + shell.drilling()] = S::from(1e-3);
+            m.numbers.p[first + shell.field().drilling()] = S::from(1e-3);
         }
         if let ShellSubject::Pressure(frame, size) = self {
             m.pressure("pressure", &shell, *frame, size.clone(), function);

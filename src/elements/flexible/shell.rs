@@ -129,8 +129,7 @@ impl<S: Scalar> ShellPoint<S> {
     ///
     /// s^2 = s_11^2 - s_11 s_22 + s_22^2 + 3 s_12^2,   (s_11, s_22, s_12) = C (E -+ h/2 K).
     pub fn von_mises(&self, young: S, poisson: S) -> [S; 2] {
-        let plane = young / (-(poisson * poisson) + 1.0);
-        let shear = young / ((poisson + 1.0) * 2.0);
+        let [plane, shear] = plane_stress(young, poisson);
         let half = self.thickness * 0.5;
         [-half, half].map(|z| {
             let [along, across, between] = self.strain_at(z);
@@ -139,6 +138,11 @@ impl<S: Scalar> ShellPoint<S> {
             (first * first - first * second + second * second + mixed * mixed * 3.0).sqrt()
         })
     }
+}
+
+/// E / (1 - nu^2) and the shear modulus.
+fn plane_stress<S: Scalar>(young: S, poisson: S) -> [S; 2] {
+    [young / (-(poisson * poisson) + 1.0), young / ((poisson + 1.0) * 2.0)]
 }
 
 /// Stiffness and inertia of a section for each area.
@@ -360,8 +364,7 @@ impl ShellField {
         let thickness = thickness(p, weights);
         let (young, poisson, density) = (p[YOUNG], p[POISSON], p[POISSON + 1]);
         let second = thickness * thickness * thickness / 12.0;
-        let plane = young / (-(poisson * poisson) + 1.0);
-        let shear = young / ((poisson + 1.0) * 2.0);
+        let [plane, shear] = plane_stress(young, poisson);
         let of_plane_stress =
             |factor: S| [plane * factor, plane * poisson * factor, zero, plane * factor, zero, shear * factor];
         let transverse = shear * thickness * SHEAR_FACTOR;

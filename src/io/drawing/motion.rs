@@ -287,7 +287,8 @@ impl MotionPicture {
     }
 
     fn head_height(&self) -> f64 {
-        let rows = [self.named_trails().next().is_some(), self.surface.is_some()];
+        let has_key = self.surface.as_ref().is_some_and(|surface| surface.range().is_some());
+        let rows = [self.named_trails().next().is_some(), has_key];
         46.0 + 20.0 * rows.into_iter().filter(|&row| row).count() as f64
     }
 

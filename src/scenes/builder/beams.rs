@@ -12,6 +12,7 @@ use crate::elements::{Flexible, NodeKind, TimeFunction};
 use crate::functionals::Over;
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::Drawn;
 
 /// The reference line of a beam at t = 0, in the world, by the places of its nodes: both ends and one in the middle of each element.
 #[derive(Clone, Debug)]
@@ -202,7 +203,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.heavy_beams.push((own, nodes, inertia, field.eccentric));
         }
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
-        self.drawings.push(Drawing { points });
+        self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member
     }
 

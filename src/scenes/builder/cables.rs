@@ -10,6 +10,7 @@ use crate::elements::{Flexible, NodeKind};
 use crate::functionals::Over;
 use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scenes::Drawn;
 
 /// A straight cable at t = 0, in the world, as long as in its reference.
 #[derive(Clone, Copy, Debug)]
@@ -156,7 +157,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             });
         }
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
-        self.drawings.push(Drawing { points });
+        self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member
     }
 

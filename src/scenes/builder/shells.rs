@@ -11,6 +11,7 @@ use crate::elements::forces::LoadFrame;
 use crate::elements::{Flexible, NodeKind, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::Drawn;
 
 /// Stiffness against turning about the director, as a share of that against shear in the surface.
 pub const DRILLING: f64 = 0.1;
@@ -47,10 +48,6 @@ impl ShellMember {
     /// What its elements are.
     pub fn field(&self) -> ShellField {
         self.field
-    }
-    /// Place of the drilling factor among the parameters of each element.
-    pub fn drilling(&self) -> usize {
-        self.field.drilling()
     }
     /// Places (i, j) of the nodes of an element.
     fn places_of(&self, element: usize) -> [[usize; 2]; NODES] {
@@ -228,7 +225,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let lines = (0..=second).step_by(2).map(|j| (0..=first).map(|i| member.node(i, j)).collect::<Vec<_>>());
         let across = (0..=first).step_by(2).map(|i| (0..=second).map(|j| member.node(i, j)).collect::<Vec<_>>());
         for line in lines.chain(across) {
-            self.drawings.push(Drawing { points: line.into_iter().map(|node| (node, [0.0; 3])).collect() });
+            let points = line.into_iter().map(|node| (node, [0.0; 3])).collect();
+            self.drawings.push(Drawing { drawn: Drawn::Shell, points });
         }
     }
 
