@@ -77,8 +77,13 @@ pub struct Factorization {
     diagonal: Vec<Option<usize>>,
     /// Unknowns without a diagonal entry to be scaled by, as multipliers.
     weak: Vec<usize>,
-    /// Places and columns of the entries in their rows.
+    /// Places and columns of the entries in their rows, and where those of each begin.
     weak_entries: Vec<(usize, usize)>,
+    weak_starts: Vec<usize>,
+    /// Whether some of them are tied to each other.
+    is_mixed: bool,
+    /// Whether unknowns that multipliers tie to far stiffer ones count as weak.
+    is_careful: bool,
     /// Right-hand sides of a transposed solution, and corrections of it.
     given: Vec<f64>,
     correction: Vec<f64>,
@@ -127,6 +132,9 @@ impl Factorization {
             diagonal: (0..n).map(|i| pattern.position(i, i)).collect(),
             weak: Vec::new(),
             weak_entries: Vec::new(),
+            weak_starts: vec![0],
+            is_mixed: false,
+            is_careful: false,
             pattern,
             given: Vec::new(),
             correction: Vec::new(),
@@ -155,10 +163,21 @@ impl Factorization {
     }
 
     fn factor_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
-        self.set_scales(values);
-        self.set_scaled(values);
         self.reusable.clear();
         self.refinements = 1;
+        let factored = self.factor_scaled(values);
+        if factored.is_ok() || self.is_careful {
+            return factored;
+        }
+        self.is_careful = true;
+        let again = self.factor_scaled(values);
+        self.is_careful = again.is_ok();
+        again.or(factored)
+    }
+
+    fn factor_scaled(&mut self, values: &[f64]) -> Result<(), Singular> {
+        self.set_scales(values);
+        self.set_scaled(values);
         self.solver.factor(&self.scaled)?;
         if !self.checked {
             self.examine()?;
@@ -308,36 +327,105 @@ impl Factorization {
         if !same || weak != self.weak.len() {
             self.find_weak();
         }
+        if self.is_careful && self.release(values) {
+            self.find_weak();
+        }
+        if self.is_mixed {
+            self.scale_mixed(values);
+            return;
+        }
         // rows of multipliers against the scaled unknowns of nodes, then their columns
-        for &(place, column) in &self.weak_entries {
-            let scale = if self.column_scale[column] > 0.0 { self.column_scale[column] } else { 1.0 };
-            let largest = &mut self.row_scale[self.pattern.rows[place]];
-            *largest = largest.max(values[place].abs() * scale);
+        for number in 0..self.weak.len() {
+            self.row_scale[self.weak[number]] = inverse_power(self.row_size(number, values));
         }
-        for &row in &self.weak {
-            self.row_scale[row] = inverse_power(self.row_scale[row]);
+        for &unknown in &self.weak {
+            self.column_scale[unknown] = inverse_power(self.column_size(unknown, values));
         }
-        for &column in &self.weak {
-            let scaled = |place: usize| values[place].abs() * self.row_scale[self.pattern.rows[place]];
-            self.column_scale[column] = inverse_power(self.entries(column).map(scaled).fold(0.0, f64::max));
+    }
+
+    /// Largest entry of a row of a weak unknown in the columns scaled by now.
+    fn row_size(&self, number: usize, values: &[f64]) -> f64 {
+        let own = &self.weak_entries[self.weak_starts[number]..self.weak_starts[number + 1]];
+        own.iter().map(|&(place, column)| values[place].abs() * self.column_scale[column]).fold(0.0, f64::max)
+    }
+
+    /// Largest entry of a column in the rows scaled by now.
+    fn column_size(&self, column: usize, values: &[f64]) -> f64 {
+        let scaled = |place: usize| values[place].abs() * self.row_scale[self.pattern.rows[place]];
+        self.entries(column).map(scaled).fold(0.0, f64::max)
+    }
+
+    /// Scales weak unknowns that are tied to each other, as multipliers to a body that nothing else holds: those first that are tied most to
+    /// scaled ones, each against all that are scaled by then. By its unscaled entries such a body would hide those of the soft or light
+    /// neighbours of its links.
+    fn scale_mixed(&mut self, values: &[f64]) {
+        let strength = |number: usize| self.row_size(number, values) * self.column_size(self.weak[number], values);
+        let mut order: Vec<(f64, usize)> = (0..self.weak.len()).map(|number| (strength(number), number)).collect();
+        order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let mut left = usize::MAX;
+        while order.len() < left {
+            left = order.len();
+            order.retain(|&(_, number)| {
+                let unknown = self.weak[number];
+                let (row, column) = (self.row_size(number, values), self.column_size(unknown, values));
+                let is_tied = row > 0.0 && column > 0.0;
+                if is_tied {
+                    let (row, column) = (inverse_power(row), inverse_power(column));
+                    let own = self.diagonal[unknown].map_or(0.0, |place| values[place].abs() * row * column);
+                    // what is left of a diagonal does not outgrow the rest
+                    let shrunk = if own > 1.0 { inverse_power(own.sqrt()) } else { 1.0 };
+                    (self.row_scale[unknown], self.column_scale[unknown]) = (row * shrunk, column * shrunk);
+                }
+                !is_tied
+            });
         }
+        for (_, number) in order {
+            (self.row_scale[self.weak[number]], self.column_scale[self.weak[number]]) = (1.0, 1.0);
+        }
+    }
+
+    /// Takes their scales from unknowns whose diagonal is nothing beside that of others in the equation of a multiplier: of a body without
+    /// stiffness it is what its reactions turn it by, and pivots of that size would take the digits of all its links.
+    fn release(&mut self, values: &[f64]) -> bool {
+        let mut released = false;
+        for rows in self.weak_starts.windows(2) {
+            let own = &self.weak_entries[rows[0]..rows[1]];
+            let largest = own.iter().fold(0.0, |most: f64, &(place, _)| most.max(values[place].abs()));
+            let is_large = |&&(place, _): &&(usize, usize)| values[place].abs() > SMALL_DIAGONAL * largest;
+            let sizes = own.iter().filter(is_large).map(|&(place, column)| values[place].abs() * self.column_scale[column]);
+            let stiffest = sizes.filter(|&size| size > 0.0).fold(f64::INFINITY, f64::min);
+            for &(place, column) in own {
+                if values[place].abs() * self.column_scale[column] * SOFT > stiffest {
+                    (self.row_scale[column], self.column_scale[column]) = (0.0, 0.0);
+                    released = true;
+                }
+            }
+        }
+        released
     }
 
     /// Lists the unknowns whose scale is still zero, and the entries in their rows.
     fn find_weak(&mut self) {
         self.weak.clear();
         self.weak.extend((0..self.pattern.size).filter(|&unknown| self.column_scale[unknown] == 0.0));
-        self.weak_entries.clear();
+        let mut entries: Vec<(usize, usize, usize)> = Vec::new();
         for column in 0..self.pattern.size {
-            let own = self.pattern.column_starts[column]..self.pattern.column_starts[column + 1];
-            let in_weak_row = |place: &usize| self.column_scale[self.pattern.rows[*place]] == 0.0;
-            self.weak_entries.extend(own.filter(in_weak_row).map(|place| (place, column)));
+            let own = self.entries(column).map(|place| (self.pattern.rows[place], place, column));
+            entries.extend(own.filter(|&(row, ..)| self.column_scale[row] == 0.0));
         }
+        entries.sort_unstable();
+        self.weak_entries = entries.iter().map(|&(_, place, column)| (place, column)).collect();
+        let start = |&row: &usize| entries.partition_point(|entry| entry.0 < row);
+        self.weak_starts = self.weak.iter().map(start).chain([entries.len()]).collect();
+        self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.column_scale[column] == 0.0);
     }
 }
 
 /// Smallest diagonal entry, as a share of its column, by which an unknown is scaled: rows and columns of our matrices have like sizes.
 const SMALL_DIAGONAL: f64 = 1e-10;
+
+/// Scaled entry of a stiff unknown in the equation of a multiplier, as a share of that of one to be called soft.
+const SOFT: f64 = 1e-5;
 
 /// The inverse of the power of two near a normal number, by its exponent; 1 for zero.
 fn inverse_power(size: f64) -> f64 {
