@@ -143,9 +143,9 @@ mod tests {
                 continue;
             }
             let condition = 1.0 / Reference::new(&pattern, &values).distance_from_singular();
-            // more than one block of them
-            let b = noise.vector(pattern.size * 37);
-            for side in [Side::Plain, Side::Transposed] {
+            // a few, as many as a gradient of some functionals takes, and more than one block of them
+            for (side, count) in [(Side::Plain, 3), (Side::Transposed, 3), (Side::Plain, 37), (Side::Transposed, 37)] {
+                let b = noise.vector(pattern.size * count);
                 let (mut together, mut apart) = (b.clone(), b.clone());
                 match side {
                     Side::Plain => lu.solve(&mut together),
@@ -157,8 +157,8 @@ mod tests {
                         Side::Transposed => lu.solve_transposed(column),
                     }
                 }
-                let error = difference(&together, &apart);
-                assert!(error < 1e-13 * condition, "case {case}, {side:?}: {error:e}, condition {condition:e}");
+                let (error, allowed) = (difference(&together, &apart), if count == 3 { 0.0 } else { 1e-13 * condition });
+                assert!(error <= allowed, "case {case}, {side:?}, {count}: {error:e}, condition {condition:e}");
             }
         }
     }

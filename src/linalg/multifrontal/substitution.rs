@@ -21,6 +21,9 @@ pub enum Side {
 
 /// Right-hand sides that are solved at once.
 pub const BLOCK: usize = 32;
+/// Right-hand sides that go through a front one after the other, while it is near: each has the bits that it has alone. More of them are worth
+/// products of matrices.
+const FEW: usize = 4;
 
 /// Vectors in the order of elimination: residuals that turn into intermediate results, and solutions.
 #[derive(Default)]
@@ -63,8 +66,8 @@ impl Substitution {
     /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows).
     pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { residual, solution, front } = self;
-        if residual.len() == symbolic.size {
-            return dispatch(ForwardOne { symbolic, factors, side, fronts, residual, solution, front });
+        if residual.len() <= FEW * symbolic.size {
+            return dispatch(ForwardFew { symbolic, factors, side, fronts, residual, solution, front });
         }
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
@@ -102,8 +105,8 @@ impl Substitution {
     /// U x = y, or L^T x = y, in place of y.
     pub fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { solution, front, .. } = self;
-        if solution.len() == symbolic.size {
-            return dispatch(BackwardOne { symbolic, factors, side, fronts, solution, front });
+        if solution.len() <= FEW * symbolic.size {
+            return dispatch(BackwardFew { symbolic, factors, side, fronts, solution, front });
         }
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
@@ -189,7 +192,7 @@ impl<'l> Lists<'l> {
     }
 }
 
-struct ForwardOne<'j> {
+struct ForwardFew<'j> {
     symbolic: &'j Symbolic,
     factors: &'j Factors,
     side: Side,
@@ -199,40 +202,47 @@ struct ForwardOne<'j> {
     front: &'j mut Vec<f64>,
 }
 
-impl Kernel for ForwardOne<'_> {
+impl Kernel for ForwardFew<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let ForwardOne { symbolic, factors, side, fronts, residual, solution, front } = self;
+        let ForwardFew { symbolic, factors, side, fronts, residual, solution, front } = self;
+        let size = symbolic.size.max(1);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
-            lists.gather(residual, symbolic.size, front);
-            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-            match side {
-                Side::Plain => lower_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front),
-                Side::Transposed => {
-                    let (own, rest) = front.split_at_mut(eliminated);
-                    for pivot in 0..eliminated {
-                        let column = lower.column(pivot);
-                        own[pivot] = (own[pivot] - dot::<FUSED>(&column[..pivot], &own[..pivot])) / column[pivot];
-                    }
-                    let (delayed, others) = rest.split_at_mut(rows.len() - eliminated);
-                    for (index, value) in delayed.iter_mut().enumerate() {
-                        *value -= dot::<FUSED>(&lower.column(eliminated + index)[..eliminated], own);
-                    }
-                    for (index, value) in others.iter_mut().enumerate() {
-                        *value -= dot::<FUSED>(&upper.column(index)[..eliminated], own);
-                    }
-                }
+            for (residual, solution) in residual.chunks_exact_mut(size).zip(solution.chunks_exact_mut(size)) {
+                lists.gather(residual, size, front);
+                forward_one::<FUSED>(&lists, side, front);
+                let (own, rest) = front.split_at(lists.factors.eliminated);
+                lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
+                lists.scatter_rest(rest, residual);
             }
-            let (own, rest) = front.split_at(eliminated);
-            lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
-            lists.scatter_rest(rest, residual);
         }
     }
 }
 
-struct BackwardOne<'j> {
+/// L y = b, or U^T y = b, in a front.
+#[inline(always)]
+fn forward_one<const FUSED: bool>(lists: &Lists, side: Side, front: &mut [f64]) {
+    let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+    if side == Side::Plain {
+        return lower_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
+    }
+    let (own, rest) = front.split_at_mut(eliminated);
+    for pivot in 0..eliminated {
+        let column = lower.column(pivot);
+        own[pivot] = (own[pivot] - dot::<FUSED>(&column[..pivot], &own[..pivot])) / column[pivot];
+    }
+    let (delayed, others) = rest.split_at_mut(rows.len() - eliminated);
+    for (index, value) in delayed.iter_mut().enumerate() {
+        *value -= dot::<FUSED>(&lower.column(eliminated + index)[..eliminated], own);
+    }
+    for (index, value) in others.iter_mut().enumerate() {
+        *value -= dot::<FUSED>(&upper.column(index)[..eliminated], own);
+    }
+}
+
+struct BackwardFew<'j> {
     symbolic: &'j Symbolic,
     factors: &'j Factors,
     side: Side,
@@ -241,40 +251,46 @@ struct BackwardOne<'j> {
     front: &'j mut Vec<f64>,
 }
 
-impl Kernel for BackwardOne<'_> {
+impl Kernel for BackwardFew<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let BackwardOne { symbolic, factors, side, fronts, solution, front } = self;
+        let BackwardFew { symbolic, factors, side, fronts, solution, front } = self;
+        let size = symbolic.size.max(1);
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
-            lists.gather(solution, symbolic.size, front);
-            let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-            match side {
-                Side::Plain => {
-                    let (own, rest) = front.split_at_mut(eliminated);
-                    let (delayed, others) = rest.split_at(rows.len() - eliminated);
-                    if eliminated > 0 && !delayed.is_empty() {
-                        let beside = &lower.entries()[eliminated * lower.rows()..];
-                        subtract_columns::<FUSED>(beside, lower.rows(), delayed, own);
-                    }
-                    if eliminated > 0 && !others.is_empty() {
-                        subtract_columns::<FUSED>(upper.entries(), upper.rows(), others, own);
-                    }
-                    upper_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
-                }
-                Side::Transposed => {
-                    let (own, rest) = front.split_at_mut(eliminated);
-                    for pivot in (0..eliminated).rev() {
-                        let column = lower.column(pivot);
-                        let later = dot::<FUSED>(&column[pivot + 1..eliminated], &own[pivot + 1..]);
-                        own[pivot] -= later + dot::<FUSED>(&column[eliminated..], rest);
-                    }
-                }
+            for solution in solution.chunks_exact_mut(size) {
+                lists.gather(solution, size, front);
+                backward_one::<FUSED>(&lists, side, front);
+                let own = lists.own.iter().zip(&front[..lists.factors.eliminated]);
+                own.for_each(|(&place, value)| solution[place as usize] = *value);
             }
-            lists.own.iter().zip(&front[..eliminated]).for_each(|(&place, value)| solution[place as usize] = *value);
         }
     }
+}
+
+/// U x = y, or L^T x = y, in a front.
+#[inline(always)]
+fn backward_one<const FUSED: bool>(lists: &Lists, side: Side, front: &mut [f64]) {
+    let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
+    let (own, rest) = front.split_at_mut(eliminated);
+    if side == Side::Transposed {
+        for pivot in (0..eliminated).rev() {
+            let column = lower.column(pivot);
+            let later = dot::<FUSED>(&column[pivot + 1..eliminated], &own[pivot + 1..]);
+            own[pivot] -= later + dot::<FUSED>(&column[eliminated..], rest);
+        }
+        return;
+    }
+    let (delayed, others) = rest.split_at(rows.len() - eliminated);
+    if eliminated > 0 && !delayed.is_empty() {
+        let beside = &lower.entries()[eliminated * lower.rows()..];
+        subtract_columns::<FUSED>(beside, lower.rows(), delayed, own);
+    }
+    if eliminated > 0 && !others.is_empty() {
+        subtract_columns::<FUSED>(upper.entries(), upper.rows(), others, own);
+    }
+    upper_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
 }
 
 /// Rows of a triangle that are solved in a vector register.
