@@ -110,36 +110,27 @@ impl System<'_> {
     }
 }
 
-/// One of several elements whose numbers lie side by side.
-pub(crate) struct Lane<'i, S> {
-    numbers: &'i mut [S],
-    width: usize,
-    lane: usize,
-}
+/// The arguments of one part.
+pub(crate) struct Lane<'i, S>(&'i mut [S]);
 
 impl<S: Copy> Lane<'_, S> {
     /// Sets an argument.
     #[inline(always)]
     pub fn set(&mut self, place: usize, value: S) {
-        self.numbers[place * self.width + self.lane] = value;
+        self.0[place] = value;
     }
     /// Sets arguments from a place on; returns the place behind them.
     #[inline(always)]
     pub fn copy(&mut self, first: usize, values: &[S]) -> usize {
-        let own = self.numbers[first * self.width..].chunks_exact_mut(self.width);
-        for (target, &value) in own.zip(values) {
-            target[self.lane] = value;
-        }
-        first + values.len()
+        let end = first + values.len();
+        // a few numbers: a loop is shorter than a call
+        self.0[first..end].iter_mut().zip(values).for_each(|(own, &value)| *own = value);
+        end
     }
     /// Sets arguments from a place on to those of a part's coordinates.
     #[inline(always)]
     pub(super) fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
-        let mut place = first;
-        for segment in &part.segments {
-            place = self.copy(place, &values[segment.clone()]);
-        }
-        place
+        part.segments.iter().fold(first, |place, segment| self.copy(place, &values[segment.clone()]))
     }
 }
 
@@ -180,6 +171,8 @@ pub(crate) struct BatchWork<S> {
 struct Group<S> {
     /// Its first one, while it waits.
     first: usize,
+    /// Arguments, one element after the other.
+    arguments: Vec<S>,
     inputs: Aligned<S>,
     outputs: Aligned<S>,
     work: ProgramWork<S>,
@@ -187,7 +180,13 @@ struct Group<S> {
 
 impl<S> Default for Group<S> {
     fn default() -> Self {
-        Group { first: 0, inputs: Aligned::default(), outputs: Aligned::default(), work: ProgramWork::default() }
+        Group {
+            first: 0,
+            arguments: Vec::new(),
+            inputs: Aligned::default(),
+            outputs: Aligned::default(),
+            work: ProgramWork::default(),
+        }
     }
 }
 
@@ -225,16 +224,20 @@ pub(crate) fn run_parts<S: RunScalar>(
     let lanes = S::lanes();
     let run = |first: usize, group: &mut Group<S>| {
         let (parts, width) = next_group(count - first, lanes);
-        let inputs = group.inputs.first(program.inputs() * width);
-        for lane in 0..width {
-            write(first + lane.min(parts - 1), &mut Lane { numbers: &mut *inputs, width, lane });
-        }
+        let count = program.inputs();
+        let inputs = group.inputs.first(count * width);
         let outputs = group.outputs.first(program.outputs() * width);
         if width == 1 {
-            S::run(program, inputs, outputs, &mut group.work);
-        } else {
-            S::run_lanes(program, inputs, outputs, &mut group.work);
+            write(first, &mut Lane(inputs));
+            return S::run(program, inputs, outputs, &mut group.work);
         }
+        group.arguments.resize(count * width, S::zero());
+        for (lane, own) in group.arguments.chunks_exact_mut(count.max(1)).enumerate() {
+            // in lanes without a part those of the last one
+            write(first + lane.min(parts - 1), &mut Lane(own));
+        }
+        side_by_side(&group.arguments, inputs, width);
+        S::run_lanes(program, inputs, outputs, &mut group.work);
     };
     let BatchWork { group, pieces, results } = work;
     let mut take = |first: usize, group: &mut Group<S>| {
@@ -243,7 +246,8 @@ pub(crate) fn run_parts<S: RunScalar>(
         if width == 1 {
             return read(first, numbers);
         }
-        transpose(numbers, width, results);
+        results.resize(numbers.len(), S::zero());
+        one_by_one(numbers, results, width);
         let own = results.chunks_exact(program.outputs().max(1));
         own.take(parts).enumerate().for_each(|(lane, own)| read(first + lane, own));
     };
@@ -276,18 +280,45 @@ pub(crate) fn run_parts<S: RunScalar>(
     }
 }
 
-/// Results that lie side by side, one element after the other.
-fn transpose<S: RunScalar>(numbers: &[S], width: usize, results: &mut Vec<S>) {
-    let count = numbers.len() / width;
-    results.resize(numbers.len(), S::zero());
-    // in squares, so that lines of the cache are read and written whole
-    for first in (0..count).step_by(width) {
-        let last = count.min(first + width);
-        for lane in 0..width {
-            for (result, place) in results[lane * count + first..lane * count + last].iter_mut().zip(first..) {
-                *result = numbers[place * width + lane];
-            }
+/// The numbers of as many elements as there are lanes, one element after the other, moved to lie side by side.
+fn side_by_side<S: Copy>(from: &[S], to: &mut [S], width: usize) {
+    fn fixed<S: Copy, const WIDTH: usize>(from: &[S], to: &mut [S]) {
+        let count = from.len() / WIDTH;
+        let mut rest = from;
+        let lanes: [&[S]; WIDTH] = std::array::from_fn(|_| {
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            own
+        });
+        for (place, target) in (0..count).zip(to.chunks_exact_mut(WIDTH)) {
+            (0..WIDTH).for_each(|lane| target[lane] = lanes[lane][place]);
         }
+    }
+    match width {
+        4 => fixed::<S, 4>(from, to),
+        8 => fixed::<S, 8>(from, to),
+        _ => unreachable!("programs have 4 or 8 lanes"),
+    }
+}
+
+/// The numbers of elements that lie side by side, moved to lie one element after the other.
+fn one_by_one<S: Copy>(from: &[S], to: &mut [S], width: usize) {
+    fn fixed<S: Copy, const WIDTH: usize>(from: &[S], to: &mut [S]) {
+        let count = from.len() / WIDTH;
+        let mut rest = to;
+        let mut lanes: [&mut [S]; WIDTH] = std::array::from_fn(|_| {
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(count);
+            rest = others;
+            own
+        });
+        for (place, source) in (0..count).zip(from.chunks_exact(WIDTH)) {
+            (0..WIDTH).for_each(|lane| lanes[lane][place] = source[lane]);
+        }
+    }
+    match width {
+        4 => fixed::<S, 4>(from, to),
+        8 => fixed::<S, 8>(from, to),
+        _ => unreachable!("programs have 4 or 8 lanes"),
     }
 }
 
@@ -310,10 +341,16 @@ mod tests {
     }
 
     #[test]
-    fn results_of_lanes_are_told_apart() {
-        let (mut results, count) = (Vec::new(), 13);
-        let numbers: Vec<f64> = (0..8 * count).map(|place| (place % 8 * 100 + place / 8) as f64).collect();
-        transpose(&numbers, 8, &mut results);
-        assert!(results.iter().enumerate().all(|(place, &own)| own == (place / count * 100 + place % count) as f64));
+    fn numbers_of_lanes_are_told_apart_and_laid_side_by_side() {
+        let count = 13;
+        for width in [4, 8] {
+            let beside: Vec<usize> = (0..width * count).map(|place| place % width * 100 + place / width).collect();
+            let mut apart = vec![0; width * count];
+            one_by_one(&beside, &mut apart, width);
+            assert!(apart.iter().enumerate().all(|(place, &own)| own == place / count * 100 + place % count));
+            let mut again = vec![0; width * count];
+            side_by_side(&apart, &mut again, width);
+            assert_eq!(again, beside);
+        }
     }
 }

@@ -112,22 +112,17 @@ pub(super) struct NodeSeeds<'a> {
 }
 
 impl NodeSeeds<'_> {
-    /// Movement (x, y) of coordinate `dof` along the combination `z` of all columns.
+    /// Movement (x, y) of coordinate `dof` along the combination `z` of all columns of a stabilized system.
     #[inline]
     fn combine(&self, dof: usize, z: &[f64]) -> (f64, f64) {
-        let fixed = z.is_empty();
         if self.right.is_empty() {
-            let y = if self.stabilized && !fixed { z[dof + self.dofs] } else { 0.0 };
-            return (if fixed { 0.0 } else { z[dof] }, y);
-        }
-        if dof < self.plain {
-            return (z[dof], 0.0);
+            return if z.is_empty() { (0.0, 0.0) } else { (z[dof], z[dof + self.dofs]) };
         }
         let row = |row: usize| {
-            let own = &self.right[row * self.columns + self.plain..(row + 1) * self.columns];
-            own.iter().zip(&z[self.plain..]).fold(0.0, |sum, (r, z)| sum + r * z)
+            let own = &self.right[row * self.columns..(row + 1) * self.columns];
+            own.iter().zip(z).fold(0.0, |sum, (r, z)| sum + r * z)
         };
-        (row(dof), if self.stabilized { row(dof + self.dofs) } else { 0.0 })
+        (row(dof), row(dof + self.dofs))
     }
 
     /// (d x, d y) of coordinate `dof` for column `column`.
@@ -540,6 +535,19 @@ impl Jacobian {
                 for (dof, &dx) in system.model.nodes[node].dofs.clone().zip(z) {
                     add(&mut unknowns.x[dof], dx);
                     let size = dx.abs() * coordinate_scales[dof];
+                    largest = if size <= largest { largest } else { size };
+                }
+                continue;
+            }
+            if !seeds.stabilized {
+                let (dofs, plain) = (system.model.nodes[node].dofs.clone(), seeds.plain);
+                let places = unknowns.x[dofs.clone()].iter_mut().zip(&coordinate_scales[dofs]);
+                let rows = seeds.right.chunks_exact(seeds.columns);
+                for (i, ((x, scale), row)) in places.zip(rows).enumerate() {
+                    let turning = || row[plain..].iter().zip(&z[plain..]).fold(0.0, |sum, (r, z)| sum + r * z);
+                    let dx = if i < plain { z[i] } else { turning() };
+                    add(x, dx);
+                    let size = dx.abs() * scale;
                     largest = if size <= largest { largest } else { size };
                 }
                 continue;

@@ -227,19 +227,24 @@ fn correct_unit_length<S: RunScalar>(
     let x = &mut unknowns.x[places.clone()];
     let own = |base: &[S], factor: f64| std::array::from_fn::<S, 4, _>(|i| base[places.start + i] + x[i] * factor);
     let (a, v, q) = (own(&base.a, gamma), own(&base.v, beta), own(&base.q, alpha));
-    let dot = |x: &[S; 4], y: &[S; 4]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2] + x[3] * y[3];
     let size = |x: &[S; 4], y: &[S; 4]| (0..4).fold(0.0, |sum, i| sum + (x[i].value() * y[i].value()).abs());
     let (gap, terms) = match equations.level {
-        Level::Position => (dot(&q, &q) * (0.5 * unit.second) + unit.constant, 0.5 * size(&q, &q) + 0.5),
-        Level::Velocity => (dot(&q, &v) * unit.second, size(&q, &v)),
-        _ => ((dot(&q, &a) + dot(&v, &v)) * unit.second, size(&q, &a) + size(&v, &v)),
+        Level::Position => (dot4(&q, &q) * (0.5 * unit.second) + unit.constant, 0.5 * size(&q, &q) + 0.5),
+        Level::Velocity => (dot4(&q, &v) * unit.second, size(&q, &v)),
+        _ => ((dot4(&q, &a) + dot4(&v, &v)) * unit.second, size(&q, &a) + size(&v, &v)),
     };
     if gap.value().abs() <= f64::EPSILON * terms * unit.second {
         return;
     }
     let row: [S; 4] = std::array::from_fn(|i| (q[i] * weights[0] + v[i] * weights[1] + a[i] * weights[2]) * unit.second);
-    let multiplier = gap * equations.row_scales()[0] / dot(&row, &row);
+    let multiplier = gap * equations.row_scales()[0] / dot4(&row, &row);
     x.iter_mut().zip(row).for_each(|(x, row)| *x -= multiplier * row);
+}
+
+/// Product of four numbers with four.
+#[inline(always)]
+pub(super) fn dot4<S: Scalar>(x: &[S], y: &[S]) -> S {
+    x[0] * y[0] + x[1] * y[1] + x[2] * y[2] + x[3] * y[3]
 }
 
 /// Size of a number with its derivative parts.

@@ -59,18 +59,6 @@ impl DofMap {
         let segments: SmallVec<[Range<usize>; 3]> = ids.iter().map(|id| model.nodes[id.0].dofs.clone()).collect();
         DofMap { nodes: ids.iter().map(|id| id.0).collect(), segments, parameters }
     }
-
-    /// Place in the model's vectors of one of its coordinates.
-    #[inline(always)]
-    pub fn dof(&self, mut place: usize) -> usize {
-        for segment in &self.segments {
-            if place < segment.len() {
-                return segment.start + place;
-            }
-            place -= segment.len();
-        }
-        usize::MAX
-    }
 }
 
 /// A part that adds a dense block to the matrix.

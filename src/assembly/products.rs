@@ -89,6 +89,42 @@ fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: 
     selections
 }
 
+/// Where a result of a program goes: the vector (a, v, q or p), the node (behind the last one: the parameters), and the place there.
+#[derive(Clone, Copy)]
+struct Target {
+    vector: usize,
+    node: usize,
+    place: usize,
+}
+
+impl Target {
+    /// Of a coordinate of parts whose nodes are like those of this one.
+    fn coordinate(vector: usize, like: &DofMap, mut place: usize) -> Self {
+        let mut node = 0;
+        while place >= like.segments[node].len() {
+            place -= like.segments[node].len();
+            node += 1;
+        }
+        Target { vector, node, place }
+    }
+
+    fn parameter(like: &DofMap, place: usize) -> Self {
+        Target { vector: 3, node: like.segments.len(), place }
+    }
+}
+
+impl ProductBars<'_> {
+    /// Adds the results for one part, times a factor.
+    #[inline(always)]
+    fn add(&mut self, part: &DofMap, targets: &[Target], results: &[f64], factor: f64) {
+        let vectors: [&mut [f64]; 4] = [&mut self.at.a, &mut self.at.v, &mut self.at.q, self.p];
+        for (target, &own) in targets.iter().zip(results) {
+            let start = part.segments.get(target.node).map_or(part.parameters.start, |dofs| dofs.start);
+            vectors[target.vector][start + target.place] += factor * own;
+        }
+    }
+}
+
 /// Products of adjoint variables with the derivatives of elements and constraints.
 pub struct Products {
     /// By what elements add.
@@ -97,13 +133,20 @@ pub struct Products {
     active: Vec<bool>,
     work: BatchWork<f64>,
     chosen: Vec<usize>,
+    targets: Vec<Target>,
 }
 
 impl Products {
     /// For parameters that depend on a design variable; the others get no derivative.
     pub fn new(active: &[bool]) -> Self {
-        let (work, chosen) = (BatchWork::default(), Vec::new());
-        Products { elements: [const { None }; Force::KINDS], constraints: None, active: active.to_vec(), work, chosen }
+        Products {
+            elements: [const { None }; Force::KINDS],
+            constraints: None,
+            active: active.to_vec(),
+            work: BatchWork::default(),
+            chosen: Vec::new(),
+            targets: Vec::new(),
+        }
     }
 
     /// Adds `sign` times the gradient of lambda times what elements add to F, for every functional.
@@ -116,7 +159,7 @@ impl Products {
         bars: &mut [ProductBars],
     ) {
         let batches = system.element_batches(force);
-        let Products { elements, active, work, chosen, .. } = self;
+        let Products { elements, active, work, chosen, targets, .. } = self;
         let selections = elements[force.kind()].get_or_insert_with(|| {
             select(batches.iter().map(|batch| batch.parts.as_slice()), &system.element_parts, active)
         });
@@ -124,6 +167,12 @@ impl Products {
             let (batch, n) = (&batches[*batch], batches[*batch].layout.n);
             let layout = batch.layout;
             let program = programs.get(0, || element_programs::products(&batch.formula, layout, asked));
+            let like = &system.element_parts[parts[0]];
+            targets.clear();
+            targets.extend(program.labels().iter().map(|&label| match label as usize {
+                place if place < 3 * n => Target::coordinate(place / n, like, place % n),
+                place => Target::parameter(like, place - layout.p()),
+            }));
             for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
                 chosen.clear();
                 let weighs = |part: &&usize| any(&system.element_parts[**part], &adjoint.f);
@@ -137,19 +186,7 @@ impl Products {
                         let place = layout.write(lane, part(index), (at, p, t), force);
                         lane.copy_segments(place, part(index), &adjoint.f);
                     },
-                    |index, results| {
-                        let part = part(index);
-                        for (&label, &own) in program.labels().iter().zip(results) {
-                            let label = label as usize;
-                            let target = match label / n {
-                                0 => &mut bar.at.a[part.dof(label)],
-                                1 => &mut bar.at.v[part.dof(label - n)],
-                                2 => &mut bar.at.q[part.dof(label - 2 * n)],
-                                _ => &mut bar.p[part.parameters.start + label - layout.p()],
-                            };
-                            *target += sign * own;
-                        }
-                    },
+                    |index, results| bar.add(part(index), targets, results, sign),
                 );
             }
         }
@@ -166,7 +203,7 @@ impl Products {
         bars: &mut [ProductBars],
     ) {
         let batches = system.constraint_batches();
-        let Products { constraints, active, work, chosen, .. } = self;
+        let Products { constraints, active, work, chosen, targets, .. } = self;
         let selections = constraints.get_or_insert_with(|| {
             select(batches.iter().map(|batch| batch.parts.as_slice()), &system.constraint_parts, active)
         });
@@ -176,6 +213,13 @@ impl Products {
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let code = asked.short_code([false; 3]);
             let program = programs.get(code, || constraint_programs::products(physics, asked, parameters));
+            let (like, n) = (&system.constraint_parts[parts[0]], layout.n);
+            targets.clear();
+            targets.extend(program.labels().iter().map(|&label| match label as usize {
+                place if place < 2 * n => Target::coordinate(1 + place / n, like, place % n),
+                place if place < layout.t() => Target::parameter(like, place - layout.p()),
+                place => Target::coordinate(0, like, place - layout.a()),
+            }));
             for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
                 chosen.clear();
                 chosen.extend(parts.iter().filter(|&&index| {
@@ -186,7 +230,6 @@ impl Products {
                         || (asked.equations[0].is_some() && equations)
                 }));
                 let part = |index: usize| &system.constraint_parts[chosen[index]];
-                let n = layout.n;
                 run_parts(
                     &program,
                     chosen.len(),
@@ -209,22 +252,7 @@ impl Products {
                             lane.copy(place, &adjoint.g_second[rows]);
                         }
                     },
-                    |index, results| {
-                        let part = part(index);
-                        for (&label, &own) in program.labels().iter().zip(results) {
-                            let label = label as usize;
-                            let target = if label < n {
-                                &mut bar.at.v[part.dof(label)]
-                            } else if label < 2 * n {
-                                &mut bar.at.q[part.dof(label - n)]
-                            } else if label < layout.t() {
-                                &mut bar.p[part.parameters.start + label - layout.p()]
-                            } else {
-                                &mut bar.at.a[part.dof(label - layout.a())]
-                            };
-                            *target += factor * own;
-                        }
-                    },
+                    |index, results| bar.add(part(index), targets, results, factor),
                 );
             }
         }

@@ -25,13 +25,13 @@ fn neighbour<S: Scalar>(value: S, place: usize) -> S {
     value * (1.0 + if up { f64::EPSILON } else { -f64::EPSILON })
 }
 
-/// Adds local values to the places of some nodes' coordinates.
+/// Adds local values, times a factor, to the places of some nodes' coordinates.
 #[inline(always)]
-fn add_segments<S: Scalar>(segments: &[Range<usize>], mut local: impl Iterator<Item = S>, values: &mut [S]) {
+fn add_segments<S: Scalar>(segments: &[Range<usize>], mut local: &[S], factor: f64, values: &mut [S]) {
     for dofs in segments {
-        for (value, own) in values[dofs.clone()].iter_mut().zip(&mut local) {
-            *value += own;
-        }
+        let (own, others) = local.split_at(dofs.len());
+        values[dofs.clone()].iter_mut().zip(own).for_each(|(value, &own)| *value += own * factor);
+        local = others;
     }
 }
 
@@ -265,7 +265,7 @@ impl<S: RunScalar> Residual<S> {
                 |index, lane| {
                     layout.write(lane, part(index), (at, p, t), force);
                 },
-                |index, results| add_segments(&part(index).segments, results.iter().copied(), f),
+                |index, results| add_segments(&part(index).segments, results, 1.0, f),
             );
         }
     }
@@ -309,21 +309,25 @@ impl<S: RunScalar> Residual<S> {
                     layout.write(lane, part(index), (at, p, t), multipliers, scales);
                 },
                 |index, results| {
-                    let mut results = results.iter().copied();
+                    let mut left = results;
                     if asked.reactions {
-                        let reactions = results.by_ref().take(layout.n).map(|force| force * factor);
-                        add_segments(&part(index).segments, reactions, f);
-                        if asked.stabilized() {
-                            add_segments(&part(index).segments, results.by_ref().take(layout.n), y);
+                        for (target, factor) in
+                            [(&mut *f, factor), (&mut *y, 1.0)].into_iter().take(1 + usize::from(asked.stabilized()))
+                        {
+                            let (own, others) = left.split_at(layout.n);
+                            add_segments(&part(index).segments, own, factor, target);
+                            left = others;
                         }
                     }
                     let sets = [&mut *g, &mut *g_second].into_iter().zip(asked.equations);
                     for (target, _) in sets.filter(|(_, order)| order.is_some()) {
-                        for (row, value) in rows(index).zip(results.by_ref().take(layout.equations)) {
+                        let (own, others) = left.split_at(layout.equations);
+                        for (row, &value) in rows(index).zip(own) {
                             if system.multiplier_columns[row].is_some() {
                                 target[row] = value;
                             }
                         }
+                        left = others;
                     }
                 },
             );
@@ -333,6 +337,18 @@ impl<S: RunScalar> Residual<S> {
     /// Sets the multipliers inside a node so that F (and Y) have no part along its reaction, and adds that reaction.
     fn eliminate(&mut self, system: &System, equations: &Equations, local: &NodeConstraint, unknowns: &mut Unknowns<S>) {
         let dofs = system.model.nodes[local.node].dofs.clone();
+        if let (Some(unit), true) = (local.form.unit_length(), self.y.is_empty()) {
+            let places = dofs.start + unit.first..dofs.start + unit.first + 4;
+            let mu = {
+                let (q, f) = (&self.reaction_point(equations).q[places.clone()], &self.f[places.clone()]);
+                -(super::local::dot4(q, f) / super::local::dot4(q, q))
+            };
+            let Residual { f, constraint_at, reaction_at, .. } = self;
+            let at = if equations.variational.is_some() { &*reaction_at } else { &*constraint_at };
+            f[places.clone()].iter_mut().zip(&at.q[places]).for_each(|(f, &q)| *f += q * mu);
+            unknowns.local_mu[local.equations.start] = mu * (1.0 / unit.second);
+            return;
+        }
         let rows = super::local::reaction_rows(local, &self.reaction_point(equations).q[dofs.clone()]);
         let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);
         super::local::add_combination(&rows, &mu, &mut self.f[dofs.clone()]);
