@@ -28,6 +28,13 @@ impl Clock {
     }
 }
 
+/// The number in the middle of a list, of two in the middle the mean: one run that was disturbed does not move it.
+pub fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    let (lower, upper) = (numbers.len().saturating_sub(1) / 2, numbers.len() / 2);
+    if numbers.is_empty() { f64::NAN } else { 0.5 * (numbers[lower] + numbers[upper]) }
+}
+
 /// Time that this thread has been on a processor [s]: Linux, the first number of `/proc/thread-self/schedstat`.
 fn computing() -> Option<f64> {
     // the number is brought up to date when the thread offers its place to others

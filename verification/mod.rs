@@ -46,7 +46,7 @@ mod variational;
 #[path = "work-precision/study.rs"]
 mod work_precision;
 
-pub use clock::Clock;
+pub use clock::{Clock, median};
 pub use figure::{Figure, Form, Report};
 pub use noise::Noise;
 

@@ -1,21 +1,21 @@
 //! A gradient costs the same for 1 and for 1000 design variables: a chain of 100 bodies, both choices of variables side by side.
 
-use crate::verification::{Clock, Form, Report, Study, on_one_thread};
+use crate::verification::{Clock, Form, Report, Study, median, on_one_thread};
 use costate::integrators::Counters;
 use costate::scenes::{Prepared, Settings, built_in};
 
 pub struct GradientCost;
 
-/// Runs of each chain; the fastest counts, since anything else on the machine only adds time.
-const REPEATS: usize = 7;
+/// Runs of each chain, in turn: times and their ratios are medians of these.
+const REPEATS: usize = 9;
 
 struct Cost {
     variables: usize,
     nonzero: usize,
     forward: Counters,
     adjoint: Counters,
-    forward_s: f64,
-    adjoint_s: f64,
+    forward_s: Vec<f64>,
+    adjoint_s: Vec<f64>,
 }
 
 impl Study for GradientCost {
@@ -46,21 +46,22 @@ fn measure_both(report: &mut Report) -> Result<(), String> {
     let mut costs: Vec<Option<Cost>> = prepared.iter().map(|_| None).collect();
     // alternating, so that both see the same machine
     for _ in 0..if report.is_short() { 1 } else { REPEATS } {
-        for (scene, best) in prepared.iter().zip(&mut costs) {
-            let cost = measure(scene)?;
-            let (forward_s, adjoint_s) =
-                best.as_ref().map_or((f64::INFINITY, f64::INFINITY), |best| (best.forward_s, best.adjoint_s));
-            *best =
-                Some(Cost { forward_s: cost.forward_s.min(forward_s), adjoint_s: cost.adjoint_s.min(adjoint_s), ..cost });
+        for (scene, all) in prepared.iter().zip(&mut costs) {
+            let mut cost = measure(scene)?;
+            if let Some(before) = all.take() {
+                cost.forward_s.extend(before.forward_s);
+                cost.adjoint_s.extend(before.adjoint_s);
+            }
+            *all = Some(cost);
         }
     }
     for (scene, cost) in chains.iter().zip(costs.iter().flatten()) {
         let figure = |what: &str| format!("{}/{what}", scene.scene_name());
         report.inform(figure("design variables"), cost.variables as f64);
         report.compare(figure("variables with an effect"), cost.nonzero as f64, cost.variables as f64, 0.0);
-        report.inform(figure("forward [s]"), cost.forward_s);
-        report.inform(figure("adjoint [s]"), cost.adjoint_s);
-        report.inform(figure("adjoint / forward"), cost.adjoint_s / cost.forward_s);
+        report.inform(figure("forward [s]"), median(cost.forward_s.clone()));
+        report.inform(figure("adjoint [s]"), median(cost.adjoint_s.clone()));
+        report.inform(figure("adjoint / forward"), ratio(&cost.adjoint_s, &cost.forward_s));
     }
     let [Some(common), Some(separate)] = &costs[..] else { return Err("two chains are expected".into()) };
     let same = |report: &mut Report, what: &str, one: usize, many: usize| {
@@ -74,19 +75,25 @@ fn measure_both(report: &mut Report) -> Result<(), String> {
     if report.is_short() {
         return Ok(());
     }
-    report.compare("1000 variables against 1/forward time ratio", separate.forward_s / common.forward_s, 1.0, 0.05);
-    report.compare("1000 variables against 1/adjoint time ratio", separate.adjoint_s / common.adjoint_s, 1.0, 0.05);
+    let figure = |what: &str| format!("1000 variables against 1/{what} time ratio");
+    report.compare(figure("forward"), ratio(&separate.forward_s, &common.forward_s), 1.0, 0.05);
+    report.compare(figure("adjoint"), ratio(&separate.adjoint_s, &common.adjoint_s), 1.0, 0.05);
     Ok(())
+}
+
+/// Median of the ratios of runs that were made one after the other.
+fn ratio(times: &[f64], others: &[f64]) -> f64 {
+    median(times.iter().zip(others).map(|(time, other)| time / other).collect())
 }
 
 fn measure(scene: &Prepared) -> Result<Cost, String> {
     let analysis = scene.analysis();
     let start = Clock::start();
     let forward = analysis.forward(&scene.x).map_err(|error| error.to_string())?;
-    let forward_s = start.seconds();
+    let forward_s = vec![start.seconds()];
     let start = Clock::start();
     let gradient = analysis.adjoint(&scene.x, &forward).map_err(|error| error.to_string())?;
-    let adjoint_s = start.seconds();
+    let adjoint_s = vec![start.seconds()];
     let variables = scene.x.len();
     let nonzero = (0..variables).filter(|&i| gradient.rows.iter().any(|row| row[i] != 0.0)).count();
     Ok(Cost { variables, nonzero, forward: forward.counters, adjoint: gradient.counters, forward_s, adjoint_s })
