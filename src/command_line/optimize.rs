@@ -4,7 +4,7 @@
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
-use super::names::unknown;
+use costate::scenes::file::unknown;
 use super::optimization_charts;
 use super::options::SceneOptions;
 use super::results::check_folder;
@@ -118,7 +118,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     optimization.gradient = options.gradient;
     optimization.stopping.iterations = options.iterations;
     optimization.stopping.change = options.change;
-    let folder = options.scene.folder();
+    let folder = options.scene.folder(&*scene);
     let path = folder.join("optimization.csv");
     let start = start(options, &optimization)?;
     check_folder(&folder)?;

@@ -1,7 +1,7 @@
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
-use super::names::unknown;
+use costate::scenes::file::unknown;
 use crate::verification::{Figure, Form, Report, Study, all};
 use clap::Args;
 use costate::io::{Cell, Table, number, write_file, write_panels};

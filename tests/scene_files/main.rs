@@ -1,0 +1,221 @@
+//! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
+
+mod mutations;
+mod wrong_files;
+
+use costate::design::DesignVariable;
+use costate::scenes::{AnyScene, FileScene, Prepared, built_in, file};
+use std::path::{Path, PathBuf};
+use toml::de::{DeTable, DeValue};
+
+/// The example files, by name.
+fn files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    files.sort();
+    files
+}
+
+fn read(path: &Path) -> FileScene {
+    FileScene::read(path).unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// Most steps of a run here: what a file and its twin have in common shows in the first ones.
+const STEPS: usize = 40;
+
+/// A scene at its initial design with the steps of its own settings, but not more than some.
+fn prepared(scene: &dyn AnyScene) -> Prepared<'_> {
+    let mut settings = scene.default_settings();
+    let method = Prepared::method_of(&settings).unwrap();
+    if settings.steps > STEPS && !method.table.is_static() {
+        settings.end *= STEPS as f64 / settings.steps as f64;
+        settings.steps = STEPS;
+    }
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    Prepared::with(scene, &x, method, settings).unwrap_or_else(|why| panic!("{}: {why}", scene.scene_name()))
+}
+
+/// Largest difference of two lists of numbers as a share of the largest number of `of`.
+fn difference(a: &[f64], b: &[f64], of: f64) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).fold(0.0, |most, (a, b)| if a == b { most } else { f64::max(most, (a - b).abs() / of) })
+}
+
+fn size(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |most: f64, own| most.max(own.abs()))
+}
+
+/// Design variables with the letters that a number of the file and a constant of the program may differ by in their last digit left out.
+fn same_variables(a: &[DesignVariable], b: &[DesignVariable]) -> bool {
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-15 * a.abs().max(b.abs());
+    a.len() == b.len()
+        && a.iter().zip(b).all(|(a, b)| {
+            let bounds = near(a.lower, b.lower) && near(a.upper, b.upper);
+            a.name == b.name && a.unit == b.unit && near(a.initial, b.initial) && bounds
+        })
+}
+
+/// Holds a file against its twin: parts and numbers, functionals and gradients.
+fn compare(path: &Path) {
+    let scene = read(path);
+    let name = scene.scene_name();
+    assert_eq!(path.file_stem().unwrap().to_str().unwrap(), name, "the name of the file and of the scene");
+    let twin = built_in::all().into_iter().find(|twin| twin.scene_name() == name);
+    let Some(twin) = twin else {
+        // a file without a twin: its gradient is checked by complex step
+        let prepared = prepared(&scene);
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&prepared.x).unwrap();
+        let adjoint = analysis.adjoint(&prepared.x, &forward).unwrap();
+        let reference = analysis.complex_step(&prepared.x, &forward).unwrap();
+        for (own, other) in adjoint.rows.iter().zip(&reference.rows) {
+            let largest = costate::sensitivity::largest_difference(other, own);
+            assert!(largest < 1e-9, "{name}: {largest:.1e}");
+        }
+        return;
+    };
+    assert_eq!(scene.scene_summary(), twin.scene_summary(), "{name}");
+    let (variables, others) = (scene.design_variables(), twin.design_variables());
+    assert!(same_variables(&variables, &others), "{name}: {variables:?}\n{others:?}");
+    assert_eq!(scene.default_settings(), twin.default_settings(), "{name}");
+    assert_eq!(scene.optimization_problem(), twin.optimization_problem(), "{name}");
+    let (own, other) = (prepared(&scene), prepared(&*twin));
+
+    // the same parts, with the same numbers but for roundings of other orders of the same operations
+    let parts = |prepared: &Prepared| {
+        let model = prepared.model();
+        let mut parts: Vec<String> = model.nodes.iter().map(|node| format!("node {} {:?}", node.name, node.kind)).collect();
+        parts.extend(model.constraints.iter().map(|joint| format!("joint {}", joint.name)));
+        parts.extend(model.elements.iter().map(|element| format!("element {}", element.name)));
+        parts.extend(prepared.functionals().iter().map(|own| format!("functional {} [{}]", own.name, own.value_unit())));
+        parts.sort();
+        parts
+    };
+    assert_eq!(parts(&own), parts(&other), "{name}");
+
+    let runs = [&own, &other].map(|prepared| {
+        let analysis = prepared.analysis();
+        let forward = analysis.forward(&prepared.x).unwrap_or_else(|why| panic!("{name}: {why}"));
+        let gradient = analysis.adjoint(&prepared.x, &forward).unwrap_or_else(|why| panic!("{name}: {why}"));
+        (forward.values, gradient.rows)
+    });
+    let [(values, rows), (twin_values, twin_rows)] = &runs;
+    let place = |prepared: &Prepared, functional: &str| prepared.functionals().iter().position(|own| own.name == functional).unwrap();
+    let (mut same, mut worst) = (true, 0.0_f64);
+    for functional in own.functionals() {
+        let (here, there) = (place(&own, &functional.name), place(&other, &functional.name));
+        let row = difference(&rows[here], &twin_rows[there], size(&twin_rows[there]));
+        // a value may pass through zero: what its variables can change it by is its size then
+        let reach: f64 = twin_rows[there].iter().zip(&other.x).map(|(row, x)| (row * x).abs()).sum();
+        let value = difference(&values[here..=here], &twin_values[there..=there], twin_values[there].abs().max(reach));
+        same &= values[here] == twin_values[there] && rows[here] == twin_rows[there];
+        worst = worst.max(row).max(value);
+    }
+    println!("{name}: {}", if same { "the same to the last bit".into() } else { format!("{worst:.1e}") });
+    assert!(worst <= limit(&name), "{name}: functionals or gradients differ by {worst:.1e}");
+}
+
+/// By how much a file may differ from its twin, in shares of the largest derivative of each functional.
+fn limit(_name: &str) -> f64 {
+    1e-12
+}
+
+#[test]
+fn files_give_the_functionals_and_gradients_of_their_twins() {
+    let files = files();
+    assert!(files.len() >= 2, "{files:?}");
+    // one after the other, as each runs on all processors; a name on the command line asks for one
+    let wanted = std::env::var("SCENE_FILE").ok();
+    let chosen = files.iter().filter(|path| wanted.as_ref().is_none_or(|own| path.to_string_lossy().contains(&**own)));
+    chosen.for_each(|path| compare(path));
+}
+
+#[test]
+fn the_published_schema_is_the_one_of_the_reader() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/schema.json");
+    let own = format!("{}\n", serde_json::to_string_pretty(&file::schema()).unwrap());
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(kept == own, "examples/scenes/schema.json is old: costate schema > examples/scenes/schema.json writes it");
+}
+
+/// Whether a value agrees with a schema, as far as those of this crate go.
+fn agrees(schema: &serde_json::Value, value: &serde_json::Value) -> bool {
+    use serde_json::Value;
+    let Some(rules) = schema.as_object() else { return schema.as_bool().unwrap_or(true) };
+    rules.iter().all(|(rule, of)| match rule.as_str() {
+        "anyOf" => of.as_array().unwrap().iter().any(|own| agrees(own, value)),
+        "oneOf" => of.as_array().unwrap().iter().filter(|own| agrees(own, value)).count() == 1,
+        "const" => of == value,
+        "enum" => of.as_array().unwrap().contains(value),
+        "type" => match of.as_str().unwrap() {
+            "object" => value.is_object(),
+            "array" => value.is_array(),
+            "string" => value.is_string(),
+            "number" => value.is_number(),
+            "integer" => value.is_i64() || value.is_u64(),
+            "boolean" => value.is_boolean(),
+            other => panic!("type {other}"),
+        },
+        "required" => {
+            value.as_object().is_none_or(|own| of.as_array().unwrap().iter().all(|key| own.contains_key(key.as_str().unwrap())))
+        }
+        "properties" => value.as_object().is_none_or(|own| {
+            own.iter().all(|(key, value)| of.get(key).is_none_or(|schema| agrees(schema, value)))
+        }),
+        "additionalProperties" => value.as_object().is_none_or(|own| {
+            let known = |key: &String| rules.get("properties").is_some_and(|known| known.get(key).is_some());
+            own.iter().filter(|(key, _)| !known(key)).all(|(_, value)| *of != Value::Bool(false) && agrees(of, value))
+        }),
+        "items" => match value.as_array() {
+            Some(list) if !rules.contains_key("prefixItems") => list.iter().all(|own| agrees(of, own)),
+            _ => true,
+        },
+        "prefixItems" => value.as_array().is_none_or(|list| {
+            let all = of.as_array().unwrap();
+            list.len() <= all.len() && list.iter().zip(all).all(|(own, schema)| agrees(schema, own))
+        }),
+        "minItems" => value.as_array().is_none_or(|list| list.len() as u64 >= of.as_u64().unwrap()),
+        "maxItems" => value.as_array().is_none_or(|list| list.len() as u64 <= of.as_u64().unwrap()),
+        "minProperties" => value.as_object().is_none_or(|own| own.len() as u64 >= of.as_u64().unwrap()),
+        "minimum" => value.as_f64().is_none_or(|own| own >= of.as_f64().unwrap()),
+        "maximum" => value.as_f64().is_none_or(|own| own <= of.as_f64().unwrap()),
+        "exclusiveMinimum" => value.as_f64().is_none_or(|own| own > of.as_f64().unwrap()),
+        "pattern" => value.as_str().is_none_or(|own| own.contains('{')),
+        "description" | "title" | "$schema" => true,
+        other => panic!("rule {other}"),
+    })
+}
+
+fn as_json(value: &DeValue) -> serde_json::Value {
+    match value {
+        DeValue::String(own) => own.to_string().into(),
+        DeValue::Integer(own) => own.as_str().replace('_', "").parse::<i64>().unwrap().into(),
+        DeValue::Float(own) => own.as_str().replace('_', "").parse::<f64>().unwrap().into(),
+        DeValue::Boolean(own) => (*own).into(),
+        DeValue::Datetime(own) => own.to_string().into(),
+        DeValue::Array(list) => list.iter().map(|own| as_json(own.get_ref())).collect(),
+        DeValue::Table(table) => table.iter().map(|(key, own)| (key.get_ref().to_string(), as_json(own.get_ref()))).collect(),
+    }
+}
+
+#[test]
+fn the_schema_accepts_the_example_files_and_refuses_wrong_keys() {
+    let schema = file::schema();
+    for path in files() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let value = as_json(&DeValue::Table(DeTable::parse(&text).unwrap().into_inner()));
+        for (key, own) in value.as_object().unwrap() {
+            let rule = &schema["properties"][key];
+            let entries = own.as_array().filter(|_| rule["type"] == "array");
+            match entries {
+                Some(list) => list.iter().for_each(|own| assert!(agrees(&rule["items"], own), "{}: {key}: {own}", path.display())),
+                None => assert!(agrees(rule, own), "{}: {key}: {own}", path.display()),
+            }
+        }
+        assert!(agrees(&schema, &value), "{}", path.display());
+        let mut wrong = value.clone();
+        wrong["settings"]["stpes"] = 3.into();
+        assert!(!agrees(&schema, &wrong), "{}", path.display());
+    }
+}
