@@ -140,10 +140,12 @@ fn the_published_schema_is_the_one_of_the_reader() {
 }
 
 /// Whether a value agrees with a schema, as far as those of this crate go.
-fn agrees(schema: &serde_json::Value, value: &serde_json::Value) -> bool {
+fn agrees(whole: &serde_json::Value, schema: &serde_json::Value, value: &serde_json::Value) -> bool {
     use serde_json::Value;
+    let agrees = |schema: &Value, value: &Value| agrees(whole, schema, value);
     let Some(rules) = schema.as_object() else { return schema.as_bool().unwrap_or(true) };
     rules.iter().all(|(rule, of)| match rule.as_str() {
+        "$ref" => agrees(whole.pointer(of.as_str().unwrap().trim_start_matches('#')).unwrap(), value),
         "anyOf" => of.as_array().unwrap().iter().any(|own| agrees(own, value)),
         "oneOf" => of.as_array().unwrap().iter().filter(|own| agrees(own, value)).count() == 1,
         "const" => of == value,
@@ -182,7 +184,7 @@ fn agrees(schema: &serde_json::Value, value: &serde_json::Value) -> bool {
         "maximum" => value.as_f64().is_none_or(|own| own <= of.as_f64().unwrap()),
         "exclusiveMinimum" => value.as_f64().is_none_or(|own| own > of.as_f64().unwrap()),
         "pattern" => value.as_str().is_none_or(|own| own.contains('{')),
-        "description" | "title" | "$schema" => true,
+        "description" | "title" | "$schema" | "$defs" => true,
         other => panic!("rule {other}"),
     })
 }
@@ -209,13 +211,13 @@ fn the_schema_accepts_the_example_files_and_refuses_wrong_keys() {
             let rule = &schema["properties"][key];
             let entries = own.as_array().filter(|_| rule["type"] == "array");
             match entries {
-                Some(list) => list.iter().for_each(|own| assert!(agrees(&rule["items"], own), "{}: {key}: {own}", path.display())),
-                None => assert!(agrees(rule, own), "{}: {key}: {own}", path.display()),
+                Some(list) => list.iter().for_each(|own| assert!(agrees(&schema, &rule["items"], own), "{}: {key}: {own}", path.display())),
+                None => assert!(agrees(&schema, rule, own), "{}: {key}: {own}", path.display()),
             }
         }
-        assert!(agrees(&schema, &value), "{}", path.display());
+        assert!(agrees(&schema, &schema, &value), "{}", path.display());
         let mut wrong = value.clone();
         wrong["settings"]["stpes"] = 3.into();
-        assert!(!agrees(&schema, &wrong), "{}", path.display());
+        assert!(!agrees(&schema, &schema, &wrong), "{}", path.display());
     }
 }

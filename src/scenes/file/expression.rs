@@ -30,7 +30,10 @@ struct Named {
     constant: Option<Quantity<f64>>,
 }
 
-/// Names that formulas may use, in the order of their values.
+/// The time in formulas that are functions of it \[s\].
+pub(super) const TIME: &str = "t";
+
+/// Names that formulas may use, in the order of their values; [`TIME`] comes last where it is one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scope {
     names: Vec<Named>,
@@ -51,8 +54,15 @@ impl Scope {
         let constant = formula.constant(self);
         self.names.push(Named { name: name.into(), is_vector: formula.is_vector, constant });
     }
+    /// The same names and [`TIME`].
+    pub fn with_time(&self) -> Scope {
+        let mut scope = self.clone();
+        scope.add_variable(TIME);
+        scope
+    }
     fn find(&self, name: &str) -> Option<(usize, &Named)> {
-        self.names.iter().enumerate().find(|(_, named)| named.name == name)
+        // the last one hides those before it
+        self.names.iter().enumerate().rfind(|(_, named)| named.name == name)
     }
 }
 
@@ -79,10 +89,11 @@ enum Function {
     Cross,
     Unit,
     Norm,
+    IfLess,
 }
 
 /// Names of functions, arguments that are vectors, and whether the value is one.
-const FUNCTIONS: [(&str, Function, &[bool], bool); 20] = [
+const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
     ("sqrt", Function::Sqrt, &[false], false),
     ("sin", Function::Sin, &[false], false),
     ("cos", Function::Cos, &[false], false),
@@ -103,6 +114,7 @@ const FUNCTIONS: [(&str, Function, &[bool], bool); 20] = [
     ("cross", Function::Cross, &[true, true], true),
     ("unit", Function::Unit, &[true], true),
     ("norm", Function::Norm, &[true], false),
+    ("if_less", Function::IfLess, &[false; 4], false),
 ];
 
 /// Constants that every formula may use.
@@ -228,6 +240,10 @@ fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quant
             Operation::Vector => {
                 let [z, y, x] = std::array::from_fn(|_| number(pop()));
                 Vector(Vector3::new(x, y, z))
+            }
+            Operation::Call(Function::IfLess) => {
+                let [otherwise, then, limit, own] = std::array::from_fn(|_| number(pop()));
+                Number(own.less(limit).select(then, otherwise))
             }
             Operation::Call(function) => {
                 let wanted = FUNCTIONS.iter().find(|own| own.1 == *function).map_or(1, |own| own.2.len());
@@ -569,6 +585,7 @@ mod tests {
             ("norm(cross(v, unit(v)))", 0.0),
             ("(a * v + v * b).z", (v * a + v * b).z),
             ("max(a, b) - min(a, b)", b - a),
+            ("if_less(a, b, a * 2, sqrt(-a)) + if_less(b, a, log(-b), 1)", 2.0 * a + 1.0),
         ] {
             assert!((value(text)[0] - expected).abs() <= 1e-15, "{text}: {:?} {expected}", value(text));
         }

@@ -77,6 +77,8 @@ pub(super) enum Type {
     Tables(&'static Forms),
     /// A number or formula, which stands for a constant, or a table; unit.
     Function(&'static str, &'static Forms),
+    /// A formula of time.
+    OfTime,
     /// One of some words, or a table.
     Over(&'static [&'static str], &'static Forms),
 }

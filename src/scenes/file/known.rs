@@ -227,6 +227,25 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
+    /// A spline through a formula of time.
+    fn sampled(&self, own: &Fields) -> Found<(TimeFunction, Vec<S>)> {
+        let (start, end) = (fixed(own, "start").unwrap_or(0.0), fixed(own, "end").unwrap_or(f64::NAN));
+        let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
+        let intervals = count(own, "intervals");
+        let times: Vec<f64> = (0..=intervals).map(|i| start + (end - start) * (i as f64 / intervals as f64)).collect();
+        let mut names = self.names.clone();
+        let mut values = Vec::new();
+        for &t in &times {
+            names.push(Quantity::Number(S::from(t)));
+            match formula.value(&names) {
+                Quantity::Number(value) if value.value().is_finite() => values.push(value),
+                _ => return Err(Mistake::new(at, format!("at t = {} s the value is not finite", shortest(t)))),
+            }
+            names.pop();
+        }
+        Ok((TimeFunction::table(times).map_err(|why| Mistake::new(own.at, why))?, values))
+    }
+
     /// A function of time with its numbers.
     pub fn function(&self, fields: &Fields, key: &str) -> Found<(TimeFunction, Vec<S>)> {
         let own = match fields.get(key) {
@@ -260,6 +279,7 @@ impl<S: Scalar> Known<'_, S> {
                 let switch = fixed(own, "at").unwrap_or(f64::NAN);
                 (TimeFunction::Step { switch }, vec![zero_or("before")?, needed("after")?])
             }
+            "formula" => self.sampled(own)?,
             "lines" => curve(TimeFunction::lines)?,
             _ => curve(TimeFunction::table)?,
         };

@@ -512,6 +512,13 @@ impl Reader {
                 RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
                 _ => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
             },
+            Type::OfTime => {
+                let scope = self.scope.with_time();
+                let own = std::mem::replace(&mut self.scope, scope);
+                let formula = self.formula(raw, &what, Some(Range::Any));
+                self.scope = own;
+                Some(Value::Formula(formula?, Range::Any))
+            }
             Type::Over(words, forms) => match raw.value {
                 RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
                 _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),

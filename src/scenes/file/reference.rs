@@ -21,7 +21,7 @@ pub fn reference() -> String {
 }
 
 /// Tables that are values, by the key at which each stands first.
-fn tables() -> Vec<(String, &'static Forms)> {
+pub(super) fn tables() -> Vec<(String, &'static Forms)> {
     let mut found: Vec<(String, &'static Forms)> = Vec::new();
     for section in SECTIONS {
         for key in all_keys(&section.forms) {
@@ -35,7 +35,8 @@ fn tables() -> Vec<(String, &'static Forms)> {
     found
 }
 
-fn same(a: &'static Forms, b: &'static Forms) -> bool {
+/// Whether two tables are one.
+pub(super) fn same(a: &'static Forms, b: &'static Forms) -> bool {
     let names = |forms: &'static Forms| all_keys(forms).map(|key| key.name).collect::<Vec<_>>();
     names(a) == names(b)
 }
@@ -122,6 +123,7 @@ fn words(key: &Key) -> String {
         Type::Table(_) => format!("table {}", table_name(key)),
         Type::Tables(_) => format!("list of tables {}", table_name(key)),
         Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),
+        Type::OfTime => "formula of t".into(),
         Type::Over(words, _) => format!("{} or an aggregate", one_of(words)),
     }
 }

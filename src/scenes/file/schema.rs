@@ -1,5 +1,5 @@
 use super::keys::{Forms, Key, Range, Shape, Type};
-use super::reference::is_listed;
+use super::reference::{is_listed, same, tables};
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
 use serde_json::{Map, Value, json};
 
@@ -9,7 +9,7 @@ pub fn schema() -> Value {
     for key in TOP.forms[0].keys {
         properties.insert(key.name.into(), of_key(key));
     }
-    let quantity = json!({"anyOf": [formula("", Range::Any), vector()]});
+    let quantity = json!({"anyOf": [formula(Range::Any), part("vector")]});
     properties.insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity}));
     for section in SECTIONS {
         let own = table(&section.forms, is_listed(section.shape));
@@ -21,6 +21,20 @@ pub fn schema() -> Value {
         own["description"] = section.doc.into();
         properties.insert(section.name.into(), own);
     }
+    let mut parts = Map::new();
+    parts.insert("formula".into(), json!({"anyOf": [number(Range::Any), {"type": "string"}]}));
+    let component = formula(Range::Any);
+    let list = json!({"type": "array", "items": component, "minItems": 3, "maxItems": 3});
+    parts.insert("vector".into(), json!({"anyOf": [list, {"type": "string"}]}));
+    let words = json!({"type": "array", "items": {"type": "string"}, "minItems": 1});
+    let whole = json!({"type": "integer"});
+    let range = json!({"type": "array", "prefixItems": [whole, whole], "items": false, "minItems": 2});
+    let values = json!({"anyOf": [range, words]});
+    let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
+    parts.insert("for".into(), own);
+    for (name, forms) in tables() {
+        parts.insert(name, table(forms, false));
+    }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "costate scene",
@@ -29,7 +43,17 @@ pub fn schema() -> Value {
         "required": ["version", "settings"],
         "additionalProperties": false,
         "properties": properties,
+        "$defs": parts,
     })
+}
+
+fn part(name: &str) -> Value {
+    json!({"$ref": format!("#/$defs/{name}")})
+}
+
+/// A table that is a value.
+fn inner(forms: &'static Forms) -> Value {
+    tables().into_iter().find(|(_, own)| same(own, forms)).map_or_else(|| table(forms, false), |(name, _)| part(&name))
 }
 
 /// A table with the keys of its forms; with forms, the one that the key `type` names.
@@ -47,11 +71,7 @@ fn table(forms: &Forms, is_listed: bool) -> Value {
             }
         }
         if is_listed {
-            let range = json!({"type": "array", "prefixItems": [{"type": "integer"}, {"type": "integer"}], "items": false, "minItems": 2});
-            let words = json!({"type": "array", "items": {"type": "string"}, "minItems": 1});
-            let values = json!({"anyOf": [range, words]});
-            let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
-            properties.insert(FOR.name.into(), own);
+            properties.insert(FOR.name.into(), part("for"));
         }
         json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
     };
@@ -71,13 +91,11 @@ fn number(range: Range) -> Value {
     }
 }
 
-fn formula(_unit: &str, range: Range) -> Value {
-    json!({"anyOf": [number(range), {"type": "string"}]})
-}
-
-fn vector() -> Value {
-    let component = formula("", Range::Any);
-    json!({"anyOf": [{"type": "array", "items": component, "minItems": 3, "maxItems": 3}, {"type": "string"}]})
+fn formula(range: Range) -> Value {
+    match range {
+        Range::Any => part("formula"),
+        _ => json!({"anyOf": [number(range), {"type": "string"}]}),
+    }
 }
 
 fn of_key(key: &Key) -> Value {
@@ -94,51 +112,51 @@ fn of_key(key: &Key) -> Value {
     let mut own = match key.takes {
         Type::Number(of, range) | Type::Fixed(of, range) => {
             unit = of;
-            formula(of, range)
+            formula(range)
         }
         Type::Vector(of) => {
             unit = of;
-            vector()
+            part("vector")
         }
         Type::Numbers(counts, of, range) => {
             unit = of;
             let [least, most] = [counts.iter().min(), counts.iter().max()].map(|own| own.copied().unwrap_or(0));
-            array(formula(of, range), least, Some(most))
+            array(formula(range), least, Some(most))
         }
         Type::Fixeds(count, of) => {
             unit = of;
-            array(formula(of, Range::Any), if count == 0 { 2 } else { count }, (count > 0).then_some(count))
+            array(formula(Range::Any), if count == 0 { 2 } else { count }, (count > 0).then_some(count))
         }
         Type::Series(of) => {
             unit = of;
-            array(formula(of, Range::Any), 1, None)
+            array(formula(Range::Any), 1, None)
         }
         Type::OneOrMore(of, range) => {
             unit = of;
-            json!({"anyOf": [number(range), {"type": "string"}, array(formula(of, range), 1, None)]})
+            json!({"anyOf": [number(range), {"type": "string"}, array(formula(range), 1, None)]})
         }
         Type::Points => {
             unit = "m";
-            array(vector(), 2, None)
+            array(part("vector"), 2, None)
         }
         Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string", "pattern": "[{]"}]}),
         Type::Counts(count, least, most) => array(whole(least, most), count, Some(count)),
         Type::Flag => json!({"type": "boolean"}),
-        Type::Text | Type::Node | Type::Item(_) => text(),
+        Type::Text | Type::OfTime | Type::Node | Type::Item(_) => text(),
         Type::Texts => array(text(), 0, None),
-        Type::Weights => json!({"type": "object", "additionalProperties": formula("", Range::Any), "minProperties": 1}),
+        Type::Weights => json!({"type": "object", "additionalProperties": formula(Range::Any), "minProperties": 1}),
         Type::Choice(words) => json!({"enum": words}),
         Type::Choices(words) => json!({"anyOf": [{"enum": words}, array(json!({"enum": words}), 0, None)]}),
         Type::Nodes(count) => array(text(), count, Some(count)),
         Type::NodeSets => array(text(), 1, None),
         Type::Items(_) => json!({"anyOf": [text(), array(text(), 0, None)]}),
-        Type::Table(forms) => table(forms, false),
-        Type::Tables(forms) => array(table(forms, false), 0, None),
+        Type::Table(forms) => inner(forms),
+        Type::Tables(forms) => array(inner(forms), 0, None),
         Type::Function(of, forms) => {
             unit = of;
-            json!({"anyOf": [{"type": "number"}, {"type": "string"}, table(forms, false)]})
+            json!({"anyOf": [{"type": "number"}, {"type": "string"}, inner(forms)]})
         }
-        Type::Over(words, forms) => json!({"anyOf": [{"enum": words}, table(forms, false)]}),
+        Type::Over(words, forms) => json!({"anyOf": [{"enum": words}, inner(forms)]}),
     };
     let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
     own["description"] = format!("{}{unit}", key.doc).into();

@@ -3,7 +3,7 @@
 use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Node, NodeSets, Nodes, Number, Numbers,
+    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Node, NodeSets, Nodes, Number, Numbers, OfTime,
     OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
 };
 
@@ -94,6 +94,12 @@ const FUNCTION: Forms = forms!([
     "table" "natural cubic spline through points, constant slope outside" [
         need("times", Fixeds(0, "s"), "times of the points, increasing"),
         need("values", Series(""), "values there"),
+    ]
+    "formula" "natural cubic spline through a formula of the time t at equal intervals, constant slope outside" [
+        need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
+        may("start", Fixed("s", Any), "first of the times; 0"),
+        need("end", Fixed("s", Any), "last of the times"),
+        need("intervals", Count(1, MOST), "how many: the spline is as near to the formula as these are short"),
     ]);
 
 const AGGREGATE: Forms = one_form![
@@ -708,10 +714,6 @@ pub(super) const SECTIONS: &[Section] = &[
     },
 ];
 
-/// The section with a name.
-pub(super) fn section(name: &str) -> Option<&'static Section> {
-    SECTIONS.iter().find(|section| section.name == name)
-}
 
 /// Keys for which no section is: `define`.
 pub(super) const DEFINE: (&str, &str) = (
