@@ -4,7 +4,6 @@
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
-use costate::scenes::file::unknown;
 use super::optimization_charts;
 use super::options::SceneOptions;
 use super::results::check_folder;
@@ -14,6 +13,7 @@ use costate::io::{Cell, IoError, Progress, Table, read_csv, write_csv};
 use costate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
+use costate::scenes::file::unknown;
 use costate::scenes::{AnyScene, Sense, built_in};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 use super::failure::Failure;
-use costate::scenes::file::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
 use costate::integrators::{
@@ -7,6 +6,7 @@ use costate::integrators::{
 };
 use costate::linalg::Backend;
 use costate::program::{Execution, set_execution};
+use costate::scenes::file::unknown;
 use costate::scenes::{AnyScene, FileScene, Output, Prepared, Settings, built_in};
 use std::path::{Path, PathBuf};
 

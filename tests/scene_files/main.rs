@@ -1,5 +1,6 @@
 //! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
 
+mod coverage;
 mod mutations;
 mod wrong_files;
 
@@ -87,7 +88,7 @@ fn compare(path: &Path) {
         let model = prepared.model();
         let mut parts: Vec<String> = model.nodes.iter().map(|node| format!("node {} {:?}", node.name, node.kind)).collect();
         parts.extend(model.constraints.iter().map(|joint| format!("joint {}", joint.name)));
-        parts.extend(model.elements.iter().map(|element| format!("element {}", element.name)));
+        parts.push(format!("{} elements", model.elements.len()));
         parts.extend(prepared.functionals().iter().map(|own| format!("functional {} [{}]", own.name, own.value_unit())));
         parts.sort();
         parts
@@ -101,7 +102,9 @@ fn compare(path: &Path) {
         (forward.values, gradient.rows)
     });
     let [(values, rows), (twin_values, twin_rows)] = &runs;
-    let place = |prepared: &Prepared, functional: &str| prepared.functionals().iter().position(|own| own.name == functional).unwrap();
+    let place = |prepared: &Prepared, functional: &str| {
+        prepared.functionals().iter().position(|own| own.name == functional).unwrap()
+    };
     let (mut same, mut worst) = (true, 0.0_f64);
     for functional in own.functionals() {
         let (here, there) = (place(&own, &functional.name), place(&other, &functional.name));
@@ -113,13 +116,19 @@ fn compare(path: &Path) {
         worst = worst.max(row).max(value);
     }
     println!("{name}: {}", if same { "the same to the last bit".into() } else { format!("{worst:.1e}") });
-    assert!(worst <= limit(&name), "{name}: functionals or gradients differ by {worst:.1e}");
+    if worst > SAME {
+        // nodes in another order are eliminated in another order, and stiff members make much of a rounding: as much as one of the design
+        // variables may make
+        let limit = other.gradient_limits(SAME).unwrap().into_iter().fold(0.0, f64::max);
+        assert!(
+            worst <= limit,
+            "{name}: functionals or gradients differ by {worst:.1e}, roundings of the variables by {limit:.1e}"
+        );
+    }
 }
 
 /// By how much a file may differ from its twin, in shares of the largest derivative of each functional.
-fn limit(_name: &str) -> f64 {
-    1e-12
-}
+const SAME: f64 = 1e-12;
 
 #[test]
 fn files_give_the_functionals_and_gradients_of_their_twins() {
@@ -129,6 +138,36 @@ fn files_give_the_functionals_and_gradients_of_their_twins() {
     let wanted = std::env::var("SCENE_FILE").ok();
     let chosen = files.iter().filter(|path| wanted.as_ref().is_none_or(|own| path.to_string_lossy().contains(&**own)));
     chosen.for_each(|path| compare(path));
+}
+
+#[test]
+fn the_examples_of_the_pages_are_files_that_run() {
+    for page in ["README.md", "src/scenes/file/format.md"] {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(page)).unwrap();
+        let blocks: Vec<&str> = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+        assert!(!blocks.is_empty(), "{page}");
+        for block in blocks {
+            let scene = FileScene::parse(page, block).unwrap_or_else(|why| panic!("{why}"));
+            let prepared = prepared(&scene);
+            let analysis = prepared.analysis();
+            let forward = analysis.forward(&prepared.x).unwrap();
+            let adjoint = analysis.adjoint(&prepared.x, &forward).unwrap();
+            let reference = analysis.complex_step(&prepared.x, &forward).unwrap();
+            let largest = costate::sensitivity::largest_difference(&reference.rows[0], &adjoint.rows[0]);
+            assert!(largest < 1e-12 && size(&adjoint.rows[0]) > 0.0, "{page}: {largest:.1e}");
+        }
+    }
+}
+
+#[test]
+fn the_reference_page_is_what_the_reader_knows() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/scenes/file/reference.md");
+    if std::env::var_os("COSTATE_WRITE_REFERENCE").is_some() {
+        std::fs::write(&path, file::reference()).unwrap();
+    }
+    let kept = std::fs::read_to_string(&path).unwrap();
+    let how = "COSTATE_WRITE_REFERENCE=1 cargo test --release --test scene_files the_reference writes it";
+    assert!(kept == file::reference(), "src/scenes/file/reference.md is old: {how}");
 }
 
 #[test]
@@ -159,12 +198,12 @@ fn agrees(whole: &serde_json::Value, schema: &serde_json::Value, value: &serde_j
             "boolean" => value.is_boolean(),
             other => panic!("type {other}"),
         },
-        "required" => {
-            value.as_object().is_none_or(|own| of.as_array().unwrap().iter().all(|key| own.contains_key(key.as_str().unwrap())))
-        }
-        "properties" => value.as_object().is_none_or(|own| {
-            own.iter().all(|(key, value)| of.get(key).is_none_or(|schema| agrees(schema, value)))
-        }),
+        "required" => value
+            .as_object()
+            .is_none_or(|own| of.as_array().unwrap().iter().all(|key| own.contains_key(key.as_str().unwrap()))),
+        "properties" => value
+            .as_object()
+            .is_none_or(|own| own.iter().all(|(key, value)| of.get(key).is_none_or(|schema| agrees(schema, value)))),
         "additionalProperties" => value.as_object().is_none_or(|own| {
             let known = |key: &String| rules.get("properties").is_some_and(|known| known.get(key).is_some());
             own.iter().filter(|(key, _)| !known(key)).all(|(_, value)| *of != Value::Bool(false) && agrees(of, value))
@@ -197,7 +236,9 @@ fn as_json(value: &DeValue) -> serde_json::Value {
         DeValue::Boolean(own) => (*own).into(),
         DeValue::Datetime(own) => own.to_string().into(),
         DeValue::Array(list) => list.iter().map(|own| as_json(own.get_ref())).collect(),
-        DeValue::Table(table) => table.iter().map(|(key, own)| (key.get_ref().to_string(), as_json(own.get_ref()))).collect(),
+        DeValue::Table(table) => {
+            table.iter().map(|(key, own)| (key.get_ref().to_string(), as_json(own.get_ref()))).collect()
+        }
     }
 }
 
@@ -211,7 +252,9 @@ fn the_schema_accepts_the_example_files_and_refuses_wrong_keys() {
             let rule = &schema["properties"][key];
             let entries = own.as_array().filter(|_| rule["type"] == "array");
             match entries {
-                Some(list) => list.iter().for_each(|own| assert!(agrees(&schema, &rule["items"], own), "{}: {key}: {own}", path.display())),
+                Some(list) => list
+                    .iter()
+                    .for_each(|own| assert!(agrees(&schema, &rule["items"], own), "{}: {key}: {own}", path.display())),
                 None => assert!(agrees(&schema, rule, own), "{}: {key}: {own}", path.display()),
             }
         }

@@ -14,25 +14,91 @@ impl Scatter {
 
 /// Pieces that files are made of, and such as are not.
 const PIECES: &[&str] = &[
-    "", " ", "\n", "\"", "'", "\"\"\"", "[", "]", "[[", "]]", "{", "}", "{i}", "{i + 1}", "{1/0}", ",", "=", ".", "-", "^", "^^", "(", ")", "#",
-    "0", "-1", "1e308", "1e999", "nan", "inf", "-inf", "0x7fffffffffffffff", "99999999999999999999", "1979-05-27", "true", "0.5", "1000",
-    "sqrt(", "norm(", "cross(", "pi", "deg", "x", "\u{fc}", "\u{1f600}", "\u{0}", "ground", ".start", ".end", "[0]", "[1, 2]", "[0, 0, 0]",
-    "name = \"", "type = \"", "for = { i = [1, 3] }\n", "for = { i = [] }\n", "for = { i = [3, 1] }\n", "mass = 0\n", "version = 1\n",
-    "[[body]]\n", "[[joint]]\n", "[define]\n", "[variable.a]\n", "elements = 3\n", "position = ", "motion = {}\n", "section = \"\"\n",
+    "",
+    " ",
+    "\n",
+    "\"",
+    "'",
+    "\"\"\"",
+    "[",
+    "]",
+    "[[",
+    "]]",
+    "{",
+    "}",
+    "{i}",
+    "{i + 1}",
+    "{1/0}",
+    ",",
+    "=",
+    ".",
+    "-",
+    "^",
+    "^^",
+    "(",
+    ")",
+    "#",
+    "0",
+    "-1",
+    "1e308",
+    "1e999",
+    "nan",
+    "inf",
+    "-inf",
+    "0x7fffffffffffffff",
+    "99999999999999999999",
+    "1979-05-27",
+    "true",
+    "0.5",
+    "1000",
+    "sqrt(",
+    "norm(",
+    "cross(",
+    "pi",
+    "deg",
+    "x",
+    "\u{fc}",
+    "\u{1f600}",
+    "\u{0}",
+    "ground",
+    ".start",
+    ".end",
+    "[0]",
+    "[1, 2]",
+    "[0, 0, 0]",
+    "name = \"",
+    "type = \"",
+    "for = { i = [1, 3] }\n",
+    "for = { i = [] }\n",
+    "for = { i = [3, 1] }\n",
+    "mass = 0\n",
+    "version = 1\n",
+    "[[body]]\n",
+    "[[joint]]\n",
+    "[define]\n",
+    "[variable.a]\n",
+    "elements = 3\n",
+    "position = ",
+    "motion = {}\n",
+    "section = \"\"\n",
 ];
 
 /// A text with some changes: bytes, pieces, lines and words taken out, put in, doubled and exchanged.
 fn mutated(text: &str, scatter: &mut Scatter) -> String {
     let mut own = text.to_string();
     for _ in 0..=scatter.below(4) {
-        let boundary = |at: usize, own: &str| (0..=at.min(own.len())).rev().find(|&at| own.is_char_boundary(at)).unwrap_or(0);
+        let boundary =
+            |at: usize, own: &str| (0..=at.min(own.len())).rev().find(|&at| own.is_char_boundary(at)).unwrap_or(0);
         let (a, b) = (scatter.below(own.len() + 1), scatter.below(60));
         let (from, to) = (boundary(a, &own), boundary(a + b, &own));
         match scatter.below(7) {
             0 => own.replace_range(from..to, ""),
             1 => own.insert_str(from, PIECES[scatter.below(PIECES.len())]),
             2 => own.replace_range(from..to, PIECES[scatter.below(PIECES.len())]),
-            3 => own.insert_str(from, &own[from..to].to_string()),
+            3 => {
+                let piece = own[from..to].to_string();
+                own.insert_str(from, &piece);
+            }
             4 => {
                 // lines exchanged
                 let mut lines: Vec<&str> = own.lines().collect();

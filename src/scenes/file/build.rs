@@ -157,12 +157,14 @@ fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S
                 (known.numbers(own, "shear")?, known.numbers(own, "bending")?);
             let [axial, torsion] = [known.number(own, "axial")?, known.number(own, "torsion")?];
             let section = Section::new([axial, shear_2, shear_3, torsion, bending_2, bending_3]);
-            let second: [S; 2] =
-                if own.get("inertia").is_some() { known.numbers(own, "inertia")? } else { [S::zero(); 2] };
+            let second: [S; 2] = if own.get("inertia").is_some() { known.numbers(own, "inertia")? } else { [S::zero(); 2] };
             section.with_inertia(known.number_or(own, "mass", 0.0)?, second)
         }
         _ => {
-            return Err(Mistake::new(at, format!("\"{}\" is a section of cables; a beam needs one of another type", item.name)));
+            return Err(Mistake::new(
+                at,
+                format!("\"{}\" is a section of cables; a beam needs one of another type", item.name),
+            ));
         }
     };
     if own.get("centre").is_some() {
@@ -171,11 +173,10 @@ fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S
     if own.get("stiffness").is_some() {
         let mut upper = known.series(own, "stiffness")?.into_iter();
         let mut stiffness = [[S::zero(); STRAINS]; STRAINS];
-        for i in 0..STRAINS {
-            for j in i..STRAINS {
-                stiffness[i][j] = upper.next().unwrap_or(S::zero());
-                stiffness[j][i] = stiffness[i][j];
-            }
+        let places = (0..STRAINS).flat_map(|i| (i..STRAINS).map(move |j| (i, j)));
+        for ((i, j), own) in places.zip(&mut upper) {
+            stiffness[i][j] = own;
+            stiffness[j][i] = own;
         }
         section = section.with_stiffness(stiffness);
     }
@@ -196,7 +197,10 @@ fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSec
         (Made::Shape(material, shape), _) => CableSection::of(*material, *shape),
         (_, "cable") => CableSection::new(number("axial")?, number("bending")?, number("mass")?),
         _ => {
-            return Err(Mistake::new(at, format!("\"{}\" is a section of beams; a cable needs one of another type", item.name)));
+            return Err(Mistake::new(
+                at,
+                format!("\"{}\" is a section of beams; a cable needs one of another type", item.name),
+            ));
         }
     };
     if own.get("offset").is_some() {
@@ -304,7 +308,13 @@ fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
         }
         "sphere_patch" => {
             let (centre, radius) = (vector("centre")?, known.number(fields, "radius")?);
-            ShellMesh::sphere(centre, radius, known.numbers(fields, "longitude")?, known.numbers(fields, "latitude")?, elements)
+            ShellMesh::sphere(
+                centre,
+                radius,
+                known.numbers(fields, "longitude")?,
+                known.numbers(fields, "latitude")?,
+                elements,
+            )
         }
         _ => {
             let edges = [vector("first")?.unit(), vector("second")?.unit()];
@@ -341,7 +351,9 @@ fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
     let (material, thickness) = (known.material(fields)?, known.series(fields, "thickness")?);
     let (strips, along) = (thickness.len(), elements[0]);
     if strips == 0 || strips > along {
-        let text = format!("\"{name}\" has {strips} thicknesses; give one, or up to {along}, the elements along its first direction");
+        let text = format!(
+            "\"{name}\" has {strips} thicknesses; give one, or up to {along}, the elements along its first direction"
+        );
         return Err(Mistake::new(fields.get("thickness").map_or(fields.at, |own| own.0), text));
     }
     let shell = m.tapered_shell(name, mesh, &material, |element, _| thickness[(element % along) * strips / along]);
@@ -501,8 +513,7 @@ fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Buil
         }
         _ => {
             let axes: Quaternion<S> = known.orientation(fields)?;
-            let damping =
-                if fields.get("damping").is_some() { known.numbers(fields, "damping")? } else { [S::zero(); 6] };
+            let damping = if fields.get("damping").is_some() { known.numbers(fields, "damping")? } else { [S::zero(); 6] };
             let coefficients = [known.numbers(fields, "stiffness")?, damping];
             let point = place(known, fields, "point", nodes[1], m)?;
             m.bushing(name, nodes, point, axes, coefficients)
@@ -665,7 +676,8 @@ fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut 
                         }
                         _ => {
                             let at = fields.get("over").map_or(fields.at, |own| own.0);
-                            let text = "over of a largest_cable_stress must be { aggregate = \"smooth_maximum\", sharpness = .. }";
+                            let text =
+                                "over of a largest_cable_stress must be { aggregate = \"smooth_maximum\", sharpness = .. }";
                             return Err(Mistake::new(at, text));
                         }
                     };

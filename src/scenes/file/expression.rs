@@ -420,8 +420,11 @@ impl<'r> Reader<'r> {
             Some(Quantity::Number(value)) => {
                 self.operations.truncate(before);
                 let is_whole = value.fract() == 0.0 && value.abs() <= 1000.0;
-                self.operations
-                    .push(if is_whole { Operation::WholePower(value as i32) } else { Operation::RealPower(value) });
+                self.operations.push(if is_whole {
+                    Operation::WholePower(value as i32)
+                } else {
+                    Operation::RealPower(value)
+                });
             }
             _ => self.operations.push(Operation::Power),
         }
@@ -559,8 +562,12 @@ mod tests {
     }
 
     fn value(text: &str) -> Vec<f64> {
-        let names =
-            [Quantity::Number(0.7), Quantity::Number(1.3), Quantity::Number(2.0), Quantity::Vector(Vector3::new(1.0, 2.0, 3.0))];
+        let names = [
+            Quantity::Number(0.7),
+            Quantity::Number(1.3),
+            Quantity::Number(2.0),
+            Quantity::Vector(Vector3::new(1.0, 2.0, 3.0)),
+        ];
         Expression::parse(text, &scope()).unwrap().value(&names).components()
     }
 
@@ -619,8 +626,8 @@ mod tests {
             ("2 *", 3, "ends"),
             ("2 $ 3", 2, "'$' does not continue"),
             ("(a", 2, "')' is missing"),
-            ("a + v", 1, "cannot join a number and a vector"),
-            ("v * v", 1, "dot(a, b)"),
+            ("a + v", 2, "cannot join a number and a vector"),
+            ("v * v", 2, "dot(a, b)"),
             ("sin(v)", 4, "argument 1 of sin is a vector"),
             ("sine(a)", 0, "did you mean \"sin\""),
             ("a + tow", 4, "did you mean \"two\""),

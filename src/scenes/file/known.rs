@@ -232,7 +232,8 @@ impl<S: Scalar> Known<'_, S> {
         let (start, end) = (fixed(own, "start").unwrap_or(0.0), fixed(own, "end").unwrap_or(f64::NAN));
         let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
         let intervals = count(own, "intervals");
-        let times: Vec<f64> = (0..=intervals).map(|i| start + (end - start) * (i as f64 / intervals as f64)).collect();
+        let interval = (end - start) / intervals as f64;
+        let times: Vec<f64> = (0..=intervals).map(|i| start + interval * i as f64).collect();
         let mut names = self.names.clone();
         let mut values = Vec::new();
         for &t in &times {

@@ -18,7 +18,10 @@ pub(super) enum RawValue {
     /// With the place of its first character, if characters of the text and the file are the same.
     Text(String, Option<usize>),
     /// As written: whole or not.
-    Number { value: f64, whole: bool },
+    Number {
+        value: f64,
+        whole: bool,
+    },
     Flag(bool),
     Date,
     List(Vec<Raw>),
@@ -112,9 +115,7 @@ fn raw(text: &str, value: &DeValue, at: usize) -> Raw {
         DeValue::Float(own) => number(&own.as_str().replace('_', ""), false),
         DeValue::Boolean(flag) => RawValue::Flag(*flag),
         DeValue::Datetime(_) => RawValue::Date,
-        DeValue::Array(list) => {
-            RawValue::List(list.iter().map(|own| raw(text, own.get_ref(), own.span().start)).collect())
-        }
+        DeValue::Array(list) => RawValue::List(list.iter().map(|own| raw(text, own.get_ref(), own.span().start)).collect()),
         DeValue::Table(table) => raw_table(text, table),
     };
     Raw { at, value }
@@ -137,7 +138,8 @@ enum Step {
 /// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.
 pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
     let Some(loops) = entry.get("for") else { return Ok(vec![entry.clone()]) };
-    let wanted = "for must be a table of names with a range [from, to] of whole numbers or a list of texts, as in { i = [1, 5] }";
+    let wanted =
+        "for must be a table of names with a range [from, to] of whole numbers or a list of texts, as in { i = [1, 5] }";
     let named = loops.entries().filter(|named| !named.is_empty());
     let named = named.ok_or_else(|| Mistake::new(loops.at, format!("{wanted}; it is {}", loops.words())))?;
     let mut turns: Vec<Vec<Turn>> = vec![Vec::new()];

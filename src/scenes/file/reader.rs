@@ -96,10 +96,9 @@ struct Reader {
 /// Sections whose names may be the same, as nobody takes one for the other, have different words here.
 fn name_space(section: &str) -> &'static str {
     match section {
-        "variable" | "material" | "section" | "laminate" | "drawing" => SECTIONS
-            .iter()
-            .find(|own| own.name == section)
-            .map_or("", |own| own.name),
+        "variable" | "material" | "section" | "laminate" | "drawing" => {
+            SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
+        }
         "joint" | "driver" | "rigid_interface" => "joint",
         "spring" | "damper" | "force" | "torque" | "distributed_load" | "pressure" => "force",
         "functional" => "functional",
@@ -109,8 +108,7 @@ fn name_space(section: &str) -> &'static str {
 
 /// Reads a whole file.
 pub(super) fn read(root: &Raw) -> Result<Contents, Vec<Mistake>> {
-    let mut reader =
-        Reader { scope: Scope::default(), declared: Vec::new(), by_name: HashMap::new(), mistakes: Vec::new() };
+    let mut reader = Reader { scope: Scope::default(), declared: Vec::new(), by_name: HashMap::new(), mistakes: Vec::new() };
     let contents = reader.contents(root);
     if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
 }
@@ -169,10 +167,8 @@ impl Reader {
             let fields = self.fields(&raw, &section.forms, &owner);
             items.push(Item { section: section.name, name, fields });
         }
-        let variables = variables
-            .into_iter()
-            .map(|(index, name)| Variable { fields: items[index].fields.clone(), name })
-            .collect();
+        let variables =
+            variables.into_iter().map(|(index, name)| Variable { fields: items[index].fields.clone(), name }).collect();
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order }
     }
@@ -395,21 +391,27 @@ impl Reader {
                     Some(Value::List(vec![(raw.at, Value::Formula(formula, range))]))
                 }
             },
-            Type::Fixeds(count, _) => match list().filter(|list| if count == 0 { list.len() > 1 } else { list.len() == count }) {
-                Some(list) => {
-                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
-                    own.into_iter().map(|(at, value)| Some((at, Value::Fixed(value?)))).collect::<Option<_>>().map(Value::List)
+            Type::Fixeds(count, _) => {
+                match list().filter(|list| if count == 0 { list.len() > 1 } else { list.len() == count }) {
+                    Some(list) => {
+                        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
+                        own.into_iter()
+                            .map(|(at, value)| Some((at, Value::Fixed(value?))))
+                            .collect::<Option<_>>()
+                            .map(Value::List)
+                    }
+                    None => {
+                        let number = if count == 0 { "two or more".into() } else { count.to_string() };
+                        self.not(raw, key, owner, &format!("a list of {number} numbers"));
+                        None
+                    }
                 }
-                None => {
-                    let number = if count == 0 { "two or more".into() } else { count.to_string() };
-                    self.not(raw, key, owner, &format!("a list of {number} numbers"));
-                    None
-                }
-            },
+            }
             Type::Points => match list().filter(|list| list.len() > 1) {
                 Some(list) => {
                     let own: Vec<_> = list.iter().map(|raw| (raw.at, self.vector(raw, &what))).collect();
-                    let value = |(at, formula): (usize, Option<Expression>)| Some((at, Value::Formula(formula?, Range::Any)));
+                    let value =
+                        |(at, formula): (usize, Option<Expression>)| Some((at, Value::Formula(formula?, Range::Any)));
                     own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
                 }
                 None => {
@@ -421,7 +423,10 @@ impl Reader {
             Type::Counts(count, least, most) => match list().filter(|list| list.len() == count) {
                 Some(list) => {
                     let own: Vec<_> = list.iter().map(|raw| (raw.at, self.count(raw, &what, [least, most]))).collect();
-                    own.into_iter().map(|(at, value)| Some((at, Value::Count(value?)))).collect::<Option<_>>().map(Value::List)
+                    own.into_iter()
+                        .map(|(at, value)| Some((at, Value::Count(value?))))
+                        .collect::<Option<_>>()
+                        .map(Value::List)
                 }
                 None => {
                     self.not(raw, key, owner, &format!("a list of {count} whole numbers"));
@@ -465,7 +470,12 @@ impl Reader {
                     own.into_iter().collect::<Option<_>>().map(Value::Weights)
                 }
                 None => {
-                    self.not(raw, key, owner, "a table of names with numbers, as in { mass = 1.0, \"largest moment\" = 0.5 }");
+                    self.not(
+                        raw,
+                        key,
+                        owner,
+                        "a table of names with numbers, as in { mass = 1.0, \"largest moment\" = 0.5 }",
+                    );
                     None
                 }
             },
@@ -474,7 +484,11 @@ impl Reader {
                 let own = std::slice::from_ref(raw);
                 let list = list().unwrap_or(own);
                 let chosen: Vec<_> = list.iter().map(|own| (own.at, self.choice(own, &what, words))).collect();
-                chosen.into_iter().map(|(at, word)| Some((at, Value::Text(word?.into())))).collect::<Option<_>>().map(Value::List)
+                chosen
+                    .into_iter()
+                    .map(|(at, word)| Some((at, Value::Text(word?.into()))))
+                    .collect::<Option<_>>()
+                    .map(Value::List)
             }
             Type::Node => self.node(raw, &what, false).map(Value::Node),
             Type::Nodes(count) => match list().filter(|list| list.len() == count) {
@@ -500,9 +514,9 @@ impl Reader {
             }
             Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, &what))),
             Type::Tables(forms) => match list() {
-                Some(list) => {
-                    Some(Value::List(list.iter().map(|own| (own.at, Value::Fields(self.fields(own, forms, &what)))).collect()))
-                }
+                Some(list) => Some(Value::List(
+                    list.iter().map(|own| (own.at, Value::Fields(self.fields(own, forms, &what)))).collect(),
+                )),
                 None => {
                     self.not(raw, key, owner, "a list of tables");
                     None
@@ -528,7 +542,10 @@ impl Reader {
 
     fn numbers(&mut self, list: &[Raw], what: &str, range: Range) -> Option<Value> {
         let own: Vec<_> = list.iter().map(|raw| (raw.at, self.formula(raw, what, Some(range)))).collect();
-        own.into_iter().map(|(at, formula)| Some((at, Value::Formula(formula?, range)))).collect::<Option<_>>().map(Value::List)
+        own.into_iter()
+            .map(|(at, formula)| Some((at, Value::Formula(formula?, range))))
+            .collect::<Option<_>>()
+            .map(Value::List)
     }
 
     /// A number or formula; of a number where a range is given.
@@ -661,8 +678,13 @@ impl Reader {
             let text = match other {
                 Some(other) => {
                     let names = self.names_of(sections);
-                    let there = if names.is_empty() { "there is none".into() } else { format!("there are: {}", names.join(", ")) };
-                    format!("\"{name}\" is a {}, and a {} is wanted here; {there}", other.section.name, sections.join(" or "))
+                    let there =
+                        if names.is_empty() { "there is none".into() } else { format!("there are: {}", names.join(", ")) };
+                    format!(
+                        "\"{name}\" is a {}, and a {} is wanted here; {there}",
+                        other.section.name,
+                        sections.join(" or ")
+                    )
                 }
                 None => known,
             };
@@ -701,7 +723,9 @@ impl Reader {
             let mut known = self.names_of(WITH_NODES);
             known.push("ground".into());
             let text = match self.declared.iter().find(|own| own.name == name) {
-                Some(other) => format!("\"{name}\" is a {}, which is no node; known: {}", other.section.name, known.join(", ")),
+                Some(other) => {
+                    format!("\"{name}\" is a {}, which is no node; known: {}", other.section.name, known.join(", "))
+                }
                 None => unknown("node", name, &known),
             };
             self.wrong(raw.at, format!("{what}: {text}"));
@@ -735,7 +759,10 @@ impl Reader {
                 }
                 ways.push(format!("{name}.{edge}{}", numbers(of_edge)));
             }
-            self.wrong(raw.at, format!("{what}: \"{text}\" is no node of the {section} \"{name}\"; there are: {}", ways.join(", ")));
+            self.wrong(
+                raw.at,
+                format!("{what}: \"{text}\" is no node of the {section} \"{name}\"; there are: {}", ways.join(", ")),
+            );
             return None;
         }
         Some(NodePlace { item: Some(place), edge: found.flatten(), index })
@@ -774,7 +801,8 @@ impl Reader {
 /// `plate[2, 3]` as `plate` and its numbers; what is no such thing stays as it is.
 fn divided(text: &str) -> (&str, Vec<usize>) {
     let inside = text.strip_suffix(']').and_then(|front| front.rsplit_once('['));
-    let numbers = inside.and_then(|(_, list)| list.split(',').map(|own| own.trim().parse().ok()).collect::<Option<Vec<_>>>());
+    let numbers =
+        inside.and_then(|(_, list)| list.split(',').map(|own| own.trim().parse().ok()).collect::<Option<Vec<_>>>());
     match (inside, numbers) {
         (Some((name, _)), Some(numbers)) => (name.trim_end(), numbers),
         _ => (text, Vec::new()),

@@ -114,7 +114,10 @@ impl FileScene {
         if let Some((at, _)) = contents.top.get("name")
             && (name.contains(['/', '\\']) || name.starts_with('.'))
         {
-            mistakes.push(Mistake::new(at, format!("the name \"{name}\" is that of a folder for results: / and \\ cannot be in it")));
+            mistakes.push(Mistake::new(
+                at,
+                format!("the name \"{name}\" is that of a folder for results: / and \\ cannot be in it"),
+            ));
         }
         let variables = variables(&contents, &mut mistakes);
         let settings = settings(&contents, &mut mistakes);
@@ -141,9 +144,13 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
         let &[lower, upper] = bounds.as_slice() else { continue };
         let at = |key: &str| own.fields.get(key).map_or(own.fields.at, |given| given.0);
         if lower > upper {
-            mistakes.push(Mistake::new(at("bounds"), format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name)));
+            mistakes.push(Mistake::new(
+                at("bounds"),
+                format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name),
+            ));
         } else if !(lower..=upper).contains(&initial) {
-            let text = format!("initial of \"{}\" is {initial}; it must lie between its bounds {lower} and {upper}", own.name);
+            let text =
+                format!("initial of \"{}\" is {initial}; it must lie between its bounds {lower} and {upper}", own.name);
             mistakes.push(Mistake::new(at("initial"), text));
         }
         let unit = kept(text(&own.fields, "unit").unwrap_or("-"));
@@ -180,10 +187,14 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
         mistakes.push(Mistake::new(fields.at, "[settings] needs the key end: the duration in s"));
     }
     if steps.is_none() && tolerance.is_none() {
-        mistakes.push(Mistake::new(fields.at, "[settings] needs the key steps, or tolerance where steps are to be chosen by their error"));
+        mistakes.push(Mistake::new(
+            fields.at,
+            "[settings] needs the key steps, or tolerance where steps are to be chosen by their error",
+        ));
     }
     if let (Some(_), Some(_)) = (steps, tolerance) {
-        mistakes.push(Mistake::new(at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"));
+        mistakes
+            .push(Mistake::new(at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"));
     }
     for key in ["velocity_tolerance", "longest_step"] {
         if fields.get(key).is_some() && tolerance.is_none() {
@@ -205,9 +216,14 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
 }
 
 fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
-    let kinds: [(&str, fn(f64) -> Limit); 3] =
-        [("at_most", Limit::AtMost), ("at_least", Limit::AtLeast), ("equal", Limit::Equal)];
-    let given: Vec<Limit> = kinds.iter().filter_map(|(key, make)| Some(make(fixed(fields, key)?))).collect();
+    let given: Vec<Limit> = [
+        fixed(fields, "at_most").map(Limit::AtMost),
+        fixed(fields, "at_least").map(Limit::AtLeast),
+        fixed(fields, "equal").map(Limit::Equal),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     match given.as_slice() {
         [one] => *one,
         other => {
@@ -267,7 +283,11 @@ fn problem(contents: &Contents, variables: &[DesignVariable], mistakes: &mut Vec
     }
     let constraints = constraints
         .into_iter()
-        .map(|(own, functional)| FunctionalConstraint { functional, limit: limit(own, mistakes), scale: fixed(own, "scale") })
+        .map(|(own, functional)| FunctionalConstraint {
+            functional,
+            limit: limit(own, mistakes),
+            scale: fixed(own, "scale"),
+        })
         .collect();
     let linear = linear
         .into_iter()

@@ -3,8 +3,8 @@
 use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Node, NodeSets, Nodes, Number, Numbers, OfTime,
-    OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
+    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Node, NodeSets, Nodes, Number, Numbers,
+    OfTime, OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -45,16 +45,16 @@ macro_rules! forms {
 }
 
 const ORIENTATION: Forms = forms!([]
-    "angle" "turned about an axis of the world" [
-        need("axis", Vector("-"), "axis in the world, of any length"),
-        need("angle", Number("rad", Any), "angle"),
-    ]
-    "x_axis" "the x axis of the frame along a direction of the world, by the shortest turn" [
-        need("along", Vector("-"), "direction in the world, of any length"),
-    ]
-    "euler_parameters" "as they stand" [
-        need("values", Numbers(&[4], "-", Any), "e0, e1, e2, e3 with unit length"),
-    ]);
+"angle" "turned about an axis of the world" [
+    need("axis", Vector("-"), "axis in the world, of any length"),
+    need("angle", Number("rad", Any), "angle"),
+]
+"x_axis" "the x axis of the frame along a direction of the world, by the shortest turn" [
+    need("along", Vector("-"), "direction in the world, of any length"),
+]
+"euler_parameters" "as they stand" [
+    need("values", Numbers(&[4], "-", Any), "e0, e1, e2, e3 with unit length"),
+]);
 
 const MOTION: Forms = one_form![
     may("point", Vector("m"), "point with the velocity; the origin"),
@@ -63,44 +63,44 @@ const MOTION: Forms = one_form![
 ];
 
 const FUNCTION: Forms = forms!([
-        may("smooth_start", Number("s", Positive), "the function starts from rest within this time; at once"),
-    ]
-    "constant" "f = value" [need("value", Number("", Any), "value")]
-    "constant_rate" "f = offset + rate t" [
-        may("offset", Number("", Any), "value at t = 0; 0"),
-        need("rate", Number("1/s", Any), "rate"),
-    ]
-    "sine" "f = offset + amplitude sin(angular_frequency t + phase)" [
-        may("offset", Number("", Any), "mean; 0"),
-        need("amplitude", Number("", Any), "amplitude"),
-        need("angular_frequency", Number("rad/s", Any), "angular frequency"),
-        may("phase", Number("rad", Any), "phase; 0"),
-    ]
-    "smooth_ramp" "from one value to another along 10 s^3 - 15 s^4 + 6 s^5" [
-        may("from", Number("", Any), "value before; 0"),
-        need("to", Number("", Any), "value after"),
-        may("start", Number("s", Any), "when it begins; 0"),
-        need("duration", Number("s", Positive), "how long it takes"),
-    ]
-    "step" "a jump, for loads only" [
-        may("before", Number("", Any), "value before; 0"),
-        need("after", Number("", Any), "value from the jump on"),
-        need("at", Fixed("s", Any), "time of the jump"),
-    ]
-    "lines" "straight lines between points, constant outside, for loads only" [
-        need("times", Fixeds(0, "s"), "times of the points, increasing"),
-        need("values", Series(""), "values there"),
-    ]
-    "table" "natural cubic spline through points, constant slope outside" [
-        need("times", Fixeds(0, "s"), "times of the points, increasing"),
-        need("values", Series(""), "values there"),
-    ]
-    "formula" "natural cubic spline through a formula of the time t at equal intervals, constant slope outside" [
-        need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
-        may("start", Fixed("s", Any), "first of the times; 0"),
-        need("end", Fixed("s", Any), "last of the times"),
-        need("intervals", Count(1, MOST), "how many: the spline is as near to the formula as these are short"),
-    ]);
+    may("smooth_start", Number("s", Positive), "the function starts from rest within this time; at once"),
+]
+"constant" "f = value" [need("value", Number("", Any), "value")]
+"constant_rate" "f = offset + rate t" [
+    may("offset", Number("", Any), "value at t = 0; 0"),
+    need("rate", Number("1/s", Any), "rate"),
+]
+"sine" "f = offset + amplitude sin(angular_frequency t + phase)" [
+    may("offset", Number("", Any), "mean; 0"),
+    need("amplitude", Number("", Any), "amplitude"),
+    need("angular_frequency", Number("rad/s", Any), "angular frequency"),
+    may("phase", Number("rad", Any), "phase; 0"),
+]
+"smooth_ramp" "from one value to another along 10 s^3 - 15 s^4 + 6 s^5" [
+    may("from", Number("", Any), "value before; 0"),
+    need("to", Number("", Any), "value after"),
+    may("start", Number("s", Any), "when it begins; 0"),
+    need("duration", Number("s", Positive), "how long it takes"),
+]
+"step" "a jump, for loads only" [
+    may("before", Number("", Any), "value before; 0"),
+    need("after", Number("", Any), "value from the jump on"),
+    need("at", Fixed("s", Any), "time of the jump"),
+]
+"lines" "straight lines between points, constant outside, for loads only" [
+    need("times", Fixeds(0, "s"), "times of the points, increasing"),
+    need("values", Series(""), "values there"),
+]
+"table" "natural cubic spline through points, constant slope outside" [
+    need("times", Fixeds(0, "s"), "times of the points, increasing"),
+    need("values", Series(""), "values there"),
+]
+"formula" "natural cubic spline through a formula of the time t at equal intervals, constant slope outside" [
+    need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
+    may("start", Fixed("s", Any), "first of the times; 0"),
+    need("end", Fixed("s", Any), "last of the times"),
+    need("intervals", Count(1, MOST), "how many: the spline is as near to the formula as these are short"),
+]);
 
 const AGGREGATE: Forms = one_form![
     need(
@@ -115,8 +115,11 @@ const AGGREGATE: Forms = one_form![
 ];
 
 /// Words for what is made over time, in the order of their meaning.
-const OVER: Key =
-    need("over", Over(&["initial", "terminal", "integral"], &AGGREGATE), "value at the start, at the end, integral, or an aggregate");
+const OVER: Key = need(
+    "over",
+    Over(&["initial", "terminal", "integral"], &AGGREGATE),
+    "value at the start, at the end, integral, or an aggregate",
+);
 
 const BETWEEN: Key = need("between", Nodes(2), "both nodes, a and b");
 const POINT: Key = may("point", Vector("m"), "place in the world at the start; that of b");
@@ -173,8 +176,7 @@ const PLY: Forms = one_form![
 const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
 
 /// Sections whose entries are nodes or have nodes.
-pub(super) const WITH_NODES: &[&str] =
-    &["body", "point", "joint_angle", "beam", "cable", "shell", "thin_walls", "sphere"];
+pub(super) const WITH_NODES: &[&str] = &["body", "point", "joint_angle", "beam", "cable", "shell", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.
@@ -224,43 +226,43 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Named,
         doc: "The section of beams and cables; axis 1 along the line, 2 and 3 across.",
         forms: forms!([
-                may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-                may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
-            ]
-            "rectangle" "solid rectangle" [
-                MATERIAL,
-                need("width", Number("m", Positive), "along axis 2"),
-                need("height", Number("m", Positive), "along axis 3"),
-            ]
-            "box" "hollow rectangle" [
-                MATERIAL,
-                need("width", Number("m", Positive), "outer size along axis 2"),
-                need("height", Number("m", Positive), "outer size along axis 3"),
-                need("wall", Number("m", Positive), "thickness of the wall"),
-            ]
-            "circle" "solid circle" [MATERIAL, need("diameter", Number("m", Positive), "diameter")]
-            "tube" "circular tube" [
-                MATERIAL,
-                need("diameter", Number("m", Positive), "outer diameter"),
-                need("wall", Number("m", Positive), "thickness of the wall"),
-            ]
-            "beam" "by stiffness and inertia, for beams" [
-                need("axial", Number("N", Positive), "EA"),
-                need("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
-                need("torsion", Number("N m2", Positive), "GJ"),
-                need("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
-                may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
-                may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
-                may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
-                may("stiffness", Numbers(&[21], "N, N m, N m2", Any),
-                    "upper triangle by rows of the symmetric stiffness against axial strain, shear 2 and 3, torsion, bending 2 and 3, \
-                     instead of the numbers above; diagonal"),
-            ]
-            "cable" "by stiffness and mass, for cables" [
-                need("axial", Number("N", Positive), "EA"),
-                need("bending", Number("N m2", Positive), "EI about every axis"),
-                need("mass", Number("kg/m", AtLeastZero), "mass for each length"),
-            ]),
+            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+            may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
+        ]
+        "rectangle" "solid rectangle" [
+            MATERIAL,
+            need("width", Number("m", Positive), "along axis 2"),
+            need("height", Number("m", Positive), "along axis 3"),
+        ]
+        "box" "hollow rectangle" [
+            MATERIAL,
+            need("width", Number("m", Positive), "outer size along axis 2"),
+            need("height", Number("m", Positive), "outer size along axis 3"),
+            need("wall", Number("m", Positive), "thickness of the wall"),
+        ]
+        "circle" "solid circle" [MATERIAL, need("diameter", Number("m", Positive), "diameter")]
+        "tube" "circular tube" [
+            MATERIAL,
+            need("diameter", Number("m", Positive), "outer diameter"),
+            need("wall", Number("m", Positive), "thickness of the wall"),
+        ]
+        "beam" "by stiffness and inertia, for beams" [
+            need("axial", Number("N", Positive), "EA"),
+            need("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
+            need("torsion", Number("N m2", Positive), "GJ"),
+            need("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
+            may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
+            may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
+            may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
+            may("stiffness", Numbers(&[21], "N, N m, N m2", Any),
+                "upper triangle by rows of the symmetric stiffness against axial strain, shear 2 and 3, torsion, bending 2 and 3, \
+                 instead of the numbers above; diagonal"),
+        ]
+        "cable" "by stiffness and mass, for cables" [
+            need("axial", Number("N", Positive), "EA"),
+            need("bending", Number("N m2", Positive), "EI about every axis"),
+            need("mass", Number("kg/m", AtLeastZero), "mass for each length"),
+        ]),
     },
     Section {
         name: "laminate",
@@ -284,8 +286,11 @@ pub(super) const SECTIONS: &[Section] = &[
             may("angular_velocity", Vector("rad/s"), "in the world; 0"),
             may("mass", Number("kg", Positive), "mass; none"),
             may("mass_centre", Vector("m"), "in its own axes from its origin; the origin"),
-            may("inertia", Numbers(&[3, 6], "kg m2", Any),
-                "xx, yy, zz, and xy, xz, yz if they are not 0, about the mass centre in its own axes; needed with mass"),
+            may(
+                "inertia",
+                Numbers(&[3, 6], "kg m2", Any),
+                "xx, yy, zz, and xy, xz, yz if they are not 0, about the mass centre in its own axes; needed with mass"
+            ),
             may("coordinates", Choice(&["euler_parameters", "natural"]), "kind of its coordinates; euler_parameters"),
             may("draw", Points, "corners of a line of the picture, in the world at the start; none"),
         ],
@@ -306,12 +311,22 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A beam, geometrically exact, with shear and torsion, of three-node elements.",
         forms: one_form![
-            LINE[0], LINE[1], LINE[2], LINE[3],
+            LINE[0],
+            LINE[1],
+            LINE[2],
+            LINE[3],
             need("section", Item(&["section"]), "name of a section"),
-            need("second_axis", Vector("-"), "direction that spans the plane of axes 1 and 2 with the line; with arc its axis is taken"),
+            need(
+                "second_axis",
+                Vector("-"),
+                "direction that spans the plane of axes 1 and 2 with the line; with arc its axis is taken"
+            ),
             may("arc", Table(&ARC), "part of a circle instead of a straight line"),
             may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
-            LINE[4], LINE[5], LINE[6], LINE[7],
+            LINE[4],
+            LINE[5],
+            LINE[6],
+            LINE[7],
         ],
     },
     Section {
@@ -319,10 +334,16 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A cable in absolute nodal coordinates: straight at the start, without torsion.",
         forms: one_form![
-            LINE[0], LINE[1], LINE[2], LINE[3],
+            LINE[0],
+            LINE[1],
+            LINE[2],
+            LINE[3],
             need("section", Item(&["section"]), "name of a section that is not of type beam"),
             may("strains", Choice(&["exact", "small"]), "strains of its energy; exact"),
-            LINE[4], LINE[5], LINE[6], LINE[7],
+            LINE[4],
+            LINE[5],
+            LINE[6],
+            LINE[7],
         ],
     },
     Section {
@@ -331,67 +352,67 @@ pub(super) const SECTIONS: &[Section] = &[
         doc: "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
               the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
         forms: forms!([
-                NAME,
-                ELEMENTS,
-                may("material", Item(&["material"]), "name of a material; needed but with laminate"),
-                may("thickness", OneOrMore("m", Positive),
-                    "thickness, or those of strips of equal width across the first direction; needed with material"),
-                may("laminate", Item(&["laminate"]), "name of a laminate"),
-                may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
-                may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
-                may("clamped", Choices(EDGES), "edges that never move; none"),
-                may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them; none"),
-                may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
-            ]
-            "plate" "flat" [
-                may("corner", Vector("m"), "a corner; the origin"),
-                need("first", Vector("m"), "edge along the first direction"),
-                need("second", Vector("m"), "edge along the second direction"),
-            ]
-            "cylinder" "part of a circular cylinder" [
-                need("from", Vector("m"), "where the edge line starts"),
-                need("along", Vector("m"), "the edge line, which is the second direction"),
-                need("centre", Vector("m"), "a point of the axis"),
-                need("axis", Vector("-"), "unit vector of the axis"),
-                need("angle", Number("rad", Any), "turn of the edge line about the axis, which is the first direction"),
-            ]
-            "sphere_patch" "patch of a sphere between longitudes and latitudes about z" [
-                need("centre", Vector("m"), "centre"),
-                need("radius", Number("m", Positive), "radius"),
-                need("longitude", Numbers(&[2], "rad", Any), "from and to, the first direction"),
-                need("latitude", Numbers(&[2], "rad", Any), "from and to, the second direction"),
-            ]
-            "sphere_face" "one of six parts of a sphere" [
-                need("centre", Vector("m"), "centre"),
-                need("radius", Number("m", Positive), "radius"),
-                need("first", Vector("-"), "unit vector along an edge of the face"),
-                need("second", Vector("-"), "unit vector along the other, at right angles"),
-            ]),
+            NAME,
+            ELEMENTS,
+            may("material", Item(&["material"]), "name of a material; needed but with laminate"),
+            may("thickness", OneOrMore("m", Positive),
+                "thickness, or those of strips of equal width across the first direction; needed with material"),
+            may("laminate", Item(&["laminate"]), "name of a laminate"),
+            may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
+            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+            may("clamped", Choices(EDGES), "edges that never move; none"),
+            may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them; none"),
+            may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
+        ]
+        "plate" "flat" [
+            may("corner", Vector("m"), "a corner; the origin"),
+            need("first", Vector("m"), "edge along the first direction"),
+            need("second", Vector("m"), "edge along the second direction"),
+        ]
+        "cylinder" "part of a circular cylinder" [
+            need("from", Vector("m"), "where the edge line starts"),
+            need("along", Vector("m"), "the edge line, which is the second direction"),
+            need("centre", Vector("m"), "a point of the axis"),
+            need("axis", Vector("-"), "unit vector of the axis"),
+            need("angle", Number("rad", Any), "turn of the edge line about the axis, which is the first direction"),
+        ]
+        "sphere_patch" "patch of a sphere between longitudes and latitudes about z" [
+            need("centre", Vector("m"), "centre"),
+            need("radius", Number("m", Positive), "radius"),
+            need("longitude", Numbers(&[2], "rad", Any), "from and to, the first direction"),
+            need("latitude", Numbers(&[2], "rad", Any), "from and to, the second direction"),
+        ]
+        "sphere_face" "one of six parts of a sphere" [
+            need("centre", Vector("m"), "centre"),
+            need("radius", Number("m", Positive), "radius"),
+            need("first", Vector("-"), "unit vector along an edge of the face"),
+            need("second", Vector("-"), "unit vector along the other, at right angles"),
+        ]),
     },
     Section {
         name: "thin_walls",
         shape: Shape::Listed,
         doc: "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
         forms: forms!([
-                NAME,
-                may("start", Vector("m"), "where the origin of the profile starts; the origin"),
-                need("along", Vector("m"), "its line"),
-                need("first_axis", Vector("-"), "axis 1 of the profile, at right angles to the line"),
-                may("twist", Number("rad", Any), "turn of the profile about the line from start to end; 0"),
-                need("elements", Count(1, MOST), "elements along the line"),
-                MATERIAL,
-                need("thickness", OneOrMore("m", Positive), "thickness, or that of each wall"),
-            ]
-            "box_tube" "rectangular tube of four walls: lower, right, upper, left" [
-                need("width", Number("m", Positive), "of the middle lines along axis 1"),
-                need("height", Number("m", Positive), "of the middle lines along axis 2"),
-                need("across", Counts(2, 1, 100), "elements across lower and upper, and right and left walls"),
-            ]
-            "i_section" "two flanges and a web: both halves of the lower flange, of the upper one, web" [
-                need("width", Number("m", Positive), "of the flanges along axis 1"),
-                need("height", Number("m", Positive), "of the web along axis 2"),
-                need("across", Counts(2, 1, 100), "elements across half a flange, and the web"),
-            ]),
+            NAME,
+            may("start", Vector("m"), "where the origin of the profile starts; the origin"),
+            need("along", Vector("m"), "its line"),
+            need("first_axis", Vector("-"), "axis 1 of the profile, at right angles to the line"),
+            may("twist", Number("rad", Any), "turn of the profile about the line from start to end; 0"),
+            need("elements", Count(1, MOST), "elements along the line"),
+            MATERIAL,
+            need("thickness", OneOrMore("m", Positive), "thickness, or that of each wall"),
+        ]
+        "box_tube" "rectangular tube of four walls: lower, right, upper, left" [
+            need("width", Number("m", Positive), "of the middle lines along axis 1"),
+            need("height", Number("m", Positive), "of the middle lines along axis 2"),
+            need("across", Counts(2, 1, 100), "elements across lower and upper, and right and left walls"),
+        ]
+        "i_section" "two flanges and a web: both halves of the lower flange, of the upper one, web" [
+            need("width", Number("m", Positive), "of the flanges along axis 1"),
+            need("height", Number("m", Positive), "of the web along axis 2"),
+            need("across", Counts(2, 1, 100), "elements across half a flange, and the web"),
+        ]),
     },
     Section {
         name: "sphere",
@@ -491,51 +512,51 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A prescribed motion.",
         forms: forms!([NAME, BETWEEN, AXIS]
-            "rotation" "the angle of b against a about an axis, zero as they stand" [
-                need("angle", Function("rad", &FUNCTION), "angle over time"),
-            ]
-            "translation" "a point of b along an axis of a" [
-                may("origin", Vector("m"), "where the displacement is zero; the place of a"),
-                POINT,
-                need("displacement", Function("m", &FUNCTION), "displacement over time"),
-            ]),
+        "rotation" "the angle of b against a about an axis, zero as they stand" [
+            need("angle", Function("rad", &FUNCTION), "angle over time"),
+        ]
+        "translation" "a point of b along an axis of a" [
+            may("origin", Vector("m"), "where the displacement is zero; the place of a"),
+            POINT,
+            need("displacement", Function("m", &FUNCTION), "displacement over time"),
+        ]),
     },
     Section {
         name: "spring",
         shape: Shape::Listed,
         doc: "A spring.",
         forms: forms!([NAME]
-            "line" "along the line between two points" [
-                BETWEEN, ENDS,
-                need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
-                may("rest_length", Number("m", AtLeastZero), "length without force; the length at the start"),
-            ]
-            "torsion" "about an axis, with a damper" [
-                BETWEEN, AXIS,
-                need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
-                may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
-                may("rest_angle", Number("rad", Any), "angle without moment, zero as they stand; 0"),
-            ]
-            "slide" "along an axis of a, with a damper" [
-                BETWEEN,
-                may("origin", Vector("m"), "where the displacement is zero; the place of a"),
-                POINT, AXIS,
-                need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
-                may("damping", Number("N s/m", AtLeastZero), "damping; 0"),
-                may("rest_displacement", Number("m", Any), "displacement without force; 0"),
-            ]
-            "angle" "on a joint angle, with a damper" [
-                need("on", Node, "joint angle"),
-                need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
-                may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
-                may("rest_angle", Number("rad", Any), "angle without moment; 0"),
-            ]
-            "bushing" "along and about three axes, with dampers; at rest as the bodies stand" [
-                BETWEEN, POINT,
-                may("orientation", Table(&ORIENTATION), "its axes; those of the world"),
-                need("stiffness", Numbers(&[6], "N/m, N m/rad", AtLeastZero), "along and about x, y, z"),
-                may("damping", Numbers(&[6], "N s/m, N m s/rad", AtLeastZero), "along and about x, y, z; 0"),
-            ]),
+        "line" "along the line between two points" [
+            BETWEEN, ENDS,
+            need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
+            may("rest_length", Number("m", AtLeastZero), "length without force; the length at the start"),
+        ]
+        "torsion" "about an axis, with a damper" [
+            BETWEEN, AXIS,
+            need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
+            may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
+            may("rest_angle", Number("rad", Any), "angle without moment, zero as they stand; 0"),
+        ]
+        "slide" "along an axis of a, with a damper" [
+            BETWEEN,
+            may("origin", Vector("m"), "where the displacement is zero; the place of a"),
+            POINT, AXIS,
+            need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
+            may("damping", Number("N s/m", AtLeastZero), "damping; 0"),
+            may("rest_displacement", Number("m", Any), "displacement without force; 0"),
+        ]
+        "angle" "on a joint angle, with a damper" [
+            need("on", Node, "joint angle"),
+            need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
+            may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
+            may("rest_angle", Number("rad", Any), "angle without moment; 0"),
+        ]
+        "bushing" "along and about three axes, with dampers; at rest as the bodies stand" [
+            BETWEEN, POINT,
+            may("orientation", Table(&ORIENTATION), "its axes; those of the world"),
+            need("stiffness", Numbers(&[6], "N/m, N m/rad", AtLeastZero), "along and about x, y, z"),
+            may("damping", Numbers(&[6], "N s/m, N m s/rad", AtLeastZero), "along and about x, y, z; 0"),
+        ]),
     },
     Section {
         name: "damper",
@@ -550,7 +571,10 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A force at a point of a node: direction times size.",
         forms: one_form![
-            NAME, ON, AT, FRAME,
+            NAME,
+            ON,
+            AT,
+            FRAME,
             need("direction", Vector("-"), "direction in the world at the start; its length counts"),
             need("size", Function("N", &FUNCTION), "size over time"),
         ],
@@ -560,7 +584,9 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A torque on a body: axis times size.",
         forms: one_form![
-            NAME, ON, FRAME,
+            NAME,
+            ON,
+            FRAME,
             need("axis", Vector("-"), "axis in the world at the start; its length counts"),
             need("size", Function("N m", &FUNCTION), "size over time"),
         ],
@@ -592,10 +618,7 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "drawing",
         shape: Shape::Listed,
         doc: "A line of the picture that moves with a node.",
-        forms: one_form![
-            may("on", Node, "node; ground"),
-            need("points", Points, "corners in the world at the start"),
-        ],
+        forms: one_form![may("on", Node, "node; ground"), need("points", Points, "corners in the world at the start"),],
     },
     Section {
         name: "functional",
@@ -676,10 +699,22 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Once,
         doc: "How a run is made where the command line does not say otherwise.",
         forms: one_form![
-            may("end", Fixed("s", Positive), "duration, or with method static the last load factor; needed but with static, where it is 1"),
+            may(
+                "end",
+                Fixed("s", Positive),
+                "duration, or with method static the last load factor; needed but with static, where it is 1"
+            ),
             may("steps", Count(1, MOST_STEPS), "steps of equal size; needed without tolerance"),
-            may("method", Text, "integrator: esdirk4, generalized-alpha:0.6, variational, static and others, as for --method; esdirk4"),
-            may("tolerance", Fixed("-", Positive), "steps are chosen by their error: relative and absolute; steps of equal size"),
+            may(
+                "method",
+                Text,
+                "integrator: esdirk4, generalized-alpha:0.6, variational, static and others, as for --method; esdirk4"
+            ),
+            may(
+                "tolerance",
+                Fixed("-", Positive),
+                "steps are chosen by their error: relative and absolute; steps of equal size"
+            ),
             may("velocity_tolerance", Fixed("-", Positive), "the same for velocities; tolerance"),
             may("longest_step", Fixed("s", Positive), "longest step that tolerance may choose; any"),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
@@ -707,13 +742,16 @@ pub(super) const SECTIONS: &[Section] = &[
             may("weights", Weights, "weights of functionals in a sum, by name"),
             may("varying", Texts, "names of the design variables that may change, as they are listed; all"),
             may("scale", Fixed("unit", Positive), "size of the objective that is of the order of 1; its size at the start"),
-            may("screening", Fixed("-", Positive), "limits kept by more than this share need no gradient; every limit has one"),
+            may(
+                "screening",
+                Fixed("-", Positive),
+                "limits kept by more than this share need no gradient; every limit has one"
+            ),
             may("constraint", Tables(&LIMIT), "limits of functionals"),
             may("linear", Tables(&LINEAR), "limits of sums of design variables"),
         ],
     },
 ];
-
 
 /// Keys for which no section is: `define`.
 pub(super) const DEFINE: (&str, &str) = (
