@@ -223,7 +223,7 @@ impl SceneOptions {
         } else if self.steps.is_some() {
             settings.control = None;
         }
-        if let Some(dt) = self.output_step.filter(|dt| settings.end / dt > MOST_STEPS as f64) {
+        if let Some(dt) = self.output(scene).step.filter(|dt| settings.end / dt > MOST_STEPS as f64) {
             return Err(Failure::input(format!(
                 "--output-step {dt}: at most {MOST_STEPS} times fit into {} s",
                 settings.end

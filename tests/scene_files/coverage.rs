@@ -16,11 +16,12 @@ const FILES: &[(&str, &str)] = &[
 ];
 
 /// What tables at these keys are called among the definitions of the schema: they are the same wherever they stand.
-const TABLES: [(&str, &str); 10] = [
+const TABLES: [(&str, &str); 11] = [
     ("arc", "arc"),
     ("constraint", "constraint"),
     ("linear", "linear"),
     ("plies", "plies"),
+    ("held", "held"),
     ("size", "a function of time"),
     ("angle", "a function of time"),
     ("displacement", "a function of time"),

@@ -164,7 +164,9 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("steps = 10", "steps = 10\nmethod = \"variational:2\"", "26:10", &["variational:2", "from 0 to 1"]),
     ("steps = 10", "steps = 10\ntolerance = 1e-6", "26:13", &["steps and tolerance"]),
     ("steps = 10", "steps = 10\nlongest_step = 0.1", "26:16", &["means nothing without the key tolerance"]),
+    ("steps = 10\n", "steps = 10\n[output]\nstep = 1e-300\n", "27:8", &["step of [output] is", "fit into 1 s"]),
     // loops
+    ("bounds = [0.1, 10]\n", "bounds = [0.1, 10]\nfor = { i = [1, 2] }\n", "4:11", &["name \"length\" is taken"]),
     ("name = \"weld\"", "name = \"weld\"\nfor = { i = 3 }", "53:13", &["for must be", "i is the number 3"]),
     ("name = \"weld\"", "name = \"weld {j}\"\nfor = { i = [1, 2] }", "52:8", &["\"weld {j}\"", "name \"j\"", "known: i"]),
     ("name = \"weld\"", "name = \"weld\"\nfor = { i = [1, 2] }", "52:8", &["name \"weld\" is taken"]),

@@ -342,6 +342,15 @@ fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
     if !others.is_empty() {
         mesh = m.joined(mesh, &others);
     }
+    for (at, value) in list(fields, "held") {
+        let Value::Fields(own) = value else { continue };
+        let [i, j] = counts(own, "place").unwrap_or([0; 2]);
+        let [columns, rows] = elements.map(|count| 2 * count + 1);
+        if i >= columns || j >= rows {
+            return Err(Mistake::new(at, format!("the grid of \"{name}\" has {columns} x {rows} nodes, counted from 0")));
+        }
+        mesh = mesh.with_node(i, j, known.node(own, "node", m)?);
+    }
     if fields.get("laminate").is_some() {
         let Made::Laminate(laminate, _) = known.made(fields, "laminate")? else {
             return Err(Mistake::new(fields.at, "laminate must name a laminate"));

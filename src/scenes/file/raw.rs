@@ -171,6 +171,19 @@ pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
     turns.iter().map(|turn| replaced(entry, turn)).collect()
 }
 
+/// The same for an entry with a key of its own, which is replaced, too.
+pub(super) fn repeated_named(entry: &Entry) -> Result<Vec<Entry>, Mistake> {
+    let Some(loops) = entry.value.entries().and_then(|own| own.iter().find(|own| own.key == "for")) else {
+        return Ok(vec![entry.clone()]);
+    };
+    let both = RawValue::Table(vec![loops.clone(), entry.clone()]);
+    let all = repeated_entries(&Raw { at: entry.at, value: both })?;
+    Ok(all
+        .into_iter()
+        .filter_map(|own| if let RawValue::Table(own) = own.value { own.into_iter().next() } else { None })
+        .collect())
+}
+
 fn replaced(raw: &Raw, turn: &[Turn]) -> Result<Raw, Mistake> {
     let value = match &raw.value {
         RawValue::Text(text, place) if text.contains('{') => {

@@ -3,7 +3,7 @@
 use super::expression::{Expression, Quantity, Scope, is_name, is_reserved, names_in};
 use super::keys::{Form, Forms, Key, Range, Section, Shape, Type};
 use super::mistake::Mistake;
-use super::raw::{Entry, Raw, RawValue, repeated_entries};
+use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
 use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
 use super::unknown::unknown;
 use std::collections::HashMap;
@@ -175,31 +175,36 @@ impl Reader {
 
     /// Takes down the entries of a section with their names.
     fn declare(&mut self, section: &'static Section, entry: &Entry) {
-        let own = match (section.shape, &entry.value.value) {
+        let entries: Result<Vec<(Raw, String)>, Mistake> = match (section.shape, &entry.value.value) {
             (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
-                let mut all = Vec::new();
-                for own in list {
-                    match repeated_entries(own) {
-                        Ok(entries) => all.extend(entries),
-                        Err(mistake) => self.mistakes.push(mistake),
-                    }
-                }
-                all
+                let name = |own: &Raw| own.get("name").and_then(|name| name.text()).unwrap_or_default().to_string();
+                let all: Result<Vec<Vec<Raw>>, Mistake> = list.iter().map(repeated_entries).collect();
+                all.map(|all| {
+                    all.into_iter()
+                        .flatten()
+                        .map(|own| {
+                            let name = name(&own);
+                            (own, name)
+                        })
+                        .collect()
+                })
             }
             (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
-                named.iter().map(|own| Raw { at: own.at, value: own.value.value.clone() }).collect()
+                let all: Result<Vec<Vec<Entry>>, Mistake> = named.iter().map(repeated_named).collect();
+                let of_key = |own: Entry| (Raw { at: own.at, value: own.value.value }, own.key);
+                all.map(|all| all.into_iter().flatten().map(of_key).collect())
             }
             _ => {
                 let header = section.header();
-                self.wrong(entry.at, format!("{} must be written as {header}; it is {}", section.name, entry.value.words()));
-                return;
+                let text = format!("{} must be written as {header}; it is {}", section.name, entry.value.words());
+                Err(Mistake::new(entry.at, text))
             }
         };
-        let names: Vec<String> = match (section.shape, entry.value.entries()) {
-            (Shape::Named, Some(named)) => named.iter().map(|own| own.key.clone()).collect(),
-            _ => own.iter().map(|own| own.get("name").and_then(|name| name.text()).unwrap_or_default().into()).collect(),
+        let entries = match entries {
+            Ok(entries) => entries,
+            Err(mistake) => return self.mistakes.push(mistake),
         };
-        for (raw, name) in own.into_iter().zip(names) {
+        for (raw, name) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);
             let space = name_space(section.name);
             if space != "drawing" && !name.is_empty() {

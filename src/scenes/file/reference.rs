@@ -1,4 +1,4 @@
-use super::keys::{Forms, Key, Range, Shape, Type};
+use super::keys::{Forms, Key, Range, Type};
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
 use std::fmt::Write;
 
@@ -16,7 +16,11 @@ pub fn reference() -> String {
         let _ = write!(page, "\n### {name}\n\n");
         forms(&mut page, table);
     }
-    let _ = write!(page, "\n## Many at once\n\n`{}` in an entry of a list: {}.\n", FOR.name, FOR.doc);
+    let _ = write!(
+        page,
+        "\n## Many at once\n\n`{}` in an entry of a list, or of a section with names: {}.\n",
+        FOR.name, FOR.doc
+    );
     page
 }
 
@@ -126,9 +130,4 @@ fn words(key: &Key) -> String {
         Type::OfTime => "formula of t".into(),
         Type::Over(words, _) => format!("{} or an aggregate", one_of(words)),
     }
-}
-
-/// Sections that are lists, for the loop.
-pub(super) fn is_listed(shape: Shape) -> bool {
-    shape == Shape::Listed
 }

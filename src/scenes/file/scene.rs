@@ -6,7 +6,7 @@ use super::raw::Raw;
 use super::reader::{Contents, Fields, Value, read};
 use super::unknown::unknown;
 use crate::design::DesignVariable;
-use crate::integrators::{STATIC_TABLE, StepControl, table_named, table_names};
+use crate::integrators::{MOST_STEPS, STATIC_TABLE, StepControl, table_named, table_names};
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::{
     FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scene, Sense, Settings,
@@ -125,6 +125,13 @@ impl FileScene {
         let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
             Output { step: fixed(fields, "step"), meshes: flag(fields, "vtk", false) }
         });
+        if let Some(step) = output.step
+            && settings.end / step > MOST_STEPS as f64
+            && let Some(fields) = single(&contents, "output")
+        {
+            let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
+            mistakes.push(Mistake::new(fields.get("step").map_or(fields.at, |given| given.0), text));
+        }
         if !mistakes.is_empty() {
             return Err(source.all_told(mistakes));
         }

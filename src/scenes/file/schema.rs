@@ -1,5 +1,5 @@
 use super::keys::{Forms, Key, Range, Shape, Type};
-use super::reference::{is_listed, same, tables};
+use super::reference::{same, tables};
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
 use serde_json::{Map, Value, json};
 
@@ -12,7 +12,7 @@ pub fn schema() -> Value {
     let quantity = json!({"anyOf": [formula(Range::Any), part("vector")]});
     properties.insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity}));
     for section in SECTIONS {
-        let own = table(&section.forms, is_listed(section.shape));
+        let own = table(&section.forms, section.shape != Shape::Once);
         let mut own = match section.shape {
             Shape::Once => own,
             Shape::Named => json!({"type": "object", "additionalProperties": own}),
@@ -57,7 +57,7 @@ fn inner(forms: &'static Forms) -> Value {
 }
 
 /// A table with the keys of its forms; with forms, the one that the key `type` names.
-fn table(forms: &Forms, is_listed: bool) -> Value {
+fn table(forms: &Forms, is_repeated: bool) -> Value {
     let of_form = |name: &str, doc: &str, keys: &[Key]| {
         let (mut properties, mut required) = (Map::new(), Vec::new());
         if !name.is_empty() {
@@ -70,7 +70,7 @@ fn table(forms: &Forms, is_listed: bool) -> Value {
                 required.push(key.name);
             }
         }
-        if is_listed {
+        if is_repeated {
             properties.insert(FOR.name.into(), part("for"));
         }
         json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})

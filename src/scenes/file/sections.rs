@@ -173,6 +173,11 @@ const PLY: Forms = one_form![
     may("shear_strength", Number("N/m2", Positive), "strength in shear; for tsai_wu"),
 ];
 
+const HELD: Forms = one_form![
+    need("place", Counts(2, 0, 2000), "[i, j] of the grid"),
+    need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
+];
+
 const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
 
 /// Sections whose entries are nodes or have nodes.
@@ -362,6 +367,7 @@ pub(super) const SECTIONS: &[Section] = &[
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
             may("clamped", Choices(EDGES), "edges that never move; none"),
             may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them; none"),
+            may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
             may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
         ]
         "plate" "flat" [
@@ -759,10 +765,10 @@ pub(super) const DEFINE: (&str, &str) = (
     "Named numbers and vectors: `NAME = 2`, `NAME = \"0.5 * length\"`, `NAME = [0, \"length\", 0]`, in any order. Formulas use them by name.",
 );
 
-/// A loop in the entries of lists.
+/// A loop in the entries of lists and of sections with names.
 pub(super) const FOR: Key = may(
     "for",
     Text,
-    "the entry stands for many: `for = { i = [1, 5] }` makes five of it, `for = { side = [\"left\", \"right\"] }` two; in all its texts \
+    "the entry stands for many: `for = { i = [1, 5] }` makes five of it, `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts \
      `{i}`, `{i + 1}` and `{side}` are replaced; several names make all pairs",
 );
