@@ -233,7 +233,7 @@ fn the_command_line_ends_with_code_2_and_the_place() {
         (&["gradient", "wrong.toml", "--check"], &["wrong.toml:33:8"]),
         (&["modes", "missing.toml"], &["missing.toml: cannot be read"]),
         (&["check", "binary.toml"], &["binary.toml:1:2: this is no text in UTF-8"]),
-        (&["optimize", "design.toml", "--set", "length=5"], &["design.toml:33:8: at this design the value is -1.5"]),
+        (&["optimize", "design.toml", "--set", "length=5"], &["design.toml:33:8: mass: at this design the value is -1.5"]),
         (&["check", "."], &["\".\""]),
     ];
     for (arguments, parts) in cases {

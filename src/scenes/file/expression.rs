@@ -1,6 +1,6 @@
 //! Formulas in texts: numbers and vectors of named numbers and vectors.
 
-use super::unknown::unknown;
+use super::formula_text::FormulaText;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::PI;
 
@@ -23,9 +23,9 @@ impl<S: Scalar> Quantity<S> {
 
 /// What a name stands for where a formula is read.
 #[derive(Clone, Debug)]
-struct Named {
-    name: String,
-    is_vector: bool,
+pub(super) struct Named {
+    pub name: String,
+    pub is_vector: bool,
     /// Its value, if no design variable changes it.
     constant: Option<Quantity<f64>>,
 }
@@ -36,7 +36,7 @@ pub(super) const TIME: &str = "t";
 /// Names that formulas may use, in the order of their values; [`TIME`] comes last where it is one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scope {
-    names: Vec<Named>,
+    pub names: Vec<Named>,
 }
 
 impl Scope {
@@ -60,7 +60,7 @@ impl Scope {
         scope.add_variable(TIME);
         scope
     }
-    fn find(&self, name: &str) -> Option<(usize, &Named)> {
+    pub fn find(&self, name: &str) -> Option<(usize, &Named)> {
         // the last one hides those before it
         self.names.iter().enumerate().rfind(|(_, named)| named.name == name)
     }
@@ -68,7 +68,7 @@ impl Scope {
 
 /// Functions with their numbers of arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Function {
+pub(super) enum Function {
     Sqrt,
     Sin,
     Cos,
@@ -93,7 +93,7 @@ enum Function {
 }
 
 /// Names of functions, arguments that are vectors, and whether the value is one.
-const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
+pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
     ("sqrt", Function::Sqrt, &[false], false),
     ("sin", Function::Sin, &[false], false),
     ("cos", Function::Cos, &[false], false),
@@ -118,7 +118,7 @@ const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
 ];
 
 /// Constants that every formula may use.
-const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("deg", PI / 180.0)];
+pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("deg", PI / 180.0)];
 
 /// True for a name that formulas keep for themselves.
 pub(super) fn is_reserved(name: &str) -> bool {
@@ -130,11 +130,11 @@ pub(super) fn is_name(text: &str) -> bool {
     text.chars().next().is_some_and(starts_name) && text.chars().all(continues_name)
 }
 
-fn starts_name(letter: char) -> bool {
+pub(super) fn starts_name(letter: char) -> bool {
     letter.is_alphabetic() || letter == '_'
 }
 
-fn continues_name(letter: char) -> bool {
+pub(super) fn continues_name(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
 
@@ -146,7 +146,7 @@ pub(super) fn names_in(text: &str) -> Vec<String> {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Operation {
+pub(super) enum Operation {
     Literal(f64),
     Name(usize),
     Negative,
@@ -172,7 +172,7 @@ pub(super) struct Expression {
 }
 
 /// Where in the text, and what is wrong there.
-type SyntaxError = (usize, String);
+pub(super) type SyntaxError = (usize, String);
 
 impl Expression {
     /// A number as it stands.
@@ -188,13 +188,8 @@ impl Expression {
 
     /// Reads a formula.
     pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
-        let mut reader = Reader { text, at: 0, scope, operations: Vec::new(), depth: 0 };
-        let is_vector = reader.sum()?;
-        reader.skip_blanks();
-        match reader.rest().chars().next() {
-            None => Ok(Expression { operations: reader.operations, is_vector }),
-            Some(letter) => Err(reader.wrong(format!("'{letter}' does not continue the formula; {OPERATORS}"))),
-        }
+        let (operations, is_vector) = FormulaText::read(text, scope)?;
+        Ok(Expression { operations, is_vector })
     }
 
     /// Its value, if no design variable changes it.
@@ -208,7 +203,7 @@ impl Expression {
     }
 }
 
-fn constant(operations: &[Operation], scope: &Scope) -> Option<Quantity<f64>> {
+pub(super) fn constant(operations: &[Operation], scope: &Scope) -> Option<Quantity<f64>> {
     let zero = Quantity::Number(0.0);
     let values = scope.names.iter().map(|named| named.constant.unwrap_or(zero)).collect::<Vec<_>>();
     let is_fixed = |operation: &Operation| match operation {
@@ -309,241 +304,6 @@ fn call<S: Scalar>(function: Function, first: Quantity<S>, second: Option<Quanti
                 _ => S::from(f64::NAN),
             })
         }
-    }
-}
-
-const OPERATORS: &str = "formulas know + - * / ^ ( ), functions such as sqrt(x), and vectors [x, y, z]";
-
-/// How deep brackets, signs and exponents may lie in each other.
-const MOST_DEPTH: usize = 60;
-
-struct Reader<'r> {
-    text: &'r str,
-    at: usize,
-    scope: &'r Scope,
-    operations: Vec<Operation>,
-    depth: usize,
-}
-
-impl<'r> Reader<'r> {
-    fn rest(&self) -> &'r str {
-        &self.text[self.at..]
-    }
-    fn wrong(&self, what: impl Into<String>) -> SyntaxError {
-        (self.at, what.into())
-    }
-    fn skip_blanks(&mut self) {
-        self.at += self.rest().len() - self.rest().trim_start().len();
-    }
-    /// The next letter, if it is one of some.
-    fn next_of(&mut self, letters: &str) -> Option<char> {
-        self.skip_blanks();
-        let letter = self.rest().chars().next().filter(|letter| letters.contains(*letter))?;
-        self.at += letter.len_utf8();
-        Some(letter)
-    }
-    fn expect(&mut self, wanted: char) -> Result<(), SyntaxError> {
-        match self.next_of(&wanted.to_string()) {
-            Some(_) => Ok(()),
-            None => {
-                let found = self.rest().chars().next().map_or("the formula ends".into(), |own| format!("there is '{own}'"));
-                Err(self.wrong(format!("'{wanted}' is missing; {found}")))
-            }
-        }
-    }
-    fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, SyntaxError>) -> Result<T, SyntaxError> {
-        if self.depth == MOST_DEPTH {
-            return Err(self.wrong(format!("brackets, signs and exponents lie more than {MOST_DEPTH} deep in each other")));
-        }
-        self.depth += 1;
-        let result = read(self);
-        self.depth -= 1;
-        result
-    }
-    fn mixed(&self, at: usize, operator: char, [first, second]: [bool; 2]) -> SyntaxError {
-        let word = |is_vector| if is_vector { "a vector" } else { "a number" };
-        (at, format!("'{operator}' cannot join {} and {}", word(first), word(second)))
-    }
-
-    fn sum(&mut self) -> Result<bool, SyntaxError> {
-        let first = self.product()?;
-        loop {
-            let at = self.at;
-            let Some(operator) = self.next_of("+-") else { return Ok(first) };
-            let second = self.product()?;
-            if first != second {
-                return Err(self.mixed(at, operator, [first, second]));
-            }
-            self.operations.push(if operator == '+' { Operation::Add } else { Operation::Subtract });
-        }
-    }
-
-    fn product(&mut self) -> Result<bool, SyntaxError> {
-        let mut first = self.signed()?;
-        loop {
-            let at = self.at;
-            let Some(operator) = self.next_of("*/") else { return Ok(first) };
-            let second = self.signed()?;
-            if second && (first || operator == '/') {
-                let (at, what) = self.mixed(at, operator, [first, second]);
-                return Err((at, format!("{what}; there are dot(a, b) and cross(a, b)")));
-            }
-            self.operations.push(if operator == '*' { Operation::Multiply } else { Operation::Divide });
-            first = first || second;
-        }
-    }
-
-    fn signed(&mut self) -> Result<bool, SyntaxError> {
-        match self.next_of("+-") {
-            Some('-') => {
-                let is_vector = self.deeper(Self::signed)?;
-                self.operations.push(Operation::Negative);
-                Ok(is_vector)
-            }
-            Some(_) => self.deeper(Self::signed),
-            None => self.power(),
-        }
-    }
-
-    fn power(&mut self) -> Result<bool, SyntaxError> {
-        let base = self.component()?;
-        let at = self.at;
-        if self.next_of("^").is_none() {
-            return Ok(base);
-        }
-        let before = self.operations.len();
-        let exponent = self.deeper(Self::signed)?;
-        if base || exponent {
-            return Err(self.mixed(at, '^', [base, exponent]));
-        }
-        match constant(&self.operations[before..], self.scope) {
-            Some(Quantity::Number(value)) => {
-                self.operations.truncate(before);
-                let is_whole = value.fract() == 0.0 && value.abs() <= 1000.0;
-                self.operations.push(if is_whole {
-                    Operation::WholePower(value as i32)
-                } else {
-                    Operation::RealPower(value)
-                });
-            }
-            _ => self.operations.push(Operation::Power),
-        }
-        Ok(false)
-    }
-
-    fn component(&mut self) -> Result<bool, SyntaxError> {
-        let is_vector = self.operand()?;
-        self.skip_blanks();
-        if !self.rest().starts_with('.') {
-            return Ok(is_vector);
-        }
-        let at = self.at;
-        self.at += 1;
-        let Some(letter) = self.next_of("xyz") else {
-            return Err((at, "a component of a vector is .x, .y or .z".into()));
-        };
-        if !is_vector {
-            return Err((at, "a number has no components: .x, .y and .z are those of vectors".into()));
-        }
-        self.operations.push(Operation::Component("xyz".find(letter).unwrap_or(0)));
-        Ok(false)
-    }
-
-    fn operand(&mut self) -> Result<bool, SyntaxError> {
-        self.skip_blanks();
-        let at = self.at;
-        let Some(letter) = self.rest().chars().next() else {
-            return Err(self.wrong(format!("the formula ends where a number is wanted; {OPERATORS}")));
-        };
-        match letter {
-            '(' => {
-                self.at += 1;
-                let is_vector = self.deeper(Self::sum)?;
-                self.expect(')')?;
-                Ok(is_vector)
-            }
-            '[' => {
-                self.at += 1;
-                for place in 0..3 {
-                    if place > 0 {
-                        self.expect(',')?;
-                    }
-                    let at = self.at;
-                    if self.deeper(Self::sum)? {
-                        return Err((at, "a component of a vector is a number, and this is a vector".into()));
-                    }
-                }
-                self.expect(']')?;
-                self.operations.push(Operation::Vector);
-                Ok(true)
-            }
-            _ if letter.is_ascii_digit() || letter == '.' => self.literal(),
-            _ if starts_name(letter) => self.name(),
-            _ => Err((at, format!("'{letter}' stands where a number is wanted; {OPERATORS}"))),
-        }
-    }
-
-    fn literal(&mut self) -> Result<bool, SyntaxError> {
-        let rest = self.rest();
-        let bytes = rest.as_bytes();
-        let digits = |from: usize| from + bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let mut end = digits(0);
-        if bytes.get(end) == Some(&b'.') {
-            end = digits(end + 1);
-        }
-        if matches!(bytes.get(end), Some(b'e' | b'E')) {
-            let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
-            let last = digits(end + 1 + sign);
-            if last > end + 1 + sign {
-                end = last;
-            }
-        }
-        match rest[..end].parse::<f64>() {
-            Ok(value) if value.is_finite() => {
-                self.at += end;
-                self.operations.push(Operation::Literal(value));
-                Ok(false)
-            }
-            _ => Err(self.wrong(format!("\"{}\" is no finite number", &rest[..end]))),
-        }
-    }
-
-    fn name(&mut self) -> Result<bool, SyntaxError> {
-        let (at, rest) = (self.at, self.rest());
-        let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
-        self.at += name.len();
-        if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
-            self.expect('(')?;
-            for (place, &wanted) in arguments.iter().enumerate() {
-                if place > 0 {
-                    self.expect(',')?;
-                }
-                self.skip_blanks();
-                let at = self.at;
-                if self.deeper(Self::sum)? != wanted {
-                    let [is, must] = if wanted { ["a number", "a vector"] } else { ["a vector", "a number"] };
-                    return Err((at, format!("argument {} of {name} is {is}; it must be {must}", place + 1)));
-                }
-            }
-            self.expect(')')?;
-            self.operations.push(Operation::Call(*function));
-            return Ok(*is_vector);
-        }
-        if self.next_of("(").is_some() {
-            let known: Vec<String> = FUNCTIONS.iter().map(|own| own.0.into()).collect();
-            return Err((at, unknown("function", name, &known)));
-        }
-        if let Some((_, value)) = CONSTANTS.iter().find(|own| own.0 == name) {
-            self.operations.push(Operation::Literal(*value));
-            return Ok(false);
-        }
-        let Some((index, named)) = self.scope.find(name) else {
-            let known = self.scope.names.iter().map(|own| own.name.clone());
-            let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
-            return Err((at, unknown("name", name, &known)));
-        };
-        self.operations.push(Operation::Name(index));
-        Ok(named.is_vector)
     }
 }
 

@@ -47,7 +47,7 @@ fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
 }
 
 impl<S: Scalar> Known<'_, S> {
-    fn value(&self, (at, value): (usize, &Value)) -> Found<Quantity<S>> {
+    fn value(&self, key: &str, (at, value): (usize, &Value)) -> Found<Quantity<S>> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
         let value = formula.value(&self.names);
         let range = *range;
@@ -55,44 +55,44 @@ impl<S: Scalar> Known<'_, S> {
             None => Ok(value),
             Some(own) => {
                 let (own, wanted) = (shortest(own), if range == Range::Any { "finite" } else { range.words() });
-                Err(Mistake::new(at, format!("at this design the value is {own}; it must be {wanted}")))
+                Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
             }
         }
     }
 
-    fn scalar(&self, given: (usize, &Value)) -> Found<S> {
-        match self.value(given)? {
+    fn scalar(&self, key: &str, given: (usize, &Value)) -> Found<S> {
+        match self.value(key, given)? {
             Quantity::Number(own) => Ok(own),
             Quantity::Vector(_) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
         }
     }
 
-    fn spatial(&self, given: (usize, &Value)) -> Found<Vector3<S>> {
-        match self.value(given)? {
+    fn spatial(&self, key: &str, given: (usize, &Value)) -> Found<Vector3<S>> {
+        match self.value(key, given)? {
             Quantity::Vector(own) => Ok(own),
             Quantity::Number(_) => Err(Mistake::new(given.0, "a vector is wanted, and this is a number")),
         }
     }
 
     pub fn number(&self, fields: &Fields, key: &str) -> Found<S> {
-        fields.get(key).map_or_else(|| missing(fields, key), |given| self.scalar(given))
+        fields.get(key).map_or_else(|| missing(fields, key), |given| self.scalar(key, given))
     }
 
     pub fn number_or(&self, fields: &Fields, key: &str, default: f64) -> Found<S> {
-        fields.get(key).map_or(Ok(S::from(default)), |given| self.scalar(given))
+        fields.get(key).map_or(Ok(S::from(default)), |given| self.scalar(key, given))
     }
 
     pub fn vector(&self, fields: &Fields, key: &str) -> Found<Vector3<S>> {
-        fields.get(key).map_or_else(|| missing(fields, key), |given| self.spatial(given))
+        fields.get(key).map_or_else(|| missing(fields, key), |given| self.spatial(key, given))
     }
 
     pub fn vector_or(&self, fields: &Fields, key: &str, default: Vector3<S>) -> Found<Vector3<S>> {
-        fields.get(key).map_or(Ok(default), |given| self.spatial(given))
+        fields.get(key).map_or(Ok(default), |given| self.spatial(key, given))
     }
 
     /// All numbers of a list, none if the key is not given.
     pub fn series(&self, fields: &Fields, key: &str) -> Found<Vec<S>> {
-        list(fields, key).map(|given| self.scalar(given)).collect()
+        list(fields, key).map(|given| self.scalar(key, given)).collect()
     }
 
     pub fn numbers<const N: usize>(&self, fields: &Fields, key: &str) -> Found<[S; N]> {
@@ -100,7 +100,7 @@ impl<S: Scalar> Known<'_, S> {
     }
 
     pub fn points(&self, fields: &Fields, key: &str) -> Found<Vec<Vector3<S>>> {
-        list(fields, key).map(|given| self.spatial(given)).collect()
+        list(fields, key).map(|given| self.spatial(key, given)).collect()
     }
 
     /// Nodes at a place: one, or those of an edge or end.
@@ -251,7 +251,7 @@ impl<S: Scalar> Known<'_, S> {
     pub fn function(&self, fields: &Fields, key: &str) -> Found<(TimeFunction, Vec<S>)> {
         let own = match fields.get(key) {
             Some((_, Value::Fields(own))) => own,
-            Some(given) => return Ok((TimeFunction::Constant, vec![self.scalar(given)?])),
+            Some(given) => return Ok((TimeFunction::Constant, vec![self.scalar(key, given)?])),
             None => return missing(fields, key),
         };
         let zero_or = |key| self.number_or(own, key, 0.0);
