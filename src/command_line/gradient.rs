@@ -64,7 +64,7 @@ pub fn run(options: &GradientOptions) -> Result<(), Failure> {
     let scene = options.scene.scene()?;
     let mut prepared = options.scene.prepare(&*scene)?;
     prepared.keep = resumed(options.history.clone(), options.resume)?;
-    check_history(&prepared.keep, &options.scene.folder())?;
+    check_history(&prepared.keep, &options.scene.folder(&*scene))?;
     let simulation = simulate(&prepared, &options.scene)?;
     if simulation.stopped.is_some() {
         report(&simulation, &prepared);

@@ -1,5 +1,6 @@
 //! `costate`: simulate scenes, differentiate them, verify the program.
 
+mod check;
 mod console;
 mod failure;
 mod gradient;
@@ -9,7 +10,6 @@ mod list;
 mod meshes;
 mod modes;
 mod motions;
-mod names;
 mod optimization_charts;
 mod optimize;
 mod options;
@@ -43,6 +43,10 @@ enum Command {
     Modes(modes::ModesOptions),
     /// Measure a study of verification/ against its reference; without a name: list the studies
     Verify(verify::VerifyOptions),
+    /// Read a scene file and check what it says, without running it
+    Check(check::CheckOptions),
+    /// Print the JSON schema of scene files, from which editors complete them
+    Schema,
     /// List the scenes and their design variables
     List(list::ListOptions),
 }
@@ -56,6 +60,8 @@ pub fn main() -> ExitCode {
         Command::Optimize(options) => optimize::run(&options),
         Command::Modes(options) => modes::run(&options),
         Command::Verify(options) => verify::run(&options),
+        Command::Check(options) => check::run(&options),
+        Command::Schema => check::schema(),
         Command::List(options) => list::run(&options),
     });
     match done {

@@ -1,7 +1,7 @@
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::mode_picture;
-use super::options::{changed_design, find_scene};
+use super::options::{changed_design, find_scene, named as named_scene};
 use super::simulation::long_number;
 use clap::Args;
 use costate::assembly::Model;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Options of `costate modes`.
 #[derive(Args)]
 pub struct ModesOptions {
-    /// Name of a scene (see `costate list`)
+    /// Name of a scene (see `costate list`), or path of a scene file (.toml)
     scene: String,
     /// Number of modes: those whose omega^2 are nearest to zero
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = mode_count, allow_negative_numbers = true)]
@@ -56,10 +56,10 @@ pub fn run(options: &ModesOptions) -> Result<(), Failure> {
     let named = |error| {
         let failure = Failure::from(error);
         let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
-        Failure { message: format!("scene \"{}\": {message}", options.scene), ..failure }
+        named_scene(&options.scene, Failure { message, ..failure })
     };
     let prepared = Prepared::with(&*scene, &x, method, settings).map_err(named)?;
-    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&options.scene));
+    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.scene_name()));
     let (q, modes) = prepared.modes_with_state(options.count).map_err(named)?;
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));

@@ -4,7 +4,6 @@
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
-use super::names::unknown;
 use super::optimization_charts;
 use super::options::SceneOptions;
 use super::results::check_folder;
@@ -14,6 +13,7 @@ use costate::io::{Cell, IoError, Progress, Table, read_csv, write_csv};
 use costate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
+use costate::scenes::file::unknown;
 use costate::scenes::{AnyScene, Sense, built_in};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -118,7 +118,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
     optimization.gradient = options.gradient;
     optimization.stopping.iterations = options.iterations;
     optimization.stopping.change = options.change;
-    let folder = options.scene.folder();
+    let folder = options.scene.folder(&*scene);
     let path = folder.join("optimization.csv");
     let start = start(options, &optimization)?;
     check_folder(&folder)?;

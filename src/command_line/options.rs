@@ -1,5 +1,4 @@
 use super::failure::Failure;
-use super::names::unknown;
 use clap::Args;
 use costate::design::{DesignVariable, check_design, shortest};
 use costate::integrators::{
@@ -7,13 +6,14 @@ use costate::integrators::{
 };
 use costate::linalg::Backend;
 use costate::program::{Execution, set_execution};
-use costate::scenes::{AnyScene, Prepared, Settings, built_in};
-use std::path::PathBuf;
+use costate::scenes::file::unknown;
+use costate::scenes::{AnyScene, FileScene, Output, Prepared, Settings, built_in};
+use std::path::{Path, PathBuf};
 
 /// What is simulated, and how.
 #[derive(Args, Debug)]
 pub struct SceneOptions {
-    /// Name of a scene (see `costate list`)
+    /// Name of a scene (see `costate list`), or path of a scene file (.toml)
     scene: String,
     /// Folder for the results [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
@@ -89,13 +89,21 @@ fn step_count(text: &str) -> Result<usize, String> {
     }
 }
 
-/// The scene with a given name.
+/// True for the path of a scene file.
+pub(super) fn is_path(name: &str) -> bool {
+    name.ends_with(".toml") || name.contains(['/', '\\'])
+}
+
+/// The scene with a given name, or in a given file.
 pub(super) fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
+    if is_path(name) {
+        return Ok(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?));
+    }
     let known: Vec<String> = built_in::all().iter().map(|scene| scene.scene_name()).collect();
     built_in::all()
         .into_iter()
         .find(|scene| scene.scene_name() == name)
-        .ok_or_else(|| Failure::input(unknown("scene", name, &known)))
+        .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
 }
 
 /// The initial design with the changes of `--set`.
@@ -137,6 +145,14 @@ fn example(variables: &[DesignVariable]) -> String {
         .map_or_else(|| "length=2".into(), |variable| format!("{}={}", variable.name, shortest(variable.initial)))
 }
 
+/// A failure with the name of the scene before it; messages about a file name it themselves.
+pub(super) fn named(scene: &str, failure: Failure) -> Failure {
+    if failure.message.starts_with(scene) {
+        return failure;
+    }
+    Failure { message: format!("scene \"{scene}\": {}", failure.message), ..failure }
+}
+
 impl SceneOptions {
     /// The scene.
     ///
@@ -157,7 +173,7 @@ impl SceneOptions {
         let prepared = Prepared::with(scene, &x, method, settings);
         prepared.map_err(|error| {
             let failure = Failure::from(error);
-            Failure { message: format!("scene \"{}\": {}", self.scene, failure.message), ..failure }
+            named(&self.scene, failure)
         })
     }
 
@@ -199,13 +215,15 @@ impl SceneOptions {
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;
-        settings.control = self.tolerance.map(|tolerance| {
+        if let Some(tolerance) = self.tolerance {
             let mut control = StepControl::new(tolerance);
             control.velocities = StepControl::new(self.velocity_tolerance.unwrap_or(tolerance)).velocities;
             control.longest = self.longest_step.unwrap_or(f64::INFINITY);
-            control
-        });
-        if let Some(dt) = self.output_step.filter(|dt| settings.end / dt > MOST_STEPS as f64) {
+            settings.control = Some(control);
+        } else if self.steps.is_some() {
+            settings.control = None;
+        }
+        if let Some(dt) = self.output(scene).step.filter(|dt| settings.end / dt > MOST_STEPS as f64) {
             return Err(Failure::input(format!(
                 "--output-step {dt}: at most {MOST_STEPS} times fit into {} s",
                 settings.end
@@ -214,19 +232,20 @@ impl SceneOptions {
         Ok((method, settings))
     }
 
-    /// Time between the rows of the histories [s], if it is not that of the steps.
+    /// Time between the rows of the histories [s] that `--output-step` asks for.
     pub fn output_step(&self) -> Option<f64> {
         self.output_step
     }
 
-    /// Whether meshes for ParaView are written.
-    pub fn writes_meshes(&self) -> bool {
-        self.vtk
+    /// What is written: by the options, else by the scene.
+    pub fn output(&self, scene: &dyn AnyScene) -> Output {
+        let own = scene.default_output();
+        Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes }
     }
 
     /// The folder for the results.
-    pub fn folder(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&self.scene))
+    pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.scene_name()))
     }
 }
 

@@ -24,8 +24,8 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
     // no gradient is asked for
     let keep = resumed(options.history.clone().unwrap_or(Keep::Nothing), options.resume)?;
     let options = &options.scene;
-    check_history(&keep, &options.folder())?;
     let scene = options.scene()?;
+    check_history(&keep, &options.folder(&*scene))?;
     let mut prepared = options.prepare(&*scene)?;
     prepared.keep = keep;
     let simulation = simulate(&prepared, options)?;

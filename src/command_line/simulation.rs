@@ -64,15 +64,16 @@ impl Observer for Watched<'_, '_> {
 /// # Errors
 /// A folder or file that cannot be written. A run that stops early is no error here: its finished steps are written first.
 pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulation, Failure> {
-    let folder = options.folder();
+    let folder = options.folder(prepared.scene);
     check_folder(&folder)?;
     announce(prepared)?;
     let guard = Guard::new();
     let marks = if prepared.control.is_some() { MARKS } else { prepared.grid.steps() as f64 };
     let pace = (1.0 + f64::EPSILON) * marks / prepared.grid.times[prepared.grid.steps()];
     let progress = Progress::new("simulating", marks as u64);
-    let results = Results::begin(prepared, options.output_step(), &folder)?;
-    let results = if options.writes_meshes() { results.with_meshes() } else { results };
+    let output = options.output(prepared.scene);
+    let results = Results::begin(prepared, output.step, &folder)?;
+    let results = if output.meshes { results.with_meshes() } else { results };
     let mut watched = Watched { results, progress, pace, guard: &guard };
     let begun = Instant::now();
     let (forward, mut stopped) = prepared.analysis().observed(&prepared.x, &mut watched)?;

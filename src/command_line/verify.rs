@@ -1,10 +1,10 @@
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
-use super::names::unknown;
 use crate::verification::{Figure, Form, Report, Study, all};
 use clap::Args;
 use costate::io::{Cell, Table, number, write_file, write_panels};
+use costate::scenes::file::unknown;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

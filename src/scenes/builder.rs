@@ -464,6 +464,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }
 
+    /// Takes the mistakes that were collected so far.
+    #[cfg(feature = "files")]
+    pub(super) fn take_mistakes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.mistakes)
+    }
+
     /// Draws a line through world points with a node.
     pub fn draw(&mut self, node: NodeId, points: &[Vector3<S>]) {
         if self.kind_of("draw", node).is_none() {

@@ -1,6 +1,8 @@
 //! Scenes: mechanisms as generic functions of their design variables.
 
 mod builder;
+#[cfg(feature = "files")]
+pub mod file;
 mod optimization_problem;
 mod prepared;
 mod scene;
@@ -15,9 +17,11 @@ pub use builder::{
     BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, MechanismBuilder, Profile,
     ShellMember, ShellMesh, ThinWalls,
 };
+#[cfg(feature = "files")]
+pub use file::FileScene;
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
-pub use scene::{AnyScene, Scene};
+pub use scene::{AnyScene, Output, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};
 pub use statics::Equilibrium;
 pub use surfaces::Surface;

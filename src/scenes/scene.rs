@@ -23,11 +23,24 @@ pub trait Scene {
     fn problem(&self) -> Option<OptimizationProblem> {
         None
     }
+    /// What its runs write, where the command line does not say otherwise.
+    fn output(&self) -> Output {
+        Output::default()
+    }
     /// Builds the mechanism for the design `x`.
     ///
     /// # Errors
     /// In words, with names and numbers.
     fn build<S: Scalar>(&self, x: &[S], mechanism: &mut MechanismBuilder<S>) -> Result<(), String>;
+}
+
+/// What a run writes beside its histories at the steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Output {
+    /// Histories at multiples of this time instead of at the steps \[s\].
+    pub step: Option<f64>,
+    /// Meshes for ParaView.
+    pub meshes: bool,
 }
 
 /// A scene with its type erased; every [`Scene`] is one.
@@ -42,6 +55,8 @@ pub trait AnyScene: Sync {
     fn default_settings(&self) -> Settings;
     /// What is to be optimized.
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
+    /// What its runs write.
+    fn default_output(&self) -> Output;
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// Recorded, with values.
@@ -69,6 +84,9 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
         self.problem()
+    }
+    fn default_output(&self) -> Output {
+        self.output()
     }
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)

@@ -1,0 +1,58 @@
+use super::console::{count, say, say_json};
+use super::failure::Failure;
+use super::options::{find_scene, named};
+use clap::Args;
+use costate::scenes::Prepared;
+use serde_json::json;
+
+/// Options of `costate check`.
+#[derive(Args)]
+pub struct CheckOptions {
+    /// Path of a scene file (.toml), or name of a scene
+    scene: String,
+    /// Print one JSON object on the last line of stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// `costate check`: reads and builds a scene and checks its start, without running it.
+pub fn run(options: &CheckOptions) -> Result<(), Failure> {
+    let scene = find_scene(&options.scene)?;
+    let prepared = Prepared::new(&*scene).map_err(|error| named(&options.scene, error.into()))?;
+    if let Some(problem) = scene.optimization_problem() {
+        let functionals: Vec<&str> = prepared.functionals().iter().map(|own| own.name.as_str()).collect();
+        let checked = problem.check(&prepared.variables, &functionals);
+        checked.map_err(|why| named(&options.scene, Failure::input(format!("its optimization problem: {why}"))))?;
+    }
+    let model = prepared.model();
+    let parts = [
+        (prepared.variables.len(), "design variable"),
+        (model.nodes.len(), "node"),
+        (model.elements.len(), "element"),
+        (model.constraints.len(), "joint"),
+        (prepared.functionals().len(), "functional"),
+    ];
+    let words = parts.map(|(number, word)| count(number, word)).join(", ");
+    say(format_args!("{}: in order; {words}", options.scene));
+    let dropped = prepared.plan.dropped.len();
+    if dropped > 0 {
+        say(format_args!("{} left out", count(dropped, "redundant constraint equation")));
+    }
+    let object = json!({
+        "scene": scene.scene_name(),
+        "variables": parts[0].0,
+        "nodes": parts[1].0,
+        "elements": parts[2].0,
+        "joints": parts[3].0,
+        "functionals": parts[4].0,
+    });
+    say_json(options.json, &object);
+    Ok(())
+}
+
+/// `costate schema`: the JSON schema of scene files.
+pub fn schema() -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(&costate::scenes::file::schema());
+    say(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
+    Ok(())
+}

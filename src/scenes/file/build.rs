@@ -1,0 +1,286 @@
+//! Entries of a file as calls of the builder.
+
+use super::build_functionals::functional;
+use super::build_members::{beam, cable, group, laminate, section, shell, thin_walls};
+use super::known::{Found, Known, Made, count, frame, list, text};
+use super::mistake::Mistake;
+use super::reader::{Fields, Item, Value};
+use crate::assembly::NodeId;
+use crate::elements::flexible::Material;
+use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use crate::elements::joints::HeldSlope;
+use crate::elements::{NodeKind, TimeFunction};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::MechanismBuilder;
+
+pub(super) type Builder<S> = MechanismBuilder<S>;
+
+/// Makes what an entry says.
+pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let (name, fields) = (item.name.as_str(), &item.fields);
+    match item.section {
+        "variable" => Ok(Made::Nothing),
+        "material" => {
+            let number = |key| known.number(fields, key);
+            let [young, poisson, density] = [number("young")?, number("poisson")?, number("density")?];
+            Ok(Made::Material(Material { young, poisson, density }))
+        }
+        "section" => section(known, fields),
+        "laminate" => laminate(known, fields),
+        "body" => body(known, name, fields, m),
+        "point" => point(known, name, fields, m),
+        "beam" => beam(known, name, fields, m),
+        "cable" => cable(known, name, fields, m),
+        "shell" => shell(known, name, fields, m),
+        "thin_walls" => thin_walls(known, name, fields, m),
+        "sphere" => {
+            let place = (known.vector_or(fields, "centre", Vector3::zeros())?, known.number(fields, "radius")?);
+            let (material, thickness) = (known.material(fields)?, known.number(fields, "thickness")?);
+            Ok(Made::Sphere(m.sphere_shell(name, place, count(fields, "elements"), &material, thickness)))
+        }
+        "group" => group(known, name, fields),
+        "joint_angle" => {
+            let (nodes, axis) = (known.nodes(fields, "between", m)?, known.vector(fields, "axis")?);
+            Ok(Made::Node(m.joint_angle(name, nodes, axis)))
+        }
+        "joint" => joint(known, name, fields, m),
+        "rigid_interface" => {
+            let body = known.node(fields, "body", m)?;
+            let mut nodes = Vec::new();
+            for (at, value) in list(fields, "nodes") {
+                if let Value::Node(place) = value {
+                    nodes.extend(known.nodes_at(at, place, m)?);
+                }
+            }
+            m.rigid_interface(name, body, &nodes);
+            Ok(Made::Nothing)
+        }
+        "driver" => driver(known, name, fields, m),
+        "spring" => spring(known, name, fields, m),
+        "damper" => {
+            let nodes = known.nodes(fields, "between", m)?;
+            let (ends, damping) = (ends(known, fields, nodes, m)?, known.number(fields, "damping")?);
+            match fields.form {
+                "line" => m.line_damper(name, nodes, ends, damping),
+                _ => m.vector_damper(name, nodes, ends, damping),
+            };
+            Ok(Made::Nothing)
+        }
+        "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
+        "drawing" => {
+            let node = if fields.get("on").is_some() { known.node(fields, "on", m)? } else { m.ground() };
+            m.draw(node, &known.points(fields, "points")?);
+            Ok(Made::Nothing)
+        }
+        "functional" => functional(known, name, fields, m),
+        other => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
+    }
+}
+
+/// Three or six numbers of an inertia tensor.
+fn inertia<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<[S; 6]> {
+    let mut own = known.series(fields, "inertia")?;
+    if own.is_empty() {
+        return Err(Mistake::new(fields.at, "a body with mass needs the key inertia: [xx, yy, zz] in kg m2"));
+    }
+    own.resize(6, S::zero());
+    own.try_into().map_err(|_| Mistake::new(fields.at, "inertia has three or six numbers"))
+}
+
+fn body<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let zero = Vector3::zeros();
+    let (position, rotation) = (known.vector_or(fields, "position", zero)?, known.orientation(fields)?);
+    let node = match text(fields, "coordinates") {
+        Some("natural") => m.natural_body(name, position, rotation),
+        _ => m.body(name, position, rotation),
+    };
+    if fields.get("velocity").is_some() || fields.get("angular_velocity").is_some() {
+        let velocity = known.vector_or(fields, "velocity", zero)?;
+        m.set_velocity(node, velocity, known.vector_or(fields, "angular_velocity", zero)?);
+    }
+    if fields.get("mass").is_some() {
+        let (mass, centre) = (known.number(fields, "mass")?, known.vector_or(fields, "mass_centre", zero)?);
+        m.rigid_body(name, node, mass, centre, inertia(known, fields)?);
+    } else if let Some((at, _)) = fields.get("inertia").or(fields.get("mass_centre")) {
+        return Err(Mistake::new(at, format!("\"{name}\" has no mass: give it the key mass, too")));
+    }
+    if fields.get("draw").is_some() {
+        m.draw(node, &known.points(fields, "draw")?);
+    }
+    Ok(Made::Node(node))
+}
+
+fn point<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let node = m.point(name, known.vector(fields, "position")?);
+    if fields.get("velocity").is_some() {
+        m.set_velocity(node, known.vector(fields, "velocity")?, Vector3::zeros());
+    }
+    if fields.get("mass").is_some() {
+        m.point_mass(name, node, known.number(fields, "mass")?);
+    }
+    Ok(Made::Node(node))
+}
+
+/// Points of both nodes: given, or where the nodes are.
+pub(super) fn ends<S: Scalar>(
+    known: &Known<S>,
+    fields: &Fields,
+    nodes: [NodeId; 2],
+    m: &Builder<S>,
+) -> Found<[Vector3<S>; 2]> {
+    let given = known.points(fields, "points")?;
+    match given.as_slice() {
+        [] => Ok(nodes.map(|node| m.position(node))),
+        &[a, b] => Ok([a, b]),
+        other => {
+            let at = fields.get("points").map_or(fields.at, |own| own.0);
+            Err(Mistake::new(at, format!("points has {} places; give two, one on each node", other.len())))
+        }
+    }
+}
+
+/// The key `point`, or the place of a node.
+pub(super) fn place<S: Scalar>(
+    known: &Known<S>,
+    fields: &Fields,
+    key: &str,
+    node: NodeId,
+    m: &Builder<S>,
+) -> Found<Vector3<S>> {
+    known.vector_or(fields, key, m.position(node))
+}
+
+fn joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    if fields.form == "rack_and_pinion" {
+        let places = [known.vector(fields, "centre")?, known.vector(fields, "contact")?];
+        let nodes = known.nodes(fields, "between", m)?;
+        return Ok(Made::Joint(m.rack_and_pinion(name, nodes, places, known.vector(fields, "axis")?)));
+    }
+    let nodes: [NodeId; 2] = known.nodes(fields, "between", m)?;
+    let point = place(known, fields, "point", nodes[1], m)?;
+    let vector = |key| known.vector(fields, key);
+    let contact = format!("contact of {name}");
+    Ok(Made::Joint(match fields.form {
+        "spherical" => m.spherical(name, nodes, point),
+        "revolute" => m.revolute(name, nodes, point, vector("axis")?),
+        "fixed" => m.fixed(name, nodes, point),
+        "rigid_link" => m.rigid_link(name, nodes),
+        "distance" => {
+            let ends = ends(known, fields, nodes, m)?;
+            m.distance(name, nodes, ends)
+        }
+        "prismatic" => m.prismatic(name, nodes, point, vector("axis")?),
+        "cylindrical" => m.cylindrical(name, nodes, point, vector("axis")?),
+        "planar" => m.planar(name, nodes, point, vector("normal")?),
+        "universal" => m.universal(name, nodes, point, [vector("pin_a")?, vector("pin_b")?]),
+        "helical" => m.helical(name, nodes, point, vector("axis")?, known.number(fields, "pitch")?),
+        "point_on_line" => m.point_on_line(name, nodes, point, vector("axis")?),
+        "point_in_plane" => m.point_in_plane(name, nodes, point, vector("normal")?),
+        "gear" => m.gear(name, nodes, known.numbers(fields, "radii")?),
+        "rolling_sphere" => {
+            let centre = place(known, fields, "centre", nodes[1], m)?;
+            let radius = known.number(fields, "radius")?;
+            m.rolling_sphere([&contact, name], nodes, centre, vector("normal")?, radius)[1]
+        }
+        "rolling_disc" => {
+            let disc = (place(known, fields, "centre", nodes[1], m)?, vector("axis")?);
+            let plane = (place(known, fields, "point", nodes[0], m)?, vector("normal")?);
+            m.rolling_disc([&contact, name], nodes, disc, plane, known.number(fields, "radius")?)[1]
+        }
+        "cable_weld" => {
+            let held = if text(fields, "holds") == Some("vector") { HeldSlope::Vector } else { HeldSlope::Direction };
+            m.cable_weld(name, nodes, held)
+        }
+        "cable_hinge" => m.cable_hinge(name, nodes, vector("axis")?),
+        "cable_corner" => m.cable_corner(name, nodes),
+        other => return Err(Mistake::new(fields.at, format!("nothing builds a joint of type {other}"))),
+    }))
+}
+
+fn driver<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let (nodes, axis) = (known.nodes(fields, "between", m)?, known.vector(fields, "axis")?);
+    Ok(Made::Joint(match fields.form {
+        "rotation" => {
+            let (angle, values) = known.function(fields, "angle")?;
+            m.prescribed_rotation(name, nodes, axis, angle, &values)
+        }
+        _ => {
+            let (displacement, values) = known.function(fields, "displacement")?;
+            let places = [place(known, fields, "origin", nodes[0], m)?, place(known, fields, "point", nodes[1], m)?];
+            m.prescribed_translation(name, nodes, places, axis, displacement, &values)
+        }
+    }))
+}
+
+fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let number = |key| known.number_or(fields, key, 0.0);
+    if fields.form == "angle" {
+        let coefficients = [number("stiffness")?, number("damping")?, number("rest_angle")?];
+        let node = known.node(fields, "on", m)?;
+        m.coordinate_spring_damper(name, node, 0, coefficients);
+        return Ok(Made::Nothing);
+    }
+    let nodes = known.nodes(fields, "between", m)?;
+    match fields.form {
+        "line" => {
+            let ends = ends(known, fields, nodes, m)?;
+            let rest = match fields.get("rest_length") {
+                Some(_) => number("rest_length")?,
+                None => (ends[1] - ends[0]).length(),
+            };
+            m.line_spring(name, nodes, ends, number("stiffness")?, rest)
+        }
+        "torsion" => {
+            let coefficients = [number("stiffness")?, number("damping")?, number("rest_angle")?];
+            m.torsion_spring_damper(name, nodes, known.vector(fields, "axis")?, coefficients)
+        }
+        "slide" => {
+            let places = [place(known, fields, "origin", nodes[0], m)?, place(known, fields, "point", nodes[1], m)?];
+            let coefficients = [number("stiffness")?, number("damping")?, number("rest_displacement")?];
+            m.slide_spring_damper(name, nodes, places, known.vector(fields, "axis")?, coefficients)
+        }
+        _ => {
+            let axes: Quaternion<S> = known.orientation(fields)?;
+            let damping = if fields.get("damping").is_some() { known.numbers(fields, "damping")? } else { [S::zero(); 6] };
+            let coefficients = [known.numbers(fields, "stiffness")?, damping];
+            let point = place(known, fields, "point", nodes[1], m)?;
+            m.bushing(name, nodes, point, axes, coefficients)
+        }
+    };
+    Ok(Made::Nothing)
+}
+
+fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+    let (name, fields) = (item.name.as_str(), &item.fields);
+    let (size, values): (TimeFunction, Vec<S>) = known.function(fields, "size")?;
+    match item.section {
+        "distributed_load" => {
+            let Made::Beam(beam) = known.made(fields, "beam")? else {
+                return Err(Mistake::new(fields.at, "beam must name a beam"));
+            };
+            let direction = known.vector(fields, "direction")?;
+            m.distributed_load(name, beam, (frame(fields, LoadFrame::World), direction), size, &values);
+        }
+        "pressure" => {
+            let Made::Shell(shell) = known.made(fields, "shell")? else {
+                return Err(Mistake::new(fields.at, "shell must name a shell"));
+            };
+            m.pressure(name, shell, frame(fields, LoadFrame::Body), size, &values);
+        }
+        kind => {
+            let node = known.node(fields, "on", m)?;
+            let on = m.model.find_node(node).and_then(|own| own.kind.in_space()).unwrap_or(NodeKind::Point);
+            let frame = frame(fields, LoadFrame::World);
+            let turned = |direction| if frame == LoadFrame::Body { m.local_direction(node, direction) } else { direction };
+            if kind == "torque" {
+                let p = [&turned(known.vector(fields, "axis")?).components()[..], &values].concat();
+                m.element(name, &[node], AppliedTorque { on, frame, size }, &p);
+            } else {
+                let point = m.local_point(node, place(known, fields, "point", node, m)?).components();
+                let p = [&turned(known.vector(fields, "direction")?).components()[..], &point, &values].concat();
+                m.element(name, &[node], AppliedForce { on, frame, size }, &p);
+            }
+        }
+    }
+    Ok(Made::Nothing)
+}

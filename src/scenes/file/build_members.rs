@@ -1,0 +1,303 @@
+//! Sections, beams, cables and shells of a file.
+
+use super::build::Builder;
+use super::known::{Found, Known, Made, count, counts, edge_named, fixed, flag, list, text, texts};
+use super::mistake::Mistake;
+use super::reader::{Fields, Item, Value};
+use crate::assembly::NodeId;
+use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::{CableSection, Laminate, Ply, PlyStrength, STRAINS, Section};
+use crate::functionals::ElementGroup;
+use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scenes::{BeamLine, CableLine, Extrusion, Profile, ShellMember, ShellMesh};
+
+/// A section of beams, or the shape from which that of a cable is made, too.
+pub(super) fn section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Made<S>> {
+    let number = |key| known.number(fields, key);
+    if matches!(fields.form, "beam" | "cable") {
+        return Ok(Made::Nothing);
+    }
+    let material = known.material(fields)?;
+    let poisson = material.poisson;
+    let shape = match fields.form {
+        "rectangle" => Shape::rectangle(number("width")?, number("height")?, poisson),
+        "box" => Shape::box_section(number("width")?, number("height")?, number("wall")?, poisson),
+        "circle" => Shape::circle(number("diameter")?, poisson),
+        _ => Shape::tube(number("diameter")?, number("wall")?, poisson),
+    };
+    Ok(Made::Shape(material, shape))
+}
+
+/// What a key `section` names.
+fn section_of<'i>(items: &'i [Item], fields: &Fields) -> Found<(usize, &'i Item)> {
+    match fields.get("section") {
+        Some((at, Value::Item(item))) => Ok((at, &items[*item])),
+        _ => Err(Mistake::new(fields.at, "the key section is needed here")),
+    }
+}
+
+fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S>> {
+    let (at, item) = section_of(known.items, fields)?;
+    let own = &item.fields;
+    let mut section = match (known.made(fields, "section")?, own.form) {
+        (Made::Shape(material, shape), _) => Section::of(*material, *shape),
+        (_, "beam") => {
+            let ([shear_2, shear_3], [bending_2, bending_3]) =
+                (known.numbers(own, "shear")?, known.numbers(own, "bending")?);
+            let [axial, torsion] = [known.number(own, "axial")?, known.number(own, "torsion")?];
+            let section = Section::new([axial, shear_2, shear_3, torsion, bending_2, bending_3]);
+            let second: [S; 2] = if own.get("inertia").is_some() { known.numbers(own, "inertia")? } else { [S::zero(); 2] };
+            section.with_inertia(known.number_or(own, "mass", 0.0)?, second)
+        }
+        _ => {
+            return Err(Mistake::new(
+                at,
+                format!("\"{}\" is a section of cables; a beam needs one of another type", item.name),
+            ));
+        }
+    };
+    if own.get("centre").is_some() {
+        section = section.with_centre(known.numbers(own, "centre")?);
+    }
+    if own.get("stiffness").is_some() {
+        let mut upper = known.series(own, "stiffness")?.into_iter();
+        let mut stiffness = [[S::zero(); STRAINS]; STRAINS];
+        let places = (0..STRAINS).flat_map(|i| (i..STRAINS).map(move |j| (i, j)));
+        for ((i, j), own) in places.zip(&mut upper) {
+            stiffness[i][j] = own;
+            stiffness[j][i] = own;
+        }
+        section = section.with_stiffness(stiffness);
+    }
+    if own.get("damping").is_some() {
+        section = section.damped(known.number(own, "damping")?);
+    }
+    if own.get("offset").is_some() {
+        section = section.offset(known.numbers(own, "offset")?);
+    }
+    Ok(section)
+}
+
+fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSection<S>> {
+    let (at, item) = section_of(known.items, fields)?;
+    let own = &item.fields;
+    let number = |key| known.number(own, key);
+    let mut section = match (known.made(fields, "section")?, own.form) {
+        (Made::Shape(material, shape), _) => CableSection::of(*material, *shape),
+        (_, "cable") => CableSection::new(number("axial")?, number("bending")?, number("mass")?),
+        _ => {
+            return Err(Mistake::new(
+                at,
+                format!("\"{}\" is a section of beams; a cable needs one of another type", item.name),
+            ));
+        }
+    };
+    if own.get("offset").is_some() {
+        return Err(Mistake::new(at, format!("\"{}\" has an offset, which a cable cannot have", item.name)));
+    }
+    if own.get("damping").is_some() {
+        section = section.damped(number("damping")?);
+    }
+    Ok(if text(fields, "strains") == Some("small") { section.small_strains() } else { section })
+}
+
+pub(super) fn laminate<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Made<S>> {
+    let (mut plies, mut strengths) = (Vec::new(), Vec::new());
+    for (_, value) in list(fields, "plies") {
+        let Value::Fields(own) = value else { continue };
+        plies.push(Ply {
+            thickness: known.number(own, "thickness")?,
+            angle: known.number_or(own, "angle", 0.0)?,
+            young: known.numbers(own, "young")?,
+            poisson: known.number(own, "poisson")?,
+            shear: known.numbers(own, "shear")?,
+            density: known.number(own, "density")?,
+        });
+        if own.get("tension").is_some() {
+            strengths.push(PlyStrength {
+                tension: known.numbers(own, "tension")?,
+                compression: known.numbers(own, "compression")?,
+                shear: known.number(own, "shear_strength")?,
+            });
+        }
+    }
+    let mut laminate = Laminate::new(plies).offset(known.number_or(fields, "offset", 0.0)?);
+    laminate.shear_factor = fixed(fields, "shear_factor").unwrap_or(laminate.shear_factor);
+    Ok(Made::Laminate(laminate, strengths))
+}
+
+/// Gives nodes of a member the motion that the entry says.
+fn set_motion<S: Scalar>(known: &Known<S>, fields: &Fields, nodes: &[NodeId], m: &mut Builder<S>) -> Found<()> {
+    let Some((_, Value::Fields(own))) = fields.get("motion") else { return Ok(()) };
+    let vector = |key| known.vector_or(own, key, Vector3::zeros());
+    m.set_rigid_motion(nodes, vector("point")?, vector("velocity")?, vector("angular_velocity")?);
+    Ok(())
+}
+
+fn is_clamped(fields: &Fields, end: &str) -> bool {
+    texts(fields, "clamped").iter().any(|own| own == end)
+}
+
+pub(super) fn beam<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let (from, elements) = (known.vector(fields, "from")?, count(fields, "elements"));
+    let mut line = match fields.get("arc") {
+        Some((_, Value::Fields(arc))) => {
+            let (centre, axis) = (known.vector(arc, "centre")?, known.vector(arc, "axis")?);
+            BeamLine::arc(from, centre, axis.unit(), known.number(arc, "angle")?, elements)
+        }
+        _ => BeamLine::straight([from, known.vector(fields, "to")?], elements, known.vector(fields, "second_axis")?),
+    };
+    if fields.get("twist").is_some() {
+        line = line.twisted(known.number(fields, "twist")?);
+    }
+    if fields.get("start_node").is_some() {
+        line = line.from_node(known.node(fields, "start_node", m)?);
+    } else if is_clamped(fields, "start") {
+        line = line.clamped_start();
+    }
+    if fields.get("end_node").is_some() {
+        line = line.to_node(known.node(fields, "end_node", m)?);
+    } else if is_clamped(fields, "end") {
+        line = line.clamped_end();
+    }
+    let beam = m.beam(name, line, &beam_section(known, fields)?);
+    set_motion(known, fields, &beam.nodes, m)?;
+    Ok(Made::Beam(beam))
+}
+
+pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let ends = [known.vector(fields, "from")?, known.vector(fields, "to")?];
+    let mut line = CableLine::straight(ends, count(fields, "elements"));
+    if fields.get("start_node").is_some() {
+        line = line.from_node(known.node(fields, "start_node", m)?);
+    } else if is_clamped(fields, "start") {
+        line = line.clamped_start();
+    }
+    if fields.get("end_node").is_some() {
+        line = line.to_node(known.node(fields, "end_node", m)?);
+    } else if is_clamped(fields, "end") {
+        line = line.clamped_end();
+    }
+    let cable = m.cable(name, line, &cable_section(known, fields)?);
+    set_motion(known, fields, &cable.nodes, m)?;
+    Ok(Made::Cable(cable))
+}
+
+pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let elements = counts(fields, "elements").unwrap_or([1; 2]);
+    let vector = |key| known.vector(fields, key);
+    let mut mesh = match fields.form {
+        "plate" => {
+            let corner = known.vector_or(fields, "corner", Vector3::zeros())?;
+            ShellMesh::plate(corner, [vector("first")?, vector("second")?], elements)
+        }
+        "cylinder" => {
+            let (line, about) = ([vector("from")?, vector("along")?], [vector("centre")?, vector("axis")?.unit()]);
+            ShellMesh::cylinder(line, about, known.number(fields, "angle")?, elements)
+        }
+        "sphere_patch" => {
+            let (centre, radius) = (vector("centre")?, known.number(fields, "radius")?);
+            ShellMesh::sphere(
+                centre,
+                radius,
+                known.numbers(fields, "longitude")?,
+                known.numbers(fields, "latitude")?,
+                elements,
+            )
+        }
+        _ => {
+            let edges = [vector("first")?.unit(), vector("second")?.unit()];
+            ShellMesh::sphere_face(vector("centre")?, known.number(fields, "radius")?, edges, elements)
+        }
+    };
+    if flag(fields, "closed", false) {
+        mesh = mesh.closed();
+    }
+    if fields.get("damping").is_some() {
+        mesh = mesh.damped(known.number(fields, "damping")?);
+    }
+    for edge in texts(fields, "clamped") {
+        mesh = mesh.clamped(edge_named(&edge));
+    }
+    let mut others: Vec<&ShellMember> = Vec::new();
+    for (_, value) in list(fields, "joined") {
+        let Value::Item(item) = value else { continue };
+        match &known.made[*item] {
+            Made::Shell(shell) => others.push(shell),
+            Made::Walls(walls) => others.extend(&walls.walls),
+            _ => {}
+        }
+    }
+    if !others.is_empty() {
+        mesh = m.joined(mesh, &others);
+    }
+    for (at, value) in list(fields, "held") {
+        let Value::Fields(own) = value else { continue };
+        let [i, j] = counts(own, "place").unwrap_or([0; 2]);
+        let [columns, rows] = elements.map(|count| 2 * count + 1);
+        if i >= columns || j >= rows {
+            return Err(Mistake::new(at, format!("the grid of \"{name}\" has {columns} x {rows} nodes, counted from 0")));
+        }
+        mesh = mesh.with_node(i, j, known.node(own, "node", m)?);
+    }
+    if fields.get("laminate").is_some() {
+        let Made::Laminate(laminate, _) = known.made(fields, "laminate")? else {
+            return Err(Mistake::new(fields.at, "laminate must name a laminate"));
+        };
+        return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, laminate, vector("direction")?))));
+    }
+    let (material, thickness) = (known.material(fields)?, known.series(fields, "thickness")?);
+    let (strips, along) = (thickness.len(), elements[0]);
+    if strips == 0 || strips > along {
+        let text = format!(
+            "\"{name}\" has {strips} thicknesses; give one, or up to {along}, the elements along its first direction"
+        );
+        return Err(Mistake::new(fields.get("thickness").map_or(fields.at, |own| own.0), text));
+    }
+    let shell = m.tapered_shell(name, mesh, &material, |element, _| thickness[(element % along) * strips / along]);
+    Ok(Made::Shell(Box::new(shell)))
+}
+
+pub(super) fn thin_walls<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let size = [known.number(fields, "width")?, known.number(fields, "height")?];
+    let across = counts(fields, "across").unwrap_or([1; 2]);
+    let (profile, walls) = match fields.form {
+        "box_tube" => (Profile::box_tube(size, across), 4),
+        _ => (Profile::i_section(size, across), 5),
+    };
+    let extrusion = Extrusion {
+        start: known.vector_or(fields, "start", Vector3::zeros())?,
+        along: known.vector(fields, "along")?,
+        first_axis: known.vector(fields, "first_axis")?,
+        twist: known.number_or(fields, "twist", 0.0)?,
+        elements: count(fields, "elements"),
+    };
+    let thickness = known.series(fields, "thickness")?;
+    if thickness.len() != 1 && thickness.len() != walls {
+        let text = format!("\"{name}\" has {} thicknesses; give one, or {walls}, one for each wall", thickness.len());
+        return Err(Mistake::new(fields.get("thickness").map_or(fields.at, |own| own.0), text));
+    }
+    let of_wall = |wall: usize, _: f64| thickness[wall % thickness.len()];
+    let walls = m.thin_walls(name, &profile, &extrusion, &known.material(fields)?, of_wall);
+    match walls.start().is_empty() {
+        // why is among the mistakes of the builder
+        true => Ok(Made::Nothing),
+        false => Ok(Made::Walls(walls)),
+    }
+}
+
+pub(super) fn group<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields) -> Found<Made<S>> {
+    let Made::Shell(shell) = known.made(fields, "of")? else {
+        return Err(Mistake::new(fields.at, "of must name a shell"));
+    };
+    let bounds = |key: &str, count: usize| counts(fields, key).unwrap_or([0, count.saturating_sub(1)]);
+    let ranges = [bounds("first", shell.counts[0]), bounds("second", shell.counts[1])];
+    let is_in = |place: [usize; 2]| (0..2).all(|k| (ranges[k][0]..=ranges[k][1]).contains(&place[k]));
+    let group: ElementGroup = shell.part(name, is_in);
+    if group.elements.is_empty() {
+        let [columns, rows] = shell.counts;
+        let text = format!("\"{name}\" has no elements; the shell has {columns} x {rows}, counted from 0");
+        return Err(Mistake::new(fields.at, text));
+    }
+    Ok(Made::Group(group))
+}

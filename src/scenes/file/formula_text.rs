@@ -1,0 +1,252 @@
+//! The grammar of formulas: sums of products of signed powers of components of operands.
+
+use super::expression::{
+    CONSTANTS, FUNCTIONS, Operation, Quantity, Scope, SyntaxError, constant, continues_name, starts_name,
+};
+use super::unknown::unknown;
+
+const OPERATORS: &str = "formulas know + - * / ^ ( ), functions such as sqrt(x), and vectors [x, y, z]";
+
+/// How deep brackets, signs and exponents may lie in each other.
+const MOST_DEPTH: usize = 60;
+
+/// A formula as it is read from its start.
+pub(super) struct FormulaText<'r> {
+    text: &'r str,
+    at: usize,
+    scope: &'r Scope,
+    operations: Vec<Operation>,
+    depth: usize,
+}
+
+impl<'r> FormulaText<'r> {
+    /// The operations of a formula, and whether it gives a vector.
+    pub fn read(text: &'r str, scope: &'r Scope) -> Result<(Vec<Operation>, bool), SyntaxError> {
+        let mut own = FormulaText { text, at: 0, scope, operations: Vec::new(), depth: 0 };
+        let is_vector = own.sum()?;
+        own.skip_blanks();
+        match own.rest().chars().next() {
+            None => Ok((own.operations, is_vector)),
+            Some(letter) => Err(own.wrong(format!("'{letter}' does not continue the formula; {OPERATORS}"))),
+        }
+    }
+    fn rest(&self) -> &'r str {
+        &self.text[self.at..]
+    }
+    fn wrong(&self, what: impl Into<String>) -> SyntaxError {
+        (self.at, what.into())
+    }
+    fn skip_blanks(&mut self) {
+        self.at += self.rest().len() - self.rest().trim_start().len();
+    }
+    /// The next letter, if it is one of some.
+    fn next_of(&mut self, letters: &str) -> Option<char> {
+        self.skip_blanks();
+        let letter = self.rest().chars().next().filter(|letter| letters.contains(*letter))?;
+        self.at += letter.len_utf8();
+        Some(letter)
+    }
+    fn expect(&mut self, wanted: char) -> Result<(), SyntaxError> {
+        match self.next_of(&wanted.to_string()) {
+            Some(_) => Ok(()),
+            None => {
+                let found = self.rest().chars().next().map_or("the formula ends".into(), |own| format!("there is '{own}'"));
+                Err(self.wrong(format!("'{wanted}' is missing; {found}")))
+            }
+        }
+    }
+    fn deeper<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, SyntaxError>) -> Result<T, SyntaxError> {
+        if self.depth == MOST_DEPTH {
+            return Err(self.wrong(format!("brackets, signs and exponents lie more than {MOST_DEPTH} deep in each other")));
+        }
+        self.depth += 1;
+        let result = read(self);
+        self.depth -= 1;
+        result
+    }
+    fn mixed(&self, at: usize, operator: char, [first, second]: [bool; 2]) -> SyntaxError {
+        let word = |is_vector| if is_vector { "a vector" } else { "a number" };
+        (at, format!("'{operator}' cannot join {} and {}", word(first), word(second)))
+    }
+
+    fn sum(&mut self) -> Result<bool, SyntaxError> {
+        let first = self.product()?;
+        loop {
+            let at = self.at;
+            let Some(operator) = self.next_of("+-") else { return Ok(first) };
+            let second = self.product()?;
+            if first != second {
+                return Err(self.mixed(at, operator, [first, second]));
+            }
+            self.operations.push(if operator == '+' { Operation::Add } else { Operation::Subtract });
+        }
+    }
+
+    fn product(&mut self) -> Result<bool, SyntaxError> {
+        let mut first = self.signed()?;
+        loop {
+            let at = self.at;
+            let Some(operator) = self.next_of("*/") else { return Ok(first) };
+            let second = self.signed()?;
+            if second && (first || operator == '/') {
+                let (at, what) = self.mixed(at, operator, [first, second]);
+                return Err((at, format!("{what}; there are dot(a, b) and cross(a, b)")));
+            }
+            self.operations.push(if operator == '*' { Operation::Multiply } else { Operation::Divide });
+            first = first || second;
+        }
+    }
+
+    fn signed(&mut self) -> Result<bool, SyntaxError> {
+        match self.next_of("+-") {
+            Some('-') => {
+                let is_vector = self.deeper(Self::signed)?;
+                self.operations.push(Operation::Negative);
+                Ok(is_vector)
+            }
+            Some(_) => self.deeper(Self::signed),
+            None => self.power(),
+        }
+    }
+
+    fn power(&mut self) -> Result<bool, SyntaxError> {
+        let base = self.component()?;
+        let at = self.at;
+        if self.next_of("^").is_none() {
+            return Ok(base);
+        }
+        let before = self.operations.len();
+        let exponent = self.deeper(Self::signed)?;
+        if base || exponent {
+            return Err(self.mixed(at, '^', [base, exponent]));
+        }
+        match constant(&self.operations[before..], self.scope) {
+            Some(Quantity::Number(value)) => {
+                self.operations.truncate(before);
+                let is_whole = value.fract() == 0.0 && value.abs() <= 1000.0;
+                self.operations.push(if is_whole {
+                    Operation::WholePower(value as i32)
+                } else {
+                    Operation::RealPower(value)
+                });
+            }
+            _ => self.operations.push(Operation::Power),
+        }
+        Ok(false)
+    }
+
+    fn component(&mut self) -> Result<bool, SyntaxError> {
+        let is_vector = self.operand()?;
+        self.skip_blanks();
+        if !self.rest().starts_with('.') {
+            return Ok(is_vector);
+        }
+        let at = self.at;
+        self.at += 1;
+        let Some(letter) = self.next_of("xyz") else {
+            return Err((at, "a component of a vector is .x, .y or .z".into()));
+        };
+        if !is_vector {
+            return Err((at, "a number has no components: .x, .y and .z are those of vectors".into()));
+        }
+        self.operations.push(Operation::Component("xyz".find(letter).unwrap_or(0)));
+        Ok(false)
+    }
+
+    fn operand(&mut self) -> Result<bool, SyntaxError> {
+        self.skip_blanks();
+        let at = self.at;
+        let Some(letter) = self.rest().chars().next() else {
+            return Err(self.wrong(format!("the formula ends where a number is wanted; {OPERATORS}")));
+        };
+        match letter {
+            '(' => {
+                self.at += 1;
+                let is_vector = self.deeper(Self::sum)?;
+                self.expect(')')?;
+                Ok(is_vector)
+            }
+            '[' => {
+                self.at += 1;
+                for place in 0..3 {
+                    if place > 0 {
+                        self.expect(',')?;
+                    }
+                    let at = self.at;
+                    if self.deeper(Self::sum)? {
+                        return Err((at, "a component of a vector is a number, and this is a vector".into()));
+                    }
+                }
+                self.expect(']')?;
+                self.operations.push(Operation::Vector);
+                Ok(true)
+            }
+            _ if letter.is_ascii_digit() || letter == '.' => self.literal(),
+            _ if starts_name(letter) => self.name(),
+            _ => Err((at, format!("'{letter}' stands where a number is wanted; {OPERATORS}"))),
+        }
+    }
+
+    fn literal(&mut self) -> Result<bool, SyntaxError> {
+        let rest = self.rest();
+        let bytes = rest.as_bytes();
+        let digits = |from: usize| from + bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let mut end = digits(0);
+        if bytes.get(end) == Some(&b'.') {
+            end = digits(end + 1);
+        }
+        if matches!(bytes.get(end), Some(b'e' | b'E')) {
+            let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+            let last = digits(end + 1 + sign);
+            if last > end + 1 + sign {
+                end = last;
+            }
+        }
+        match rest[..end].parse::<f64>() {
+            Ok(value) if value.is_finite() => {
+                self.at += end;
+                self.operations.push(Operation::Literal(value));
+                Ok(false)
+            }
+            _ => Err(self.wrong(format!("\"{}\" is no finite number", &rest[..end]))),
+        }
+    }
+
+    fn name(&mut self) -> Result<bool, SyntaxError> {
+        let (at, rest) = (self.at, self.rest());
+        let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
+        self.at += name.len();
+        if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
+            self.expect('(')?;
+            for (place, &wanted) in arguments.iter().enumerate() {
+                if place > 0 {
+                    self.expect(',')?;
+                }
+                self.skip_blanks();
+                let at = self.at;
+                if self.deeper(Self::sum)? != wanted {
+                    let [is, must] = if wanted { ["a number", "a vector"] } else { ["a vector", "a number"] };
+                    return Err((at, format!("argument {} of {name} is {is}; it must be {must}", place + 1)));
+                }
+            }
+            self.expect(')')?;
+            self.operations.push(Operation::Call(*function));
+            return Ok(*is_vector);
+        }
+        if self.next_of("(").is_some() {
+            let known: Vec<String> = FUNCTIONS.iter().map(|own| own.0.into()).collect();
+            return Err((at, unknown("function", name, &known)));
+        }
+        if let Some((_, value)) = CONSTANTS.iter().find(|own| own.0 == name) {
+            self.operations.push(Operation::Literal(*value));
+            return Ok(false);
+        }
+        let Some((index, named)) = self.scope.find(name) else {
+            let known = self.scope.names.iter().map(|own| own.name.clone());
+            let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
+            return Err((at, unknown("name", name, &known)));
+        };
+        self.operations.push(Operation::Name(index));
+        Ok(named.is_vector)
+    }
+}

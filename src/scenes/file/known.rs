@@ -1,0 +1,387 @@
+//! Values of the keys of an entry, in the scalar of the mechanism.
+
+use super::expression::Quantity;
+use super::keys::Range;
+use super::mistake::Mistake;
+use super::reader::{Fields, Item, NodePlace, Value};
+use crate::assembly::{ConstraintId, NodeId};
+use crate::design::shortest;
+use crate::elements::TimeFunction;
+use crate::elements::flexible::section::Shape;
+use crate::elements::flexible::{Laminate, Material, PlyStrength};
+use crate::elements::forces::LoadFrame;
+use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, ShellMember, ThinWalls};
+use std::sync::Arc;
+
+/// What an entry became.
+pub(super) enum Made<S> {
+    Nothing,
+    Node(NodeId),
+    Joint(ConstraintId),
+    Beam(BeamMember),
+    Cable(CableMember),
+    Shell(Box<ShellMember>),
+    Walls(ThinWalls),
+    Sphere(Vec<ShellMember>),
+    Group(ElementGroup),
+    Material(Material<S>),
+    Shape(Material<S>, Shape<S>),
+    Laminate(Laminate<S>, Vec<PlyStrength<S>>),
+}
+
+/// Values of names, and what was made so far.
+pub(super) struct Known<'f, S> {
+    /// All entries.
+    pub items: &'f [Item],
+    pub names: Vec<Quantity<S>>,
+    pub made: Vec<Made<S>>,
+}
+
+/// A result, or what is wrong and where.
+pub(super) type Found<T> = Result<T, Mistake>;
+
+fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
+    Err(Mistake::new(fields.at, format!("the key {key} is needed here")))
+}
+
+impl<S: Scalar> Known<'_, S> {
+    fn value(&self, key: &str, (at, value): (usize, &Value)) -> Found<Quantity<S>> {
+        let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
+        let value = formula.value(&self.names);
+        let range = *range;
+        match value.components().iter().map(|own| own.value()).find(|own| !(own.is_finite() && range.holds(*own))) {
+            None => Ok(value),
+            Some(own) => {
+                let (own, wanted) = (shortest(own), if range == Range::Any { "finite" } else { range.words() });
+                Err(Mistake::new(at, format!("{key}: at this design the value is {own}; it must be {wanted}")))
+            }
+        }
+    }
+
+    fn scalar(&self, key: &str, given: (usize, &Value)) -> Found<S> {
+        match self.value(key, given)? {
+            Quantity::Number(own) => Ok(own),
+            Quantity::Vector(_) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
+        }
+    }
+
+    fn spatial(&self, key: &str, given: (usize, &Value)) -> Found<Vector3<S>> {
+        match self.value(key, given)? {
+            Quantity::Vector(own) => Ok(own),
+            Quantity::Number(_) => Err(Mistake::new(given.0, "a vector is wanted, and this is a number")),
+        }
+    }
+
+    pub fn number(&self, fields: &Fields, key: &str) -> Found<S> {
+        fields.get(key).map_or_else(|| missing(fields, key), |given| self.scalar(key, given))
+    }
+
+    pub fn number_or(&self, fields: &Fields, key: &str, default: f64) -> Found<S> {
+        fields.get(key).map_or(Ok(S::from(default)), |given| self.scalar(key, given))
+    }
+
+    pub fn vector(&self, fields: &Fields, key: &str) -> Found<Vector3<S>> {
+        fields.get(key).map_or_else(|| missing(fields, key), |given| self.spatial(key, given))
+    }
+
+    pub fn vector_or(&self, fields: &Fields, key: &str, default: Vector3<S>) -> Found<Vector3<S>> {
+        fields.get(key).map_or(Ok(default), |given| self.spatial(key, given))
+    }
+
+    /// All numbers of a list, none if the key is not given.
+    pub fn series(&self, fields: &Fields, key: &str) -> Found<Vec<S>> {
+        list(fields, key).map(|given| self.scalar(key, given)).collect()
+    }
+
+    pub fn numbers<const N: usize>(&self, fields: &Fields, key: &str) -> Found<[S; N]> {
+        self.series(fields, key)?.try_into().or_else(|_| missing(fields, key))
+    }
+
+    pub fn points(&self, fields: &Fields, key: &str) -> Found<Vec<Vector3<S>>> {
+        list(fields, key).map(|given| self.spatial(key, given)).collect()
+    }
+
+    /// Nodes at a place: one, or those of an edge or end.
+    pub fn nodes_at(&self, at: usize, place: &NodePlace, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+        let Some(item) = place.item else { return Ok(vec![m.ground()]) };
+        let index = |count: usize| match place.index.first() {
+            Some(&own) if own < count => Ok(own),
+            Some(own) => Err(Mistake::new(at, format!("there is no node {own}: there are {count}, from 0 on"))),
+            None => Err(Mistake::new(at, "the number of the node is missing")),
+        };
+        let on_line = |nodes: &[NodeId]| match place.edge {
+            Some("start") => Ok(nodes[0]),
+            Some(_) => Ok(nodes[nodes.len() - 1]),
+            None => index(nodes.len()).map(|own| nodes[own]),
+        };
+        let some = |nodes: Vec<NodeId>| match place.index.len() {
+            0 => Ok(nodes),
+            _ => index(nodes.len()).map(|own| vec![nodes[own]]),
+        };
+        let on_grid = |shell: &ShellMember, index: &[usize]| {
+            let [columns, rows] = shell.counts.map(|count| 2 * count + 1);
+            match index {
+                &[i, j] if i < columns && j < rows => Ok(vec![shell.node(i, j)]),
+                _ => Err(Mistake::new(at, format!("the grid has {columns} x {rows} nodes, counted from 0"))),
+            }
+        };
+        match &self.made[item] {
+            Made::Node(node) => Ok(vec![*node]),
+            Made::Beam(beam) => on_line(&beam.nodes).map(|node| vec![node]),
+            Made::Cable(cable) => on_line(&cable.nodes).map(|node| vec![node]),
+            Made::Walls(walls) => some(if place.edge == Some("start") { walls.start() } else { walls.end() }),
+            Made::Shell(shell) => match place.edge {
+                Some(edge) => some(shell.edge(edge_named(edge))),
+                None => on_grid(shell, &place.index),
+            },
+            Made::Sphere(faces) => on_grid(&faces[index(faces.len())?], &place.index[1..]),
+            _ => Err(Mistake::new(at, "this is no node")),
+        }
+    }
+
+    fn one_node(&self, (at, value): (usize, &Value), m: &mut MechanismBuilder<S>) -> Found<NodeId> {
+        let Value::Node(place) = value else { return Err(Mistake::new(at, "this is no node")) };
+        match self.nodes_at(at, place, m)?.as_slice() {
+            [node] => Ok(*node),
+            other => Err(Mistake::new(at, format!("these are {} nodes, and one is wanted", other.len()))),
+        }
+    }
+
+    pub fn node(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<NodeId> {
+        fields.get(key).map_or_else(|| missing(fields, key), |given| self.one_node(given, m))
+    }
+
+    pub fn nodes<const N: usize>(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<[NodeId; N]> {
+        let nodes: Vec<NodeId> = list(fields, key).map(|given| self.one_node(given, m)).collect::<Found<_>>()?;
+        nodes.try_into().or_else(|_| missing(fields, key))
+    }
+
+    /// What another entry became.
+    pub fn made<'m>(&'m self, fields: &Fields, key: &str) -> Found<&'m Made<S>> {
+        match fields.get(key) {
+            Some((_, Value::Item(item))) => Ok(&self.made[*item]),
+            _ => missing(fields, key),
+        }
+    }
+
+    pub fn joint(&self, fields: &Fields) -> Found<ConstraintId> {
+        match self.made(fields, "joint")? {
+            Made::Joint(joint) => Ok(*joint),
+            _ => missing(fields, "joint"),
+        }
+    }
+
+    pub fn material(&self, fields: &Fields) -> Found<Material<S>> {
+        match self.made(fields, "material")? {
+            Made::Material(material) => Ok(*material),
+            _ => missing(fields, "material"),
+        }
+    }
+
+    /// Elements of everything that a key names.
+    pub fn group(&self, fields: &Fields, key: &str) -> Found<ElementGroup> {
+        let mut groups = Vec::new();
+        for (_, value) in list(fields, key) {
+            let Value::Item(item) = value else { continue };
+            groups.extend(match &self.made[*item] {
+                Made::Beam(beam) => vec![ElementGroup::new("beam", beam.elements.iter().copied())],
+                Made::Cable(cable) => vec![ElementGroup::new("cable", cable.elements.iter().copied())],
+                Made::Shell(shell) => vec![shell.group()],
+                Made::Walls(walls) => walls.walls.iter().map(ShellMember::group).collect(),
+                Made::Sphere(faces) => faces.iter().map(ShellMember::group).collect(),
+                Made::Group(group) => vec![group.clone()],
+                _ => Vec::new(),
+            });
+        }
+        match groups.len() {
+            1 => Ok(groups.remove(0)),
+            _ => Ok(ElementGroup::of_groups("of all that are named", &groups)),
+        }
+    }
+
+    /// Axes of a frame.
+    pub fn orientation(&self, fields: &Fields) -> Found<Quaternion<S>> {
+        let Some((_, Value::Fields(own))) = fields.get("orientation") else { return Ok(Quaternion::identity()) };
+        let direction = |key: &str| -> Found<Vector3<S>> {
+            let vector = self.vector(own, key)?;
+            let components = vector.components();
+            match components.iter().any(|own| own.value() != 0.0) {
+                true => Ok(vector.unit()),
+                false => Err(Mistake::new(own.at, format!("{key} is zero; give a vector of any length but zero"))),
+            }
+        };
+        match own.form {
+            "angle" => Ok(Quaternion::about(direction("axis")?, self.number(own, "angle")?)),
+            "x_axis" => Ok(Quaternion::x_axis_to(direction("along")?)),
+            _ => {
+                let values: [S; 4] = self.numbers(own, "values")?;
+                let norm = values.iter().map(|own| own.value() * own.value()).sum::<f64>().sqrt();
+                if (norm - 1.0).abs() > 1e-9 {
+                    let text = format!("these Euler parameters have length {}; it must be 1", shortest(norm));
+                    return Err(Mistake::new(own.at, text));
+                }
+                Ok(Quaternion(values))
+            }
+        }
+    }
+
+    /// A spline through a formula of time.
+    fn sampled(&self, own: &Fields) -> Found<(TimeFunction, Vec<S>)> {
+        let (start, end) = (fixed(own, "start").unwrap_or(0.0), fixed(own, "end").unwrap_or(f64::NAN));
+        let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
+        let intervals = count(own, "intervals");
+        let interval = (end - start) / intervals as f64;
+        let times: Vec<f64> = (0..=intervals).map(|i| start + interval * i as f64).collect();
+        let mut names = self.names.clone();
+        let mut values = Vec::new();
+        for &t in &times {
+            names.push(Quantity::Number(S::from(t)));
+            match formula.value(&names) {
+                Quantity::Number(value) if value.value().is_finite() => values.push(value),
+                _ => return Err(Mistake::new(at, format!("at t = {} s the value is not finite", shortest(t)))),
+            }
+            names.pop();
+        }
+        Ok((TimeFunction::table(times).map_err(|why| Mistake::new(own.at, why))?, values))
+    }
+
+    /// A function of time with its numbers.
+    pub fn function(&self, fields: &Fields, key: &str) -> Found<(TimeFunction, Vec<S>)> {
+        let own = match fields.get(key) {
+            Some((_, Value::Fields(own))) => own,
+            Some(given) => return Ok((TimeFunction::Constant, vec![self.scalar(key, given)?])),
+            None => return missing(fields, key),
+        };
+        let zero_or = |key| self.number_or(own, key, 0.0);
+        let needed = |key| self.number(own, key);
+        let curve = |make: fn(Vec<f64>) -> Result<TimeFunction, String>| {
+            let times = fixed_list(own, "times");
+            let values = self.series(own, "values")?;
+            if times.len() != values.len() {
+                let text = format!("there are {} times, but {} values; give one for each", times.len(), values.len());
+                return Err(Mistake::new(own.at, text));
+            }
+            Ok((make(times).map_err(|why| Mistake::new(own.at, why))?, values))
+        };
+        let (function, mut values) = match own.form {
+            "constant" => (TimeFunction::Constant, vec![needed("value")?]),
+            "constant_rate" => (TimeFunction::ConstantRate, vec![zero_or("offset")?, needed("rate")?]),
+            "sine" => {
+                let values = [zero_or("offset")?, needed("amplitude")?, needed("angular_frequency")?, zero_or("phase")?];
+                (TimeFunction::Sine, values.to_vec())
+            }
+            "smooth_ramp" => {
+                let values = [zero_or("from")?, needed("to")?, zero_or("start")?, needed("duration")?];
+                (TimeFunction::SmoothRamp, values.to_vec())
+            }
+            "step" => {
+                let switch = fixed(own, "at").unwrap_or(f64::NAN);
+                (TimeFunction::Step { switch }, vec![zero_or("before")?, needed("after")?])
+            }
+            "formula" => self.sampled(own)?,
+            "lines" => curve(TimeFunction::lines)?,
+            _ => curve(TimeFunction::table)?,
+        };
+        if own.get("smooth_start").is_none() {
+            return Ok((function, values));
+        }
+        values.push(needed("smooth_start")?);
+        Ok((TimeFunction::SmoothStart(Arc::new(function)), values))
+    }
+}
+
+/// Entries of a list.
+pub(super) fn list<'f>(fields: &'f Fields, key: &str) -> impl Iterator<Item = (usize, &'f Value)> + use<'f> {
+    let list: &[(usize, Value)] = match fields.get(key) {
+        Some((_, Value::List(list))) => list,
+        _ => &[],
+    };
+    list.iter().map(|(at, value)| (*at, value))
+}
+
+pub(super) fn fixed(fields: &Fields, key: &str) -> Option<f64> {
+    match fields.get(key) {
+        Some((_, Value::Fixed(value))) => Some(*value),
+        _ => None,
+    }
+}
+
+pub(super) fn fixed_list(fields: &Fields, key: &str) -> Vec<f64> {
+    let number = |(_, value): (usize, &Value)| if let Value::Fixed(own) = value { Some(*own) } else { None };
+    list(fields, key).filter_map(number).collect()
+}
+
+pub(super) fn count(fields: &Fields, key: &str) -> usize {
+    match fields.get(key) {
+        Some((_, Value::Count(count))) => *count,
+        _ => 0,
+    }
+}
+
+pub(super) fn counts(fields: &Fields, key: &str) -> Option<[usize; 2]> {
+    let number = |(_, value): (usize, &Value)| if let Value::Count(own) = value { Some(*own) } else { None };
+    list(fields, key).filter_map(number).collect::<Vec<_>>().try_into().ok()
+}
+
+pub(super) fn flag(fields: &Fields, key: &str, default: bool) -> bool {
+    match fields.get(key) {
+        Some((_, Value::Flag(flag))) => *flag,
+        _ => default,
+    }
+}
+
+pub(super) fn text<'f>(fields: &'f Fields, key: &str) -> Option<&'f str> {
+    match fields.get(key) {
+        Some((_, Value::Text(text))) => Some(text),
+        _ => None,
+    }
+}
+
+pub(super) fn texts(fields: &Fields, key: &str) -> Vec<String> {
+    let own = |(_, value): (usize, &Value)| if let Value::Text(own) = value { Some(own.clone()) } else { None };
+    list(fields, key).filter_map(own).collect()
+}
+
+pub(super) fn edge_named(name: &str) -> Edge {
+    match name {
+        "first_start" => Edge::FirstStart,
+        "first_end" => Edge::FirstEnd,
+        "second_start" => Edge::SecondStart,
+        _ => Edge::SecondEnd,
+    }
+}
+
+/// The frame of a load.
+pub(super) fn frame(fields: &Fields, default: LoadFrame) -> LoadFrame {
+    match text(fields, "frame") {
+        Some("body") => LoadFrame::Body,
+        Some(_) => LoadFrame::World,
+        None => default,
+    }
+}
+
+/// What is made over time.
+pub(super) fn over(fields: &Fields) -> Over {
+    let own = match fields.get("over") {
+        Some((_, Value::Fields(own))) => own,
+        Some((_, Value::Text(word))) if word == "initial" => return Over::Initial,
+        Some((_, Value::Text(word))) if word == "integral" => return Over::Integral,
+        _ => return Over::Terminal,
+    };
+    let kind = match text(own, "aggregate") {
+        Some("exponential") => AggregateKind::Exponential,
+        Some("squared_exponential") => AggregateKind::SquaredExponential,
+        Some("power") => AggregateKind::Power,
+        Some("squared_power") => AggregateKind::SquaredPower,
+        _ => AggregateKind::SmoothMaximum { normalized: flag(own, "normalized", true) },
+    };
+    let aggregate = Aggregate::new(kind, fixed(own, "sharpness").unwrap_or(f64::NAN));
+    let aggregate = if flag(own, "continuous", false) { aggregate.continuous() } else { aggregate };
+    aggregate.at(match text(own, "times") {
+        Some("start") => Times::Start,
+        Some("end") => Times::End,
+        _ => Times::Run,
+    })
+}

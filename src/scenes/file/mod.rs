@@ -1,0 +1,26 @@
+#![doc = include_str!("format.md")]
+#![doc = include_str!("reference.md")]
+
+mod build;
+mod build_functionals;
+mod build_members;
+mod expression;
+mod formula_text;
+mod keys;
+mod known;
+mod mistake;
+mod order;
+mod raw;
+mod reader;
+mod reference;
+mod references;
+mod scene;
+mod schema;
+mod sections;
+mod unknown;
+mod values;
+
+pub use reference::reference;
+pub use scene::FileScene;
+pub use schema::schema;
+pub use unknown::unknown;

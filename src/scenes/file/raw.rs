@@ -1,0 +1,236 @@
+//! The tree of a TOML text with the place of everything in it, and entries that stand for many.
+
+use super::expression::{Expression, Quantity, Scope};
+use super::mistake::Mistake;
+use std::ops::RangeInclusive;
+use toml::de::{DeTable, DeValue};
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Raw {
+    pub at: usize,
+    pub value: RawValue,
+}
+
+/// A TOML value; the entries of a table stand in the order of the file.
+#[derive(Clone, Debug)]
+pub(super) enum RawValue {
+    /// With the place of its first character, if characters of the text and the file are the same.
+    Text(String, Option<usize>),
+    /// As written: whole or not.
+    Number {
+        value: f64,
+        whole: bool,
+    },
+    Flag(bool),
+    Date,
+    List(Vec<Raw>),
+    Table(Vec<Entry>),
+}
+
+/// A key with its value.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub key: String,
+    pub at: usize,
+    pub value: Raw,
+}
+
+impl Raw {
+    /// The tree of a text.
+    pub fn parse(text: &str) -> Result<Raw, Mistake> {
+        let table = DeTable::parse(text).map_err(|error| {
+            let at = error.span().map_or(0, |span| span.start);
+            Mistake::new(at, format!("this is no TOML: {}", error.message().trim().replace('\n', ", ")))
+        })?;
+        Ok(Raw { at: 0, value: raw_table(text, table.get_ref()) })
+    }
+
+    /// What it is, for messages.
+    pub fn words(&self) -> String {
+        match &self.value {
+            RawValue::Text(text, _) => format!("the text \"{text}\""),
+            RawValue::Number { value, .. } => format!("the number {value}"),
+            RawValue::Flag(flag) => format!("{flag}"),
+            RawValue::Date => "a date".into(),
+            RawValue::List(list) => format!("a list of {}", list.len()),
+            RawValue::Table(_) => "a table".into(),
+        }
+    }
+
+    /// Entries of a table.
+    pub fn entries(&self) -> Option<&[Entry]> {
+        match &self.value {
+            RawValue::Table(entries) => Some(entries),
+            _ => None,
+        }
+    }
+
+    /// The value of a key of a table.
+    pub fn get(&self, key: &str) -> Option<&Raw> {
+        Some(&self.entries()?.iter().find(|entry| entry.key == key)?.value)
+    }
+
+    /// A text.
+    pub fn text(&self) -> Option<&str> {
+        match &self.value {
+            RawValue::Text(text, _) => Some(text),
+            _ => None,
+        }
+    }
+
+    fn whole(&self) -> Option<i64> {
+        match self.value {
+            RawValue::Number { value, whole: true } => Some(value as i64),
+            _ => None,
+        }
+    }
+}
+
+fn raw_table(text: &str, table: &DeTable) -> RawValue {
+    let mut entries: Vec<Entry> = table
+        .iter()
+        .map(|(key, value)| Entry {
+            key: key.get_ref().to_string(),
+            at: key.span().start,
+            value: raw(text, value.get_ref(), value.span().start),
+        })
+        .collect();
+    entries.sort_by_key(|entry| entry.at);
+    RawValue::Table(entries)
+}
+
+fn raw(text: &str, value: &DeValue, at: usize) -> Raw {
+    let number = |digits: &str, whole| RawValue::Number { value: digits.parse().unwrap_or(f64::NAN), whole };
+    let value = match value {
+        DeValue::String(own) => {
+            let is_plain = text.get(at + 1..).is_some_and(|rest| rest.starts_with(&**own));
+            RawValue::Text(own.to_string(), is_plain.then_some(at + 1))
+        }
+        DeValue::Integer(own) if own.radix() == 10 => number(&own.as_str().replace('_', ""), true),
+        DeValue::Integer(own) => {
+            let value = i64::from_str_radix(&own.as_str().replace('_', ""), own.radix());
+            RawValue::Number { value: value.map_or(f64::NAN, |value| value as f64), whole: true }
+        }
+        DeValue::Float(own) => number(&own.as_str().replace('_', ""), false),
+        DeValue::Boolean(flag) => RawValue::Flag(*flag),
+        DeValue::Datetime(_) => RawValue::Date,
+        DeValue::Array(list) => RawValue::List(list.iter().map(|own| raw(text, own.get_ref(), own.span().start)).collect()),
+        DeValue::Table(table) => raw_table(text, table),
+    };
+    Raw { at, value }
+}
+
+/// Most entries that one stands for.
+const MOST_ENTRIES: usize = 10_000;
+
+/// A name of a loop with one of its values.
+type Turn = (String, Step);
+
+#[derive(Clone)]
+enum Step {
+    Whole(i64),
+    Word(String),
+}
+
+/// The entries that an entry with a key `for` stands for, or itself.
+///
+/// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.
+pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
+    let Some(loops) = entry.get("for") else { return Ok(vec![entry.clone()]) };
+    let wanted =
+        "for must be a table of names with a range [from, to] of whole numbers or a list of texts, as in { i = [1, 5] }";
+    let named = loops.entries().filter(|named| !named.is_empty());
+    let named = named.ok_or_else(|| Mistake::new(loops.at, format!("{wanted}; it is {}", loops.words())))?;
+    let mut turns: Vec<Vec<Turn>> = vec![Vec::new()];
+    for own in named {
+        let wrong = || Mistake::new(own.value.at, format!("{wanted}; {} is {}", own.key, own.value.words()));
+        let RawValue::List(list) = &own.value.value else { return Err(wrong()) };
+        let steps: Vec<Step> = match list.as_slice() {
+            [from, to] if from.whole().is_some() && to.whole().is_some() => {
+                let range: RangeInclusive<i64> = from.whole().unwrap_or(0)..=to.whole().unwrap_or(0);
+                if range.clone().nth(MOST_ENTRIES).is_some() {
+                    return Err(Mistake::new(own.value.at, format!("{} takes more than {MOST_ENTRIES} values", own.key)));
+                }
+                range.map(Step::Whole).collect()
+            }
+            words if words.iter().all(|word| word.text().is_some()) && !words.is_empty() => {
+                words.iter().filter_map(|word| word.text()).map(|word| Step::Word(word.into())).collect()
+            }
+            _ => return Err(wrong()),
+        };
+        if turns.len() * steps.len() > MOST_ENTRIES {
+            return Err(Mistake::new(loops.at, format!("for makes more than {MOST_ENTRIES} entries")));
+        }
+        let longer = |turn: &Vec<Turn>| {
+            let before = turn.clone();
+            steps.iter().map(move |step| [&before[..], &[(own.key.clone(), step.clone())]].concat()).collect::<Vec<_>>()
+        };
+        turns = turns.iter().flat_map(longer).collect();
+    }
+    turns.iter().map(|turn| replaced(entry, turn)).collect()
+}
+
+/// The same for an entry with a key of its own, which is replaced, too.
+pub(super) fn repeated_named(entry: &Entry) -> Result<Vec<Entry>, Mistake> {
+    let Some(loops) = entry.value.entries().and_then(|own| own.iter().find(|own| own.key == "for")) else {
+        return Ok(vec![entry.clone()]);
+    };
+    let both = RawValue::Table(vec![loops.clone(), entry.clone()]);
+    let all = repeated_entries(&Raw { at: entry.at, value: both })?;
+    Ok(all
+        .into_iter()
+        .filter_map(|own| if let RawValue::Table(own) = own.value { own.into_iter().next() } else { None })
+        .collect())
+}
+
+fn replaced(raw: &Raw, turn: &[Turn]) -> Result<Raw, Mistake> {
+    let value = match &raw.value {
+        RawValue::Text(text, place) if text.contains('{') => {
+            let _ = place;
+            RawValue::Text(replaced_text(text, turn).map_err(|what| Mistake::new(raw.at, what))?, None)
+        }
+        RawValue::List(list) => RawValue::List(list.iter().map(|own| replaced(own, turn)).collect::<Result<_, _>>()?),
+        RawValue::Table(entries) => {
+            let kept = entries.iter().filter(|entry| entry.key != "for");
+            let own = kept.map(|entry| {
+                let key = replaced_text(&entry.key, turn).map_err(|what| Mistake::new(entry.at, what))?;
+                Ok(Entry { key, at: entry.at, value: replaced(&entry.value, turn)? })
+            });
+            RawValue::Table(own.collect::<Result<_, _>>()?)
+        }
+        other => other.clone(),
+    };
+    Ok(Raw { at: raw.at, value })
+}
+
+fn replaced_text(text: &str, turn: &[Turn]) -> Result<String, String> {
+    let mut scope = Scope::default();
+    for (name, step) in turn {
+        if let Step::Whole(value) = step {
+            scope.add_constant(name, Quantity::Number(*value as f64));
+        }
+    }
+    let (mut result, mut rest) = (String::new(), text);
+    while let Some((before, after)) = rest.split_once('{') {
+        let Some((inside, behind)) = after.split_once('}') else {
+            return Err(format!("\"{text}\" has a brace {{ without its }}"));
+        };
+        result.push_str(before);
+        let word = turn.iter().find_map(|(name, step)| match step {
+            Step::Word(word) if name == inside.trim() => Some(word.clone()),
+            _ => None,
+        });
+        let value = || {
+            let expression = Expression::parse(inside, &scope).map_err(|(_, what)| what)?;
+            match expression.constant(&scope) {
+                Some(Quantity::Number(value)) if value.fract() == 0.0 && value.abs() < 1e15 => Ok(format!("{value}")),
+                _ => Err(format!("{{{inside}}} must be a whole number")),
+            }
+        };
+        result.push_str(&word.map_or_else(value, Ok).map_err(|what| format!("in \"{text}\": {what}"))?);
+        rest = behind;
+    }
+    result.push_str(rest);
+    Ok(result)
+}

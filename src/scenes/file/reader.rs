@@ -1,0 +1,366 @@
+//! From the tree of a TOML text, by the tables of keys, to entries with checked values.
+
+use super::expression::{Expression, Scope, is_name, is_reserved, names_in};
+use super::keys::{Form, Forms, Range, Section, Shape};
+use super::mistake::Mistake;
+use super::order::ordered;
+use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
+use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
+use super::unknown::unknown;
+use std::collections::HashMap;
+
+/// What a key was given.
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    /// A formula of a number or a vector, with the range of its value.
+    Formula(Expression, Range),
+    Fixed(f64),
+    Count(usize),
+    Flag(bool),
+    Text(String),
+    Node(NodePlace),
+    Item(usize),
+    Weights(Vec<(String, f64)>),
+    Fields(Fields),
+    List(Vec<(usize, Value)>),
+}
+
+/// Where a node is to be found: `crank`, `beam.end`, `plate[2, 3]`, `tube.start[0]`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct NodePlace {
+    /// The entry; without it the ground.
+    pub item: Option<usize>,
+    pub edge: Option<&'static str>,
+    pub index: Vec<usize>,
+}
+
+/// The values of a table.
+#[derive(Clone, Debug)]
+pub(super) struct Fields {
+    pub at: usize,
+    /// Its type.
+    pub form: &'static str,
+    pub values: Vec<(&'static str, usize, Value)>,
+}
+
+impl Fields {
+    /// A value and its place.
+    pub fn get(&self, key: &str) -> Option<(usize, &Value)> {
+        self.values.iter().find(|own| own.0 == key).map(|(_, at, value)| (*at, value))
+    }
+}
+
+/// An entry of a section.
+#[derive(Clone, Debug)]
+pub(super) struct Item {
+    pub section: &'static str,
+    pub name: String,
+    pub fields: Fields,
+}
+
+/// A design variable: how formulas call it is its place.
+#[derive(Clone, Debug)]
+pub(super) struct Variable {
+    pub fields: Fields,
+    pub name: String,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug)]
+pub(super) struct Contents {
+    pub top: Fields,
+    pub variables: Vec<Variable>,
+    /// After the variables, in an order in which each depends on others before it only, with their places and names.
+    pub definitions: Vec<(usize, String, Expression)>,
+    pub items: Vec<Item>,
+    /// Sections that occur once.
+    pub single: Vec<(&'static str, Fields)>,
+    /// Entries in the order of the file, but what others refer to before these.
+    pub order: Vec<usize>,
+}
+
+/// A name that an entry has.
+pub(super) struct Declared {
+    pub section: &'static Section,
+    pub name: String,
+    pub at: usize,
+    pub raw: Raw,
+}
+
+/// A file while it is read.
+pub(super) struct Reader {
+    pub scope: Scope,
+    pub declared: Vec<Declared>,
+    pub by_name: HashMap<(String, &'static str), usize>,
+    pub mistakes: Vec<Mistake>,
+}
+
+/// Sections whose names may be the same, as nobody takes one for the other, have different words here.
+pub(super) fn name_space(section: &str) -> &'static str {
+    match section {
+        "variable" | "material" | "section" | "laminate" | "drawing" => {
+            SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
+        }
+        "joint" | "driver" | "rigid_interface" => "joint",
+        "spring" | "damper" | "force" | "torque" | "distributed_load" | "pressure" => "force",
+        "functional" => "functional",
+        _ => "member",
+    }
+}
+
+/// Reads a whole file.
+pub(super) fn read(root: &Raw) -> Result<Contents, Vec<Mistake>> {
+    let mut reader = Reader { scope: Scope::default(), declared: Vec::new(), by_name: HashMap::new(), mistakes: Vec::new() };
+    let contents = reader.contents(root);
+    if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
+}
+
+impl Reader {
+    pub(super) fn wrong(&mut self, at: usize, what: impl Into<String>) {
+        self.mistakes.push(Mistake::new(at, what));
+    }
+
+    fn contents(&mut self, root: &Raw) -> Contents {
+        let entries = root.entries().unwrap_or_default();
+        let top_keys = TOP.forms[0].keys;
+        let mut known: Vec<String> = top_keys.iter().map(|key| key.name.into()).collect();
+        known.push(DEFINE.0.into());
+        known.extend(SECTIONS.iter().map(|section| section.name.into()));
+        let mut top = Vec::new();
+        let mut definitions: &[Entry] = &[];
+        let mut singles: Vec<(&'static Section, &Raw)> = Vec::new();
+        for entry in entries {
+            if let Some(key) = top_keys.iter().find(|key| key.name == entry.key) {
+                top.push((key, entry));
+            } else if entry.key == DEFINE.0 {
+                match entry.value.entries() {
+                    Some(own) => definitions = own,
+                    None => self.wrong(entry.value.at, format!("[define] must be a table; it is {}", entry.value.words())),
+                }
+            } else if let Some(section) = SECTIONS.iter().find(|section| section.name == entry.key) {
+                if section.shape == Shape::Once {
+                    singles.push((section, &entry.value));
+                } else {
+                    self.declare(section, entry);
+                }
+            } else {
+                self.wrong(entry.at, unknown("key", &entry.key, &known));
+            }
+        }
+        let variables = self.variables();
+        let definitions = self.define(definitions);
+        let top_entries: Vec<Entry> = top.iter().map(|(_, entry)| (*entry).clone()).collect();
+        let top = self.fields(&Raw { at: 0, value: RawValue::Table(top_entries) }, &TOP, "the file");
+        let single: Vec<(&'static str, Fields)> = singles
+            .into_iter()
+            .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
+            .collect();
+        if self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
+            self.wrong(0, "the file has no [[body]], [[point]], [[beam]], [[cable]] or [[shell]]: nothing moves");
+        }
+        let mut items = Vec::new();
+        for place in 0..self.declared.len() {
+            let Declared { section, name, raw, .. } = &self.declared[place];
+            let (section, name, raw) = (*section, name.clone(), raw.clone());
+            let owner = match section.shape {
+                Shape::Listed => format!("[[{}]] \"{name}\"", section.name),
+                _ => format!("[{}.{name}]", section.name),
+            };
+            let fields = self.fields(&raw, &section.forms, &owner);
+            items.push(Item { section: section.name, name, fields });
+        }
+        let variables =
+            variables.into_iter().map(|(index, name)| Variable { fields: items[index].fields.clone(), name }).collect();
+        let order = self.order(&items);
+        Contents { top, variables, definitions, items, single, order }
+    }
+
+    /// Takes down the entries of a section with their names.
+    fn declare(&mut self, section: &'static Section, entry: &Entry) {
+        let entries: Result<Vec<(Raw, String)>, Mistake> = match (section.shape, &entry.value.value) {
+            (Shape::Listed, RawValue::List(list)) if list.iter().all(|own| own.entries().is_some()) => {
+                let name = |own: &Raw| own.get("name").and_then(|name| name.text()).unwrap_or_default().to_string();
+                let all: Result<Vec<Vec<Raw>>, Mistake> = list.iter().map(repeated_entries).collect();
+                all.map(|all| {
+                    all.into_iter()
+                        .flatten()
+                        .map(|own| {
+                            let name = name(&own);
+                            (own, name)
+                        })
+                        .collect()
+                })
+            }
+            (Shape::Named, RawValue::Table(named)) if named.iter().all(|own| own.value.entries().is_some()) => {
+                let all: Result<Vec<Vec<Entry>>, Mistake> = named.iter().map(repeated_named).collect();
+                let of_key = |own: Entry| (Raw { at: own.at, value: own.value.value }, own.key);
+                all.map(|all| all.into_iter().flatten().map(of_key).collect())
+            }
+            _ => {
+                let header = section.header();
+                let text = format!("{} must be written as {header}; it is {}", section.name, entry.value.words());
+                Err(Mistake::new(entry.at, text))
+            }
+        };
+        let entries = match entries {
+            Ok(entries) => entries,
+            Err(mistake) => return self.mistakes.push(mistake),
+        };
+        for (raw, name) in entries {
+            let at = raw.get("name").map_or(raw.at, |name| name.at);
+            let space = name_space(section.name);
+            if space != "drawing" && !name.is_empty() {
+                if name == "ground" && space == "member" {
+                    self.wrong(at, "the name \"ground\" belongs to the body that never moves and is there already");
+                }
+                if let Some(before) = self.by_name.insert((name.clone(), space), self.declared.len()) {
+                    let other = self.declared[before].section.name;
+                    self.wrong(at, format!("the name \"{name}\" is taken: there is a {other} with this name"));
+                }
+            }
+            self.declared.push(Declared { section, name, at, raw });
+        }
+    }
+
+    /// Design variables: their places among the entries, and their names for users.
+    fn variables(&mut self) -> Vec<(usize, String)> {
+        let mut list: Vec<(usize, String)> = Vec::new();
+        for place in 0..self.declared.len() {
+            let Declared { section, name, at, raw, .. } = &self.declared[place];
+            if section.name != "variable" {
+                continue;
+            }
+            let (own, at) = (name.clone(), *at);
+            let shown = raw.get("name").and_then(|name| name.text()).unwrap_or(name).to_string();
+            self.check_name(&own, at);
+            if list.iter().any(|(_, other)| *other == shown) {
+                self.wrong(at, format!("two design variables are named \"{shown}\""));
+            }
+            self.scope.add_variable(&own);
+            list.push((place, shown));
+        }
+        list
+    }
+
+    fn check_name(&mut self, name: &str, at: usize) {
+        if !is_name(name) {
+            self.wrong(
+                at,
+                format!("\"{name}\" cannot be used in formulas: names there are letters, digits and _, and begin with no digit; a key `name` says what people read"),
+            );
+        } else if is_reserved(name) {
+            self.wrong(at, format!("\"{name}\" means a function or constant in formulas; take another name"));
+        }
+    }
+
+    /// Definitions in an order in which each depends on earlier ones only.
+    fn define(&mut self, entries: &[Entry]) -> Vec<(usize, String, Expression)> {
+        for (place, entry) in entries.iter().enumerate() {
+            self.check_name(&entry.key, entry.at);
+            let is_variable = self.by_name.contains_key(&(entry.key.clone(), "variable"));
+            if is_variable || entries[..place].iter().any(|other| other.key == entry.key) {
+                self.wrong(entry.at, format!("the name \"{}\" is taken by a design variable", entry.key));
+            }
+        }
+        let places: HashMap<&str, usize> = entries.iter().enumerate().map(|(place, own)| (&*own.key, place)).collect();
+        let needs: Vec<Vec<usize>> = entries
+            .iter()
+            .map(|entry| {
+                let mut names = Vec::new();
+                collect_names(&entry.value, &mut names);
+                names.iter().filter_map(|name| places.get(&**name).copied()).collect()
+            })
+            .collect();
+        let (order, circle) = ordered(&needs);
+        if let Some(circle) = circle {
+            let names: Vec<&str> = circle.iter().map(|&place| &*entries[place].key).collect();
+            let at = entries[circle[0]].value.at;
+            self.wrong(at, format!("the definition of \"{}\" leads back to itself: {}", names[0], names.join(" -> ")));
+            return Vec::new();
+        }
+        let mut definitions = Vec::new();
+        for place in order {
+            let Entry { key, value, .. } = &entries[place];
+            let what = format!("{key} of [define]");
+            let formula = match &value.value {
+                RawValue::List(_) => self.vector(value, &what),
+                RawValue::Text(..) | RawValue::Number { .. } => self.formula(value, &what, None),
+                _ => {
+                    let words = value.words();
+                    self.wrong(value.at, format!("{what} must be a number, a formula or a vector; it is {words}"));
+                    None
+                }
+            };
+            // what is wrong is told once, not by all that use it
+            let formula = formula.unwrap_or_else(|| match &value.value {
+                RawValue::List(_) => Expression::vector([1.0, 0.0, 0.0].map(Expression::literal)),
+                _ => Expression::literal(1.0),
+            });
+            self.scope.add_formula(key, &formula);
+            definitions.push((value.at, key.clone(), formula));
+        }
+        definitions
+    }
+
+    /// The values of a table.
+    pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
+        let mut fields = Fields { at: raw.at, form: "", values: Vec::new() };
+        let Some(entries) = raw.entries() else {
+            self.wrong(raw.at, format!("{owner} must be a table; it is {}", raw.words()));
+            return fields;
+        };
+        let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first() };
+        let Some(form) = form else { return fields };
+        fields.form = form.name;
+        let keys = || forms.common.iter().chain(form.keys);
+        for entry in entries {
+            let is_type = forms.have_types() && entry.key == "type";
+            if is_type {
+                continue;
+            }
+            let Some(key) = keys().find(|key| key.name == entry.key) else {
+                let mut known: Vec<String> = keys().map(|key| key.name.into()).collect();
+                if forms.have_types() {
+                    known.insert(0, "type".into());
+                }
+                let of = if form.name.is_empty() { owner.to_string() } else { format!("{owner} of type {}", form.name) };
+                let text = unknown("key", &entry.key, &known);
+                self.wrong(entry.at, format!("{of}: {text}"));
+                continue;
+            };
+            if let Some(value) = self.value(&entry.value, key, &key.takes, owner) {
+                fields.values.push((key.name, entry.value.at, value));
+            }
+        }
+        for key in keys().filter(|key| key.is_needed && !entries.iter().any(|entry| entry.key == key.name)) {
+            self.wrong(raw.at, format!("{owner} needs the key {}: {}", key.name, key.doc));
+        }
+        fields
+    }
+
+    fn form(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Option<&'static Form> {
+        let known = || forms.forms.iter().map(|form| form.name.to_string()).collect::<Vec<_>>();
+        let Some(given) = raw.get("type") else {
+            self.wrong(raw.at, format!("{owner} needs the key type: one of {}", known().join(", ")));
+            return None;
+        };
+        let Some(name) = given.text() else {
+            self.wrong(given.at, format!("type of {owner} must be a text; it is {}", given.words()));
+            return None;
+        };
+        let form = forms.forms.iter().find(|form| form.name == name);
+        if form.is_none() {
+            let text = unknown("type", name, &known());
+            self.wrong(given.at, format!("{owner}: {text}"));
+        }
+        form
+    }
+}
+
+fn collect_names(raw: &Raw, names: &mut Vec<String>) {
+    match &raw.value {
+        RawValue::Text(text, _) => names.extend(names_in(text)),
+        RawValue::List(list) => list.iter().for_each(|own| collect_names(own, names)),
+        _ => {}
+    }
+}

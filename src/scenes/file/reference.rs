@@ -1,0 +1,133 @@
+use super::keys::{Forms, Key, Range, Type};
+use super::sections::{DEFINE, FOR, SECTIONS, TOP};
+use std::fmt::Write;
+
+/// The reference page of all sections and keys, in Markdown: what the reader allows, as it is made of the same tables.
+pub fn reference() -> String {
+    let mut page = String::from("# Sections and keys\n\n## At the top of the file\n\n");
+    keys(&mut page, TOP.forms[0].keys);
+    let _ = write!(page, "\n## `[{}]`\n\n{}\n", DEFINE.0, DEFINE.1);
+    for section in SECTIONS {
+        let _ = write!(page, "\n## `{}`\n\n{}\n\n", section.header(), escaped(section.doc));
+        forms(&mut page, &section.forms);
+    }
+    let _ = write!(page, "\n## Tables\n\nValues that are tables have these keys.\n");
+    for (name, table) in tables() {
+        let _ = write!(page, "\n### {name}\n\n");
+        forms(&mut page, table);
+    }
+    let _ = write!(
+        page,
+        "\n## Many at once\n\n`{}` in an entry of a list, or of a section with names: {}.\n",
+        FOR.name, FOR.doc
+    );
+    page
+}
+
+/// Tables that are values, by the key at which each stands first.
+pub(super) fn tables() -> Vec<(String, &'static Forms)> {
+    let mut found: Vec<(String, &'static Forms)> = Vec::new();
+    for section in SECTIONS {
+        for key in all_keys(&section.forms) {
+            if let Some(own) = table_of(&key.takes)
+                && !found.iter().any(|(_, other)| same(own, other))
+            {
+                found.push((table_name(key), own));
+            }
+        }
+    }
+    found
+}
+
+/// Whether two tables are one.
+pub(super) fn same(a: &'static Forms, b: &'static Forms) -> bool {
+    let names = |forms: &'static Forms| all_keys(forms).map(|key| key.name).collect::<Vec<_>>();
+    names(a) == names(b)
+}
+
+fn table_name(key: &Key) -> String {
+    match key.takes {
+        Type::Function(..) => "a function of time".into(),
+        Type::Over(..) => "an aggregate".into(),
+        _ => key.name.into(),
+    }
+}
+
+fn table_of(takes: &Type) -> Option<&'static Forms> {
+    match takes {
+        Type::Table(forms) | Type::Tables(forms) | Type::Function(_, forms) | Type::Over(_, forms) => Some(*forms),
+        _ => None,
+    }
+}
+
+fn all_keys(forms: &'static Forms) -> impl Iterator<Item = &'static Key> {
+    forms.common.iter().chain(forms.forms.iter().flat_map(|form| form.keys))
+}
+
+fn forms(page: &mut String, own: &Forms) {
+    keys(page, own.common);
+    for form in own.forms {
+        if !form.name.is_empty() {
+            let _ = write!(page, "\n`type = \"{}\"`: {}\n\n", form.name, escaped(form.doc));
+        }
+        keys(page, form.keys);
+    }
+}
+
+fn keys(page: &mut String, keys: &[Key]) {
+    if keys.is_empty() {
+        return;
+    }
+    page.push_str("| key | value | meaning |\n|---|---|---|\n");
+    for key in keys {
+        let needed = if key.is_needed { "" } else { ", optional" };
+        let _ = writeln!(page, "| `{}` | {}{needed} | {} |", key.name, words(key), escaped(key.doc));
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('[', "\\[").replace('<', "\\<")
+}
+
+/// What a key takes, with unit and range.
+fn words(key: &Key) -> String {
+    let with = |what: &str, unit: &str, range: Range| {
+        let unit = if unit.is_empty() { String::new() } else { format!(" \\[{unit}\\]") };
+        let range = if range == Range::Any { String::new() } else { format!(", {}", range.words()) };
+        format!("{what}{unit}{range}")
+    };
+    let one_of = |words: &[&str]| words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>().join(" ");
+    match key.takes {
+        Type::Number(unit, range) => with("number or formula", unit, range),
+        Type::Fixed(unit, range) => with("number", unit, range),
+        Type::Vector(unit) => with("vector", unit, Range::Any),
+        Type::Numbers(counts, unit, range) => {
+            let counts = counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+            with(&format!("{counts} numbers or formulas"), unit, range)
+        }
+        Type::Fixeds(0, unit) => with("numbers", unit, Range::Any),
+        Type::Fixeds(count, unit) => with(&format!("{count} numbers"), unit, Range::Any),
+        Type::Series(unit) => with("numbers or formulas", unit, Range::Any),
+        Type::OneOrMore(unit, range) => with("one or more numbers or formulas", unit, range),
+        Type::Points => "vectors \\[m\\]".into(),
+        Type::Count(least, most) if least == most => format!("{least}"),
+        Type::Count(least, most) => format!("whole number, {least} to {most}"),
+        Type::Counts(count, least, most) => format!("{count} whole numbers, {least} to {most}"),
+        Type::Flag => "true or false".into(),
+        Type::Text => "text".into(),
+        Type::Texts => "texts".into(),
+        Type::Weights => "table of names with numbers".into(),
+        Type::Choice(words) => one_of(words),
+        Type::Choices(words) => format!("some of {}", one_of(words)),
+        Type::Node => "node".into(),
+        Type::Nodes(count) => format!("{count} nodes"),
+        Type::NodeSets => "nodes, edges, ends".into(),
+        Type::Item(sections) => format!("name of a {}", sections.join(", ")),
+        Type::Items(sections) => format!("names of {}", sections.join(", ")),
+        Type::Table(_) => format!("table {}", table_name(key)),
+        Type::Tables(_) => format!("list of tables {}", table_name(key)),
+        Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),
+        Type::OfTime => "formula of t".into(),
+        Type::Over(words, _) => format!("{} or an aggregate", one_of(words)),
+    }
+}

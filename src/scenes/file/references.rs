@@ -1,0 +1,135 @@
+//! Names of other entries, and of their nodes.
+
+use super::raw::Raw;
+use super::reader::{NodePlace, Reader, Value, name_space};
+use super::sections::WITH_NODES;
+use super::unknown::unknown;
+
+impl Reader {
+    /// Names of the entries of some sections.
+    fn names_of(&self, sections: &[&str]) -> Vec<String> {
+        let own = self.declared.iter().filter(|own| sections.contains(&own.section.name) && !own.name.is_empty());
+        own.map(|own| own.name.clone()).collect()
+    }
+
+    fn find(&self, name: &str, sections: &[&str]) -> Option<usize> {
+        sections.iter().find_map(|section| {
+            let place = self.by_name.get(&(name.to_string(), name_space(section)))?;
+            (self.declared[*place].section.name == *section).then_some(*place)
+        })
+    }
+
+    pub(super) fn item(&mut self, raw: &Raw, what: &str, sections: &[&str]) -> Option<usize> {
+        let wanted = sections.join(", ");
+        let Some(name) = raw.text() else {
+            self.wrong(raw.at, format!("{what} must be the name of a {wanted}; it is {}", raw.words()));
+            return None;
+        };
+        let found = self.find(name, sections);
+        if found.is_none() {
+            let known = unknown(sections[0], name, &self.names_of(sections));
+            let other = self.declared.iter().find(|own| own.name == name);
+            let text = match other {
+                Some(other) => {
+                    let names = self.names_of(sections);
+                    let there =
+                        if names.is_empty() { "there is none".into() } else { format!("there are: {}", names.join(", ")) };
+                    format!(
+                        "\"{name}\" is a {}, and a {} is wanted here; {there}",
+                        other.section.name,
+                        sections.join(" or ")
+                    )
+                }
+                None => known,
+            };
+            self.wrong(raw.at, format!("{what}: {text}"));
+        }
+        found
+    }
+
+    pub(super) fn node_list(&mut self, list: &[Raw], what: &str, sets: bool) -> Option<Value> {
+        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.node(raw, what, sets))).collect();
+        own.into_iter().map(|(at, node)| Some((at, Value::Node(node?)))).collect::<Option<_>>().map(Value::List)
+    }
+
+    pub(super) fn node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<NodePlace> {
+        let Some(text) = raw.text() else {
+            self.wrong(raw.at, format!("{what} must be the name of a node; it is {}", raw.words()));
+            return None;
+        };
+        if text == "ground" {
+            return Some(NodePlace { item: None, edge: None, index: Vec::new() });
+        }
+        let (name, edge, index) = match self.find(text, WITH_NODES) {
+            Some(_) => (text, None, Vec::new()),
+            None => {
+                let (front, index) = divided(text);
+                match self.find(front, WITH_NODES) {
+                    Some(_) => (front, None, index),
+                    None => match front.rsplit_once('.') {
+                        Some((name, edge)) if self.find(name, WITH_NODES).is_some() => (name, Some(edge), index),
+                        _ => (front, None, index),
+                    },
+                }
+            }
+        };
+        let Some(place) = self.find(name, WITH_NODES) else {
+            let mut known = self.names_of(WITH_NODES);
+            known.push("ground".into());
+            let text = match self.declared.iter().find(|own| own.name == name) {
+                Some(other) => {
+                    format!("\"{name}\" is a {}, which is no node; known: {}", other.section.name, known.join(", "))
+                }
+                None => unknown("node", name, &known),
+            };
+            self.wrong(raw.at, format!("{what}: {text}"));
+            return None;
+        };
+        let section = self.declared[place].section.name;
+        // names of ends and edges, and how many numbers stand behind the name and behind them
+        let (edges, own, of_edge): (&[&'static str], usize, usize) = match section {
+            "beam" | "cable" => (&["start", "end"], 1, 0),
+            "shell" => (&["first_start", "first_end", "second_start", "second_end"], 2, 1),
+            "thin_walls" => (&["start", "end"], 0, 1),
+            "sphere" => (&[], 3, 0),
+            _ => (&[], 0, 0),
+        };
+        let found = edge.map(|edge| edges.iter().copied().find(|own| *own == edge));
+        let right = match (found, index.len()) {
+            (None, count) => count == own && (count > 0 || edges.is_empty()),
+            (Some(None), _) => false,
+            (Some(Some(_)), 0) => sets || of_edge == 0,
+            (Some(Some(_)), count) => count == of_edge,
+        };
+        if !right {
+            let numbers = |count| ["", "[i]", "[i, j]", "[face, i, j]"][count];
+            let mut ways: Vec<String> = Vec::new();
+            if own > 0 || edges.is_empty() {
+                ways.push(format!("{name}{}", numbers(own)));
+            }
+            for edge in edges {
+                if sets && of_edge > 0 {
+                    ways.push(format!("{name}.{edge}"));
+                }
+                ways.push(format!("{name}.{edge}{}", numbers(of_edge)));
+            }
+            self.wrong(
+                raw.at,
+                format!("{what}: \"{text}\" is no node of the {section} \"{name}\"; there are: {}", ways.join(", ")),
+            );
+            return None;
+        }
+        Some(NodePlace { item: Some(place), edge: found.flatten(), index })
+    }
+}
+
+/// `plate[2, 3]` as `plate` and its numbers; what is no such thing stays as it is.
+fn divided(text: &str) -> (&str, Vec<usize>) {
+    let inside = text.strip_suffix(']').and_then(|front| front.rsplit_once('['));
+    let numbers =
+        inside.and_then(|(_, list)| list.split(',').map(|own| own.trim().parse().ok()).collect::<Option<Vec<_>>>());
+    match (inside, numbers) {
+        (Some((name, _)), Some(numbers)) => (name.trim_end(), numbers),
+        _ => (text, Vec::new()),
+    }
+}

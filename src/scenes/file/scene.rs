@@ -1,0 +1,393 @@
+use super::build::build;
+use super::expression::Quantity;
+use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
+use super::mistake::{Mistake, Source};
+use super::raw::Raw;
+use super::reader::{Contents, Fields, Value, read};
+use super::unknown::unknown;
+use crate::design::DesignVariable;
+use crate::integrators::{MOST_STEPS, STATIC_TABLE, StepControl, table_named, table_names};
+use crate::scalar::{Scalar, Vector3};
+use crate::scenes::{
+    FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scene, Sense, Settings,
+};
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// A scene that a file describes: see [the format](super).
+///
+/// ```
+/// use costate::scenes::{FileScene, Prepared};
+/// let text = r#"
+///     version = 1
+///     gravity = [0, -9.81, 0]
+///     settings = { end = 1, steps = 100 }
+///     variable.length = { initial = 1.0, bounds = [0.1, 10], unit = "m" }
+///
+///     [[point]]
+///     name = "bob"
+///     position = ["-length", 0, 0]
+///     mass = 1.0
+///
+///     [[joint]]
+///     name = "rod"
+///     type = "distance"
+///     between = ["ground", "bob"]
+///
+///     [[functional]]
+///     name = "height at the end"
+///     type = "position"
+///     on = "bob"
+///     direction = [0, 1, 0]
+///     over = "terminal"
+/// "#;
+/// let scene = FileScene::parse("pendulum.toml", text)?;
+/// let prepared = Prepared::new(&scene).map_err(|error| error.to_string())?;
+/// let analysis = prepared.analysis();
+/// let forward = analysis.forward(&prepared.x).map_err(|error| error.to_string())?;
+/// assert!(forward.values[0] < -0.9);
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FileScene {
+    source: Source,
+    contents: Contents,
+    name: String,
+    variables: Vec<DesignVariable>,
+    settings: Settings,
+    problem: Option<OptimizationProblem>,
+    output: Output,
+}
+
+/// A text that stays for the life of the program: each is kept once.
+fn kept(text: &str) -> &'static str {
+    static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
+    let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let texts = texts.get_or_insert_default();
+    if let Some(own) = texts.get(text) {
+        return own;
+    }
+    let own: &'static str = Box::leak(text.into());
+    texts.insert(own);
+    own
+}
+
+/// Largest scene file in bytes.
+const LARGEST: u64 = 50_000_000;
+
+impl FileScene {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or what is wrong in it: see [`FileScene::parse`].
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let name = path.display().to_string();
+        let cannot = |why: String| format!("{name}: cannot be read: {why}");
+        let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
+        if size > LARGEST {
+            return Err(cannot(format!("it has {size} bytes, and a scene file has at most {LARGEST}")));
+        }
+        let bytes = std::fs::read(path).map_err(|error| cannot(error.to_string()))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let before = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+            let at = before.len();
+            let source = Source { name: name.clone(), text: before };
+            source.told(&Mistake::new(at, "this is no text in UTF-8"))
+        })?;
+        Self::parse(&name, &text)
+    }
+
+    /// Reads the text of a file; its name is for messages, and for the scene unless the file gives one.
+    ///
+    /// # Errors
+    /// All mistakes that were found, a line each: file, line, column, key, value, what is allowed.
+    pub fn parse(file: &str, text: &str) -> Result<Self, String> {
+        let source = Source { name: file.into(), text: text.into() };
+        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root)) {
+            Ok(contents) => contents,
+            Err(mistakes) => return Err(source.all_told(mistakes)),
+        };
+        let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy().into_owned());
+        let mut mistakes = Vec::new();
+        let name = super::known::text(&contents.top, "name").map_or(stem, String::from);
+        if let Some((at, _)) = contents.top.get("name")
+            && (name.contains(['/', '\\']) || name.starts_with('.'))
+        {
+            mistakes.push(Mistake::new(
+                at,
+                format!("the name \"{name}\" is that of a folder for results: / and \\ cannot be in it"),
+            ));
+        }
+        let variables = variables(&contents, &mut mistakes);
+        let settings = settings(&contents, &mut mistakes);
+        let problem = problem(&contents, &variables, &mut mistakes);
+        let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
+            Output { step: fixed(fields, "step"), meshes: flag(fields, "vtk", false) }
+        });
+        if let Some(step) = output.step
+            && settings.end / step > MOST_STEPS as f64
+            && let Some(fields) = single(&contents, "output")
+        {
+            let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
+            mistakes.push(Mistake::new(fields.get("step").map_or(fields.at, |given| given.0), text));
+        }
+        if !mistakes.is_empty() {
+            return Err(source.all_told(mistakes));
+        }
+        Ok(FileScene { source, contents, name, variables, settings, problem, output })
+    }
+}
+
+fn single<'c>(contents: &'c Contents, name: &str) -> Option<&'c Fields> {
+    contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
+}
+
+fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVariable> {
+    let mut variables = Vec::new();
+    for own in &contents.variables {
+        let initial = fixed(&own.fields, "initial").unwrap_or(f64::NAN);
+        let bounds = fixed_list(&own.fields, "bounds");
+        let &[lower, upper] = bounds.as_slice() else { continue };
+        let at = |key: &str| own.fields.get(key).map_or(own.fields.at, |given| given.0);
+        if lower > upper {
+            mistakes.push(Mistake::new(
+                at("bounds"),
+                format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name),
+            ));
+        } else if !(lower..=upper).contains(&initial) {
+            let text =
+                format!("initial of \"{}\" is {initial}; it must lie between its bounds {lower} and {upper}", own.name);
+            mistakes.push(Mistake::new(at("initial"), text));
+        }
+        let unit = kept(text(&own.fields, "unit").unwrap_or("-"));
+        variables.push(DesignVariable::new(own.name.clone(), initial, (lower, upper), unit));
+    }
+    variables
+}
+
+fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
+    let Some(fields) = single(contents, "settings") else {
+        mistakes.push(Mistake::new(0, "the section [settings] is missing: give it the keys end [s] and steps"));
+        return Settings::new(1.0, 1);
+    };
+    let method = text(fields, "method");
+    let at = |key: &str| fields.get(key).map_or(fields.at, |given| given.0);
+    if let Some(name) = method {
+        match table_named(name) {
+            Ok(Some(_)) => {}
+            Ok(None) => {
+                let text = unknown("method of [settings]:", name, &table_names());
+                mistakes.push(Mistake::new(at("method"), text));
+            }
+            Err(why) => mistakes.push(Mistake::new(at("method"), format!("method of [settings]: {why}"))),
+        }
+    }
+    let is_static = method == Some(STATIC_TABLE);
+    let tolerance = fixed(fields, "tolerance");
+    let end = fixed(fields, "end").or(is_static.then_some(1.0));
+    let steps = match fields.get("steps") {
+        Some((_, Value::Count(steps))) => Some(*steps),
+        _ => None,
+    };
+    if end.is_none() {
+        mistakes.push(Mistake::new(fields.at, "[settings] needs the key end: the duration in s"));
+    }
+    if steps.is_none() && tolerance.is_none() {
+        mistakes.push(Mistake::new(
+            fields.at,
+            "[settings] needs the key steps, or tolerance where steps are to be chosen by their error",
+        ));
+    }
+    if let (Some(_), Some(_)) = (steps, tolerance) {
+        mistakes
+            .push(Mistake::new(at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"));
+    }
+    for key in ["velocity_tolerance", "longest_step"] {
+        if fields.get(key).is_some() && tolerance.is_none() {
+            mistakes.push(Mistake::new(at(key), format!("{key} of [settings] means nothing without the key tolerance")));
+        }
+    }
+    let mut settings = Settings::new(end.unwrap_or(1.0), steps.unwrap_or(1));
+    settings.method = method.map(kept);
+    settings.divide = flag(fields, "divide_steps", false);
+    settings.policy.drop_redundant = flag(fields, "drop_redundant", false);
+    settings.policy.project_start = flag(fields, "project_start", false);
+    settings.control = tolerance.map(|tolerance| {
+        let mut control = StepControl::new(tolerance);
+        control.velocities = StepControl::new(fixed(fields, "velocity_tolerance").unwrap_or(tolerance)).velocities;
+        control.longest = fixed(fields, "longest_step").unwrap_or(f64::INFINITY);
+        control
+    });
+    settings
+}
+
+fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
+    let given: Vec<Limit> = [
+        fixed(fields, "at_most").map(Limit::AtMost),
+        fixed(fields, "at_least").map(Limit::AtLeast),
+        fixed(fields, "equal").map(Limit::Equal),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    match given.as_slice() {
+        [one] => *one,
+        other => {
+            let text = format!("a limit needs one of the keys at_most, at_least and equal; {} are given", other.len());
+            mistakes.push(Mistake::new(fields.at, text));
+            Limit::Equal(0.0)
+        }
+    }
+}
+
+fn problem(contents: &Contents, variables: &[DesignVariable], mistakes: &mut Vec<Mistake>) -> Option<OptimizationProblem> {
+    let fields = single(contents, "optimization")?;
+    let functionals: Vec<String> =
+        contents.items.iter().filter(|item| item.section == "functional").map(|item| item.name.clone()).collect();
+    let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
+    let at = |key: &str| fields.get(key).map_or(fields.at, |given| given.0);
+    let mut check = |kind: &str, key_at: usize, name: &str, known: &[String]| {
+        if !known.iter().any(|own| own == name) {
+            mistakes.push(Mistake::new(key_at, unknown(kind, name, known)));
+        }
+    };
+    let weights = |fields: &Fields, key: &str| match fields.get(key) {
+        Some((_, Value::Weights(weights))) => weights.clone(),
+        _ => Vec::new(),
+    };
+    let sum = weights(fields, "weights");
+    let ways = ["minimize", "maximize", "weights"].map(|key| fields.get(key).is_some());
+    let (sense, objective) = match ways {
+        [true, false, false] => (Sense::Minimize, vec![(text(fields, "minimize").unwrap_or_default().to_string(), 1.0)]),
+        [false, true, false] => (Sense::Maximize, vec![(text(fields, "maximize").unwrap_or_default().to_string(), 1.0)]),
+        [false, false, true] => {
+            (if text(fields, "sense") == Some("maximize") { Sense::Maximize } else { Sense::Minimize }, sum)
+        }
+        _ => {
+            let text = "[optimization] needs one of the keys minimize, maximize and weights, which says the objective";
+            mistakes.push(Mistake::new(fields.at, text));
+            return None;
+        }
+    };
+    let key = ["minimize", "maximize", "weights"].into_iter().zip(ways).find(|own| own.1).map_or("weights", |own| own.0);
+    objective.iter().for_each(|(name, _)| check("functional", at(key), name, &functionals));
+    let varying = fields.get("varying").map(|_| texts(fields, "varying"));
+    varying.iter().flatten().for_each(|name| check("design variable", at("varying"), name, &names));
+    let (mut constraints, mut linear) = (Vec::new(), Vec::new());
+    for (_, value) in list(fields, "constraint") {
+        let Value::Fields(own) = value else { continue };
+        let functional = text(own, "functional").unwrap_or_default().to_string();
+        check("functional", own.get("functional").map_or(own.at, |given| given.0), &functional, &functionals);
+        constraints.push((own, functional));
+    }
+    for (_, value) in list(fields, "linear") {
+        let Value::Fields(own) = value else { continue };
+        let coefficients = weights(own, "coefficients");
+        let at = own.get("coefficients").map_or(own.at, |given| given.0);
+        coefficients.iter().for_each(|(name, _)| check("design variable", at, name, &names));
+        linear.push((own, coefficients));
+    }
+    let constraints = constraints
+        .into_iter()
+        .map(|(own, functional)| FunctionalConstraint {
+            functional,
+            limit: limit(own, mistakes),
+            scale: fixed(own, "scale"),
+        })
+        .collect();
+    let linear = linear
+        .into_iter()
+        .map(|(own, coefficients)| {
+            let name = text(own, "name").unwrap_or_default().to_string();
+            LinearConstraint { name, coefficients, limit: limit(own, mistakes) }
+        })
+        .collect();
+    let (scale, screening) = (fixed(fields, "scale"), fixed(fields, "screening"));
+    let problem = OptimizationProblem { sense, objective, scale, constraints, linear, varying, screening };
+    // the rest, such as an objective of weights that are zero
+    if mistakes.is_empty()
+        && let Err(why) = problem.check(variables, &functionals.iter().map(String::as_str).collect::<Vec<_>>())
+    {
+        mistakes.push(Mistake::new(fields.at, why));
+    }
+    Some(problem)
+}
+
+/// Sections whose entries have mass: weight follows them.
+const WITH_MASS: &[&str] = &["body", "point", "beam", "cable", "shell", "thin_walls", "sphere"];
+
+impl Scene for FileScene {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+    fn summary(&self) -> String {
+        text(&self.contents.top, "summary").unwrap_or("a scene from a file").into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        self.variables.clone()
+    }
+    fn settings(&self) -> Settings {
+        self.settings
+    }
+    fn problem(&self) -> Option<OptimizationProblem> {
+        self.problem.clone()
+    }
+    fn output(&self) -> Output {
+        self.output
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let Contents { top, definitions, items, order, .. } = &self.contents;
+        if x.len() != self.variables.len() {
+            return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
+        }
+        let mut names: Vec<Quantity<S>> = x.iter().map(|&x| Quantity::Number(x)).collect();
+        for (at, name, formula) in definitions {
+            let value = formula.value(&names);
+            if let Some(own) = value.components().iter().map(|own| own.value()).find(|own| !own.is_finite()) {
+                let text = format!("{name} of [define] is {own} at this design; it must be finite");
+                return Err(self.source.told(&Mistake::new(*at, text)));
+            }
+            names.push(value);
+        }
+        let made = items.iter().map(|_| Made::Nothing).collect();
+        let mut known = Known { items, names, made };
+        // the ground comes first, as nothing can be joined to it otherwise
+        if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
+            m.ground();
+        }
+        let mut mistakes = Vec::new();
+        let last = order.iter().rposition(|&place| WITH_MASS.contains(&items[place].section));
+        for (rank, &place) in order.iter().enumerate() {
+            let built = build(&known, &items[place], m);
+            let of_builder = m.take_mistakes().into_iter().map(|what| Mistake::new(items[place].fields.at, what));
+            mistakes.extend(of_builder);
+            match built {
+                Ok(made) => known.made[place] = made,
+                Err(mistake) => {
+                    mistakes.push(mistake);
+                    // what needs this entry would only repeat it
+                    break;
+                }
+            }
+            if Some(rank) == last
+                && let Some((at, Value::Formula(formula, _))) = top.get("gravity")
+            {
+                let gravity: Vector3<S> = match formula.value(&known.names) {
+                    Quantity::Vector(own) if own.iter().all(|own| own.value().is_finite()) => own,
+                    _ => return Err(self.source.told(&Mistake::new(at, "gravity is not finite at this design"))),
+                };
+                m.gravity(gravity);
+            }
+        }
+        if mistakes.is_empty() { Ok(()) } else { Err(self.source.all_told(mistakes)) }
+    }
+}
+
+fn names_ground(value: &Value) -> bool {
+    match value {
+        Value::Node(place) => place.item.is_none(),
+        Value::List(list) => list.iter().any(|(_, own)| names_ground(own)),
+        _ => false,
+    }
+}

@@ -1,0 +1,774 @@
+//! All sections of a scene file with their keys.
+
+use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
+use Range::{Any, AtLeastZero, Positive, Share};
+use Type::{
+    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Node, NodeSets, Nodes, Number, Numbers,
+    OfTime, OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
+};
+
+/// The version of the format that this program reads.
+pub(super) const VERSION: usize = 1;
+
+/// Most elements along a line.
+const MOST: usize = 10_000;
+/// Most steps of a run.
+const MOST_STEPS: usize = crate::integrators::MOST_STEPS;
+
+const NAME: Key = need("name", Text, "name, by which others refer to it");
+
+/// Keys at the top of a file.
+pub(super) const TOP: Forms = Forms {
+    common: &[],
+    forms: &[Form {
+        name: "",
+        doc: "",
+        keys: &[
+            need("version", Count(VERSION, VERSION), "version of the format: 1"),
+            may("name", Text, "name of the scene; the name of the file"),
+            may("summary", Text, "what the scene is, in a line"),
+            may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
+        ],
+    }],
+};
+
+macro_rules! one_form {
+    ($($key:expr),* $(,)?) => {
+        Forms { common: &[], forms: &[Form { name: "", doc: "", keys: &[$($key),*] }] }
+    };
+}
+
+macro_rules! forms {
+    ([$($common:expr),* $(,)?] $($name:literal $doc:literal [$($key:expr),* $(,)?])*) => {
+        Forms { common: &[$($common),*], forms: &[$(Form { name: $name, doc: $doc, keys: &[$($key),*] }),*] }
+    };
+}
+
+const ORIENTATION: Forms = forms!([]
+"angle" "turned about an axis of the world" [
+    need("axis", Vector("-"), "axis in the world, of any length"),
+    need("angle", Number("rad", Any), "angle"),
+]
+"x_axis" "the x axis of the frame along a direction of the world, by the shortest turn" [
+    need("along", Vector("-"), "direction in the world, of any length"),
+]
+"euler_parameters" "as they stand" [
+    need("values", Numbers(&[4], "-", Any), "e0, e1, e2, e3 with unit length"),
+]);
+
+const MOTION: Forms = one_form![
+    may("point", Vector("m"), "point with the velocity; the origin"),
+    may("velocity", Vector("m/s"), "velocity of the point; 0"),
+    may("angular_velocity", Vector("rad/s"), "angular velocity in the world; 0"),
+];
+
+const FUNCTION: Forms = forms!([
+    may("smooth_start", Number("s", Positive), "the function starts from rest within this time; at once"),
+]
+"constant" "f = value" [need("value", Number("", Any), "value")]
+"constant_rate" "f = offset + rate t" [
+    may("offset", Number("", Any), "value at t = 0; 0"),
+    need("rate", Number("1/s", Any), "rate"),
+]
+"sine" "f = offset + amplitude sin(angular_frequency t + phase)" [
+    may("offset", Number("", Any), "mean; 0"),
+    need("amplitude", Number("", Any), "amplitude"),
+    need("angular_frequency", Number("rad/s", Any), "angular frequency"),
+    may("phase", Number("rad", Any), "phase; 0"),
+]
+"smooth_ramp" "from one value to another along 10 s^3 - 15 s^4 + 6 s^5" [
+    may("from", Number("", Any), "value before; 0"),
+    need("to", Number("", Any), "value after"),
+    may("start", Number("s", Any), "when it begins; 0"),
+    need("duration", Number("s", Positive), "how long it takes"),
+]
+"step" "a jump, for loads only" [
+    may("before", Number("", Any), "value before; 0"),
+    need("after", Number("", Any), "value from the jump on"),
+    need("at", Fixed("s", Any), "time of the jump"),
+]
+"lines" "straight lines between points, constant outside, for loads only" [
+    need("times", Fixeds(0, "s"), "times of the points, increasing"),
+    need("values", Series(""), "values there"),
+]
+"table" "natural cubic spline through points, constant slope outside" [
+    need("times", Fixeds(0, "s"), "times of the points, increasing"),
+    need("values", Series(""), "values there"),
+]
+"formula" "natural cubic spline through a formula of the time t at equal intervals, constant slope outside" [
+    need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
+    may("start", Fixed("s", Any), "first of the times; 0"),
+    need("end", Fixed("s", Any), "last of the times"),
+    need("intervals", Count(1, MOST), "how many: the spline is as near to the formula as these are short"),
+]);
+
+const AGGREGATE: Forms = one_form![
+    need(
+        "aggregate",
+        Choice(&["smooth_maximum", "exponential", "squared_exponential", "power", "squared_power"]),
+        "how many values become one near the largest"
+    ),
+    need("sharpness", Fixed("1/unit", Positive), "rho: the larger, the nearer to the maximum"),
+    may("times", Choice(&["start", "end", "run"]), "of which times; run"),
+    may("normalized", Flag, "smooth_maximum divided by the measure of points and times; true"),
+    may("continuous", Flag, "points count by the area for which they stand; false"),
+];
+
+/// Words for what is made over time, in the order of their meaning.
+const OVER: Key = need(
+    "over",
+    Over(&["initial", "terminal", "integral"], &AGGREGATE),
+    "value at the start, at the end, integral, or an aggregate",
+);
+
+const BETWEEN: Key = need("between", Nodes(2), "both nodes, a and b");
+const POINT: Key = may("point", Vector("m"), "place in the world at the start; that of b");
+const AXIS: Key = need("axis", Vector("-"), "axis in the world at the start, of any length");
+const NORMAL: Key = need("normal", Vector("-"), "normal in the world at the start, of any length");
+const FRAME: Key = may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the node; world");
+const ENDS: Key = may("points", Points, "where it takes hold of a and b; both nodes");
+
+const LINE: [Key; 8] = [
+    need("name", Text, "name; its nodes are NAME.start, NAME.end and NAME[i], counted from 0"),
+    need("from", Vector("m"), "where it starts"),
+    may("to", Vector("m"), "where it ends; needed but with arc"),
+    need("elements", Count(1, MOST), "equal elements"),
+    may("start_node", Node, "node that it starts in; its own"),
+    may("end_node", Node, "node that it ends in; its own"),
+    may("clamped", Choices(&["start", "end"]), "ends that never move; none"),
+    may("motion", Table(&MOTION), "rigid motion that it starts with; at rest"),
+];
+
+const ARC: Forms = one_form![
+    need("centre", Vector("m"), "centre of the circle"),
+    need("axis", Vector("-"), "unit vector about which the line turns"),
+    need("angle", Number("rad", Any), "angle"),
+];
+
+const LINEAR: Forms = one_form![
+    need("name", Text, "what it is for"),
+    need("coefficients", Weights, "coefficients of design variables, by the names that are listed"),
+    may("at_most", Fixed("", Any), "largest value of the sum"),
+    may("at_least", Fixed("", Any), "least value of the sum"),
+    may("equal", Fixed("", Any), "value of the sum"),
+];
+
+const LIMIT: Forms = one_form![
+    need("functional", Text, "name of a functional"),
+    may("at_most", Fixed("unit", Any), "largest value"),
+    may("at_least", Fixed("unit", Any), "least value"),
+    may("equal", Fixed("unit", Any), "value"),
+    may("scale", Fixed("unit", Positive), "a violation of this size is of the order of 1; the size of the limit"),
+];
+
+const PLY: Forms = one_form![
+    need("thickness", Number("m", Positive), "thickness"),
+    may("angle", Number("rad", Any), "from axis 1 of the shell to the fibres; 0"),
+    need("young", Numbers(&[2], "N/m2", Positive), "E_1 along the fibres, E_2 across"),
+    need("poisson", Number("-", Any), "nu_12"),
+    need("shear", Numbers(&[3], "N/m2", Positive), "G_12, G_13, G_23"),
+    need("density", Number("kg/m3", AtLeastZero), "density"),
+    may("tension", Numbers(&[2], "N/m2", Positive), "strengths in tension, along and across; for tsai_wu"),
+    may("compression", Numbers(&[2], "N/m2", Positive), "strengths in compression, along and across; for tsai_wu"),
+    may("shear_strength", Number("N/m2", Positive), "strength in shear; for tsai_wu"),
+];
+
+const HELD: Forms = one_form![
+    need("place", Counts(2, 0, 2000), "[i, j] of the grid"),
+    need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
+];
+
+const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
+
+/// Sections whose entries are nodes or have nodes.
+pub(super) const WITH_NODES: &[&str] = &["body", "point", "joint_angle", "beam", "cable", "shell", "thin_walls", "sphere"];
+/// Sections whose entries have elements.
+const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "thin_walls", "sphere", "group"];
+/// Sections whose entries are joints.
+pub(super) const JOINTS: &[&str] = &["joint", "driver"];
+
+const BEAM: &[&str] = &["beam"];
+const CABLE: &[&str] = &["cable"];
+const SHELLS: &[&str] = &["shell", "thin_walls"];
+const MATERIAL: Key = need("material", Item(&["material"]), "name of a material");
+const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
+const OF_BEAM: Key = need("beam", Item(BEAM), "name of a beam");
+const OF_CABLE: Key = need("cable", Item(CABLE), "name of a cable");
+const AT_SHARE: Key = need("share", Fixed("-", Share), "place along its length, from 0 to 1");
+const COMPONENT: &str = "axial, shear along axes 2 and 3, torsion, bending about axes 2 and 3";
+const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
+const ON: Key = need("on", Node, "node");
+const AT: Key = may("point", Vector("m"), "point of the node, in the world at the start; the node's place");
+const ALONG: Key = need("direction", Vector("-"), "direction in the world");
+const OF_JOINT: Key = need("joint", Item(JOINTS), "name of a joint or driver");
+const GROUP: Key = need("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, walls or groups");
+
+/// All sections, in the order of the reference page.
+pub(super) const SECTIONS: &[Section] = &[
+    Section {
+        name: "variable",
+        shape: Shape::Named,
+        doc: "A design variable. NAME is how formulas call it.",
+        forms: one_form![
+            need("initial", Fixed("unit", Any), "value of the initial design"),
+            need("bounds", Fixeds(2, "unit"), "least and largest value"),
+            may("unit", Text, "unit, for tables and charts; -"),
+            may("name", Text, "how commands and results call it; NAME"),
+        ],
+    },
+    Section {
+        name: "material",
+        shape: Shape::Named,
+        doc: "An isotropic elastic material.",
+        forms: one_form![
+            need("young", Number("N/m2", Positive), "Young's modulus E"),
+            need("poisson", Number("-", Any), "Poisson's ratio"),
+            need("density", Number("kg/m3", AtLeastZero), "density"),
+        ],
+    },
+    Section {
+        name: "section",
+        shape: Shape::Named,
+        doc: "The section of beams and cables; axis 1 along the line, 2 and 3 across.",
+        forms: forms!([
+            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+            may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
+        ]
+        "rectangle" "solid rectangle" [
+            MATERIAL,
+            need("width", Number("m", Positive), "along axis 2"),
+            need("height", Number("m", Positive), "along axis 3"),
+        ]
+        "box" "hollow rectangle" [
+            MATERIAL,
+            need("width", Number("m", Positive), "outer size along axis 2"),
+            need("height", Number("m", Positive), "outer size along axis 3"),
+            need("wall", Number("m", Positive), "thickness of the wall"),
+        ]
+        "circle" "solid circle" [MATERIAL, need("diameter", Number("m", Positive), "diameter")]
+        "tube" "circular tube" [
+            MATERIAL,
+            need("diameter", Number("m", Positive), "outer diameter"),
+            need("wall", Number("m", Positive), "thickness of the wall"),
+        ]
+        "beam" "by stiffness and inertia, for beams" [
+            need("axial", Number("N", Positive), "EA"),
+            need("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
+            need("torsion", Number("N m2", Positive), "GJ"),
+            need("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
+            may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
+            may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
+            may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
+            may("stiffness", Numbers(&[21], "N, N m, N m2", Any),
+                "upper triangle by rows of the symmetric stiffness against axial strain, shear 2 and 3, torsion, bending 2 and 3, \
+                 instead of the numbers above; diagonal"),
+        ]
+        "cable" "by stiffness and mass, for cables" [
+            need("axial", Number("N", Positive), "EA"),
+            need("bending", Number("N m2", Positive), "EI about every axis"),
+            need("mass", Number("kg/m", AtLeastZero), "mass for each length"),
+        ]),
+    },
+    Section {
+        name: "laminate",
+        shape: Shape::Named,
+        doc: "Plies of a shell, from below.",
+        forms: one_form![
+            need("plies", Tables(&PLY), "plies"),
+            may("offset", Number("m", Any), "of the middle of all plies from the nodes, along the normal; 0"),
+            may("shear_factor", Fixed("-", Positive), "share of the shear stiffness that acts; 5/6"),
+        ],
+    },
+    Section {
+        name: "body",
+        shape: Shape::Listed,
+        doc: "A rigid body: a frame in space, with or without mass. The body named ground is there already; it never moves.",
+        forms: one_form![
+            NAME,
+            may("position", Vector("m"), "origin of its frame; that of the world"),
+            may("orientation", Table(&ORIENTATION), "its axes; those of the world"),
+            may("velocity", Vector("m/s"), "velocity of the origin; 0"),
+            may("angular_velocity", Vector("rad/s"), "in the world; 0"),
+            may("mass", Number("kg", Positive), "mass; none"),
+            may("mass_centre", Vector("m"), "in its own axes from its origin; the origin"),
+            may(
+                "inertia",
+                Numbers(&[3, 6], "kg m2", Any),
+                "xx, yy, zz, and xy, xz, yz if they are not 0, about the mass centre in its own axes; needed with mass"
+            ),
+            may("coordinates", Choice(&["euler_parameters", "natural"]), "kind of its coordinates; euler_parameters"),
+            may("draw", Points, "corners of a line of the picture, in the world at the start; none"),
+        ],
+    },
+    Section {
+        name: "point",
+        shape: Shape::Listed,
+        doc: "A point without rotation.",
+        forms: one_form![
+            NAME,
+            need("position", Vector("m"), "place"),
+            may("velocity", Vector("m/s"), "velocity; 0"),
+            may("mass", Number("kg", Positive), "mass; none"),
+        ],
+    },
+    Section {
+        name: "beam",
+        shape: Shape::Listed,
+        doc: "A beam, geometrically exact, with shear and torsion, of three-node elements.",
+        forms: one_form![
+            LINE[0],
+            LINE[1],
+            LINE[2],
+            LINE[3],
+            need("section", Item(&["section"]), "name of a section"),
+            need(
+                "second_axis",
+                Vector("-"),
+                "direction that spans the plane of axes 1 and 2 with the line; with arc its axis is taken"
+            ),
+            may("arc", Table(&ARC), "part of a circle instead of a straight line"),
+            may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
+            LINE[4],
+            LINE[5],
+            LINE[6],
+            LINE[7],
+        ],
+    },
+    Section {
+        name: "cable",
+        shape: Shape::Listed,
+        doc: "A cable in absolute nodal coordinates: straight at the start, without torsion.",
+        forms: one_form![
+            LINE[0],
+            LINE[1],
+            LINE[2],
+            LINE[3],
+            need("section", Item(&["section"]), "name of a section that is not of type beam"),
+            may("strains", Choice(&["exact", "small"]), "strains of its energy; exact"),
+            LINE[4],
+            LINE[5],
+            LINE[6],
+            LINE[7],
+        ],
+    },
+    Section {
+        name: "shell",
+        shape: Shape::Listed,
+        doc: "A shell of nine-node elements on a grid: nodes NAME[i, j] with i along the first direction from 0 to twice the elements, j along \
+              the second; edges NAME.first_start, NAME.first_end, NAME.second_start, NAME.second_end, and their nodes NAME.first_start[i].",
+        forms: forms!([
+            NAME,
+            ELEMENTS,
+            may("material", Item(&["material"]), "name of a material; needed but with laminate"),
+            may("thickness", OneOrMore("m", Positive),
+                "thickness, or those of strips of equal width across the first direction; needed with material"),
+            may("laminate", Item(&["laminate"]), "name of a laminate"),
+            may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
+            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+            may("clamped", Choices(EDGES), "edges that never move; none"),
+            may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them; none"),
+            may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
+            may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
+        ]
+        "plate" "flat" [
+            may("corner", Vector("m"), "a corner; the origin"),
+            need("first", Vector("m"), "edge along the first direction"),
+            need("second", Vector("m"), "edge along the second direction"),
+        ]
+        "cylinder" "part of a circular cylinder" [
+            need("from", Vector("m"), "where the edge line starts"),
+            need("along", Vector("m"), "the edge line, which is the second direction"),
+            need("centre", Vector("m"), "a point of the axis"),
+            need("axis", Vector("-"), "unit vector of the axis"),
+            need("angle", Number("rad", Any), "turn of the edge line about the axis, which is the first direction"),
+        ]
+        "sphere_patch" "patch of a sphere between longitudes and latitudes about z" [
+            need("centre", Vector("m"), "centre"),
+            need("radius", Number("m", Positive), "radius"),
+            need("longitude", Numbers(&[2], "rad", Any), "from and to, the first direction"),
+            need("latitude", Numbers(&[2], "rad", Any), "from and to, the second direction"),
+        ]
+        "sphere_face" "one of six parts of a sphere" [
+            need("centre", Vector("m"), "centre"),
+            need("radius", Number("m", Positive), "radius"),
+            need("first", Vector("-"), "unit vector along an edge of the face"),
+            need("second", Vector("-"), "unit vector along the other, at right angles"),
+        ]),
+    },
+    Section {
+        name: "thin_walls",
+        shape: Shape::Listed,
+        doc: "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
+        forms: forms!([
+            NAME,
+            may("start", Vector("m"), "where the origin of the profile starts; the origin"),
+            need("along", Vector("m"), "its line"),
+            need("first_axis", Vector("-"), "axis 1 of the profile, at right angles to the line"),
+            may("twist", Number("rad", Any), "turn of the profile about the line from start to end; 0"),
+            need("elements", Count(1, MOST), "elements along the line"),
+            MATERIAL,
+            need("thickness", OneOrMore("m", Positive), "thickness, or that of each wall"),
+        ]
+        "box_tube" "rectangular tube of four walls: lower, right, upper, left" [
+            need("width", Number("m", Positive), "of the middle lines along axis 1"),
+            need("height", Number("m", Positive), "of the middle lines along axis 2"),
+            need("across", Counts(2, 1, 100), "elements across lower and upper, and right and left walls"),
+        ]
+        "i_section" "two flanges and a web: both halves of the lower flange, of the upper one, web" [
+            need("width", Number("m", Positive), "of the flanges along axis 1"),
+            need("height", Number("m", Positive), "of the web along axis 2"),
+            need("across", Counts(2, 1, 100), "elements across half a flange, and the web"),
+        ]),
+    },
+    Section {
+        name: "sphere",
+        shape: Shape::Listed,
+        doc: "A closed sphere of shells, of six faces.",
+        forms: one_form![
+            NAME,
+            may("centre", Vector("m"), "centre; the origin"),
+            need("radius", Number("m", Positive), "radius"),
+            need("elements", Count(1, 100), "elements along each edge of a face"),
+            MATERIAL,
+            need("thickness", Number("m", Positive), "thickness"),
+        ],
+    },
+    Section {
+        name: "group",
+        shape: Shape::Listed,
+        doc: "Elements of shells by their places in the grid, for functionals.",
+        forms: one_form![
+            NAME,
+            need("of", Item(&["shell"]), "name of a shell"),
+            may("first", Counts(2, 0, 1000), "first and last element along the first direction, from 0; all"),
+            may("second", Counts(2, 0, 1000), "first and last element along the second direction, from 0; all"),
+        ],
+    },
+    Section {
+        name: "joint_angle",
+        shape: Shape::Listed,
+        doc: "A coordinate that counts the angle of b against a over any number of turns, for gears, springs and functionals; a joint must \
+              hold the axis.",
+        forms: one_form![NAME, BETWEEN, AXIS],
+    },
+    Section {
+        name: "joint",
+        shape: Shape::Listed,
+        doc: "What holds nodes together. Geometry is given in the world at the start.",
+        forms: forms!([NAME]
+            "spherical" "a common point" [BETWEEN, POINT]
+            "revolute" "a common point and axis" [BETWEEN, POINT, AXIS]
+            "fixed" "two bodies welded together" [BETWEEN, POINT]
+            "rigid_link" "b carried along by a as it stands" [BETWEEN]
+            "distance" "a massless link between points" [BETWEEN, ENDS]
+            "prismatic" "b slides along an axis without turning" [BETWEEN, POINT, AXIS]
+            "cylindrical" "b slides along and turns about an axis" [BETWEEN, POINT, AXIS]
+            "planar" "b slides on a plane and turns about its normal" [BETWEEN, POINT, NORMAL]
+            "universal" "a cross with one pin in a and one in b" [
+                BETWEEN, POINT,
+                need("pin_a", Vector("-"), "pin in a, at right angles to the other"),
+                need("pin_b", Vector("-"), "pin in b"),
+            ]
+            "helical" "a screw" [BETWEEN, POINT, AXIS, need("pitch", Number("m", Any), "advance with each turn; negative for a left-handed thread")]
+            "point_on_line" "a point of b on a line of a" [BETWEEN, POINT, AXIS]
+            "point_in_plane" "a point of b in a plane of a" [BETWEEN, POINT, NORMAL]
+            "gear" "gears on two joint angles" [
+                BETWEEN,
+                need("radii", Numbers(&[2], "m", Any), "pitch radii; of one sign for external gears"),
+            ]
+            "rack_and_pinion" "a rack on a pinion" [
+                need("between", Nodes(3), "carrier, pinion, rack"),
+                need("centre", Vector("m"), "a point of the pinion's axis"),
+                need("contact", Vector("m"), "where the pitch circle touches the rack"),
+                AXIS,
+            ]
+            "rolling_sphere" "b, a sphere, rolls on a plane of a" [
+                BETWEEN,
+                may("centre", Vector("m"), "centre of the sphere; the place of b"),
+                NORMAL,
+                need("radius", Number("m", Positive), "radius"),
+            ]
+            "rolling_disc" "b, a thin disc, rolls on a plane of a" [
+                BETWEEN,
+                may("centre", Vector("m"), "centre of the disc; the place of b"),
+                AXIS,
+                may("point", Vector("m"), "point of the plane; the place of a"),
+                NORMAL,
+                need("radius", Number("m", Positive), "radius"),
+            ]
+            "cable_weld" "b, a cable's node, welded to body a" [
+                BETWEEN,
+                may("holds", Choice(&["direction", "vector"]), "the direction of its slope, or its stretch, too; direction"),
+            ]
+            "cable_hinge" "b, a cable's node, on a hinge of body a" [BETWEEN, AXIS]
+            "cable_corner" "nodes of two cables welded to each other" [BETWEEN]),
+    },
+    Section {
+        name: "rigid_interface",
+        shape: Shape::Listed,
+        doc: "Nodes that a body carries along as they stand, by a rigid link to each.",
+        forms: one_form![
+            NAME,
+            need("body", Node, "the body, or one of the nodes"),
+            need("nodes", NodeSets, "nodes, edges of shells, ends of walls"),
+        ],
+    },
+    Section {
+        name: "driver",
+        shape: Shape::Listed,
+        doc: "A prescribed motion.",
+        forms: forms!([NAME, BETWEEN, AXIS]
+        "rotation" "the angle of b against a about an axis, zero as they stand" [
+            need("angle", Function("rad", &FUNCTION), "angle over time"),
+        ]
+        "translation" "a point of b along an axis of a" [
+            may("origin", Vector("m"), "where the displacement is zero; the place of a"),
+            POINT,
+            need("displacement", Function("m", &FUNCTION), "displacement over time"),
+        ]),
+    },
+    Section {
+        name: "spring",
+        shape: Shape::Listed,
+        doc: "A spring.",
+        forms: forms!([NAME]
+        "line" "along the line between two points" [
+            BETWEEN, ENDS,
+            need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
+            may("rest_length", Number("m", AtLeastZero), "length without force; the length at the start"),
+        ]
+        "torsion" "about an axis, with a damper" [
+            BETWEEN, AXIS,
+            need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
+            may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
+            may("rest_angle", Number("rad", Any), "angle without moment, zero as they stand; 0"),
+        ]
+        "slide" "along an axis of a, with a damper" [
+            BETWEEN,
+            may("origin", Vector("m"), "where the displacement is zero; the place of a"),
+            POINT, AXIS,
+            need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
+            may("damping", Number("N s/m", AtLeastZero), "damping; 0"),
+            may("rest_displacement", Number("m", Any), "displacement without force; 0"),
+        ]
+        "angle" "on a joint angle, with a damper" [
+            need("on", Node, "joint angle"),
+            need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
+            may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
+            may("rest_angle", Number("rad", Any), "angle without moment; 0"),
+        ]
+        "bushing" "along and about three axes, with dampers; at rest as the bodies stand" [
+            BETWEEN, POINT,
+            may("orientation", Table(&ORIENTATION), "its axes; those of the world"),
+            need("stiffness", Numbers(&[6], "N/m, N m/rad", AtLeastZero), "along and about x, y, z"),
+            may("damping", Numbers(&[6], "N s/m, N m s/rad", AtLeastZero), "along and about x, y, z; 0"),
+        ]),
+    },
+    Section {
+        name: "damper",
+        shape: Shape::Listed,
+        doc: "A damper.",
+        forms: forms!([NAME, BETWEEN, ENDS, need("damping", Number("N s/m", AtLeastZero), "damping")]
+            "line" "on the rate of the distance of two points" []
+            "vector" "on the whole relative velocity of two points" []),
+    },
+    Section {
+        name: "force",
+        shape: Shape::Listed,
+        doc: "A force at a point of a node: direction times size.",
+        forms: one_form![
+            NAME,
+            ON,
+            AT,
+            FRAME,
+            need("direction", Vector("-"), "direction in the world at the start; its length counts"),
+            need("size", Function("N", &FUNCTION), "size over time"),
+        ],
+    },
+    Section {
+        name: "torque",
+        shape: Shape::Listed,
+        doc: "A torque on a body: axis times size.",
+        forms: one_form![
+            NAME,
+            ON,
+            FRAME,
+            need("axis", Vector("-"), "axis in the world at the start; its length counts"),
+            need("size", Function("N m", &FUNCTION), "size over time"),
+        ],
+    },
+    Section {
+        name: "distributed_load",
+        shape: Shape::Listed,
+        doc: "A force for each length of a beam: direction times size.",
+        forms: one_form![
+            NAME,
+            OF_BEAM,
+            may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the sections; world"),
+            need("direction", Vector("-"), "direction in the world at the start; its length counts"),
+            need("size", Function("N/m", &FUNCTION), "size over time"),
+        ],
+    },
+    Section {
+        name: "pressure",
+        shape: Shape::Listed,
+        doc: "A pressure on a shell; it pushes to where the normal points.",
+        forms: one_form![
+            NAME,
+            need("shell", Item(&["shell"]), "name of a shell"),
+            may("frame", Choice(&["world", "body"]), "dead load, or normal to the deformed surface; body"),
+            need("size", Function("N/m2", &FUNCTION), "size over time"),
+        ],
+    },
+    Section {
+        name: "drawing",
+        shape: Shape::Listed,
+        doc: "A line of the picture that moves with a node.",
+        forms: one_form![may("on", Node, "node; ground"), need("points", Points, "corners in the world at the start"),],
+    },
+    Section {
+        name: "functional",
+        shape: Shape::Listed,
+        doc: "A number that a run gives, with its gradient.",
+        forms: forms!([NAME, OVER]
+            "position" "coordinate of a point along a direction [m]" [ON, AT, ALONG]
+            "velocity" "velocity of a point along a direction [m/s]" [ON, AT, ALONG]
+            "target" "squared distance of a point from a target in the world [m2]" [
+                ON, AT,
+                may("target", Vector("m"), "target; where the point starts"),
+            ]
+            "distance" "distance of two points [m]" [BETWEEN, ENDS]
+            "coordinate" "one coordinate of a node, such as a joint angle" [
+                ON,
+                may("index", Count(0, 1000), "which, from 0; 0"),
+            ]
+            "joint_angle" "angle of b against a about an axis, in (-pi, pi] [rad]" [BETWEEN, AXIS]
+            "joint_rate" "angular velocity of b against a along an axis of a [rad/s]" [BETWEEN, AXIS]
+            "joint_displacement" "displacement of a point of b along an axis of a since the start [m]" [BETWEEN, POINT, AXIS]
+            "joint_speed" "its rate [m/s]" [BETWEEN, POINT, AXIS]
+            "reaction" "weighted sum of a joint's multipliers" [
+                OF_JOINT,
+                need("weights", Series("-"), "a weight for each of its equations"),
+            ]
+            "reaction_norm" "length of the first three multipliers of a joint [N]" [OF_JOINT]
+            "joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
+                OF_JOINT, ON, AT, FRAME,
+                need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
+                may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
+            ]
+            "energy" "energy of all elements [J]" []
+            "mass" "mass of some elements [kg]" [may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, walls or groups; everything")]
+            "strain_energy" "energy stored in strains [J]" [GROUP]
+            "inertia_moment" "moment of inertia about an axis [kg m2]" [
+                may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, walls or groups; everything"),
+                may("point", Vector("m"), "point of the axis; the origin"),
+                AXIS,
+            ]
+            "von_mises" "von Mises stress on both surfaces of shells by the yield stress [-]" [
+                GROUP,
+                need("yield_stress", Number("N/m2", Positive), "yield stress"),
+            ]
+            "tsai_wu" "failure ratio of Tsai and Wu in laminates [-]" [
+                GROUP,
+                need("laminate", Item(&["laminate"]), "name of the laminate, whose plies have strengths"),
+            ]
+            "section_force" "force or moment in a section of a beam [N, N m]" [
+                OF_BEAM, AT_SHARE,
+                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
+            ]
+            "section_strain" "strain or curvature of a section of a beam [-, 1/m]" [
+                OF_BEAM, AT_SHARE,
+                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
+            ]
+            "fibre_stress" "axial stress of a fibre of a beam [N/m2]" [
+                OF_BEAM, AT_SHARE,
+                need("young", Number("N/m2", Positive), "Young's modulus"),
+                need("fibre", Numbers(&[2], "m", Any), "place of the fibre along axes 2 and 3"),
+            ]
+            "cable_strain" "axial strain of a cable [-]" [OF_CABLE, AT_SHARE]
+            "cable_curvature" "curvature of a cable [1/m]" [OF_CABLE, AT_SHARE]
+            "cable_stress" "axial stress of a fibre of a cable [N/m2]" [
+                OF_CABLE, AT_SHARE,
+                need("young", Number("N/m2", Positive), "Young's modulus"),
+                may("distance", Number("m", Any), "of the fibre from the axis; 0"),
+            ]
+            "largest_cable_stress" "smooth maximum over time and length of the axial stress of a cable [N/m2]; over is an aggregate \
+                                    smooth_maximum of the run" [
+                OF_CABLE,
+                need("young", Number("N/m2", Positive), "Young's modulus"),
+                need("distance", Number("m", AtLeastZero), "of the outer fibres from the axis"),
+            ]
+            "cable_deflection" "deflection of b, a cable's node, from the tangent at a [m]" [BETWEEN, NORMAL]),
+    },
+    Section {
+        name: "settings",
+        shape: Shape::Once,
+        doc: "How a run is made where the command line does not say otherwise.",
+        forms: one_form![
+            may(
+                "end",
+                Fixed("s", Positive),
+                "duration, or with method static the last load factor; needed but with static, where it is 1"
+            ),
+            may("steps", Count(1, MOST_STEPS), "steps of equal size; needed without tolerance"),
+            may(
+                "method",
+                Text,
+                "integrator: esdirk4, generalized-alpha:0.6, variational, static and others, as for --method; esdirk4"
+            ),
+            may(
+                "tolerance",
+                Fixed("-", Positive),
+                "steps are chosen by their error: relative and absolute; steps of equal size"
+            ),
+            may("velocity_tolerance", Fixed("-", Positive), "the same for velocities; tolerance"),
+            may("longest_step", Fixed("s", Positive), "longest step that tolerance may choose; any"),
+            may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
+            may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
+            may("project_start", Flag, "project an inconsistent start onto the constraints instead of refusing it; false"),
+        ],
+    },
+    Section {
+        name: "output",
+        shape: Shape::Once,
+        doc: "What a run writes where the command line does not say otherwise.",
+        forms: one_form![
+            may("step", Fixed("s", Positive), "histories at multiples of this time; at the steps"),
+            may("vtk", Flag, "meshes for ParaView; false"),
+        ],
+    },
+    Section {
+        name: "optimization",
+        shape: Shape::Once,
+        doc: "What costate optimize does. The objective is minimize, maximize, or a sum with sense and weights.",
+        forms: one_form![
+            may("minimize", Text, "name of a functional that is to become small"),
+            may("maximize", Text, "name of a functional that is to become large"),
+            may("sense", Choice(&["minimize", "maximize"]), "of a sum; minimize"),
+            may("weights", Weights, "weights of functionals in a sum, by name"),
+            may("varying", Texts, "names of the design variables that may change, as they are listed; all"),
+            may("scale", Fixed("unit", Positive), "size of the objective that is of the order of 1; its size at the start"),
+            may(
+                "screening",
+                Fixed("-", Positive),
+                "limits kept by more than this share need no gradient; every limit has one"
+            ),
+            may("constraint", Tables(&LIMIT), "limits of functionals"),
+            may("linear", Tables(&LINEAR), "limits of sums of design variables"),
+        ],
+    },
+];
+
+/// Keys for which no section is: `define`.
+pub(super) const DEFINE: (&str, &str) = (
+    "define",
+    "Named numbers and vectors: `NAME = 2`, `NAME = \"0.5 * length\"`, `NAME = [0, \"length\", 0]`, in any order. Formulas use them by name.",
+);
+
+/// A loop in the entries of lists and of sections with names.
+pub(super) const FOR: Key = may(
+    "for",
+    Text,
+    "the entry stands for many: `for = { i = [1, 5] }` makes five of it, `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts \
+     `{i}`, `{i + 1}` and `{side}` are replaced; several names make all pairs",
+);

@@ -1,0 +1,312 @@
+//! Values by what their keys take.
+
+use super::expression::{Expression, Quantity};
+use super::keys::{Key, Range, Type};
+use super::raw::{Raw, RawValue};
+use super::reader::{Reader, Value};
+use super::unknown::unknown;
+
+impl Reader {
+    fn not(&mut self, raw: &Raw, key: &Key, owner: &str, wanted: &str) {
+        self.wrong(raw.at, format!("{} of {owner} must be {wanted}; it is {}", key.name, raw.words()));
+    }
+
+    pub(super) fn value(&mut self, raw: &Raw, key: &Key, takes: &Type, owner: &str) -> Option<Value> {
+        let what = format!("{} of {owner}", key.name);
+        let list = || match &raw.value {
+            RawValue::List(list) => Some(list.as_slice()),
+            _ => None,
+        };
+        match *takes {
+            Type::Number(_, range) => Some(Value::Formula(self.formula(raw, &what, Some(range))?, range)),
+            Type::Fixed(_, range) => self.fixed(raw, &what, range).map(Value::Fixed),
+            Type::Vector(_) => Some(Value::Formula(self.vector(raw, &what)?, Range::Any)),
+            Type::Numbers(counts, _, range) => {
+                let words: Vec<String> = counts.iter().map(ToString::to_string).collect();
+                match list().filter(|list| counts.contains(&list.len())) {
+                    Some(list) => self.numbers(list, &what, range),
+                    None => {
+                        self.not(raw, key, owner, &format!("a list of {} numbers or formulas", words.join(" or ")));
+                        None
+                    }
+                }
+            }
+            Type::Series(_) => match list().filter(|list| !list.is_empty()) {
+                Some(list) => self.numbers(list, &what, Range::Any),
+                None => {
+                    self.not(raw, key, owner, "a list of numbers or formulas");
+                    None
+                }
+            },
+            Type::OneOrMore(_, range) => match list() {
+                Some([]) => {
+                    self.not(raw, key, owner, "a number or a list of numbers");
+                    None
+                }
+                Some(list) => self.numbers(list, &what, range),
+                None => {
+                    let formula = self.formula(raw, &what, Some(range))?;
+                    Some(Value::List(vec![(raw.at, Value::Formula(formula, range))]))
+                }
+            },
+            Type::Fixeds(count, _) => {
+                match list().filter(|list| if count == 0 { list.len() > 1 } else { list.len() == count }) {
+                    Some(list) => {
+                        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
+                        own.into_iter()
+                            .map(|(at, value)| Some((at, Value::Fixed(value?))))
+                            .collect::<Option<_>>()
+                            .map(Value::List)
+                    }
+                    None => {
+                        let number = if count == 0 { "two or more".into() } else { count.to_string() };
+                        self.not(raw, key, owner, &format!("a list of {number} numbers"));
+                        None
+                    }
+                }
+            }
+            Type::Points => match list().filter(|list| list.len() > 1) {
+                Some(list) => {
+                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.vector(raw, &what))).collect();
+                    let value =
+                        |(at, formula): (usize, Option<Expression>)| Some((at, Value::Formula(formula?, Range::Any)));
+                    own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
+                }
+                None => {
+                    self.not(raw, key, owner, "a list of two or more vectors");
+                    None
+                }
+            },
+            Type::Count(least, most) => self.count(raw, &what, [least, most]).map(Value::Count),
+            Type::Counts(count, least, most) => match list().filter(|list| list.len() == count) {
+                Some(list) => {
+                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.count(raw, &what, [least, most]))).collect();
+                    own.into_iter()
+                        .map(|(at, value)| Some((at, Value::Count(value?))))
+                        .collect::<Option<_>>()
+                        .map(Value::List)
+                }
+                None => {
+                    self.not(raw, key, owner, &format!("a list of {count} whole numbers"));
+                    None
+                }
+            },
+            Type::Flag => match raw.value {
+                RawValue::Flag(flag) => Some(Value::Flag(flag)),
+                _ => {
+                    self.not(raw, key, owner, "true or false");
+                    None
+                }
+            },
+            Type::Text => match raw.text() {
+                Some("") => {
+                    self.wrong(raw.at, format!("{what} is empty; give it some letters"));
+                    None
+                }
+                Some(text) => Some(Value::Text(text.into())),
+                None => {
+                    self.not(raw, key, owner, "a text");
+                    None
+                }
+            },
+            Type::Texts => match list().filter(|list| list.iter().all(|own| own.text().is_some())) {
+                Some(list) => {
+                    let texts = list.iter().map(|own| (own.at, Value::Text(own.text().unwrap_or_default().into())));
+                    Some(Value::List(texts.collect()))
+                }
+                None => {
+                    self.not(raw, key, owner, "a list of texts");
+                    None
+                }
+            },
+            Type::Weights => match raw.entries().filter(|entries| !entries.is_empty()) {
+                Some(entries) => {
+                    let own: Vec<_> = entries
+                        .iter()
+                        .map(|own| Some((own.key.clone(), self.fixed(&own.value, &what, Range::Any)?)))
+                        .collect();
+                    own.into_iter().collect::<Option<_>>().map(Value::Weights)
+                }
+                None => {
+                    self.not(
+                        raw,
+                        key,
+                        owner,
+                        "a table of names with numbers, as in { mass = 1.0, \"largest moment\" = 0.5 }",
+                    );
+                    None
+                }
+            },
+            Type::Choice(words) => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
+            Type::Choices(words) => {
+                let own = std::slice::from_ref(raw);
+                let list = list().unwrap_or(own);
+                let chosen: Vec<_> = list.iter().map(|own| (own.at, self.choice(own, &what, words))).collect();
+                chosen
+                    .into_iter()
+                    .map(|(at, word)| Some((at, Value::Text(word?.into()))))
+                    .collect::<Option<_>>()
+                    .map(Value::List)
+            }
+            Type::Node => self.node(raw, &what, false).map(Value::Node),
+            Type::Nodes(count) => match list().filter(|list| list.len() == count) {
+                Some(list) => self.node_list(list, &what, false),
+                None => {
+                    self.not(raw, key, owner, &format!("a list of {count} nodes, as in [\"ground\", \"crank\"]"));
+                    None
+                }
+            },
+            Type::NodeSets => match list() {
+                Some(list) => self.node_list(list, &what, true),
+                None => {
+                    self.not(raw, key, owner, "a list of nodes, edges and ends, as in [\"plate.first_start\"]");
+                    None
+                }
+            },
+            Type::Item(sections) => self.item(raw, &what, sections).map(Value::Item),
+            Type::Items(sections) => {
+                let own = std::slice::from_ref(raw);
+                let list = list().unwrap_or(own);
+                let found: Vec<_> = list.iter().map(|own| (own.at, self.item(own, &what, sections))).collect();
+                found.into_iter().map(|(at, item)| Some((at, Value::Item(item?)))).collect::<Option<_>>().map(Value::List)
+            }
+            Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, &what))),
+            Type::Tables(forms) => match list() {
+                Some(list) => Some(Value::List(
+                    list.iter().map(|own| (own.at, Value::Fields(self.fields(own, forms, &what)))).collect(),
+                )),
+                None => {
+                    self.not(raw, key, owner, "a list of tables");
+                    None
+                }
+            },
+            Type::Function(_, forms) => match raw.value {
+                RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
+                _ => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
+            },
+            Type::OfTime => {
+                let scope = self.scope.with_time();
+                let own = std::mem::replace(&mut self.scope, scope);
+                let formula = self.formula(raw, &what, Some(Range::Any));
+                self.scope = own;
+                Some(Value::Formula(formula?, Range::Any))
+            }
+            Type::Over(words, forms) => match raw.value {
+                RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
+                _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
+            },
+        }
+    }
+
+    fn numbers(&mut self, list: &[Raw], what: &str, range: Range) -> Option<Value> {
+        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.formula(raw, what, Some(range)))).collect();
+        own.into_iter()
+            .map(|(at, formula)| Some((at, Value::Formula(formula?, range))))
+            .collect::<Option<_>>()
+            .map(Value::List)
+    }
+
+    /// A number or formula; of a number where a range is given.
+    pub(super) fn formula(&mut self, raw: &Raw, what: &str, range: Option<Range>) -> Option<Expression> {
+        let formula = match &raw.value {
+            RawValue::Number { value, .. } if value.is_finite() => Expression::literal(*value),
+            RawValue::Number { value, .. } => {
+                self.wrong(raw.at, format!("{what} is {value}; it must be finite"));
+                return None;
+            }
+            RawValue::Text(text, place) => match Expression::parse(text, &self.scope) {
+                Ok(formula) => formula,
+                Err((inside, why)) => {
+                    self.wrong(place.map_or(raw.at, |at| at + inside), format!("{what}, \"{text}\": {why}"));
+                    return None;
+                }
+            },
+            _ => {
+                self.wrong(raw.at, format!("{what} must be a number or a formula; it is {}", raw.words()));
+                return None;
+            }
+        };
+        let Some(range) = range else { return Some(formula) };
+        if formula.is_vector {
+            self.wrong(raw.at, format!("{what} must be a number; {} is a vector", raw.words()));
+            return None;
+        }
+        if let Some(Quantity::Number(value)) = formula.constant(&self.scope)
+            && !(range.holds(value) && value.is_finite())
+        {
+            self.wrong(raw.at, format!("{what} is {value}; it must be {}", range.words()));
+            return None;
+        }
+        Some(formula)
+    }
+
+    pub(super) fn vector(&mut self, raw: &Raw, what: &str) -> Option<Expression> {
+        match &raw.value {
+            RawValue::List(list) if list.len() == 3 => {
+                let own: Vec<_> = list.iter().map(|raw| self.formula(raw, what, Some(Range::Any))).collect();
+                let own: Vec<Expression> = own.into_iter().collect::<Option<_>>()?;
+                own.try_into().ok().map(Expression::vector)
+            }
+            RawValue::Text(text, _) => {
+                let formula = self.formula(raw, what, None)?;
+                if !formula.is_vector {
+                    self.wrong(raw.at, format!("{what} must be a vector; the formula \"{text}\" gives a number"));
+                    return None;
+                }
+                Some(formula)
+            }
+            _ => {
+                self.wrong(
+                    raw.at,
+                    format!("{what} must be a vector [x, y, z] or a formula that gives one; it is {}", raw.words()),
+                );
+                None
+            }
+        }
+    }
+
+    fn fixed(&mut self, raw: &Raw, what: &str, range: Range) -> Option<f64> {
+        let formula = self.formula(raw, what, Some(range))?;
+        match formula.constant(&self.scope) {
+            Some(Quantity::Number(value)) => Some(value),
+            _ => {
+                self.wrong(
+                    raw.at,
+                    format!("{what} depends on a design variable by {}; it must be a number that stays", raw.words()),
+                );
+                None
+            }
+        }
+    }
+
+    fn count(&mut self, raw: &Raw, what: &str, [least, most]: [usize; 2]) -> Option<usize> {
+        let value = match &raw.value {
+            RawValue::Number { value, whole: true } => Some(*value),
+            // a loop leaves digits
+            RawValue::Text(text, None) => text.parse().ok(),
+            _ => None,
+        };
+        let allowed = if least == most { format!("{least}") } else { format!("a whole number from {least} to {most}") };
+        match value.filter(|value| (least as f64..=most as f64).contains(value)) {
+            Some(value) => Some(value as usize),
+            None => {
+                self.wrong(raw.at, format!("{what} must be {allowed}; it is {}", raw.words()));
+                None
+            }
+        }
+    }
+
+    fn choice(&mut self, raw: &Raw, what: &str, words: &'static [&'static str]) -> Option<&'static str> {
+        let known: Vec<String> = words.iter().map(ToString::to_string).collect();
+        let Some(text) = raw.text() else {
+            self.wrong(raw.at, format!("{what} must be one of {}; it is {}", known.join(", "), raw.words()));
+            return None;
+        };
+        let found = words.iter().copied().find(|word| *word == text);
+        if found.is_none() {
+            let text = unknown("value", text, &known);
+            self.wrong(raw.at, format!("{what}: {text}"));
+        }
+        found
+    }
+}

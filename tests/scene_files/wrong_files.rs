@@ -1,0 +1,252 @@
+//! Wrong files of many kinds: each is refused with code 2 and a message that says where, what is there, and what is allowed.
+
+use costate::scenes::{AnyScene, FileScene, Prepared};
+use std::process::Command;
+
+/// A sound file, in which each case changes something.
+const SOUND: &str = r#"version = 1
+gravity = [0, -9.81, 0]
+
+[variable.length]
+initial = 1.0
+bounds = [0.1, 10]
+unit = "m"
+
+[define]
+half = "0.5 * length"
+pin = [0, 0, 0]
+
+[material.steel]
+young = 2e11
+poisson = 0.3
+density = 7800
+
+[section.round]
+type = "circle"
+material = "steel"
+diameter = 0.05
+
+[settings]
+end = 1.0
+steps = 10
+
+[optimization]
+minimize = "height"
+
+[[body]]
+name = "crank"
+position = ["half", 0, 0]
+mass = 1.0
+inertia = [0.01, 0.1, 0.1]
+
+[[beam]]
+name = "rod"
+from = ["length", 0, 0]
+to = ["2 * length", 0, 0]
+elements = 1
+section = "round"
+second_axis = [0, 1, 0]
+
+[[joint]]
+name = "bearing"
+type = "revolute"
+between = ["ground", "crank"]
+point = "pin"
+axis = [0, 0, 1]
+
+[[joint]]
+name = "weld"
+type = "fixed"
+between = ["crank", "rod.start"]
+
+[[functional]]
+name = "height"
+type = "position"
+on = "rod.end"
+direction = [0, 1, 0]
+over = "terminal"
+"#;
+
+/// What is replaced by what, the line and column that the message names, and what it says.
+const CASES: &[(&str, &str, &str, &[&str])] = &[
+    // the text itself
+    ("version = 1", "version = = 1", "1:11", &["no TOML"]),
+    ("\"crank\"\nposition", "\"crank\nposition", "31:", &["no TOML"]),
+    ("unit = \"m\"", "unit = \"m\"\nunit = \"mm\"", "8:", &["no TOML", "duplicate key"]),
+    // versions
+    ("version = 1\n", "", "1:1", &["needs the key version", "1"]),
+    ("version = 1", "version = 2", "1:11", &["version of the file must be 1", "the number 2"]),
+    // keys
+    ("mass = 1.0", "mas = 1.0", "33:1", &["[[body]] \"crank\"", "key \"mas\"", "did you mean \"mass\"?", "inertia"]),
+    ("[settings]", "[setings]", "23:2", &["key \"setings\"", "did you mean \"settings\"?"]),
+    ("gravity = [", "gravty = [", "2:1", &["key \"gravty\"", "did you mean \"gravity\"?"]),
+    (
+        "type = \"circle\"\n",
+        "type = \"circle\"\nwidth = 0.1\n",
+        "20:1",
+        &["[section.round] of type circle", "key \"width\"", "diameter"],
+    ),
+    ("inertia = [0.01, 0.1, 0.1]", "", "30:1", &["mass needs the key inertia", "kg m2"]),
+    ("from = [\"length\", 0, 0]\n", "", "36:1", &["[[beam]] \"rod\" needs the key from", "where it starts"]),
+    ("type = \"revolute\"\n", "", "44:1", &["[[joint]] \"bearing\" needs the key type", "spherical, revolute"]),
+    // types of values
+    ("elements = 1", "elements = 1.5", "40:12", &["elements of [[beam]] \"rod\"", "whole number from 1 to", "1.5"]),
+    ("elements = 1", "elements = 0", "40:12", &["whole number from 1 to", "the number 0"]),
+    ("mass = 1.0", "mass = true", "33:8", &["mass of [[body]] \"crank\"", "number or a formula", "true"]),
+    ("position = [\"half\", 0, 0]", "position = [\"half\", 0]", "32:12", &["vector [x, y, z]", "a list of 2"]),
+    ("position = [\"half\", 0, 0]", "position = \"half\"", "32:12", &["must be a vector", "\"half\" gives a number"]),
+    ("mass = 1.0", "mass = \"pin\"", "33:8", &["must be a number", "\"pin\" is a vector"]),
+    ("inertia = [0.01, 0.1, 0.1]", "inertia = [0.01, 0.1]", "34:11", &["3 or 6 numbers", "a list of 2"]),
+    ("name = \"crank\"", "name = 7", "31:8", &["name of [[body]]", "a text", "the number 7"]),
+    ("[settings]\n", "[[settings]]\n", "23:1", &["[settings] must be a table", "a list of 1"]),
+    ("[[beam]]", "[beam]", "36:2", &["beam must be written as [[beam]]"]),
+    ("[material.steel]", "[[material]]", "13:3", &["material must be written as [material.NAME]"]),
+    ("over = \"terminal\"", "over = 3", "61:8", &["over of [[functional]] \"height\"", "initial, terminal, integral"]),
+    ("over = \"terminal\"", "over = \"terminus\"", "61:8", &["did you mean \"terminal\"?"]),
+    ("type = \"circle\"", "type = \"cicle\"", "19:8", &["[section.round]", "type \"cicle\"", "did you mean \"circle\"?"]),
+    ("name = \"rod\"", "name = \"rod\"\nclamped = \"strat\"", "38:11", &["did you mean \"start\"?"]),
+    // ranges
+    ("mass = 1.0", "mass = -1.0", "33:8", &["mass of [[body]] \"crank\" is -1", "greater than 0"]),
+    ("mass = 1.0", "mass = nan", "33:8", &["mass of [[body]] \"crank\" is NaN", "finite"]),
+    ("end = 1.0", "end = inf", "24:7", &["end of [settings] is inf", "finite"]),
+    ("mass = 1.0", "mass = \"1 / 0\"", "33:8", &["is inf", "greater than 0"]),
+    ("mass = 1.0", "mass = \"half - length\"", "33:8", &["at this design the value is -0.5", "greater than 0"]),
+    ("half = \"0.5 * length\"", "half = \"log(-length)\"", "10:8", &["half of [define] is NaN", "finite"]),
+    ("bounds = [0.1, 10]", "bounds = [10, 0.1]", "6:10", &["10 and 0.1", "smaller one first"]),
+    ("initial = 1.0", "initial = 20", "5:11", &["initial of \"length\" is 20", "between its bounds 0.1 and 10"]),
+    ("end = 1.0", "end = \"length\"", "24:7", &["depends on a design variable", "stays"]),
+    ("inertia = [0.01, 0.1, 0.1]", "inertia = [0.01, 0.1, 1.0]", "30:", &["inertia of \"crank\"", "exceeds the sum"]),
+    ("axis = [0, 0, 1]", "axis = [0, 0, 0]", "44:", &["\"bearing\"", "any length but zero"]),
+    // names
+    (
+        "\"ground\", \"crank\"",
+        "\"ground\", \"crnak\"",
+        "47:22",
+        &["node \"crnak\"", "did you mean \"crank\"?", "rod", "ground"],
+    ),
+    ("\"rod.start\"", "\"rod\"", "54:21", &["no node of the beam \"rod\"", "rod[i], rod.start, rod.end"]),
+    ("\"rod.start\"", "\"rod.middle\"", "54:21", &["no node of the beam \"rod\"", "rod.start"]),
+    ("\"rod.start\"", "\"rod[7]\"", "54:21", &["no node 7", "there are 3"]),
+    ("\"rod.start\"", "\"bearing\"", "54:21", &["\"bearing\" is a joint", "no node"]),
+    ("material = \"steel\"", "material = \"steal\"", "20:12", &["material \"steal\"", "did you mean \"steel\"?"]),
+    ("section = \"round\"", "section = \"steel\"", "41:11", &["\"steel\" is a material", "section is wanted", "round"]),
+    ("name = \"weld\"", "name = \"bearing\"", "52:8", &["name \"bearing\" is taken", "joint"]),
+    ("name = \"crank\"", "name = \"ground\"", "31:8", &["\"ground\" belongs to the body that never moves"]),
+    ("minimize = \"height\"", "minimize = \"hight\"", "28:12", &["functional \"hight\"", "did you mean \"height\"?"]),
+    (
+        "minimize = \"height\"",
+        "minimize = \"height\"\nvarying = [\"lenght\"]",
+        "29:11",
+        &["design variable \"lenght\"", "did you mean \"length\"?"],
+    ),
+    ("minimize = \"height\"\n", "", "27:", &["one of the keys minimize, maximize and weights"]),
+    (
+        "minimize = \"height\"",
+        "minimize = \"height\"\nconstraint = [{ functional = \"height\" }]",
+        "29:",
+        &["at_most, at_least and equal"],
+    ),
+    ("[variable.length]", "[variable.\"the length\"]", "4:11", &["\"the length\" cannot be used in formulas"]),
+    ("[variable.length]", "[variable.sin]", "4:11", &["\"sin\" means a function"]),
+    ("half = \"0.5", "length = \"0.5", "10:1", &["name \"length\" is taken by a design variable"]),
+    // formulas
+    ("\"0.5 * length\"", "\"0.5 * lenght\"", "10:15", &["half of [define]", "name \"lenght\"", "did you mean \"length\"?"]),
+    ("\"0.5 * length\"", "\"0.5 * (length\"", "10:22", &["')' is missing"]),
+    ("\"0.5 * length\"", "\"0.5 length\"", "10:13", &["'l' does not continue the formula"]),
+    ("\"0.5 * length\"", "\"sinus(length)\"", "10:9", &["function \"sinus\""]),
+    ("\"0.5 * length\"", "\"half * length\"", "10:8", &["definition of \"half\" leads back to itself", "half -> half"]),
+    ("half = \"0.5 * length\"", "half = \"other\"\nother = \"2 * half\"", "10:8", &["half -> other -> half"]),
+    ("\"2 * length\"", "\"length + pin\"", "39:15", &["cannot join a number and a vector"]),
+    // settings
+    ("steps = 10\n", "", "23:1", &["needs the key steps", "tolerance"]),
+    ("end = 1.0\n", "", "23:1", &["needs the key end"]),
+    ("steps = 10", "steps = 10\nmethod = \"esdirk6\"", "26:10", &["method", "\"esdirk6\"", "did you mean \"esdirk"]),
+    ("steps = 10", "steps = 10\nmethod = \"variational:2\"", "26:10", &["variational:2", "from 0 to 1"]),
+    ("steps = 10", "steps = 10\ntolerance = 1e-6", "26:13", &["steps and tolerance"]),
+    ("steps = 10", "steps = 10\nlongest_step = 0.1", "26:16", &["means nothing without the key tolerance"]),
+    ("steps = 10\n", "steps = 10\n[output]\nstep = 1e-300\n", "27:8", &["step of [output] is", "fit into 1 s"]),
+    // loops
+    ("bounds = [0.1, 10]\n", "bounds = [0.1, 10]\nfor = { i = [1, 2] }\n", "4:11", &["name \"length\" is taken"]),
+    ("name = \"weld\"", "name = \"weld\"\nfor = { i = 3 }", "53:13", &["for must be", "i is the number 3"]),
+    ("name = \"weld\"", "name = \"weld {j}\"\nfor = { i = [1, 2] }", "52:8", &["\"weld {j}\"", "name \"j\"", "known: i"]),
+    ("name = \"weld\"", "name = \"weld\"\nfor = { i = [1, 2] }", "52:8", &["name \"weld\" is taken"]),
+    // what has nothing to build
+    ("[[body]]", "[[drawing]]", "", &["key \"name\""]),
+];
+
+fn refusal(text: &str) -> String {
+    let scene = match FileScene::parse("scene.toml", text) {
+        Ok(scene) => scene,
+        Err(why) => return why,
+    };
+    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    match scene.build_real(&x) {
+        Ok(_) => Prepared::new(&scene).err().map_or_else(|| "nothing was found".into(), |error| error.to_string()),
+        Err(why) => why,
+    }
+}
+
+#[test]
+fn the_sound_file_is_sound() {
+    let scene = FileScene::parse("scene.toml", SOUND).unwrap_or_else(|why| panic!("{why}"));
+    Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+}
+
+#[test]
+fn each_wrong_file_is_told_with_place_value_and_remedy() {
+    assert!(CASES.len() >= 25);
+    let mut failed = Vec::new();
+    for (what, by, place, parts) in CASES {
+        assert!(SOUND.contains(what), "{what} is not in the file");
+        let message = refusal(&SOUND.replacen(what, by, 1));
+        let placed = message.lines().any(|line| line.starts_with(&format!("scene.toml:{place}")));
+        if !placed || !parts.iter().all(|part| message.contains(part)) {
+            failed.push(format!("{what:?} -> {by:?}\n  wanted {place} {parts:?}\n  {message}"));
+        }
+    }
+    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), CASES.len(), failed.join("\n"));
+}
+
+#[test]
+fn all_mistakes_of_a_file_are_told_at_once_in_their_order() {
+    let text =
+        SOUND.replace("mass = 1.0", "mass = -1").replace("steps = 10", "stpes = 10").replace("unit = \"m\"", "unit = 3");
+    let message = refusal(&text);
+    let lines: Vec<&str> = message.lines().map(|line| line.split(": ").next().unwrap()).collect();
+    assert_eq!(lines, ["scene.toml:7:8", "scene.toml:25:1", "scene.toml:33:8"], "{message}");
+}
+
+#[test]
+fn the_command_line_ends_with_code_2_and_the_place() {
+    let folder = std::env::temp_dir().join(format!("costate-wrong-file-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let run = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_costate")).args(arguments).current_dir(&folder).output().unwrap()
+    };
+    std::fs::write(folder.join("sound.toml"), SOUND).unwrap();
+    std::fs::write(folder.join("wrong.toml"), SOUND.replace("mass = 1.0", "mass = -1.0")).unwrap();
+    std::fs::write(folder.join("binary.toml"), [b'a', 0xff, 0xfe]).unwrap();
+    std::fs::write(folder.join("design.toml"), SOUND.replace("mass = 1.0", "mass = \"1 - half\"")).unwrap();
+    let cases: [(&[&str], &[&str]); 7] = [
+        (&["check", "wrong.toml"], &["wrong.toml:33:8: mass of [[body]] \"crank\" is -1"]),
+        (&["run", "wrong.toml"], &["wrong.toml:33:8"]),
+        (&["gradient", "wrong.toml", "--check"], &["wrong.toml:33:8"]),
+        (&["modes", "missing.toml"], &["missing.toml: cannot be read"]),
+        (&["check", "binary.toml"], &["binary.toml:1:2: this is no text in UTF-8"]),
+        (&["optimize", "design.toml", "--set", "length=5"], &["design.toml:33:8: mass: at this design the value is -1.5"]),
+        (&["check", "."], &["\".\""]),
+    ];
+    for (arguments, parts) in cases {
+        let output = run(arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(parts.iter().all(|part| message.contains(part)), "{arguments:?}: {message}");
+        assert!(message.starts_with("error: "), "{arguments:?}: {message}");
+    }
+    let _ = std::fs::remove_dir_all(folder.join("out"));
+    let output = run(&["check", "sound.toml"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && said.contains("sound.toml: in order; 1 design variable"), "{said}");
+    assert!(!folder.join("out").exists(), "check writes nothing");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
