@@ -177,7 +177,7 @@ impl PointQuantity for PrincipalStrain {
             let (mean, half, shear) = ((along + across) * 0.5, (along - across) * 0.5, twice * 0.5);
             (mean + (half * half + shear * shear).sqrt()) / p.own[0]
         };
-        points.map(|point| PointValue { value: value(point.strain), weight: point.area }).to_vec()
+        points.iter().map(|point| PointValue { value: value(point.strain), weight: point.area }).collect()
     }
 }
 
@@ -191,7 +191,7 @@ impl PointQuantity for Branching {
     fn at_points<S: Scalar>(&self, shell: &Shell, s: State<S>, p: PointParameters<S>, _t: S) -> Vec<PointValue<S>> {
         let points = shell.points(s.q, p.element);
         let value = |strain: S| if strain.value() > 0.0 { strain } else { S::zero() };
-        points.map(|point| PointValue { value: value(point.strain[0]), weight: point.area }).to_vec()
+        points.iter().map(|point| PointValue { value: value(point.strain[0]), weight: point.area }).collect()
     }
 }
 
