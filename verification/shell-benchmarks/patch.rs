@@ -55,7 +55,7 @@ pub fn place(face: FaceKind, i: usize, j: usize) -> [f64; 2] {
 impl Field {
     /// Size of displacements, small for fields that are linear in them: the membrane feels the square of deflection by thickness.
     pub fn size(self, thickness: f64) -> f64 {
-        if matches!(self, Field::Bending | Field::Twist) { 1e-5_f64.min(1e-3 * thickness) } else { 1.0 }
+        if matches!(self, Field::Bending | Field::Twist) { 1e-5_f64.min(1e-5 * thickness) } else { 1.0 }
     }
 
     /// Position and rotation that the field of some size gives to the point (X, Y).

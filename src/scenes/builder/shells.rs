@@ -6,7 +6,7 @@
 use super::free_mesh::weighed;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::flexible::faces::{FaceKind, FaceShape};
+use crate::elements::flexible::faces::{Face, FaceKind, FaceShape, Quad9};
 use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection, shell_pressure};
 use crate::elements::forces::LoadFrame;
 use crate::elements::{NodeKind, TimeFunction};
@@ -16,8 +16,8 @@ use crate::scenes::Drawn;
 use std::collections::HashMap;
 use std::ops::Deref;
 
-/// Stiffness against turning about the director, as a share of that against shear in the surface.
-pub const DRILLING: f64 = 0.1;
+/// [Stiffness against turning about the director](FaceShape::drilling) of shells of nine nodes.
+pub const DRILLING: f64 = Quad9::SHAPE.drilling;
 
 /// A shell of a mechanism on any mesh: its nodes and elements, and those that have a name.
 #[derive(Clone, Debug)]
@@ -242,7 +242,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
             p.extend(section_of(element, nodes.len()));
-            p.push(S::from(DRILLING));
+            p.push(S::from(face.kind.shape().drilling));
             p.extend([S::zero(); 3]);
             p.extend(free.damping);
             let own = format!("{name}, {}", mesh.element_name(element));

@@ -9,15 +9,17 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// A triangle of six nodes: corners at (r, s) = (0, 0), (1, 0), (0, 1), then the middles of the edges from each to the next.
 ///
 /// Strains and curvatures along the three edges (E_rr, E_ss, E_qq with q = s - r) are linear in r and s: through two Gauss points of their own
-/// edge and the middle of the triangle; 2 E_rs = E_rr + E_ss - E_qq. Transverse shear is
+/// edge and a third at a height of 1/sqrt 3 above its middle; 2 E_rs = E_rr + E_ss - E_qq. Transverse shear is
 ///
 /// G_r = a_1 + b_1 r + c_1 s + s (d r + e s),   G_s = a_2 + b_2 r + c_2 s - r (d r + e s),
 ///
-/// tied along the edges at two Gauss points of each, and in both components in the middle. No edge and no corner is preferred. Six points of
-/// quadrature of degree four.
+/// tied along the edges at two Gauss points of each, and in both components in the middle of the triangle. No edge and no corner is
+/// preferred. Six points of quadrature of degree four. Patches of constant strain, curvature, twist and shear are found where edges are
+/// straight. With transverse shear that is linear in r and s, tied along the edges alone (MITC6a), thin plates are too soft by a third on
+/// coarse meshes.
 ///
-/// Source: Lee & Bathe (2004) and Kim & Bathe (2009), MITC6 with tying points at 1/2 -+ 1/(2 sqrt 3) along the edges and 1/3; the quadrature
-/// of Strang & Fix (1973).
+/// Source: Lee & Bathe (2004) for strains along the edges, Kim & Bathe (2009) for the middle point of transverse shear, which keeps the
+/// element stable; the quadrature of Strang & Fix (1973).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Triangle6;
 
@@ -36,7 +38,8 @@ static SHAPE: FaceShape = FaceShape {
     gauss_weights: &GAUSS_WEIGHTS,
     at_nodes: &AT_NODES,
     node_weights: &NODE_WEIGHTS,
-    tying: Tying { points: [8, 1, 0], ties: &TIES, between: Between::ThirdDirection },
+    drilling: 1e-3,
+    tying: Tying { points: [6, 3, 2], ties: &TIES, between: Between::ThirdDirection },
     points: &SHELL_POINTS,
     surface_points: &SURFACE_POINTS,
     values: |r, s| SmallVec::from_slice(&numbers(r, s).value),
@@ -56,13 +59,17 @@ const fn numbers(r: f64, s: f64) -> Numbers<NODES> {
 /// Gauss points of an edge of length 1.
 const NEAR: f64 = 0.5 - 0.5 / SQRT_3;
 const FAR: f64 = 0.5 + 0.5 / SQRT_3;
+const HEIGHT: f64 = 1.0 / SQRT_3;
 const THIRD: f64 = 1.0 / 3.0;
 
 /// Along r, s and q, two on each edge.
 static NUMBERS_EDGES: [Numbers<NODES>; 6] =
     [numbers(NEAR, 0.0), numbers(FAR, 0.0), numbers(0.0, NEAR), numbers(0.0, FAR), numbers(FAR, NEAR), numbers(NEAR, FAR)];
+/// A third point for the strain along each of them, seen from it at (NEAR, HEIGHT).
+static NUMBERS_ABOVE: [Numbers<NODES>; 3] = [numbers(NEAR, HEIGHT), numbers(HEIGHT, NEAR), numbers(NEAR, NEAR)];
 static NUMBERS_MIDDLE: [Numbers<NODES>; 1] = [numbers(THIRD, THIRD)];
 static EDGES: [Weights; 6] = Numbers::at_all(&NUMBERS_EDGES);
+static ABOVE: [Weights; 3] = Numbers::at_all(&NUMBERS_ABOVE);
 static MIDDLE: [Weights; 1] = Numbers::at_all(&NUMBERS_MIDDLE);
 
 /// Points near the corners and near the middles of the edges: (a, a), (1 - 2 a, a), (a, 1 - 2 a), with their weights, which integrate up to the
@@ -97,12 +104,10 @@ static AT_NODES: [Weights; NODES] = Numbers::at_all(&NUMBERS_NODES);
 /// A quarter of the rule at the corners and three quarters of that at the middles of the edges: all nodes have a share.
 static NODE_WEIGHTS: [f64; NODES] = [1.0 / 24.0, 1.0 / 24.0, 1.0 / 24.0, 0.125, 0.125, 0.125];
 
-/// Weights of values at (NEAR, 0), (FAR, 0) and in the middle in the linear function of the place `along` the edge and `across` it.
+/// Weights of values at (NEAR, 0), (FAR, 0) and (NEAR, HEIGHT) in the linear function of the place `along` the edge and `across` it.
 const fn linear(along: f64, across: f64) -> [f64; 3] {
-    // a + b x + c y through them: b = sqrt 3 (v_2 - v_1), a = v_1 - b NEAR, c = 3 (v_3 - a - b/3)
-    let middle = 3.0 * across;
-    let second = SQRT_3 * ((along - NEAR) + middle * (NEAR - THIRD));
-    [1.0 - middle - second, second, middle]
+    let (second, third) = (SQRT_3 * (along - NEAR), SQRT_3 * across);
+    [1.0 - second - third, second, third]
 }
 
 /// (G_r, G_s) at (r, s) from G_r at both points of its edge, G_s, G_q, and G_r, G_s in the middle.
@@ -124,8 +129,11 @@ const fn transverse(values: [f64; 8], r: f64, s: f64) -> [f64; 2] {
     [a_1 + b_1 * r + c_1 * s + s * rest, a_2 + b_2 * r + c_2 * s - r * rest]
 }
 
-/// Strains at each tying point with all of them; the middle has those along r, along s, and last that along q without shear.
+/// Strains at each tying point on an edge, above an edge, and the place of the first ones above and of transverse shear in the middle.
 const ALONG: usize = 3;
+const STRETCH: usize = 2;
+const FIRST_ABOVE: usize = 6 * ALONG;
+const FIRST_MIDDLE: usize = FIRST_ABOVE + 3 * STRETCH;
 
 static TIES: [Ties; GAUSS_POINTS] = {
     let mut all = [NO_TIES; GAUSS_POINTS];
@@ -136,12 +144,12 @@ static TIES: [Ties; GAUSS_POINTS] = {
         let weights = [linear(r, s), linear(s, r), linear(s, 1.0 - r - s)];
         let mut direction = 0;
         while direction < 3 {
-            let [near, far, middle] = weights[direction];
+            let [near, far, above] = weights[direction];
             let first = 2 * direction * ALONG;
             all[point].stretch[direction] = [
                 Tie { strain: first, weight: near },
                 Tie { strain: first + ALONG, weight: far },
-                Tie { strain: (6 + direction) * ALONG, weight: middle },
+                Tie { strain: FIRST_ABOVE + STRETCH * direction, weight: above },
             ];
             direction += 1;
         }
@@ -150,7 +158,7 @@ static TIES: [Ties; GAUSS_POINTS] = {
             let mut unit = [0.0; 8];
             unit[value] = 1.0;
             let [of_r, of_s] = transverse(unit, r, s);
-            let strain = ALONG * value + 2;
+            let strain = if value < 6 { ALONG * value + 2 } else { FIRST_MIDDLE + value - 6 };
             all[point].shear[0][value] = Tie { strain, weight: of_r };
             all[point].shear[1][value] = Tie { strain, weight: of_s };
             value += 1;
@@ -160,21 +168,14 @@ static TIES: [Ties; GAUSS_POINTS] = {
     all
 };
 
-static ROWS_ALONG: [[Interpolation; 9]; 8] = [
-    along_r(&EDGES[0]),
-    along_r(&EDGES[1]),
-    along_s(&EDGES[2]),
-    along_s(&EDGES[3]),
-    along_q(&EDGES[4]),
-    along_q(&EDGES[5]),
-    along_r(&MIDDLE[0]),
-    along_s(&MIDDLE[0]),
-];
-static ROWS_STRETCH: [[Interpolation; 6]; 1] = [stretch(MIDDLE[0].by_q)];
+static ROWS_ALONG: [[Interpolation; 9]; 6] =
+    [along_r(&EDGES[0]), along_r(&EDGES[1]), along_s(&EDGES[2]), along_s(&EDGES[3]), along_q(&EDGES[4]), along_q(&EDGES[5])];
+static ROWS_STRETCH: [[Interpolation; 6]; 3] = [stretch(ABOVE[0].by_r), stretch(ABOVE[1].by_s), stretch(ABOVE[2].by_q)];
+static ROWS_SHEAR: [[Interpolation; 6]; 2] = [shear(&MIDDLE[0], MIDDLE[0].by_r), shear(&MIDDLE[0], MIDDLE[0].by_s)];
 table!(ROWS_GAUSS: inertial at GAUSS, 6 x 6);
 table!(ROWS_NODES: turn at AT_NODES, 12 x 6);
 table!(ROWS_SURFACE: on_surface at GAUSS, 9 x 6);
-points!(SHELL_POINTS: 21 of ROWS_ALONG, ROWS_STRETCH, ROWS_GAUSS, ROWS_NODES);
+points!(SHELL_POINTS: 23 of ROWS_ALONG, ROWS_STRETCH, ROWS_SHEAR, ROWS_GAUSS, ROWS_NODES);
 points!(SURFACE_POINTS: 6 of ROWS_SURFACE);
 
 /// Kites at the corners, and what lies between two of them at an edge, up to the middle.
@@ -238,7 +239,7 @@ mod tests {
     fn strains_along_an_edge_reproduce_linear_functions() {
         for (a, b, c) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] {
             let at = |x: f64, y: f64| a + b * x + c * y;
-            let values = [at(NEAR, 0.0), at(FAR, 0.0), at(THIRD, THIRD)];
+            let values = [at(NEAR, 0.0), at(FAR, 0.0), at(NEAR, HEIGHT)];
             for [x, y] in PLACES {
                 let tied: f64 = linear(x, y).iter().zip(values).map(|(weight, value)| weight * value).sum();
                 assert!((tied - at(x, y)).abs() < 1e-14);
