@@ -39,7 +39,7 @@ fn faces([first, second]: [usize; 2], kind: impl Fn(usize, usize) -> FaceKind) -
 
 /// Quadrilaterals of nine nodes and triangles beside each other.
 fn mixed(c: usize, r: usize) -> FaceKind {
-    if (c + r) % 2 == 0 { FaceKind::Quad9 } else { FaceKind::Triangle6 }
+    if (c + r).is_multiple_of(2) { FaceKind::Quad9 } else { FaceKind::Triangle6 }
 }
 
 /// Points of a grid for shares (u, v).
@@ -345,6 +345,90 @@ fn stresses_and_pieces_are_those_of_the_surface_for_each_kind() {
         assert_close("area", area, 0.08, 1e-12);
         let [_, _, mass] = energies(&m, &vec![0.0; q.len()], &q);
         assert_close("mass", mass, 7850.0 * 0.08 * THICKNESS, 1e-12);
+    }
+}
+
+/// A square of distorted elements of both kinds with straight edges, whose outer nodes are moved as a field of constant strain moves them.
+struct Patch {
+    /// A field of curvatures of this size, or a finite deformation of the plane.
+    curvature: Option<f64>,
+}
+
+impl Patch {
+    /// Where node (i, j) stands.
+    fn place([i, j]: [usize; 2]) -> [f64; 2] {
+        const CORNERS: [[[f64; 2]; 3]; 3] = [
+            [[0.0, 0.0], [0.58, 0.0], [1.0, 0.0]],
+            [[0.0, 0.43], [0.41, 0.57], [1.0, 0.61]],
+            [[0.0, 1.0], [0.38, 1.0], [1.0, 1.0]],
+        ];
+        let ([low_i, high_i], [low_j, high_j]) = ([i / 2, i.div_ceil(2)], [j / 2, j.div_ceil(2)]);
+        // inside of two triangles on the edge between them
+        let ends = if i % 2 == 1 && j % 2 == 1 && mixed(i / 2, j / 2) == FaceKind::Triangle6 {
+            vec![CORNERS[low_j][low_i], CORNERS[high_j][high_i]]
+        } else {
+            vec![CORNERS[low_j][low_i], CORNERS[low_j][high_i], CORNERS[high_j][low_i], CORNERS[high_j][high_i]]
+        };
+        [0, 1].map(|k| ends.iter().map(|end| end[k]).sum::<f64>() / ends.len() as f64)
+    }
+    /// Position and director that the field gives to a place.
+    fn field(&self, [x, y]: [f64; 2]) -> ([f64; 3], Quaternion<f64>) {
+        let Some(size) = self.curvature else {
+            let f = [[1.05, 0.02], [-0.03, 0.97]];
+            let turn = f64::atan2(f[1][0] - f[0][1], f[0][0] + f[1][1]);
+            let at = [f[0][0] * x + f[0][1] * y, f[1][0] * x + f[1][1] * y, 0.0];
+            return (at, Quaternion::about(Vector3::new(0.0, 0.0, 1.0), turn));
+        };
+        let (w, slopes) = (size * (0.5 * x * x - 0.35 * y * y + 0.4 * x * y), [x + 0.4 * y, 0.4 * x - 0.7 * y]);
+        let axis = Vector3::new(size * slopes[1], -size * slopes[0], 0.0);
+        let angle = axis.length();
+        let turn = if angle > 0.0 { Quaternion::about(axis * angle.recip(), angle) } else { Quaternion::identity() };
+        ([x, y, w], turn)
+    }
+}
+
+impl Scene for Patch {
+    fn name(&self) -> String {
+        "patch".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::statics(1)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let places = (0..25).map(|point| Patch::place([point % 5, point / 5]));
+        let points = places.map(|[x, y]| Vector3::from_f64([x, y, 0.0])).collect();
+        let at_rim = |point: usize| point % 5 % 4 == 0 || point / 5 % 4 == 0;
+        let mesh = FreeMesh::new(points, faces([2, 2], mixed)).clamped((0..25).filter(|&point| at_rim(point)));
+        let shell = m.shell("patch", mesh, &material(1e3, 0.3), S::from(0.01));
+        for point in (0..25).filter(|&point| at_rim(point)) {
+            let (x, turn) = self.field(Patch::place([point % 5, point / 5]));
+            let first = m.model.node(shell.node(point).ok_or("a node")?).dofs.start;
+            x.into_iter().chain(turn.0).enumerate().for_each(|(k, own)| m.numbers.q[first + k] = S::from(own));
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn patches_of_both_kinds_find_constant_strains() {
+    for curvature in [None, Some(1e-7)] {
+        let patch = Patch { curvature };
+        let prepared = Prepared::new(&patch).expect("sound");
+        let q = prepared.equilibrium().expect("an equilibrium").q;
+        let (size, places) = curvature.map_or((1.0, 0..3), |size| (size, 2..3));
+        for (point, own) in q.chunks_exact(7).enumerate() {
+            let (x, turn) = patch.field(Patch::place([point % 5, point / 5]));
+            let directors = [Quaternion::from_slice(&own[3..]), turn].map(|e| e.columns()[2]);
+            for k in places.clone() {
+                assert!((own[k] - x[k]).abs() < 1e-9 * size, "{curvature:?}, point {point}: {own:?} {x:?}");
+            }
+            for k in 0..2 {
+                assert!((directors[0][k] - directors[1][k]).abs() < 1e-9 * size, "{curvature:?}, point {point}");
+            }
+        }
     }
 }
 

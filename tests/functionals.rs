@@ -240,7 +240,14 @@ impl Measures for OfAllKinds {
                     // nothing is strained at the start
                     if times != Times::Start || !kind.is_power() && !kind.is_squared() {
                         let name = format!("{aggregate:?} {times:?}");
-                        m.group_functional(&name, "-", aggregate.at(times), &plate.group(), OfShells(PrincipalStrain), &[allowed]);
+                        m.group_functional(
+                            &name,
+                            "-",
+                            aggregate.at(times),
+                            &plate.group(),
+                            OfShells(PrincipalStrain),
+                            &[allowed],
+                        );
                     }
                 }
             }

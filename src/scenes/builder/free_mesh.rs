@@ -20,6 +20,12 @@ pub(super) struct MeshFace {
     pub points: Vec<usize>,
 }
 
+/// An edge of a mesh: its points from the end of the smaller number on, and each face there with whether it runs that way.
+pub(super) struct MeshEdge {
+    pub points: Vec<usize>,
+    faces: Vec<(usize, bool)>,
+}
+
 /// A mesh of quadrilaterals of four and nine nodes and triangles of six, mixed as they come, at t = 0 in the world \[m\].
 ///
 /// Points and faces are numbered from 0 on, in the order in which they are given; points that no face names make no nodes. A face lists its
@@ -163,10 +169,10 @@ impl<S: Scalar> FreeMesh<S> {
     pub(super) fn places(&self, face: &MeshFace) -> Vec<Vector3<S>> {
         face.points.iter().map(|&point| self.points[point]).collect()
     }
-    /// Edges with the faces on them: ends in ascending order, all points along the edge, and each face with whether it runs that way.
-    pub(super) fn edges(&self) -> Vec<(Vec<usize>, Vec<(usize, bool)>)> {
+    /// All its edges.
+    pub(super) fn edges(&self) -> Vec<MeshEdge> {
         let mut known: HashMap<[usize; 2], usize> = HashMap::new();
-        let mut edges: Vec<(Vec<usize>, Vec<(usize, bool)>)> = Vec::new();
+        let mut edges: Vec<MeshEdge> = Vec::new();
         for (number, face) in self.faces.iter().enumerate() {
             for edge in face.kind.shape().edges {
                 let mut points: Vec<usize> = edge.iter().map(|&place| face.points[place]).collect();
@@ -177,9 +183,9 @@ impl<S: Scalar> FreeMesh<S> {
                 let ends = [points[0], points[points.len() - 1]];
                 let place = *known.entry(ends).or_insert(edges.len());
                 if place == edges.len() {
-                    edges.push((points, Vec::new()));
+                    edges.push(MeshEdge { points, faces: Vec::new() });
                 }
-                edges[place].1.push((number, forward));
+                edges[place].faces.push((number, forward));
             }
         }
         edges
@@ -307,7 +313,7 @@ impl<S: Scalar> FreeMesh<S> {
             }
         }
         all.extend(self.hanging(face_name));
-        for (points, faces) in self.edges() {
+        for MeshEdge { points, faces } in self.edges() {
             if let [(first, forward), (second, other)] = faces[..]
                 && forward == other
             {
@@ -357,11 +363,11 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
         self.faces[face].points[node]
     }
     fn lines(&self) -> Vec<Vec<usize>> {
-        self.edges().into_iter().map(|(points, _)| points).collect()
+        self.edges().into_iter().map(|edge| edge.points).collect()
     }
     fn rim(&self) -> Vec<usize> {
-        let single = self.edges().into_iter().filter(|(_, faces)| faces.len() == 1);
-        let mut points: Vec<usize> = single.flat_map(|(points, _)| points).collect();
+        let single = self.edges().into_iter().filter(|edge| edge.faces.len() == 1);
+        let mut points: Vec<usize> = single.flat_map(|edge| edge.points).collect();
         points.sort_unstable();
         points.dedup();
         points
