@@ -1,8 +1,8 @@
 //! Functionals over groups of elements: quantities against closed forms, a user's own, aggregates against their definition, gradients.
 
 use costate::assembly::VectorsAvq;
-use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, Shell};
-use costate::functionals::Sample;
+use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, Shell, ShellKind};
+use costate::functionals::{OfShells, Sample, ShellQuantity};
 use costate::prelude::*;
 use costate::scenes::{ShellMember, ShellMesh};
 use std::f64::consts::PI;
@@ -166,18 +166,17 @@ fn masses_and_moments_of_inertia_of_parts_add_up_and_meet_closed_forms() {
 /// The largest principal strain of a shell's reference surface: what a user may write.
 struct PrincipalStrain;
 
-impl PointQuantity for PrincipalStrain {
-    type Element = Shell;
+impl ShellQuantity for PrincipalStrain {
     const NAME: &'static str = "the principal strain of a shell";
     const PARAMETERS: &'static [Parameter] = &[Parameter::positive("allowed strain", "-")];
 
-    fn at_points<S: Scalar>(&self, shell: &Shell, s: State<S>, p: PointParameters<S>, _t: S) -> Vec<PointValue<S>> {
+    fn at_points<S: Scalar>(&self, shell: ShellKind, s: State<S>, p: PointParameters<S>, _t: S) -> Vec<PointValue<S>> {
         let points = shell.points(s.q, p.element);
         let value = |[along, across, twice]: [S; 3]| {
             let (mean, half, shear) = ((along + across) * 0.5, (along - across) * 0.5, twice * 0.5);
             (mean + (half * half + shear * shear).sqrt()) / p.own[0]
         };
-        points.map(|point| PointValue { value: value(point.strain), weight: point.area }).to_vec()
+        points.iter().map(|point| PointValue { value: value(point.strain), weight: point.area }).collect()
     }
 }
 
@@ -191,7 +190,7 @@ impl PointQuantity for Branching {
     fn at_points<S: Scalar>(&self, shell: &Shell, s: State<S>, p: PointParameters<S>, _t: S) -> Vec<PointValue<S>> {
         let points = shell.points(s.q, p.element);
         let value = |strain: S| if strain.value() > 0.0 { strain } else { S::zero() };
-        points.map(|point| PointValue { value: value(point.strain[0]), weight: point.area }).to_vec()
+        points.iter().map(|point| PointValue { value: value(point.strain[0]), weight: point.area }).collect()
     }
 }
 
@@ -241,7 +240,14 @@ impl Measures for OfAllKinds {
                     // nothing is strained at the start
                     if times != Times::Start || !kind.is_power() && !kind.is_squared() {
                         let name = format!("{aggregate:?} {times:?}");
-                        m.group_functional(&name, "-", aggregate.at(times), &plate.group(), PrincipalStrain, &[allowed]);
+                        m.group_functional(
+                            &name,
+                            "-",
+                            aggregate.at(times),
+                            &plate.group(),
+                            OfShells(PrincipalStrain),
+                            &[allowed],
+                        );
                     }
                 }
             }
@@ -281,7 +287,7 @@ fn elements_without_the_quantity_are_skipped() {
     m.rigid_body("body", body, 2.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     let over = Aggregate::smooth_maximum(1e4).at(Times::End);
     for group in [plate.group(), m.all_elements()] {
-        m.group_functional(&group.name, "-", over, &group, PrincipalStrain, &[1e-3]);
+        m.group_functional(&group.name, "-", over, &group, OfShells(PrincipalStrain), &[1e-3]);
     }
     let m = m.finish().expect("sound");
     let own = [0, 1].map(|k| measured(&m, k, stretched(1e-3)));

@@ -2,6 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use costate::elements::flexible::faces::FaceKind;
 use costate::io::{Attribute, MeshCell, MeshSeries, UnstructuredMesh, read_csv};
 use flate2::read::ZlibDecoder;
 use std::collections::HashMap;
@@ -95,6 +96,8 @@ fn unpacked(letters: &str) -> Vec<u8> {
 /// VTK's numbers of cells.
 const VERTEX: u8 = 1;
 const POLY_LINE: u8 = 4;
+const QUAD: u8 = 9;
+const QUADRATIC_TRIANGLE: u8 = 22;
 const BIQUADRATIC_QUAD: u8 = 28;
 
 #[test]
@@ -102,11 +105,17 @@ fn a_mesh_is_read_as_it_was_written() {
     let folder = Folder::new("mesh");
     let place = |i: usize| [(i % 3) as f64, (i / 3) as f64, 0.1 * i as f64];
     let points: Vec<[f64; 3]> = (0..10).map(place).collect();
-    let cells =
-        vec![MeshCell::BiquadraticQuad(std::array::from_fn(|i| i)), MeshCell::PolyLine(vec![0, 4, 9]), MeshCell::Vertex(7)];
+    let cells = vec![
+        MeshCell::Face(FaceKind::Quad9, (0..9).collect()),
+        MeshCell::Face(FaceKind::Quad4, vec![1, 2, 4, 5]),
+        MeshCell::Face(FaceKind::Triangle6, vec![0, 2, 8, 1, 5, 4]),
+        MeshCell::PolyLine(vec![0, 4, 9]),
+        MeshCell::Vertex(7),
+    ];
     let values: Vec<f64> = (0..30).map(|i| (f64::from(i) * 0.7).sin()).collect();
     let point_data = vec![Attribute { name: "displacement [m]".into(), components: 3, values: values.clone() }];
-    let cell_data = vec![Attribute { name: "a < \"b\" & c".into(), components: 1, values: vec![1.5, -2.0, 1e300] }];
+    let cell_data =
+        vec![Attribute { name: "a < \"b\" & c".into(), components: 1, values: vec![1.5, -2.0, 1e300, 0.0, 7.0] }];
     let mesh = UnstructuredMesh { points: points.clone(), cells, point_data, cell_data };
     let mut series = MeshSeries::new(&folder.0, "fields");
     series.add(0.25, &mesh).expect("written");
@@ -114,12 +123,13 @@ fn a_mesh_is_read_as_it_was_written() {
     assert!(pvd.contains("timestep=\"0.25\" part=\"0\" file=\"fields-000000.vtu\""), "{pvd}");
     let arrays = Arrays::read(&folder.0.join("fields-000000.vtu"));
     assert_eq!(arrays.numbers("Points", "points"), points.concat());
-    assert_eq!(arrays.of("Cells", "types", "UInt8"), [BIQUADRATIC_QUAD, POLY_LINE, VERTEX]);
-    // corners of the element, middles of its edges, its centre
-    assert_eq!(arrays.indices("connectivity"), [0, 2, 8, 6, 1, 5, 7, 3, 4, 0, 4, 9, 7]);
-    assert_eq!(arrays.indices("offsets"), [9, 12, 13]);
+    assert_eq!(arrays.of("Cells", "types", "UInt8"), [BIQUADRATIC_QUAD, QUAD, QUADRATIC_TRIANGLE, POLY_LINE, VERTEX]);
+    // corners of each element, middles of its edges, its centre
+    let elements = [0, 2, 8, 6, 1, 5, 7, 3, 4, 1, 2, 5, 4, 0, 2, 8, 1, 5, 4];
+    assert_eq!(arrays.indices("connectivity"), [&elements[..], &[0, 4, 9, 7]].concat());
+    assert_eq!(arrays.indices("offsets"), [9, 13, 19, 22, 23]);
     assert_eq!(arrays.numbers("PointData", "displacement [m]"), values);
-    assert_eq!(arrays.numbers("CellData", "a < \"b\" & c"), [1.5, -2.0, 1e300]);
+    assert_eq!(arrays.numbers("CellData", "a < \"b\" & c"), [1.5, -2.0, 1e300, 0.0, 7.0]);
     // more than one block
     let many: Vec<[f64; 3]> = (0..100_000).map(|i| [f64::from(i).sin(), f64::from(i), 0.0]).collect();
     let cloud = UnstructuredMesh { points: many.clone(), ..UnstructuredMesh::default() };

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// All methods of the contracts: formulas, and how many numbers they have. Another method is another promise of an author: it belongs here
 /// only if it cannot be read off the recording.
-const CONTRACTS: [(&str, &str, &str); 6] = [
+const CONTRACTS: [(&str, &str, &str); 7] = [
     (
         "elements/element.rs",
         "Element",
@@ -22,6 +22,7 @@ const CONTRACTS: [(&str, &str, &str); 6] = [
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
     ("functionals/quantity.rs", "Quantity", "dofs parameters value rated_count rated value_with_rates"),
     ("functionals/point_quantity.rs", "PointQuantity", "parameters is_of at_points"),
+    ("functionals/shell_quantity.rs", "ShellQuantity", "parameters is_of at_points"),
 ];
 
 /// Parts of names that say derivative, or product with one.

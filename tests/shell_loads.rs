@@ -2,7 +2,6 @@
 
 use costate::assembly::NodeId;
 use costate::elements::flexible::Material;
-use costate::elements::flexible::biquadratic::{GAUSS, gauss_weight};
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::integrators::ArcLength;
@@ -49,14 +48,14 @@ fn force_of(m: &MechanismBuilder<f64>, word: &str, v: &[f64], q: &[f64]) -> Vec<
 /// Volume inside a closed surface: a third of the integral of x . x,r cross x,s.
 fn volume(m: &MechanismBuilder<f64>, shells: &[ShellMember], q: &[f64]) -> f64 {
     let mut sum = 0.0;
-    for (shell, element) in shells.iter().flat_map(|shell| (0..shell.elements.len()).map(move |element| (shell, element))) {
-        let own = coordinates(m, &shell.nodes_of(element), q);
-        for (point, weights) in GAUSS.iter().enumerate() {
-            let [x, r, s] = [&weights.value, &weights.by_r, &weights.by_s].map(|weights| {
+    for (kind, nodes) in shells.iter().flat_map(|shell| shell.faces()) {
+        let (own, shape) = (coordinates(m, nodes, q), kind.face.shape());
+        for (weights, gauss_weight) in shape.gauss.iter().zip(shape.gauss_weights) {
+            let [x, r, s] = [weights.value, weights.by_r, weights.by_s].map(|weights| {
                 let nodes = own.chunks_exact(7).zip(weights);
                 nodes.fold(Vector3::zeros(), |sum, (node, &weight)| sum + Vector3::first_three(node) * weight)
             });
-            sum += x.dot(&r.cross(&s)) * gauss_weight(point) / 3.0;
+            sum += x.dot(&r.cross(&s)) * gauss_weight / 3.0;
         }
     }
     sum

@@ -36,8 +36,8 @@ impl<'p> Meshes<'p> {
         let (surfaces, sketch) = (mechanism.surfaces(), mechanism.sketch());
         let (mut points, mut known, mut cells) = (Vec::new(), Known::new(), Vec::new());
         for surface in &surfaces {
-            let nodes = surface.nodes.each_ref().map(|node| place(&mut points, &mut known, node));
-            cells.push(MeshCell::BiquadraticQuad(nodes));
+            let nodes = surface.nodes.iter().map(|node| place(&mut points, &mut known, node)).collect();
+            cells.push(MeshCell::Face(surface.kind.face, nodes));
         }
         // edges of shells are seen on their surfaces
         for (_, line) in sketch.lines.iter().filter(|(drawn, _)| *drawn != Drawn::Shell) {

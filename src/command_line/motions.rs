@@ -1,7 +1,6 @@
 //! Pictures of a mechanism in space: the time lapse of a motion, and modes of vibration.
 
 use super::results::{Snapshot, thinned};
-use costate::elements::flexible::biquadratic::GAUSS_POINTS;
 use costate::integrators::Mode;
 use costate::io::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
 use costate::scenes::{Drawn, NodePoint, Prepared};
@@ -68,8 +67,9 @@ fn surface(prepared: &Prepared, moment: &Snapshot) -> Option<ColouredSurface> {
     let (q, p) = (&moment.q, &prepared.mechanism.numbers.p);
     let surfaces = prepared.mechanism.surfaces();
     let facets = surfaces.iter().flat_map(|surface| {
-        let values = surface.stresses(q, p).unwrap_or([f64::NAN; GAUSS_POINTS]);
-        surface.pieces(q).into_iter().zip(values).map(|((corners, outlined), value)| Facet { corners, outlined, value })
+        let pieces = surface.pieces(q);
+        let values = surface.stresses(q, p).unwrap_or_else(|| vec![f64::NAN; pieces.len()]);
+        pieces.into_iter().zip(values).map(|((corners, outlined), value)| Facet { corners, outlined, value })
     });
     let quantity = "von Mises stress [N/m2]".into();
     (!surfaces.is_empty()).then(|| ColouredSurface { quantity, facets: facets.collect() })

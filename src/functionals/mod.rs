@@ -11,6 +11,7 @@ mod over;
 mod point_quantity;
 mod quantity;
 mod reactions;
+mod shell_quantity;
 mod values;
 mod weights;
 
@@ -27,5 +28,6 @@ pub use over::{Over, Times};
 pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};
 pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
 pub use reactions::least_multipliers;
+pub use shell_quantity::{OfShells, ShellQuantity};
 pub use values::Values;
 pub use weights::QuadratureWeights;

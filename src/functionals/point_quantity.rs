@@ -1,6 +1,6 @@
 use super::measured_group::{Argument, GroupFormula};
 use crate::elements::{Element, ElementPhysics, Parameter, State};
-use crate::program::Formula;
+use crate::program::{Formula, Recorded};
 use crate::scalar::Scalar;
 
 /// A number at several points of each element of a group, as a stress: one formula, and nothing else.
@@ -73,29 +73,38 @@ impl<Q: PointQuantity> AnyPointQuantity for Q {
         let Some(element) = physics.downcast::<Q::Element>() else {
             return Err(format!("it is none of {}", physics.type_name()));
         };
-        let (n, m, own) = (physics.dof_count(), physics.parameter_count(), self.parameters().len());
-        let mut points = 0;
-        let formula = Formula::record(3 * n + m + own + 1, |x| {
-            let (state, rest) = x.split_at(3 * n);
-            let (of_element, rest) = rest.split_at(m);
-            let (own, t) = rest.split_at(own);
-            let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
-            let all = self.at_points(element, s, PointParameters { element: of_element, own }, t[0]);
-            points = all.len();
-            all.iter().map(|point| point.value).chain(all.iter().map(|point| point.weight)).collect()
-        })?;
-        let arguments = (0..n)
-            .map(Argument::A)
-            .chain((0..n).map(Argument::V))
-            .chain((0..n).map(Argument::Q))
-            .chain((0..m).map(Argument::Parameter))
-            .chain((0..own).map(Argument::Own))
-            .chain([Argument::Time]);
-        Ok(GroupFormula {
-            formula,
-            arguments: arguments.collect(),
-            values: (0..points).collect(),
-            weights: (points..2 * points).collect(),
-        })
+        record_points(physics, self.parameters().len(), |s, p, t| self.at_points(element, s, p, t))
     }
+}
+
+/// The formula of a quantity with some parameters of its own, in the elements of a type.
+pub(super) fn record_points(
+    physics: &ElementPhysics,
+    own: usize,
+    at_points: impl Fn(State<Recorded>, PointParameters<Recorded>, Recorded) -> Vec<PointValue<Recorded>>,
+) -> Result<GroupFormula, String> {
+    let (n, m) = (physics.dof_count(), physics.parameter_count());
+    let mut points = 0;
+    let formula = Formula::record(3 * n + m + own + 1, |x| {
+        let (state, rest) = x.split_at(3 * n);
+        let (of_element, rest) = rest.split_at(m);
+        let (own, t) = rest.split_at(own);
+        let s = State { a: &state[..n], v: &state[n..2 * n], q: &state[2 * n..] };
+        let all = at_points(s, PointParameters { element: of_element, own }, t[0]);
+        points = all.len();
+        all.iter().map(|point| point.value).chain(all.iter().map(|point| point.weight)).collect()
+    })?;
+    let arguments = (0..n)
+        .map(Argument::A)
+        .chain((0..n).map(Argument::V))
+        .chain((0..n).map(Argument::Q))
+        .chain((0..m).map(Argument::Parameter))
+        .chain((0..own).map(Argument::Own))
+        .chain([Argument::Time]);
+    Ok(GroupFormula {
+        formula,
+        arguments: arguments.collect(),
+        values: (0..points).collect(),
+        weights: (points..2 * points).collect(),
+    })
 }

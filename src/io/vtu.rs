@@ -1,6 +1,7 @@
 //! Meshes with numbers for ParaView: `.vtu` files, binary and compressed, and a `.pvd` file that says at which time each was taken.
 
 use super::{IoError, write_file};
+use crate::elements::flexible::faces::FaceKind;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;
@@ -13,12 +14,9 @@ pub enum MeshCell {
     Vertex(usize),
     /// Straight lines from point to point.
     PolyLine(Vec<usize>),
-    /// Nine nodes: node 3 b + a + 1 stands at r = a - 1, s = b - 1.
-    BiquadraticQuad([usize; 9]),
+    /// A face of a shell, with its points in the order of its kind.
+    Face(FaceKind, Vec<usize>),
 }
-
-/// Places of VTK's nodes of a biquadratic quadrilateral: corners, middles of edges, centre.
-const BIQUADRATIC_ORDER: [usize; 9] = [0, 2, 8, 6, 1, 5, 7, 3, 4];
 
 impl MeshCell {
     /// VTK's number of this type.
@@ -26,14 +24,16 @@ impl MeshCell {
         match self {
             MeshCell::Vertex(_) => 1,
             MeshCell::PolyLine(_) => 4,
-            MeshCell::BiquadraticQuad(_) => 28,
+            MeshCell::Face(FaceKind::Quad4, _) => 9,
+            MeshCell::Face(FaceKind::Triangle6, _) => 22,
+            MeshCell::Face(FaceKind::Quad9, _) => 28,
         }
     }
     fn points(&self) -> Vec<usize> {
         match self {
             MeshCell::Vertex(point) => vec![*point],
             MeshCell::PolyLine(points) => points.clone(),
-            MeshCell::BiquadraticQuad(nodes) => BIQUADRATIC_ORDER.map(|place| nodes[place]).to_vec(),
+            MeshCell::Face(kind, points) => kind.shape().cyclic.iter().map(|&place| points[place]).collect(),
         }
     }
 }

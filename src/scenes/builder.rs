@@ -1,6 +1,7 @@
 mod beams;
 mod cables;
 mod forces;
+mod free_mesh;
 mod functionals;
 mod groups;
 mod joints;
@@ -9,12 +10,15 @@ mod rolling;
 mod shell_joining;
 mod shell_mesh;
 mod shells;
+mod surface_mesh;
 mod thin_walls;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
+pub use free_mesh::FreeMesh;
 pub use shell_mesh::{Edge, ShellMesh};
-pub use shells::{DRILLING, ShellMember};
+pub use shells::{DRILLING, MeshedShell, ShellMember};
+pub use surface_mesh::SurfaceMesh;
 pub use thin_walls::{Extrusion, Profile, ThinWalls};
 
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
@@ -65,7 +69,7 @@ pub struct MechanismBuilder<S> {
     /// Elements of cables.
     heavy_cables: Vec<cables::HeavyCable<S>>,
     /// Shells, for what is shown of them.
-    pub(super) shells: Vec<ShellMember>,
+    pub(super) shells: Vec<MeshedShell>,
     /// Elements of shells, and the place of gravity among their parameters.
     heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.

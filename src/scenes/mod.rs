@@ -14,8 +14,8 @@ mod violation;
 pub mod built_in;
 
 pub use builder::{
-    BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, MechanismBuilder, Profile,
-    ShellMember, ShellMesh, ThinWalls,
+    BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, FreeMesh, MechanismBuilder,
+    MeshedShell, Profile, ShellMember, ShellMesh, SurfaceMesh, ThinWalls,
 };
 #[cfg(feature = "files")]
 pub use file::FileScene;

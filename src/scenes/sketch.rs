@@ -187,8 +187,7 @@ mod tests {
     #[test]
     fn lines_of_shells_are_told_from_others_on_the_same_nodes() {
         let mut plate = mechanism(&PlatePendulum::default());
-        let edge: Vec<NodeId> = plate.shells[0].edge(crate::scenes::Edge::FirstEnd);
-        let points = edge.into_iter().map(|node| (node, [0.0; 3])).collect();
+        let points = plate.drawings[0].points.clone();
         plate.drawings.push(crate::scenes::Drawing { drawn: Drawn::Body, points });
         let kinds: Vec<Drawn> = plate.sketch().lines.into_iter().map(|(drawn, _)| drawn).collect();
         // five elements along and one across

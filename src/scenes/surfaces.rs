@@ -1,32 +1,29 @@
 use super::builder::MechanismBuilder;
 use super::sketch::NodePoint;
-use crate::elements::Flexible;
-use crate::elements::flexible::biquadratic::{GAUSS_POINTS, NODES, weights};
-use crate::elements::flexible::shape::THREE;
-use crate::elements::flexible::{POISSON, SECTION, ShellField, ShellSection, YOUNG};
+use crate::assembly::{ElementId, NodeId};
+use crate::elements::flexible::{ShellKind, ShellSection};
 use std::ops::Range;
 
 /// An element of a shell with what is shown of it at any coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// Nodes, r first.
-    pub nodes: [NodePoint; NODES],
+    /// Nodes, in the order of its face.
+    pub nodes: Vec<NodePoint>,
+    /// What it is.
+    pub kind: ShellKind,
     parameters: Range<usize>,
-    field: ShellField,
 }
 
 impl MechanismBuilder<f64> {
     /// The elements of all shells.
     pub fn surfaces(&self) -> Vec<Surface> {
-        let of_member = |shell: &super::ShellMember| {
-            let surface = |element: usize| {
-                let id = shell.elements[element];
+        let of_member = |shell: &super::MeshedShell| {
+            let surface = |((kind, nodes), &id): ((ShellKind, &[NodeId]), &ElementId)| {
                 let parameters = self.model.find_element(id)?.parameters.clone();
-                let nodes: Option<Vec<NodePoint>> =
-                    shell.nodes_of(element).into_iter().map(|node| self.node_point(node, [0.0; 3])).collect();
-                Some(Surface { nodes: nodes?.try_into().ok()?, parameters, field: shell.field() })
+                let nodes: Option<Vec<NodePoint>> = nodes.iter().map(|&node| self.node_point(node, [0.0; 3])).collect();
+                Some(Surface { nodes: nodes?, kind, parameters })
             };
-            (0..shell.elements.len()).filter_map(surface).collect::<Vec<_>>()
+            shell.faces().zip(&shell.elements).filter_map(surface).collect::<Vec<_>>()
         };
         self.shells.iter().flat_map(of_member).collect()
     }
@@ -40,9 +37,9 @@ fn larger(a: f64, b: f64) -> f64 {
 impl Surface {
     /// Mean thickness of an isotropic shell \[m\], from the parameters of the whole mechanism.
     pub fn thickness(&self, p: &[f64]) -> Option<f64> {
-        let own = &p[self.parameters.clone()];
-        (self.field.section == ShellSection::Isotropic)
-            .then(|| own[SECTION..SECTION + NODES].iter().sum::<f64>() / NODES as f64)
+        let (own, shape) = (&p[self.parameters.clone()], self.kind.face.shape());
+        (self.kind.section == ShellSection::Isotropic)
+            .then(|| own[shape.section()..shape.young()].iter().sum::<f64>() / shape.nodes as f64)
     }
 
     /// Largest von Mises stress [N/m2] of an isotropic shell at its Gauss points, on the lower and the upper surface.
@@ -50,30 +47,30 @@ impl Surface {
         Some(self.stresses(q, p)?.into_iter().fold(0.0, larger))
     }
 
-    /// The same at each Gauss point, r first.
-    pub fn stresses(&self, q: &[f64], p: &[f64]) -> Option<[f64; GAUSS_POINTS]> {
-        if self.field.section != ShellSection::Isotropic {
+    /// The same at each Gauss point, in the order of its face.
+    pub fn stresses(&self, q: &[f64], p: &[f64]) -> Option<Vec<f64>> {
+        if self.kind.section != ShellSection::Isotropic {
             return None;
         }
-        let (shell, p) = (Flexible(self.field), &p[self.parameters.clone()]);
+        let (shape, p) = (self.kind.face.shape(), &p[self.parameters.clone()]);
         let own: Vec<f64> = self.nodes.iter().flat_map(|node| node.coordinates(q).to_vec()).collect();
-        let at_points = shell.points(&own, p);
-        Some(at_points.map(|point| point.von_mises(p[YOUNG], p[POISSON]).into_iter().fold(0.0, larger)))
+        let at_points = self.kind.points(&own, p).into_iter();
+        Some(
+            at_points
+                .map(|point| point.von_mises(p[shape.young()], p[shape.poisson()]).into_iter().fold(0.0, larger))
+                .collect(),
+        )
     }
 
     /// The piece of the reference surface around each Gauss point: its corners \[m\], and whether it ends at the edge of the element from each
     /// corner to the next.
-    pub fn pieces(&self, q: &[f64]) -> [([[f64; 3]; 4], [bool; 4]); GAUSS_POINTS] {
-        let nodes = self.nodes.each_ref().map(|node| node.at(q));
-        let ends = [-1.0, 0.5 * THREE[0], 0.5 * THREE[2], 1.0];
-        let at = |i: usize, j: usize| {
-            let own = weights(ends[i], ends[j]).value;
+    pub fn pieces(&self, q: &[f64]) -> Vec<([[f64; 3]; 4], [bool; 4])> {
+        let shape = self.kind.face.shape();
+        let nodes: Vec<[f64; 3]> = self.nodes.iter().map(|node| node.at(q)).collect();
+        let at = |[r, s]: [f64; 2]| {
+            let own = (shape.values)(r, s);
             [0, 1, 2].map(|k| own.iter().zip(&nodes).map(|(weight, node)| weight * node[k]).sum())
         };
-        std::array::from_fn(|point| {
-            let (i, j) = (point % 3, point / 3);
-            let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            (corners, [j == 0, i == 2, j == 2, i == 0])
-        })
+        shape.pieces.iter().map(|piece| (piece.corners.map(at), piece.at_edge)).collect()
     }
 }

@@ -4,9 +4,10 @@ use super::Contract;
 use super::support::time_functions::time_functions;
 use super::users::users_own;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
+use costate::elements::flexible::faces::{Face, NODE_PARAMETERS, Quad4, Quad9, Triangle6};
 use costate::elements::flexible::{
-    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, NODE_PARAMETERS, SECTION,
-    ShellField, ShellPressureField, ShellSection, SmallStrainCableField,
+    BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
+    ShellSection, SmallStrainCableField,
 };
 use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
@@ -189,33 +190,11 @@ pub fn cases() -> Vec<Case> {
         }
         list.push(case);
     }
-    let shells = [(ShellSection::Isotropic, true, false), (ShellSection::Laminate, false, false), (ShellSection::Isotropic, false, true), (ShellSection::Laminate, true, true)];
-    for (section, heavy, damped) in shells {
-        let field = ShellField { section, damped };
-        // stiffnesses of plies are any numbers here, and only where they are positive definite is damping a loss
-        let kind = match (damped, section) {
-            (true, ShellSection::Isotropic) => ", internal damper",
-            (true, ShellSection::Laminate) => ", damped",
-            _ => "",
-        };
-        let name = format!("shell, {section:?}{kind}");
-        let mut case = Case::flexible(name, field).bound_to_world(heavy);
-        for (node, p) in case.p[..SECTION].chunks_exact_mut(NODE_PARAMETERS).enumerate() {
-            // a curved and distorted surface, and directors beside its normal
-            let (r, s) = (f64::from(node as u32 % 3) - 1.0, f64::from(node as u32 / 3) - 1.0);
-            let start = [r + 0.3 * s, 0.8 * s, 0.2 * r * s - 0.1 * r * r, 0.2 * r, 0.1 - 0.2 * s, 0.8];
-            p.iter_mut().zip(start).for_each(|(p, start)| *p = start + 0.1 * *p);
-        }
-        if section == ShellSection::Isotropic {
-            // far from the ratio at which plane stress has no stiffness
-            case.p[SECTION + 10] = 0.3;
-        }
-        let gravity = field.drilling() + 1;
-        if !heavy {
-            case.p[gravity..gravity + 3].fill(0.0);
-        }
-        list.push(case);
-    }
+    list.extend(shells(Quad9, |node| [(node % 3) as f64 - 1.0, (node / 3) as f64 - 1.0]));
+    list.extend(shells(Quad4, |node| [(node % 2) as f64 * 2.0 - 1.0, (node / 2) as f64 * 2.0 - 1.0]));
+    list.extend(shells(Triangle6, |node| {
+        [[-0.8, -0.7], [1.1, -0.5], [-0.4, 1.0], [0.1, -0.6], [0.4, 0.3], [-0.6, 0.2]][node]
+    }));
     for eccentric in [false, true] {
         let mut case = Case::flexible(format!("weight of a beam, eccentric: {eccentric}"), BeamGravityField { eccentric }).bound_to_world(true);
         if !eccentric {
@@ -230,11 +209,9 @@ pub fn cases() -> Vec<Case> {
             let each = case.p.len() / 3;
             case.p.chunks_exact_mut(each).for_each(|p| p[4..].copy_from_slice(&own));
             list.push(case);
-            let mut case = Case::flexible(format!("{of_time} pressure in {frame:?} on a shell"), ShellPressureField { frame, size: size.clone() })
-                .bound_to_world(frame == LoadFrame::World);
-            let areas = case.p.len() - own.len();
-            case.p[areas..].copy_from_slice(&own);
-            list.push(case);
+            list.push(pressure(Quad9, frame, &size, (of_time, &own)));
+            list.push(pressure(Quad4, frame, &size, (of_time, &own)));
+            list.push(pressure(Triangle6, frame, &size, (of_time, &own)));
         }
     }
     for on in ANCHORS {
@@ -266,4 +243,51 @@ pub fn cases() -> Vec<Case> {
         }
     }
     list
+}
+
+/// Shells of one face, whose nodes stand about some places (r, s).
+fn shells<F: Face>(face: F, place: fn(usize) -> [f64; 2]) -> Vec<Case> {
+    let sections = [
+        (ShellSection::Isotropic, true, false),
+        (ShellSection::Laminate, false, false),
+        (ShellSection::Isotropic, false, true),
+        (ShellSection::Laminate, true, true),
+    ];
+    let case = |(section, heavy, damped)| {
+        let field = ShellField { face, section, damped };
+        // stiffnesses of plies are any numbers here, and only where they are positive definite is damping a loss
+        let kind = match (damped, section) {
+            (true, ShellSection::Isotropic) => ", internal damper",
+            (true, ShellSection::Laminate) => ", damped",
+            _ => "",
+        };
+        let name = format!("shell, {}, {section:?}{kind}", F::SHAPE.name);
+        let mut case = Case::flexible(name, field).bound_to_world(heavy);
+        for (node, p) in case.p[..F::SHAPE.section()].chunks_exact_mut(NODE_PARAMETERS).enumerate() {
+            // a curved and distorted surface, and directors beside its normal
+            let [r, s] = place(node);
+            let start = [r + 0.3 * s, 0.8 * s, 0.2 * r * s - 0.1 * r * r, 0.2 * r, 0.1 - 0.2 * s, 0.8];
+            p.iter_mut().zip(start).for_each(|(p, start)| *p = start + 0.1 * *p);
+        }
+        if section == ShellSection::Isotropic {
+            // far from the ratio at which plane stress has no stiffness
+            case.p[F::SHAPE.poisson()] = 0.3;
+        }
+        let gravity = field.drilling() + 1;
+        if !heavy {
+            case.p[gravity..gravity + 3].fill(0.0);
+        }
+        case
+    };
+    sections.into_iter().map(case).collect()
+}
+
+/// A pressure on a shell of one face.
+fn pressure<F: Face>(face: F, frame: LoadFrame, size: &TimeFunction, (of_time, own): (&str, &[f64])) -> Case {
+    let name = format!("{of_time} pressure in {frame:?} on a {}", F::SHAPE.name);
+    let mut case = Case::flexible(name, ShellPressureField { face, frame, size: size.clone() })
+        .bound_to_world(frame == LoadFrame::World);
+    let areas = case.p.len() - own.len();
+    case.p[areas..].copy_from_slice(own);
+    case
 }

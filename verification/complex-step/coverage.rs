@@ -12,7 +12,7 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Public names of options there, which have no formula of their own.
-const OPTIONS: [&str; 10] = [
+const OPTIONS: [&str; 11] = [
     "CableSection",
     "CableStrain",
     "HeldSlope",
@@ -21,6 +21,7 @@ const OPTIONS: [&str; 10] = [
     "Ply",
     "PlyStrength",
     "Section",
+    "ShellKind",
     "ShellPoint",
     "ShellSection",
 ];

@@ -5,6 +5,7 @@ use super::cable::CableSubject;
 use super::measures;
 use super::shell::ShellSubject;
 use costate::design::DesignVariable;
+use costate::elements::flexible::faces::FaceKind;
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
 use costate::elements::{NodeKind, TimeFunction};
@@ -179,6 +180,8 @@ pub fn list() -> Vec<Case> {
         element("shell", Shell(ShellSubject::Isotropic), &[]),
         element("shell-of-plies", Shell(ShellSubject::Laminate), &[]),
         element("shell-damped", Shell(ShellSubject::Damped), &[]),
+        element("shell-of-four-nodes", Shell(ShellSubject::Face(FaceKind::Quad4)), &[]),
+        element("shell-of-triangles", Shell(ShellSubject::Face(FaceKind::Triangle6)), &[]),
         element("pressure-world-lines", Shell(ShellSubject::Pressure(world, soon)), &[1.0, 3.0, -2.0]),
         element("pressure-body-sine", Shell(ShellSubject::Pressure(body, Sine)), &[1.0, 2.0, 9.0, 0.4]),
         cable("cable", CableSubject::Element),

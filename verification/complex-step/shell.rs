@@ -3,7 +3,8 @@
 use super::measures::Reach;
 use costate::assembly::NodeId;
 use costate::elements::TimeFunction;
-use costate::elements::flexible::{Laminate, Material, Ply, SECTION};
+use costate::elements::flexible::faces::FaceKind;
+use costate::elements::flexible::{Laminate, Material, Ply};
 use costate::elements::forces::LoadFrame;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, ShellMember, ShellMesh};
@@ -17,6 +18,8 @@ pub enum ShellSubject {
     Laminate,
     /// One material that damps.
     Damped,
+    /// One material, on other faces.
+    Face(FaceKind),
     /// A pressure on it.
     Pressure(LoadFrame, TimeFunction),
 }
@@ -43,18 +46,25 @@ impl ShellSubject {
 
     /// The part whose parameters are tested.
     pub fn part(&self) -> &'static str {
-        if matches!(self, ShellSubject::Pressure(..)) { "pressure, element 1" } else { "shell, element 1, 1" }
+        match self {
+            ShellSubject::Pressure(..) => "pressure, element 1",
+            ShellSubject::Face(_) => "shell, element 1, 1, part 1",
+            _ => "shell, element 1, 1",
+        }
     }
 
     /// What each of its numbers can reach.
     pub fn reaches(&self) -> Vec<Reach> {
-        let geometry = (0..SECTION).map(|place| if place % 6 < 3 { Mass } else { Inertia });
+        let face = if let ShellSubject::Face(face) = self { *face } else { FaceKind::Quad9 };
+        let geometry = (0..face.shape().section()).map(|place| if place % 6 < 3 { Mass } else { Inertia });
         let section = match self {
             ShellSubject::Pressure(LoadFrame::World, _) => return [vec![Force; 27], vec![Force, Force, Later]].concat(),
             // the frequency shows from the second moment on
             ShellSubject::Pressure(LoadFrame::Body, _) => return vec![Force, Force, Later, Force],
-            // nine thicknesses, two elastic constants, density
-            ShellSubject::Isotropic | ShellSubject::Damped => [vec![Mass; 9], vec![Stored; 2], vec![Mass]].concat(),
+            // thicknesses, two elastic constants, density
+            ShellSubject::Isotropic | ShellSubject::Damped | ShellSubject::Face(_) => {
+                [vec![Mass; face.shape().nodes], vec![Stored; 2], vec![Mass]].concat()
+            }
             // stiffnesses, inertia, direction
             ShellSubject::Laminate => [vec![Stored; 21], vec![Mass], vec![Inertia; 2], vec![Stored; 3]].concat(),
         };
@@ -79,6 +89,7 @@ impl ShellSubject {
         });
         let mesh = mesh.with_node(0, 0, arm);
         let mesh = if matches!(self, ShellSubject::Damped) { mesh.damped(S::from(0.02)) } else { mesh };
+        let mesh = if let ShellSubject::Face(face) = self { mesh.with_faces(*face) } else { mesh };
         let [young, poisson, density] = MATERIAL.map(S::from);
         let shell = match self {
             ShellSubject::Laminate => {
@@ -87,9 +98,9 @@ impl ShellSubject {
             _ => m.shell("shell", mesh, &Material { young, poisson, density }, S::from(0.1)),
         };
         // the inertia against drilling is tiny and the nodes start drilled: as soft as this, steps resolve it
-        let first = m.model.elements.last().map(|element| element.parameters.start);
-        if let Some(first) = first {
-            m.numbers.p[first + shell.field().drilling()] = S::from(1e-3);
+        let elements = m.model.elements.iter().filter(|element| element.name.starts_with("shell, "));
+        for (element, (kind, _)) in elements.zip(shell.faces()) {
+            m.numbers.p[element.parameters.start + kind.drilling()] = S::from(1e-3);
         }
         if let ShellSubject::Pressure(frame, size) = self {
             m.pressure("pressure", &shell, *frame, size.clone(), function);

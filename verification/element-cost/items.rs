@@ -1,8 +1,10 @@
 //! Everything that is measured: each element, joint, driver, spring and load of the library, and what a user wrote.
 
 use super::user::{UserBeam, UserRevolute};
+use ShellSection::{Isotropic, Laminate};
 use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
 use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
+use costate::elements::flexible::faces::{Face, Quad4, Quad9, Triangle6};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
     ShellSection, SmallStrainCableField,
@@ -46,9 +48,15 @@ const NATURAL_END: NodeKind = NodeKind::Natural;
 const BEAM: &[NodeKind] = &[Body, Body, Body];
 const CABLE: &[NodeKind] = &[Slope, Slope];
 const SHELL: &[NodeKind] = &[Body; 9];
+const SHELL_OF_FOUR: &[NodeKind] = &[Body; 4];
+const SHELL_OF_SIX: &[NodeKind] = &[Body; 6];
 
 fn beam(coupled: bool, damped: bool) -> Flexible<BeamField> {
     Flexible(BeamField { coupled, damped, eccentric: coupled })
+}
+
+fn shell<F: Face>(face: F, section: ShellSection, damped: bool) -> Flexible<ShellField<F>> {
+    Flexible(ShellField { face, section, damped })
 }
 
 /// Kinds of elements.
@@ -56,7 +64,7 @@ fn elements() -> Vec<Item> {
     let (on, a, b) = (NodeKind::Body, NodeKind::Body, NodeKind::Body);
     let frame = LoadFrame::Body;
     let load = || DistributedLoadField { frame: LoadFrame::World, size: TimeFunction::Constant };
-    let pressure = |frame: LoadFrame| Flexible(ShellPressureField { frame, size: TimeFunction::Constant });
+    let pressure = |frame: LoadFrame| Flexible(ShellPressureField { face: Quad9, frame, size: TimeFunction::Constant });
     vec![
         element("rigid body", &[Body], move || RigidBody),
         element("rigid body in natural coordinates", &[Natural], move || NaturalBody),
@@ -69,9 +77,11 @@ fn elements() -> Vec<Item> {
         element("cable", CABLE, move || Cable { damped: false }),
         element("cable damped", CABLE, move || Cable { damped: true }),
         element("cable of small strain", CABLE, move || Flexible(SmallStrainCableField)),
-        element("shell", SHELL, move || Flexible(ShellField { section: ShellSection::Isotropic, damped: false })),
-        element("shell damped", SHELL, move || Flexible(ShellField { section: ShellSection::Isotropic, damped: true })),
-        element("shell of plies", SHELL, move || Flexible(ShellField { section: ShellSection::Laminate, damped: false })),
+        element("shell", SHELL, move || shell(Quad9, Isotropic, false)),
+        element("shell damped", SHELL, move || shell(Quad9, Isotropic, true)),
+        element("shell of plies", SHELL, move || shell(Quad9, Laminate, false)),
+        element("shell of four nodes", SHELL_OF_FOUR, move || shell(Quad4, Isotropic, false)),
+        element("shell of six nodes", SHELL_OF_SIX, move || shell(Triangle6, Isotropic, false)),
         element("dead pressure on a shell", SHELL, move || pressure(LoadFrame::World)),
         element("follower pressure on a shell", SHELL, move || pressure(LoadFrame::Body)),
         element("inertia of a cable", CABLE, move || CableInertia),

@@ -1,6 +1,7 @@
 //! Patches of four distorted elements whose edges are moved as a field of constant strain moves them: inside, the same field must be found.
 
 use costate::elements::flexible::Material;
+use costate::elements::flexible::faces::FaceKind;
 use costate::elements::forces::{AppliedTorque, LoadFrame};
 use costate::elements::{NodeKind, TimeFunction};
 use costate::prelude::*;
@@ -15,13 +16,14 @@ pub enum Field {
     Bending,
     /// Twisting.
     Twist,
-    /// Transverse shear without bending, held by couples.
+    /// Transverse shear without bending, held by couples or, where strains of faces are tied otherwise, with rotations that are held.
     Shear,
 }
 
 /// A unit square.
 pub struct Patch {
     pub field: Field,
+    pub face: FaceKind,
     pub thickness: f64,
 }
 
@@ -34,8 +36,13 @@ const CORNERS: [[[f64; 2]; 3]; 3] =
     [[[0.0, 0.0], [0.58, 0.0], [1.0, 0.0]], [[0.0, 0.43], [0.41, 0.57], [1.0, 0.61]], [[0.0, 1.0], [0.38, 1.0], [1.0, 1.0]]];
 
 /// Place of node (i, j): elements have straight edges.
-pub fn place(i: usize, j: usize) -> [f64; 2] {
+pub fn place(face: FaceKind, i: usize, j: usize) -> [f64; 2] {
     let ends = |k: usize| [k / 2, k.div_ceil(2)];
+    if face == FaceKind::Triangle6 && i % 2 == 1 && j % 2 == 1 {
+        // in the middle of the edge that divides the quadrilateral
+        let [a, b] = [CORNERS[j / 2][i / 2], CORNERS[j / 2 + 1][i / 2 + 1]];
+        return [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    }
     let mut sum = [0.0; 2];
     for b in ends(j) {
         for a in ends(i) {
@@ -48,7 +55,7 @@ pub fn place(i: usize, j: usize) -> [f64; 2] {
 impl Field {
     /// Size of displacements, small for fields that are linear in them: the membrane feels the square of deflection by thickness.
     pub fn size(self, thickness: f64) -> f64 {
-        if matches!(self, Field::Bending | Field::Twist) { 1e-5_f64.min(1e-3 * thickness) } else { 1.0 }
+        if matches!(self, Field::Bending | Field::Twist) { 1e-5_f64.min(1e-5 * thickness) } else { 1.0 }
     }
 
     /// Position and rotation that the field of some size gives to the point (X, Y).
@@ -97,7 +104,7 @@ fn area_of(i: usize, j: usize) -> f64 {
                 let all = shape(r, s);
                 let mut slopes = [[0.0; 2]; 2];
                 for (node, (_, derivatives)) in all.iter().enumerate() {
-                    let at = place(2 * column + node % 3, 2 * row + node / 3);
+                    let at = place(FaceKind::Quad9, 2 * column + node % 3, 2 * row + node / 3);
                     (0..2).for_each(|k| (0..2).for_each(|l| slopes[k][l] += derivatives[k] * at[l]));
                 }
                 sum += of_r * of_s * all[own].0 * (slopes[0][0] * slopes[1][1] - slopes[0][1] * slopes[1][0]);
@@ -119,8 +126,9 @@ impl Scene for Patch {
     }
     fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [along, across] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from_f64);
-        let mut mesh = ShellMesh::plate(Vector3::zeros(), [along, across], [2, 2]).moved(|_, i, j| {
-            let [x, y] = place(i, j);
+        let mesh = ShellMesh::plate(Vector3::zeros(), [along, across], [2, 2]).with_faces(self.face);
+        let mut mesh = mesh.moved(|_, i, j| {
+            let [x, y] = place(self.face, i, j);
             Vector3::from_f64([x, y, 0.0])
         });
         for edge in [Edge::FirstStart, Edge::FirstEnd, Edge::SecondStart, Edge::SecondEnd] {
@@ -132,9 +140,13 @@ impl Scene for Patch {
             for i in 0..5 {
                 let node = shell.node(i, j);
                 if i % 4 == 0 || j % 4 == 0 {
-                    let (x, e) = self.field.at(self.field.size(self.thickness), place(i, j));
+                    let (x, e) = self.field.at(self.field.size(self.thickness), place(self.face, i, j));
                     let first = m.model.node(node).dofs.start;
                     x.into_iter().chain(e).enumerate().for_each(|(k, own)| m.numbers.q[first + k] = S::from(own));
+                } else if self.field == Field::Shear && self.face != FaceKind::Quad9 {
+                    // rotations are held, so that the field is in equilibrium without couples
+                    let (ground, at) = (m.ground(), m.position(node));
+                    m.prismatic(&format!("slide {i}, {j}"), [ground, node], at, Vector3::from_f64([0.0, 0.0, 1.0]));
                 } else if self.field == Field::Shear {
                     // the shear force, constant, is held by couples instead of moments that grow
                     let force = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + POISSON)) * self.thickness * SLOPE;

@@ -1,6 +1,7 @@
 //! Shells with loads that grow with the load factor.
 
 use costate::assembly::NodeId;
+use costate::elements::flexible::faces::FaceKind;
 use costate::elements::flexible::{Laminate, Material, Ply};
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
 use costate::elements::{NodeKind, TimeFunction};
@@ -42,7 +43,10 @@ pub enum Problem {
 #[derive(Clone, Copy, Debug)]
 pub struct Benchmark {
     pub problem: Problem,
+    /// Of nine nodes.
     pub elements: [usize; 2],
+    /// What stands in place of each.
+    pub face: FaceKind,
     /// Share of the published load: small where the reference is linear.
     pub share: f64,
     /// Equal ones; those that Newton's method cannot make are halved.
@@ -133,18 +137,18 @@ fn diaphragm<S: Scalar>(m: &mut MechanismBuilder<S>, edge: &[NodeId]) {
 
 impl Benchmark {
     pub fn new(problem: Problem, elements: [usize; 2]) -> Self {
-        Benchmark { problem, elements, share: 1.0, load_steps: 20 }
+        Benchmark { problem, elements, face: FaceKind::Quad9, share: 1.0, load_steps: 20 }
     }
 
     /// With a load so small that the answer is that of linear theory.
     pub fn linear(problem: Problem, elements: [usize; 2], share: f64) -> Self {
-        Benchmark { problem, elements, share, load_steps: 1 }
+        Benchmark { share, load_steps: 1, ..Benchmark::new(problem, elements) }
     }
 
     /// A cantilever along x.
     fn cantilever<S: Scalar>(&self, m: &mut MechanismBuilder<S>, length: f64) -> ShellMember {
         let edges = [vector([length, 0.0, 0.0]), vector([0.0, 1.0, 0.0])];
-        let mesh = ShellMesh::plate(Vector3::zeros(), edges, self.elements).clamped(Edge::FirstStart);
+        let mesh = ShellMesh::plate(Vector3::zeros(), edges, self.elements).clamped(Edge::FirstStart).with_faces(self.face);
         m.shell("shell", mesh, &material(1.2e6, 0.0, 0.0), S::from(0.1))
     }
 
@@ -156,10 +160,11 @@ impl Benchmark {
             S::from(angle),
             self.elements,
         )
+        .with_faces(self.face)
     }
 
     fn square<S: Scalar>(&self) -> ShellMesh<S> {
-        ShellMesh::plate(Vector3::zeros(), [unit(0), unit(1)], self.elements)
+        ShellMesh::plate(Vector3::zeros(), [unit(0), unit(1)], self.elements).with_faces(self.face)
     }
 }
 
@@ -185,7 +190,8 @@ impl Scene for Benchmark {
             }
             Problem::Hemisphere => {
                 let (longitude, latitude) = ([0.0, 0.5 * PI].map(S::from), [0.0, 0.4 * PI].map(S::from));
-                let mesh = ShellMesh::sphere(Vector3::zeros(), S::from(10.0), longitude, latitude, self.elements);
+                let mesh = ShellMesh::sphere(Vector3::zeros(), S::from(10.0), longitude, latitude, self.elements)
+                    .with_faces(self.face);
                 let shell = m.shell("shell", mesh, &material(6.825e7, 0.3, 0.0), S::from(0.04));
                 shell.edge(Edge::FirstStart).into_iter().for_each(|node| symmetry(m, node, 1));
                 shell.edge(Edge::FirstEnd).into_iter().for_each(|node| symmetry(m, node, 0));

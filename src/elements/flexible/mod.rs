@@ -2,12 +2,12 @@
 
 mod beam;
 mod beam_gravity;
-pub mod biquadratic;
 mod cable;
 mod cable_gravity;
 mod cable_inertia;
 mod cable_section;
 mod distributed_load;
+pub mod faces;
 pub mod hermite;
 mod laminate;
 pub mod section;
@@ -26,11 +26,14 @@ pub use cable_section::{CableSection, CableStrain};
 pub use distributed_load::{DistributedLoad, DistributedLoadField};
 pub use laminate::{Laminate, Ply, PlyStrength};
 pub use section::{Material, Section};
-pub use shell::{DRILLING_INERTIA, NODE_PARAMETERS, POISSON, SECTION, Shell, ShellField, ShellPoint, ShellSection, YOUNG};
-pub use shell_pressure::{ShellPressure, ShellPressureField};
+pub use shell::{DRILLING_INERTIA, Shell, ShellField, ShellKind, ShellPoint, ShellSection};
+pub use shell_pressure::{ShellPressure, ShellPressureField, shell_pressure};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;
+use faces::{Quad4, Quad9, Triangle6};
 
-instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, Shell, ShellPressure, SmallStrainCable);
+instantiate_here!(dyn AnyElement: Beam, BeamGravity, Cable, CableGravity, CableInertia, DistributedLoad, SmallStrainCable);
+instantiate_here!(dyn AnyElement: Shell<Quad4>, Shell<Quad9>, Shell<Triangle6>);
+instantiate_here!(dyn AnyElement: ShellPressure<Quad4>, ShellPressure<Quad9>, ShellPressure<Triangle6>);

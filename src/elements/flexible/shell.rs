@@ -1,25 +1,26 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
-use super::biquadratic::{
-    AT_NODES, FIRST_GAUSS, FIRST_NODE, FIRST_S, GAUSS, GAUSS_POINTS, LOBATTO, NODES, NUMBERS, POINTS, SHELL_POINTS, Weights,
-    gauss_weight,
+use super::faces::{
+    Between, Face, FaceKind, FaceShape, NODE_PARAMETERS, NUMBERS, Quad4, Quad9, ShellPlace, Tie, Triangle6, Weights,
 };
-use super::shape::{THREE, TWO};
-use crate::elements::{Element, Field, Flexible, Interpolation, NodeKind, Parameter};
+use crate::elements::{AnyElement, Element, Field, Flexible, Interpolation, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Reissner-Mindlin shell of nine nodes with position x and Euler parameters e, for large displacements and rotations (MITC9).
+/// Reissner-Mindlin shell of nodes with position x and Euler parameters e, for large displacements and rotations: quadrilaterals of
+/// [nine](Quad9) and [four](Quad4) nodes, triangles of [six](Triangle6).
 ///
-/// The shell is x(r, s, z) = x(r, s) + z d(r, s) with the directors d = R(e) D of the nodes, both interpolated biquadratically. With
-/// z = 0 on the reference surface, and a comma for derivatives towards r and s, its strains of Green and Lagrange are, linear in z,
+/// The shell is x(r, s, z) = x(r, s) + z d(r, s) with the directors d = R(e) D of the nodes, both interpolated by the shape functions of the
+/// [face](Face). With z = 0 on the reference surface, and a comma for derivatives towards r and s, its strains of Green and Lagrange are,
+/// linear in z,
 ///
 /// E_ab = (x,a . x,b - X,a . X,b) / 2,   K_ab = (x,a . d,b + x,b . d,a - X,a . D,b - X,b . D,a) / 2,   G_a = x,a . d - X,a . D.
 ///
-/// Strains along r (E_rr, K_rr, G_r) are taken at r = -+1/sqrt(3), s = 0, -+sqrt(3/5), those along s at the places mirrored, and interpolated to
-/// three by three Gauss points (MITC). There E_rs and K_rs are replaced by the bilinear functions of r and s that are nearest to them in the
-/// sum of squares weighted by 1/j, with dA = j dr ds. Where j is constant, these are the values at r, s = -+1/sqrt(3) that MITC9 takes, to
+/// Strains along some directions (E_tt, K_tt, G_t) are taken at tying points and interpolated to the Gauss points (MITC): which, and between
+/// which places, says the face. With nine nodes E_rs and K_rs are replaced by the bilinear functions of r and s that are nearest to them in
+/// the sum of squares weighted by 1/j, with dA = j dr ds. Where j is constant, these are the values at r, s = -+1/sqrt(3) that MITC9 takes, to
 /// the last digit; elsewhere they keep the work of every constant stress, so that patches of distorted elements with straight edges
 /// find constant strains. With these strains
 ///
@@ -27,7 +28,7 @@ use std::ops::Range;
 ///
 /// in orthonormal axes: no locking in shear or along the surface, no mode without energy beside rigid motions. All nodes start with the
 /// same e. A rotation about the director is held by the penalty k A_33 w^2 / 2 dA with the turning w = (x,1 . t_2 - x,2 . t_1) / 2 of the
-/// surface against the axes t_a = R(e) T_a of the node, at the nodes (Lobatto); w is zero for every rigid motion and every stretch that the
+/// surface against the axes t_a = R(e) T_a of the node, by a quadrature at the nodes; w is zero for every rigid motion and every stretch that the
 /// axes follow. Its inertia is [`DRILLING_INERTIA`] of the rotary one.
 ///
 /// Kinetic energy: integral of (m |dx/dt|^2 + 2 m_1 dx/dt . dd/dt + m_2 |dd/dt|^2) / 2 dA. Weight: V = -g . integral of m x + m_1 d dA.
@@ -47,10 +48,12 @@ use std::ops::Range;
 ///
 /// and `drilling` k, `gravity x, y, z` g [m/s2], and with [`damped`](ShellField::damped) `damping` eta \[s\].
 ///
-/// Source: Bucalem & Bathe (1993), MITC9; Boopathy & Kennedy, section 3, for directors from rotations in multibody systems; Hughes &
-/// Brezzi (1989) for the penalty.
+/// Source: that of the face; Boopathy & Kennedy, section 3, for directors from rotations in multibody systems; Hughes & Brezzi (1989) for
+/// the penalty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ShellField {
+pub struct ShellField<F = Quad9> {
+    /// Its face.
+    pub face: F,
     /// What its section is made of.
     pub section: ShellSection,
     /// With damping proportional to stiffness.
@@ -67,7 +70,54 @@ pub enum ShellSection {
 }
 
 /// The shell as an element.
-pub type Shell = Flexible<ShellField>;
+pub type Shell<F = Quad9> = Flexible<ShellField<F>>;
+
+/// A shell whose face is told by its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShellKind {
+    /// Kind of its face.
+    pub face: FaceKind,
+    /// What its section is made of.
+    pub section: ShellSection,
+    /// With damping proportional to stiffness.
+    pub damped: bool,
+}
+
+/// What is made of a shell by its kind, for the type of its face.
+macro_rules! by_face {
+    ($kind:expr, $field:ident => $made:expr) => {{
+        let ShellKind { face, section, damped } = $kind;
+        match face {
+            FaceKind::Quad4 => {
+                let $field = ShellField { face: Quad4, section, damped };
+                $made
+            }
+            FaceKind::Quad9 => {
+                let $field = ShellField { face: Quad9, section, damped };
+                $made
+            }
+            FaceKind::Triangle6 => {
+                let $field = ShellField { face: Triangle6, section, damped };
+                $made
+            }
+        }
+    }};
+}
+
+impl ShellKind {
+    /// The element.
+    pub fn element(self) -> Box<dyn AnyElement> {
+        by_face!(self, field => Flexible(field).into())
+    }
+    /// The Gauss points for coordinates and parameters of the element.
+    pub fn points<S: Scalar>(self, q: &[S], p: &[S]) -> Vec<ShellPoint<S>> {
+        by_face!(self, field => Flexible(field).points(q, p))
+    }
+    /// Place of the drilling factor among its parameters, before gravity.
+    pub fn drilling(self) -> usize {
+        by_face!(self, field => field.drilling())
+    }
+}
 
 /// Inertia of a rotation about the director, as a share of the rotary inertia of the section: it belongs to no motion of the material.
 pub const DRILLING_INERTIA: f64 = 1e-3;
@@ -75,34 +125,10 @@ pub const DRILLING_INERTIA: f64 = 1e-3;
 /// Share of the shear stiffness G h that acts: that of a parabola of stresses.
 const SHEAR_FACTOR: f64 = 5.0 / 6.0;
 
-/// Parameters of a node: position and director.
-pub const NODE_PARAMETERS: usize = 6;
-/// Place of the first parameter of the section.
-pub const SECTION: usize = NODES * NODE_PARAMETERS;
-/// Place of Young's modulus of a shell of one material, behind the thicknesses of the nodes.
-pub const YOUNG: usize = SECTION + NODES;
-/// Place of Poisson's ratio.
-pub const POISSON: usize = YOUNG + 1;
-
-/// Strains at each tying point along r or s, and between.
+/// Strains at a tying point, with their places: along a direction, its curvature, and transverse shear.
 const ALONG: usize = 3;
+/// Strains at a Gauss point: between the directions, and its curvature.
 const BETWEEN: usize = 2;
-/// Place of the first strain along s, of the first between, and of the first of turning.
-const STRAINS_S: usize = 6 * ALONG;
-const STRAINS_RS: usize = 2 * STRAINS_S;
-const TURNING: usize = STRAINS_RS + GAUSS_POINTS * BETWEEN;
-
-/// Bilinear functions 1, r, s, r s at the Gauss points.
-const BILINEAR: [[f64; 4]; GAUSS_POINTS] = {
-    let mut all = [[1.0; 4]; GAUSS_POINTS];
-    let mut point = 0;
-    while point < GAUSS_POINTS {
-        let (r, s) = (THREE[point % 3], THREE[point / 3]);
-        all[point] = [1.0, r, s, r * s];
-        point += 1;
-    }
-    all
-};
 
 /// Upper triangle of a symmetric matrix of three rows, by rows.
 type Symmetric<S> = [S; 6];
@@ -163,7 +189,7 @@ struct Reference<S> {
 }
 
 /// A vector of the nodes' parameters with some weights: position at place 0, director at 3.
-fn combine<S: Scalar>(p: &[S], weights: &[f64; NODES], place: usize) -> Vector3<S> {
+fn combine<S: Scalar>(p: &[S], weights: &[f64], place: usize) -> Vector3<S> {
     let own = |i: usize| {
         let mut sum = S::zero();
         for (node, &weight) in weights.iter().enumerate() {
@@ -175,21 +201,29 @@ fn combine<S: Scalar>(p: &[S], weights: &[f64; NODES], place: usize) -> Vector3<
 }
 
 /// Interpolated numbers of a point in the reference.
-fn in_reference<S: Scalar>(point: usize, p: &[S]) -> [S; 18] {
-    let rows = SHELL_POINTS[point];
-    std::array::from_fn(|i| {
-        let Some(Interpolation { component, weights }) = rows.get(i) else { return S::zero() };
-        weights
-            .iter()
-            .enumerate()
-            .fold(S::zero(), |sum, (node, &weight)| sum + p[NODE_PARAMETERS * node + component] * weight)
-    })
+fn in_reference<S: Scalar>(rows: &[Interpolation], p: &[S]) -> SmallVec<[S; 18]> {
+    let number = |Interpolation { component, weights }: &Interpolation| {
+        let own = weights.iter().enumerate();
+        own.fold(S::zero(), |sum, (node, &weight)| sum + p[NODE_PARAMETERS * node + component] * weight)
+    };
+    rows.iter().map(number).collect()
 }
 
 /// (x,a . x,a / 2, x,a . d,a, x,a . d) from (x,a, d, d,a).
 fn along<S: Scalar>(h: &[S]) -> [S; ALONG] {
     let (slope, director, turn) = (Vector3::first_three(h), Vector3::first_three(&h[3..]), Vector3::first_three(&h[6..]));
     [slope.dot(&slope) * 0.5, slope.dot(&turn), slope.dot(&director)]
+}
+
+/// (x,a . x,a / 2, x,a . d,a) from (x,a, d,a).
+fn stretch<S: Scalar>(h: &[S]) -> [S; 2] {
+    let (slope, turn) = (Vector3::first_three(h), Vector3::first_three(&h[3..]));
+    [slope.dot(&slope) * 0.5, slope.dot(&turn)]
+}
+
+/// x,a . d from (x,a, d).
+fn shear<S: Scalar>(h: &[S]) -> [S; 1] {
+    [Vector3::first_three(h).dot(&Vector3::first_three(&h[3..]))]
 }
 
 /// (x,r . x,s, x,r . d,s + x,s . d,r) from (x, d, x,r, x,s, d,r, d,s).
@@ -236,61 +270,63 @@ fn solve<S: Scalar>(factors: &[[S; 4]; 4], mut x: [S; 4]) -> [S; 4] {
     x
 }
 
-/// What takes values at the Gauss points to the nearest bilinear function: the weight of each point, and the factors of the products of the
-/// bilinear functions with each other.
-struct Projection<S> {
-    weights: [S; GAUSS_POINTS],
+/// What takes values at the Gauss points to the nearest combination of four functions: the weight of each point, and the factors of the products
+/// of the functions with each other.
+struct Projection<'f, S> {
+    functions: &'f [[f64; 4]],
+    weights: SmallVec<[S; 9]>,
     factors: [[S; 4]; 4],
 }
 
-impl<S: Scalar> Projection<S> {
-    fn new(p: &[S]) -> Self {
-        let weights: [S; GAUSS_POINTS] = std::array::from_fn(|point| {
-            let (_, area) = surface(p, &GAUSS[point]);
-            area.recip() * gauss_weight(point)
-        });
+impl<'f, S: Scalar> Projection<'f, S> {
+    fn new(shape: &FaceShape, functions: &'f [[f64; 4]], p: &[S]) -> Self {
+        let weight = |(weights, &own): (&Weights, &f64)| surface(p, weights).1.recip() * own;
+        let weights: SmallVec<[S; 9]> = shape.gauss.iter().zip(shape.gauss_weights).map(weight).collect();
         let product = |i: usize, j: usize| {
-            let own = BILINEAR.iter().zip(&weights);
-            own.fold(S::zero(), |sum, (bilinear, &weight)| sum + weight * (bilinear[i] * bilinear[j]))
+            let own = functions.iter().zip(&weights);
+            own.fold(S::zero(), |sum, (own, &weight)| sum + weight * (own[i] * own[j]))
         };
         let matrix = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
-        Projection { weights, factors: factors(matrix) }
+        Projection { functions, weights, factors: factors(matrix) }
     }
-    /// Coefficients of 1, r, s, r s.
+    /// Coefficients of the functions.
     fn of(&self, values: impl Fn(usize) -> S) -> [S; 4] {
-        let weighted: [S; GAUSS_POINTS] = std::array::from_fn(|point| values(point) * self.weights[point]);
+        let weighted: SmallVec<[S; 9]> =
+            self.weights.iter().enumerate().map(|(point, &weight)| values(point) * weight).collect();
         let products = std::array::from_fn(|i| {
-            BILINEAR.iter().zip(&weighted).fold(S::zero(), |sum, (bilinear, &own)| sum + own * bilinear[i])
+            self.functions.iter().zip(&weighted).fold(S::zero(), |sum, (functions, &own)| sum + own * functions[i])
         });
         solve(&self.factors, products)
     }
 }
 
 /// Thickness of an isotropic section where shape functions have some values.
-fn thickness<S: Scalar>(p: &[S], weights: &[f64; NODES]) -> S {
-    weights.iter().zip(&p[SECTION..]).fold(S::zero(), |sum, (&weight, &own)| sum + own * weight)
+fn thickness<S: Scalar>(p: &[S], weights: &[f64]) -> S {
+    weights.iter().zip(&p[NODE_PARAMETERS * weights.len()..]).fold(S::zero(), |sum, (&weight, &own)| sum + own * weight)
 }
 
 /// Tangents of the reference and its unit normal, with the area that they span.
 fn surface<S: Scalar>(p: &[S], weights: &Weights) -> ([Vector3<S>; 3], S) {
-    let (first, second) = (combine(p, &weights.by_r, 0), combine(p, &weights.by_s, 0));
+    let (first, second) = (combine(p, weights.by_r, 0), combine(p, weights.by_s, 0));
     let normal = first.cross(&second);
     let area = normal.length();
     ([first, second, normal * area.recip()], area)
 }
 
 /// Axes of a node along its surface, and the tangents in them: X,r = l T_1, X,s = m T_1 + n T_2.
-fn node_axes<S: Scalar>(p: &[S], node: usize) -> ([Vector3<S>; 2], [S; 3]) {
-    let ([first, second, normal], _) = surface(p, &AT_NODES[node]);
+fn node_axes<S: Scalar>(p: &[S], at_node: &Weights) -> ([Vector3<S>; 2], [S; 3]) {
+    let ([first, second, normal], _) = surface(p, at_node);
     let length = first.length();
     let along = first * length.recip();
     let across = normal.cross(&along);
     ([along, across], [length, second.dot(&along), second.dot(&across)])
 }
 
-/// Weights of two values at -+1/sqrt(3) in the line through them.
-fn line(x: f64) -> [f64; 2] {
-    [0.5 * (1.0 + x / TWO[0]), 0.5 * (1.0 + x / TWO[1])]
+/// Sum of strains `which` places behind those of the ties.
+fn tied_sum<S: Scalar>(ties: &[Tie], e: &[S], which: usize) -> S {
+    let mut terms = ties.iter().filter(|tie| tie.weight != 0.0).map(|tie| e[tie.strain + which] * tie.weight);
+    let first = terms.next().unwrap_or_else(S::zero);
+    terms.fold(first, |sum, term| sum + term)
 }
 
 /// M x for an upper triangle.
@@ -305,8 +341,8 @@ fn dot<S: Scalar, const N: usize>(x: [S; N], y: [S; N]) -> S {
 
 impl<S: Scalar> Reference<S> {
     /// At a Gauss point, with axis 1 along a direction or else along X,r.
-    fn at(p: &[S], point: usize, direction: Option<Vector3<S>>) -> Self {
-        let ([first, second, normal], area) = surface(p, &GAUSS[point]);
+    fn at(p: &[S], weights: &Weights, direction: Option<Vector3<S>>) -> Self {
+        let ([first, second, normal], area) = surface(p, weights);
         let first_axis = match direction {
             Some(direction) => (direction - normal * normal.dot(&direction)).unit(),
             None => first.unit(),
@@ -336,24 +372,28 @@ impl<S: Scalar> Reference<S> {
     }
 }
 
-impl ShellField {
+impl<F: Face> ShellField<F> {
     /// Place of the drilling factor, before gravity.
     pub const fn drilling(&self) -> usize {
-        SECTION
+        F::SHAPE.section()
             + match self.section {
-                ShellSection::Isotropic => NODES + 3,
+                ShellSection::Isotropic => F::SHAPE.nodes + 3,
                 ShellSection::Laminate => 27,
             }
     }
+    /// What tells it from other shells.
+    pub fn kind(&self) -> ShellKind {
+        ShellKind { face: F::KIND, section: self.section, damped: self.damped }
+    }
     /// Direction of axis 1.
     fn direction<S: Scalar>(&self, p: &[S]) -> Option<Vector3<S>> {
-        (self.section == ShellSection::Laminate).then(|| Vector3::first_three(&p[SECTION + 24..]))
+        (self.section == ShellSection::Laminate).then(|| Vector3::first_three(&p[F::SHAPE.section() + 24..]))
     }
     /// The section where shape functions have some values.
-    fn section_at<S: Scalar>(&self, p: &[S], weights: &[f64; NODES]) -> Section<S> {
-        let own = &p[SECTION..];
+    fn section_at<S: Scalar>(&self, p: &[S], weights: &[f64]) -> Section<S> {
         let zero = S::zero();
         if self.section == ShellSection::Laminate {
+            let own = &p[F::SHAPE.section()..];
             let triangle = |first: usize| std::array::from_fn(|i| own[first + i]);
             return Section {
                 stiffness: [triangle(0), triangle(6), triangle(12)],
@@ -362,7 +402,7 @@ impl ShellField {
             };
         }
         let thickness = thickness(p, weights);
-        let (young, poisson, density) = (p[YOUNG], p[POISSON], p[POISSON + 1]);
+        let [young, poisson, density] = [0, 1, 2].map(|place| p[F::SHAPE.young() + place]);
         let second = thickness * thickness * thickness / 12.0;
         let [plane, shear] = plane_stress(young, poisson);
         let of_plane_stress =
@@ -376,45 +416,47 @@ impl ShellField {
     }
     /// m, m_1 and m_2 of a Gauss point's share of the area.
     fn inertia_at<S: Scalar>(&self, p: &[S], point: usize) -> [S; 3] {
-        let (_, area) = surface(p, &GAUSS[point]);
-        let share = area * gauss_weight(point);
-        self.section_at(p, &GAUSS[point].value).inertia.map(|inertia| inertia * share)
+        let weights = &F::SHAPE.gauss[point];
+        let (_, area) = surface(p, weights);
+        let share = area * F::SHAPE.gauss_weights[point];
+        self.section_at(p, weights.value).inertia.map(|inertia| inertia * share)
     }
     /// A_33 and m_2 of a node's share of the area.
     fn of_node<S: Scalar>(&self, p: &[S], node: usize) -> [S; 2] {
-        let (_, area) = surface(p, &AT_NODES[node]);
-        let share = area * (LOBATTO[node % 3] * LOBATTO[node / 3]);
-        let section = self.section_at(p, &AT_NODES[node].value);
+        let weights = &F::SHAPE.at_nodes[node];
+        let (_, area) = surface(p, weights);
+        let share = area * F::SHAPE.node_weights[node];
+        let section = self.section_at(p, weights.value);
         [section.stiffness[0][5] * share, section.inertia[2] * share]
     }
     /// Strains, curvatures and shear at a Gauss point towards (r, s), from those at the tying points and the coefficients of those between.
     fn tied<S: Scalar>(point: usize, e: &[S], between: &[[S; 4]; BETWEEN]) -> ([S; 3], [S; 3], [S; 2]) {
-        let (i, j) = (point % 3, point / 3);
-        let (of_r, of_s) = (line(THREE[i]), line(THREE[j]));
-        let tied_r = |which: usize| {
-            let own = |a: usize| e[ALONG * (a + 2 * j) + which];
-            own(0) * of_r[0] + own(1) * of_r[1]
-        };
-        let tied_s = |which: usize| {
-            let own = |b: usize| e[STRAINS_S + ALONG * (i + 3 * b) + which];
-            own(0) * of_s[0] + own(1) * of_s[1]
-        };
-        let [strain_rs, curvature_rs] = between.map(|own| dot(own, BILINEAR[point].map(S::from)));
-        let strain = [tied_r(0), tied_s(0), strain_rs];
-        let curvature = [tied_r(1), tied_s(1), curvature_rs];
-        (strain, curvature, [tied_r(2), tied_s(2)])
+        let tying = &F::SHAPE.tying;
+        let ties = &tying.ties[point];
+        let [strain, curvature] = [0, 1].map(|which| {
+            let [along_r, along_s] = [0, 1].map(|direction| tied_sum(&ties.stretch[direction], e, which));
+            let between = match tying.between {
+                Between::Projected(functions) => dot(between[which], functions[point].map(S::from)),
+                Between::Own => e[F::SHAPE.first_strains()[0] + BETWEEN * point + which],
+                Between::ThirdDirection => along_r + along_s - tied_sum(&ties.stretch[2], e, which),
+            };
+            [along_r, along_s, between]
+        });
+        (strain, curvature, [0, 1].map(|direction| tied_sum(&ties.shear[direction], e, 0)))
     }
-    /// Coefficients of the strains and curvatures between r and s.
+    /// Coefficients of the projected strains and curvatures between r and s.
     fn between<S: Scalar>(e: &[S], p: &[S]) -> [[S; 4]; BETWEEN] {
-        let projection = Projection::new(p);
-        [0, 1].map(|which| projection.of(|point| e[STRAINS_RS + BETWEEN * point + which]))
+        let Between::Projected(functions) = F::SHAPE.tying.between else { return [[S::zero(); 4]; BETWEEN] };
+        let (projection, [first, _]) = (Projection::new(F::SHAPE, functions, p), F::SHAPE.first_strains());
+        [0, 1].map(|which| projection.of(|point| e[first + BETWEEN * point + which]))
     }
     /// Energy of the strains at a Gauss point.
     fn energy_at<S: Scalar>(&self, point: usize, e: &[S], between: &[[S; 4]; BETWEEN], p: &[S]) -> S {
         let (strain, curvature, shear) = Self::tied(point, e, between);
-        let section = self.section_at(p, &GAUSS[point].value);
-        let reference = Reference::at(p, point, self.direction(p));
-        let share = reference.area * (0.5 * gauss_weight(point));
+        let weights = &F::SHAPE.gauss[point];
+        let section = self.section_at(p, weights.value);
+        let reference = Reference::at(p, weights, self.direction(p));
+        let share = reference.area * (0.5 * F::SHAPE.gauss_weights[point]);
         let [a, b, d] = section.stiffness.map(|stiffness| reference.covariant(&stiffness, share));
         let s = reference.covariant_shear(&section.shear, share);
         let mut energy = dot(strain, times(&a, strain)) + dot(curvature, times(&d, curvature));
@@ -425,47 +467,48 @@ impl ShellField {
     }
 }
 
-impl Shell {
+impl<F: Face> Shell<F> {
     /// The Gauss points for coordinates and parameters of the element.
-    pub fn points<S: Scalar>(&self, q: &[S], p: &[S]) -> [ShellPoint<S>; GAUSS_POINTS] {
+    pub fn points<S: Scalar>(&self, q: &[S], p: &[S]) -> Vec<ShellPoint<S>> {
         let mut e = vec![S::zero(); Element::strain_count(self)];
         // strains of a shell do not depend on time
         Element::strains(self, q, p, S::zero(), &mut e);
-        let (field, between) = (&self.0, ShellField::between(&e, p));
-        std::array::from_fn(|point| {
-            let (strain, curvature, _) = ShellField::tied(point, &e, &between);
-            let reference = Reference::at(p, point, field.direction(p));
+        let (field, between) = (&self.0, ShellField::<F>::between(&e, p));
+        let at = |(point, weights): (usize, &Weights)| {
+            let (strain, curvature, _) = ShellField::<F>::tied(point, &e, &between);
+            let reference = Reference::at(p, weights, field.direction(p));
             let rows = reference.in_axes();
             let thickness = match field.section {
-                ShellSection::Isotropic => thickness(p, &GAUSS[point].value),
+                ShellSection::Isotropic => thickness(p, weights.value),
                 ShellSection::Laminate => S::zero(),
             };
             ShellPoint {
                 strain: rows.map(|row| dot(row, strain)),
                 curvature: rows.map(|row| dot(row, curvature)),
                 thickness,
-                area: reference.area * gauss_weight(point),
+                area: reference.area * F::SHAPE.gauss_weights[point],
             }
-        })
+        };
+        F::SHAPE.gauss.iter().enumerate().map(at).collect()
     }
 }
 
-impl Field for ShellField {
-    const NODES: usize = NODES;
+impl<F: Face> Field for ShellField<F> {
+    const NODES: usize = F::SHAPE.nodes;
     const NODE: NodeKind = NodeKind::Body;
-    const POINTS: &'static [&'static [Interpolation]] = &SHELL_POINTS;
+    const POINTS: &'static [&'static [Interpolation]] = F::SHAPE.points;
     const MAPPED: Option<usize> = Some(NUMBERS);
 
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = Vec::new();
-        for node in 1..=NODES {
+        for node in 1..=Self::NODES {
             for (name, unit) in [("position", "m"), ("director", "-")] {
                 list.extend(["x", "y", "z"].map(|axis| Parameter::named(format!("node {node}: {name} {axis}"), unit)));
             }
         }
         match self.section {
             ShellSection::Isotropic => {
-                list.extend((1..=NODES).map(|node| {
+                list.extend((1..=Self::NODES).map(|node| {
                     let own = Parameter::named(format!("thickness {node}"), "m");
                     Parameter { admissible: crate::elements::Admissible::Positive, ..own }
                 }));
@@ -500,7 +543,7 @@ impl Field for ShellField {
         let inverse = e.norm_squared().recip();
         let columns = e.columns().map(|column| column * inverse);
         let turned = |axis: Vector3<S>| crate::scalar::combine_columns(&columns, axis);
-        let ([first, second], _) = node_axes(p, node);
+        let ([first, second], _) = node_axes(p, &F::SHAPE.at_nodes[node]);
         let director = Vector3::first_three(&p[NODE_PARAMETERS * node + 3..]);
         let vectors = [Vector3::first_three(q), turned(director), turned(first), turned(second)];
         for (y, vector) in y.chunks_exact_mut(3).zip(vectors) {
@@ -509,29 +552,29 @@ impl Field for ShellField {
     }
 
     fn kinetic<S: Scalar>(&self, point: usize, v: &[S], _h: &[S], p: &[S]) -> S {
-        if point < FIRST_GAUSS {
-            return S::zero();
-        }
         let vector = |place: usize| Vector3::first_three(&v[3 * place..]);
-        if point >= FIRST_NODE {
-            let [_, inertia] = self.of_node(p, point - FIRST_NODE);
-            let (first, second) = (vector(2), vector(3));
-            return (first.dot(&first) + second.dot(&second)) * inertia * (0.25 * DRILLING_INERTIA);
+        match F::SHAPE.place(point) {
+            ShellPlace::Gauss(point) => {
+                let [mass, moment, inertia] = self.inertia_at(p, point);
+                let (velocity, turn) = (vector(0), vector(1));
+                let mut twice = velocity.dot(&velocity) * mass + turn.dot(&turn) * inertia;
+                if self.section == ShellSection::Laminate {
+                    twice += velocity.dot(&turn) * (moment + moment);
+                }
+                twice * 0.5
+            }
+            ShellPlace::Node(node) => {
+                let [_, inertia] = self.of_node(p, node);
+                let (first, second) = (vector(2), vector(3));
+                (first.dot(&first) + second.dot(&second)) * inertia * (0.25 * DRILLING_INERTIA)
+            }
+            ShellPlace::Along | ShellPlace::Stretch | ShellPlace::Shear => S::zero(),
         }
-        let [mass, moment, inertia] = self.inertia_at(p, point - FIRST_GAUSS);
-        let (velocity, turn) = (vector(0), vector(1));
-        let mut twice = velocity.dot(&velocity) * mass + turn.dot(&turn) * inertia;
-        if self.section == ShellSection::Laminate {
-            twice += velocity.dot(&turn) * (moment + moment);
-        }
-        twice * 0.5
     }
 
     fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
-        if !(FIRST_GAUSS..FIRST_NODE).contains(&point) {
-            return S::zero();
-        }
-        let [mass, moment, _] = self.inertia_at(p, point - FIRST_GAUSS);
+        let ShellPlace::Gauss(point) = F::SHAPE.place(point) else { return S::zero() };
+        let [mass, moment, _] = self.inertia_at(p, point);
         let mut weighed = Vector3::first_three(h) * mass;
         if self.section == ShellSection::Laminate {
             weighed += Vector3::first_three(&h[3..]) * moment;
@@ -540,41 +583,42 @@ impl Field for ShellField {
     }
 
     fn strain_count(&self, point: usize) -> usize {
-        match point {
-            0..FIRST_GAUSS => ALONG,
-            FIRST_GAUSS..FIRST_NODE => BETWEEN,
-            _ => 1,
-        }
+        F::SHAPE.strain_count(F::SHAPE.place(point))
     }
 
     fn strains<S: Scalar>(&self, point: usize, h: &[S], p: &[S], e: &mut [S]) {
-        if point >= FIRST_NODE {
-            let (_, [length, along, across]) = node_axes(p, point - FIRST_NODE);
+        let place = F::SHAPE.place(point);
+        if let ShellPlace::Node(node) = place {
+            let (_, [length, along, across]) = node_axes(p, &F::SHAPE.at_nodes[node]);
             let vector = |place: usize| Vector3::first_three(&h[3 * place..]);
             let first = vector(0) * length.recip();
             let second = (vector(1) - first * along) * across.recip();
             e[0] = (first.dot(&vector(3)) - second.dot(&vector(2))) * 0.5;
             return;
         }
-        let start = in_reference(point, p);
-        if point < FIRST_GAUSS {
-            let (now, before) = (along(h), along(&start));
-            (0..ALONG).for_each(|i| e[i] = now[i] - before[i]);
-        } else {
-            let (now, before) = (between(h), between(&start));
-            (0..BETWEEN).for_each(|i| e[i] = now[i] - before[i]);
+        let start = in_reference(F::SHAPE.points[point], p);
+        let differ = |e: &mut [S], now: &[S], before: &[S]| {
+            e.iter_mut().zip(now).zip(before).for_each(|((e, &now), &before)| *e = now - before);
+        };
+        match place {
+            ShellPlace::Along => differ(e, &along(h), &along(&start)),
+            ShellPlace::Stretch => differ(e, &stretch(h), &stretch(&start)),
+            ShellPlace::Shear => differ(e, &shear(h), &shear(&start)),
+            ShellPlace::Gauss(_) => differ(e, &between(h), &between(&start)),
+            ShellPlace::Node(_) => {}
         }
     }
 
     fn stored_together<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
         let between = Self::between(e, p);
         let mut energy = S::zero();
-        for point in 0..GAUSS_POINTS {
+        for point in 0..F::SHAPE.gauss.len() {
             energy += self.energy_at(point, e, &between, p);
         }
-        for node in 0..NODES {
+        let [_, first_turning] = F::SHAPE.first_strains();
+        for node in 0..Self::NODES {
             let [stiffness, _] = self.of_node(p, node);
-            let turning = e[TURNING + node];
+            let turning = e[first_turning + node];
             energy += stiffness * p[self.drilling()] * turning * turning * 0.5;
         }
         energy
@@ -585,9 +629,6 @@ impl Field for ShellField {
     }
 
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
-        (0..GAUSS_POINTS).map(|point| self.inertia_at(p, point)[0]).sum()
+        (0..F::SHAPE.gauss.len()).map(|point| self.inertia_at(p, point)[0]).sum()
     }
 }
-
-// the places of strains follow from the points
-const _: () = assert!(FIRST_S * ALONG == STRAINS_S && FIRST_GAUSS * ALONG == STRAINS_RS && POINTS == FIRST_NODE + NODES);

@@ -1,10 +1,10 @@
-use super::biquadratic::{GAUSS_POINTS, NODES, SURFACE_POINTS, gauss_weight};
+use super::faces::{Face, FaceKind, Quad4, Quad9, Triangle6};
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Field, Flexible, Interpolation, NodeKind, Parameter, TimeFunction};
+use crate::elements::{AnyElement, Field, Flexible, Interpolation, NodeKind, Parameter, TimeFunction};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
-/// A pressure f(t) [N/m2] on a shell, along its normal, at three by three Gauss points.
+/// A pressure f(t) [N/m2] on a shell, along its normal, at the Gauss points of its [face](Face).
 ///
 /// Dead: the force f N dA on each area of the reference. Follower: f n da = f x,r cross x,s dr ds on the deformed surface. It pushes to
 /// where the normal points. Around a closed volume V the follower does the work f dV, and its forces have no resultant.
@@ -12,7 +12,9 @@ use std::ops::Range;
 /// Parameters:
 /// * of a dead load, at each Gauss point: `area x, y, z`  N dA, in the world \[m2\]
 /// * parameters of f(t) [N/m2]
-pub struct ShellPressureField {
+pub struct ShellPressureField<F = Quad9> {
+    /// Its face.
+    pub face: F,
     /// Dead in the world, or follower with the body.
     pub frame: LoadFrame,
     /// Size over time.
@@ -20,23 +22,32 @@ pub struct ShellPressureField {
 }
 
 /// The pressure as an element.
-pub type ShellPressure = Flexible<ShellPressureField>;
+pub type ShellPressure<F = Quad9> = Flexible<ShellPressureField<F>>;
 
-impl ShellPressureField {
-    /// Number of parameters before those of f(t).
-    fn areas(&self) -> usize {
-        if self.frame == LoadFrame::World { 3 * GAUSS_POINTS } else { 0 }
+/// The pressure on a shell whose face is told by its kind.
+pub fn shell_pressure(face: FaceKind, frame: LoadFrame, size: TimeFunction) -> Box<dyn AnyElement> {
+    match face {
+        FaceKind::Quad4 => Flexible(ShellPressureField { face: Quad4, frame, size }).into(),
+        FaceKind::Quad9 => Flexible(ShellPressureField { face: Quad9, frame, size }).into(),
+        FaceKind::Triangle6 => Flexible(ShellPressureField { face: Triangle6, frame, size }).into(),
     }
 }
 
-impl Field for ShellPressureField {
-    const NODES: usize = NODES;
+impl<F: Face> ShellPressureField<F> {
+    /// Number of parameters before those of f(t).
+    fn areas(&self) -> usize {
+        if self.frame == LoadFrame::World { 3 * F::SHAPE.gauss.len() } else { 0 }
+    }
+}
+
+impl<F: Face> Field for ShellPressureField<F> {
+    const NODES: usize = F::SHAPE.nodes;
     const NODE: NodeKind = NodeKind::Body;
-    const POINTS: &'static [&'static [Interpolation]] = &SURFACE_POINTS;
+    const POINTS: &'static [&'static [Interpolation]] = F::SHAPE.surface_points;
 
     fn parameters(&self) -> Vec<Parameter> {
         let named = |point: usize, axis: &str| Parameter::named(format!("Gauss point {point}: area {axis}"), "m2");
-        let areas = (1..=GAUSS_POINTS).flat_map(|point| ["x", "y", "z"].map(|axis| named(point, axis)));
+        let areas = (1..=F::SHAPE.gauss.len()).flat_map(|point| ["x", "y", "z"].map(|axis| named(point, axis)));
         areas.take(self.areas()).chain(self.size.parameters("N/m2")).collect()
     }
     fn parameters_of(&self, _point: usize) -> Range<usize> {
@@ -46,7 +57,7 @@ impl Field for ShellPressureField {
         let area = match self.frame {
             LoadFrame::World => Vector3::first_three(&p[3 * point..]),
             LoadFrame::Body => {
-                Vector3::first_three(&h[3..]).cross(&Vector3::first_three(&h[6..])) * S::from(gauss_weight(point))
+                Vector3::first_three(&h[3..]).cross(&Vector3::first_three(&h[6..])) * S::from(F::SHAPE.gauss_weights[point])
             }
         };
         let load = area * self.size.value(t, &p[self.areas()..]);

@@ -34,11 +34,11 @@ pub use tsai_wu::TsaiWu;
 pub use velocity::Velocity;
 pub use von_mises::VonMises;
 
-use super::{AnyPointQuantity, AnyQuantity, ElementSum};
+use super::{AnyPointQuantity, AnyQuantity, ElementSum, OfShells};
 use crate::elements::{Parameter, instantiate_here};
 
 instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
-instantiate_here!(dyn AnyPointQuantity: ElementSum, TsaiWu, VonMises);
+instantiate_here!(dyn AnyPointQuantity: ElementSum, OfShells<TsaiWu>, OfShells<VonMises>);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

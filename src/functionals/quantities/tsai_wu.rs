@@ -1,6 +1,6 @@
-use crate::elements::flexible::{Laminate, Ply, PlyStrength, Shell, ShellSection};
+use crate::elements::flexible::{Laminate, Ply, PlyStrength, ShellKind, ShellSection};
 use crate::elements::{Parameter, State};
-use crate::functionals::{PointParameters, PointQuantity, PointValue};
+use crate::functionals::{PointParameters, PointValue, ShellQuantity};
 use crate::scalar::Scalar;
 
 /// The failure ratio of Tsai and Wu [-] of every ply of layered shells, at its lower and upper face and at the Gauss points:
@@ -40,8 +40,7 @@ impl TsaiWu {
     }
 }
 
-impl PointQuantity for TsaiWu {
-    type Element = Shell;
+impl ShellQuantity for TsaiWu {
     const NAME: &'static str = "the failure ratio of Tsai and Wu of a layered shell";
 
     fn parameters(&self) -> Vec<Parameter> {
@@ -53,10 +52,10 @@ impl PointQuantity for TsaiWu {
         };
         [Parameter::new("offset", "m")].into_iter().chain((1..=self.plies).flat_map(of_ply)).collect()
     }
-    fn is_of(&self, shell: &Shell) -> bool {
-        shell.0.section == ShellSection::Laminate
+    fn is_of(&self, shell: ShellKind) -> bool {
+        shell.section == ShellSection::Laminate
     }
-    fn at_points<S: Scalar>(&self, shell: &Shell, s: State<S>, p: PointParameters<S>, _t: S) -> Vec<PointValue<S>> {
+    fn at_points<S: Scalar>(&self, shell: ShellKind, s: State<S>, p: PointParameters<S>, _t: S) -> Vec<PointValue<S>> {
         let plies: Vec<(Ply<S>, PlyStrength<S>)> = p.own[1..]
             .chunks_exact(OF_PLY.len())
             .map(|own| {

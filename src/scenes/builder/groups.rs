@@ -4,7 +4,7 @@ use super::MechanismBuilder;
 use crate::assembly::ElementId;
 use crate::elements::flexible::{Laminate, PlyStrength};
 use crate::functionals::quantities::{TsaiWu, VonMises};
-use crate::functionals::{AnyPointQuantity, ElementGroup, ElementSum, Functional, Measured, MeasuredGroup, Over};
+use crate::functionals::{AnyPointQuantity, ElementGroup, ElementSum, Functional, Measured, MeasuredGroup, OfShells, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
 impl<S: Scalar> MechanismBuilder<S> {
@@ -111,7 +111,7 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of the von Mises stress by the yield stress [N/m2] on both surfaces of shells of one material [-]: see [`VonMises`].
     pub fn von_mises_functional(&mut self, name: &str, over: Over, group: &ElementGroup, yield_stress: S) {
-        self.add_group_functional(name, "-", over, group, VonMises.into(), &[yield_stress]);
+        self.add_group_functional(name, "-", over, group, OfShells(VonMises).into(), &[yield_stress]);
     }
 
     /// A functional of the failure ratio of Tsai and Wu in layered shells with these plies and their strengths [-]: see [`TsaiWu`].
@@ -129,6 +129,6 @@ impl<S: Scalar> MechanismBuilder<S> {
             return;
         }
         let p = TsaiWu::numbers(laminate, strengths);
-        self.add_group_functional(name, "-", over, group, TsaiWu { plies }.into(), &p);
+        self.add_group_functional(name, "-", over, group, OfShells(TsaiWu { plies }).into(), &p);
     }
 }

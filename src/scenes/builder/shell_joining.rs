@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Edge, MechanismBuilder, ShellMember, ShellMesh};
+use super::{MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -19,17 +19,15 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// their area by the nodes of the corners: half a percent of the torsional stiffness of a square tube with two elements across each wall,
     /// half of that with four.
     #[must_use]
-    pub fn joined(&self, mut mesh: ShellMesh<S>, shells: &[&ShellMember]) -> ShellMesh<S> {
-        let size = (mesh.points[mesh.points.len() - 1] - mesh.points[0]).length().value();
-        let edges = [Edge::FirstStart, Edge::FirstEnd, Edge::SecondStart, Edge::SecondEnd];
-        for place in edges.into_iter().flat_map(|edge| mesh.places(edge)).collect::<Vec<_>>() {
-            if mesh.given.iter().any(|(given, _)| *given == place) {
-                continue;
-            }
-            let point = mesh.points[place];
+    pub fn joined<M: SurfaceMesh<S>>(&self, mut mesh: M, shells: &[&impl AsRef<MeshedShell>]) -> M {
+        let free = mesh.free();
+        let size = free.size();
+        for place in mesh.rim() {
+            let point = free.points[place];
             let is_here = |node: &&NodeId| (self.position(**node) - point).length().value() <= SAME_PLACE * size;
-            let found = shells.iter().flat_map(|shell| &shell.nodes).find(is_here);
-            mesh.given.extend(found.map(|&node| (place, node)));
+            if let Some(&node) = shells.iter().flat_map(|shell| &shell.as_ref().nodes).find(is_here) {
+                mesh.take_over(place, node);
+            }
         }
         mesh
     }

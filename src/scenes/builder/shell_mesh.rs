@@ -1,6 +1,10 @@
 //! Meshes of shells: a grid of nodes on a surface, two for each element and one, along each of its two directions.
 
+use super::SurfaceMesh;
+use super::free_mesh::{FreeMesh, MeshFace};
+use super::shells::{MeshedShell, ShellMember};
 use crate::assembly::NodeId;
+use crate::elements::flexible::faces::FaceKind;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::FRAC_PI_4;
 
@@ -17,7 +21,8 @@ pub enum Edge {
     SecondEnd,
 }
 
-/// A grid of nine-node elements on a surface at t = 0, in the world: positions \[m\] and unit normals of its nodes.
+/// A grid of nine-node elements on a surface at t = 0, in the world: positions \[m\] and unit normals of its nodes. With
+/// [`with_faces`](ShellMesh::with_faces) each makes room for four quadrilaterals of four nodes or for two triangles of six.
 ///
 /// Node (i, j) is the i-th along the first direction and the j-th along the second; elements lie between nodes of even numbers. The normal
 /// points to where the first direction is turned to the second counterclockwise.
@@ -27,6 +32,8 @@ pub struct ShellMesh<S> {
     pub(super) elements: [usize; 2],
     pub(super) points: Vec<Vector3<S>>,
     pub(super) normals: Vec<Vector3<S>>,
+    /// What each nine nodes are made of.
+    kind: FaceKind,
     /// The first direction ends in the nodes where it starts.
     pub(super) closed: bool,
     /// Nodes that never move.
@@ -49,7 +56,8 @@ impl<S: Scalar> ShellMesh<S> {
                 (point, normal.unit())
             })
             .unzip();
-        ShellMesh { elements, points, normals, closed: false, clamped: Vec::new(), given: Vec::new(), damping: None }
+        let (clamped, given) = (Vec::new(), Vec::new());
+        ShellMesh { elements, points, normals, kind: FaceKind::Quad9, closed: false, clamped, given, damping: None }
     }
 
     /// A flat plate: a corner \[m\] and the edges that start there \[m\].
@@ -101,6 +109,13 @@ impl<S: Scalar> ShellMesh<S> {
     #[must_use]
     pub fn closed(mut self) -> Self {
         self.closed = true;
+        self
+    }
+    /// The same nodes with faces of another kind: in place of each nine-node element four quadrilaterals of four nodes, or two triangles of
+    /// six, divided from its first node to its last.
+    #[must_use]
+    pub fn with_faces(mut self, kind: FaceKind) -> Self {
+        self.kind = kind;
         self
     }
     /// Damping proportional to stiffness: strain rates times eta \[s\] add to the strains in all stresses.
@@ -155,5 +170,91 @@ impl<S: Scalar> ShellMesh<S> {
             Edge::SecondStart => (0..=first).map(|i| self.place(i, 0)).collect(),
             Edge::SecondEnd => (0..=first).map(|i| self.place(i, second)).collect(),
         }
+    }
+    /// Nodes (a, b) of the faces among nine.
+    fn division(&self) -> &'static [&'static [[usize; 2]]] {
+        match self.kind {
+            FaceKind::Quad9 => &[&[[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [0, 2], [1, 2], [2, 2]]],
+            FaceKind::Quad4 => &[
+                &[[0, 0], [1, 0], [0, 1], [1, 1]],
+                &[[1, 0], [2, 0], [1, 1], [2, 1]],
+                &[[0, 1], [1, 1], [0, 2], [1, 2]],
+                &[[1, 1], [2, 1], [1, 2], [2, 2]],
+            ],
+            FaceKind::Triangle6 => {
+                &[&[[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]], &[[0, 0], [2, 2], [0, 2], [1, 1], [1, 2], [0, 1]]]
+            }
+        }
+    }
+    /// Place (i, j) of a node of a face.
+    fn grid_place(&self, face: usize, node: usize) -> [usize; 2] {
+        let division = self.division();
+        let (cell, part) = (face / division.len(), face % division.len());
+        let [a, b] = division[part][node];
+        [2 * (cell % self.elements[0]) + a, 2 * (cell / self.elements[0]) + b]
+    }
+}
+
+impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
+    type Member = ShellMember;
+    type Place = [f64; 2];
+
+    fn free(&self) -> FreeMesh<S> {
+        let mut free = FreeMesh::of_points(self.points.clone());
+        free.normals = Some(self.normals.clone());
+        let count = self.elements[0] * self.elements[1] * self.division().len();
+        let face = |face: usize| {
+            let point = |node: usize| {
+                let [i, j] = self.grid_place(face, node);
+                self.place(i, j)
+            };
+            MeshFace { kind: self.kind, points: (0..self.kind.shape().nodes).map(point).collect() }
+        };
+        free.faces = (0..count).map(face).collect();
+        (free.clamped, free.given, free.damping) = (self.clamped.clone(), self.given.clone(), self.damping);
+        free
+    }
+    fn mistake(&self) -> Option<String> {
+        let [first, second] = self.elements;
+        (first == 0 || second == 0).then(|| format!("has {first} x {second} elements; a shell needs at least 1 x 1"))
+    }
+    fn node_name(&self, point: usize) -> String {
+        let width = 2 * self.elements[0] + 1;
+        format!("node {}, {}", point % width, point / width)
+    }
+    fn element_name(&self, face: usize) -> String {
+        let parts = self.division().len();
+        let (cell, part) = (face / parts, face % parts + 1);
+        let (column, row) = (cell % self.elements[0] + 1, cell / self.elements[0] + 1);
+        if parts == 1 { format!("element {column}, {row}") } else { format!("element {column}, {row}, part {part}") }
+    }
+    fn place(&self, face: usize, node: usize) -> [f64; 2] {
+        let last = self.elements.map(|count| (2 * count).max(1) as f64);
+        let [i, j] = self.grid_place(face, node);
+        [i as f64 / last[0], j as f64 / last[1]]
+    }
+    fn lines(&self) -> Vec<Vec<usize>> {
+        if self.kind != FaceKind::Quad9 {
+            return self.free().lines();
+        }
+        let [first, second] = self.elements.map(|count| 2 * count);
+        let lines = (0..=second).step_by(2).map(|j| (0..=first).map(|i| self.place(i, j)).collect());
+        let across = (0..=first).step_by(2).map(|i| (0..=second).map(|j| self.place(i, j)).collect());
+        lines.chain(across).collect()
+    }
+    fn rim(&self) -> Vec<usize> {
+        let edges = [Edge::FirstStart, Edge::FirstEnd, Edge::SecondStart, Edge::SecondEnd];
+        edges.into_iter().flat_map(|edge| self.places(edge)).collect()
+    }
+    fn take_over(&mut self, point: usize, node: NodeId) {
+        if self.given.iter().all(|(given, _)| *given != point) {
+            self.given.push((point, node));
+        }
+    }
+    fn member(self, shell: MeshedShell) -> ShellMember {
+        let [first, second] = self.elements.map(|count| 2 * count);
+        let places = (0..=second).flat_map(|j| (0..=first).map(move |i| (i, j)));
+        let nodes = places.filter_map(|(i, j)| shell.node(self.place(i, j))).collect();
+        ShellMember { counts: self.elements, nodes, parts: self.division().len(), shell }
     }
 }

@@ -1,33 +1,112 @@
-//! Shells on meshes of nine-node elements.
+//! Shells on meshes.
 
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Drawing, Edge, MechanismBuilder, ShellMesh};
+use super::free_mesh::weighed;
+use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::flexible::biquadratic::{AT_NODES, GAUSS, NODES, gauss_weight};
-use crate::elements::flexible::{Laminate, Material, ShellField, ShellPressureField, ShellSection};
+use crate::elements::flexible::faces::{Face, FaceKind, FaceShape, Quad9};
+use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection, shell_pressure};
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Flexible, NodeKind, TimeFunction};
+use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
+use std::collections::HashMap;
+use std::ops::Deref;
 
-/// Stiffness against turning about the director, as a share of that against shear in the surface.
-pub const DRILLING: f64 = 0.1;
+/// [Stiffness against turning about the director](FaceShape::drilling) of shells of nine nodes.
+pub const DRILLING: f64 = Quad9::SHAPE.drilling;
 
-/// A shell of a mechanism: its nodes and elements.
+/// A shell of a mechanism on any mesh: its nodes and elements, and those that have a name.
 #[derive(Clone, Debug)]
-pub struct ShellMember {
+pub struct MeshedShell {
     /// Its name.
     pub name: String,
-    /// Elements along both directions.
+    /// In the order of the points of the mesh, without those that belong to no face.
+    pub nodes: Vec<NodeId>,
+    /// In the order of the faces.
+    pub elements: Vec<ElementId>,
+    faces: Vec<(FaceKind, Vec<NodeId>)>,
+    of_point: Vec<Option<NodeId>>,
+    groups: Vec<(String, Vec<usize>)>,
+    node_sets: Vec<(String, Vec<usize>)>,
+    section: ShellSection,
+    damped: bool,
+}
+
+impl MeshedShell {
+    /// The node at a point of the mesh; `None` where no face has the point.
+    pub fn node(&self, point: usize) -> Option<NodeId> {
+        *self.of_point.get(point)?
+    }
+    /// All its elements.
+    pub fn group(&self) -> ElementGroup {
+        ElementGroup::new(&self.name, self.elements.iter().copied())
+    }
+    /// The elements of a group of faces with a name.
+    ///
+    /// # Errors
+    /// If no group has the name; says which there are.
+    pub fn group_named(&self, name: &str) -> Result<ElementGroup, String> {
+        let faces = self.named("group of faces", &self.groups, name)?;
+        Ok(ElementGroup::new(name, faces.iter().filter_map(|&face| self.elements.get(face).copied())))
+    }
+    /// The nodes of a set of points with a name, in its order.
+    ///
+    /// # Errors
+    /// If no set has the name; says which there are.
+    pub fn node_set(&self, name: &str) -> Result<Vec<NodeId>, String> {
+        let points = self.named("node set", &self.node_sets, name)?;
+        Ok(points.iter().filter_map(|&point| self.node(point)).collect())
+    }
+    fn named<'l>(&self, what: &str, all: &'l [(String, Vec<usize>)], name: &str) -> Result<&'l [usize], String> {
+        match all.iter().find(|(own, _)| own == name) {
+            Some((_, numbers)) => Ok(numbers),
+            None => {
+                let there: Vec<String> = all.iter().map(|(own, _)| format!("\"{own}\"")).collect();
+                let there = if there.is_empty() { "none".into() } else { there.join(", ") };
+                Err(format!("\"{}\" has no {what} \"{name}\"; there are: {there}", self.name))
+            }
+        }
+    }
+    /// What each element is, with its nodes in their order.
+    pub fn faces(&self) -> impl Iterator<Item = (ShellKind, &[NodeId])> {
+        let (section, damped) = (self.section, self.damped);
+        self.faces.iter().map(move |(face, nodes)| (ShellKind { face: *face, section, damped }, &nodes[..]))
+    }
+}
+
+/// A shell of a mechanism on a grid.
+#[derive(Clone, Debug)]
+pub struct ShellMember {
+    /// Elements along both directions, of nine nodes or what stands in place of these.
     pub counts: [usize; 2],
     /// The first direction first; of a closed mesh those of its start stand at its end once more.
     pub nodes: Vec<NodeId>,
-    /// The first direction first.
-    pub elements: Vec<ElementId>,
-    field: ShellField,
+    /// Elements in place of each of nine nodes.
+    pub(super) parts: usize,
+    pub(super) shell: MeshedShell,
+}
+
+impl Deref for ShellMember {
+    type Target = MeshedShell;
+    fn deref(&self) -> &MeshedShell {
+        &self.shell
+    }
+}
+
+impl AsRef<MeshedShell> for ShellMember {
+    fn as_ref(&self) -> &MeshedShell {
+        &self.shell
+    }
+}
+
+impl AsRef<MeshedShell> for MeshedShell {
+    fn as_ref(&self) -> &MeshedShell {
+        self
+    }
 }
 
 impl ShellMember {
@@ -35,28 +114,12 @@ impl ShellMember {
     pub fn node(&self, i: usize, j: usize) -> NodeId {
         self.nodes[i + j * (2 * self.counts[0] + 1)]
     }
-    /// All its elements.
-    pub fn group(&self) -> ElementGroup {
-        ElementGroup::new(&self.name, self.elements.iter().copied())
-    }
     /// Those of its elements for which `is_in` says so, from their places [along the first direction, along the second], counted from 0.
     pub fn part(&self, name: &str, is_in: impl Fn([usize; 2]) -> bool) -> ElementGroup {
-        let along = self.counts[0].max(1);
-        let chosen = self.elements.iter().enumerate().filter(|(place, _)| is_in([place % along, place / along]));
+        let (along, parts) = (self.counts[0].max(1), self.parts);
+        let place = |element: usize| [element / parts % along, element / parts / along];
+        let chosen = self.elements.iter().enumerate().filter(|&(element, _)| is_in(place(element)));
         ElementGroup::new(name, chosen.map(|(_, &element)| element))
-    }
-    /// What its elements are.
-    pub fn field(&self) -> ShellField {
-        self.field
-    }
-    /// Places (i, j) of the nodes of an element.
-    fn places_of(&self, element: usize) -> [[usize; 2]; NODES] {
-        let (column, row) = (element % self.counts[0], element / self.counts[0]);
-        std::array::from_fn(|node| [2 * column + node % 3, 2 * row + node / 3])
-    }
-    /// Nodes of an element.
-    pub fn nodes_of(&self, element: usize) -> [NodeId; NODES] {
-        self.places_of(element).map(|[i, j]| self.node(i, j))
     }
     /// Nodes of an edge, in the order of the grid.
     pub fn edge(&self, edge: Edge) -> Vec<NodeId> {
@@ -70,184 +133,188 @@ impl ShellMember {
     }
 }
 
-/// Sum of points with weights.
-fn tangent<S: Scalar>(points: &[Vector3<S>; NODES], weights: &[f64; NODES]) -> Vector3<S> {
-    points.iter().zip(weights).fold(Vector3::zeros(), |sum, (&point, &weight)| sum + point * S::from(weight))
-}
+/// What the section of a shell is.
+type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>);
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A shell of one material and thickness \[m\] on a mesh, its nodes in the middle of its thickness.
     ///
     /// Nodes of its own start with the rotation of the nodes that are given, or that of the world.
-    pub fn shell(&mut self, name: &str, mesh: ShellMesh<S>, material: &Material<S>, thickness: S) -> ShellMember {
+    pub fn shell<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: M, material: &Material<S>, thickness: S) -> M::Member {
         self.tapered_shell(name, mesh, material, |_, _| thickness)
     }
 
-    /// A shell whose thickness \[m\] depends on the number of the element and on the share (u, v) of both directions: continuous if it
-    /// does not depend on the element.
-    pub fn tapered_shell(
+    /// A shell whose thickness \[m\] depends on the number of the element and on the place of the node: of a grid its share (u, v) of both
+    /// directions, of a free mesh the number of its point. Continuous if it does not depend on the element.
+    pub fn tapered_shell<M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
-        mesh: ShellMesh<S>,
+        mesh: M,
         material: &Material<S>,
-        thickness: impl Fn(usize, [f64; 2]) -> S,
-    ) -> ShellMember {
+        thickness: impl Fn(usize, M::Place) -> S,
+    ) -> M::Member {
         let Material { young, poisson, density } = *material;
-        let last = mesh.elements.map(|count| (2 * count).max(1) as f64);
         if !(poisson.value() > -1.0 && poisson.value() < 1.0) {
             let value = poisson.value();
             self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
         }
-        self.add_shell(name, mesh, ShellSection::Isotropic, |element, nodes| {
-            let own = nodes.map(|[i, j]| thickness(element, [i as f64 / last[0], j as f64 / last[1]]));
-            own.into_iter().chain([young, poisson, density]).collect()
-        })
+        let free = mesh.free();
+        let section = |element: usize, nodes: usize| -> Vec<S> {
+            let own = (0..nodes).map(|node| thickness(element, mesh.place(element, node)));
+            own.chain([young, poisson, density]).collect()
+        };
+        let shell = self.add_shell(name, &mesh, &free, (ShellSection::Isotropic, &section));
+        mesh.member(shell)
     }
 
     /// A shell of plies; axis 1 of its surface lies along `direction` in the world, projected on it.
-    pub fn laminate_shell(
+    pub fn laminate_shell<M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
-        mesh: ShellMesh<S>,
+        mesh: M,
         laminate: &Laminate<S>,
         direction: Vector3<S>,
-    ) -> ShellMember {
+    ) -> M::Member {
         if let Some(why) = laminate.mistake() {
             self.mistakes.push(format!("the laminate of \"{name}\": {why}"));
         }
-        let axis = self.unit(name, direction);
-        if mesh.normals.iter().any(|normal| !(normal.cross(&axis).length().value() > 1e-3)) {
+        let (free, axis) = (mesh.free(), self.unit(name, direction));
+        let rotation = self.rotation_of(&free);
+        let numbers = [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat();
+        let before = self.mistakes.len();
+        let shell = self.add_shell(name, &mesh, &free, (ShellSection::Laminate, &|_, _| numbers.clone()));
+        let is_normal = |normal: &Vector3<S>| !(normal.cross(&axis).length().value() > 1e-3);
+        if self.mistakes.len() == before && free.directors().iter().flatten().any(is_normal) {
             self.mistakes.push(format!(
                 "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
             ));
         }
-        let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
-        let numbers = [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat();
-        self.add_shell(name, mesh, ShellSection::Laminate, |_, _| numbers.clone())
+        mesh.member(shell)
     }
 
-    /// A shell with the section's parameters of each element, from its number and the places (i, j) of its nodes.
-    pub(super) fn add_shell(
+    /// Rotation with which the nodes of a shell start.
+    fn rotation_of(&self, mesh: &FreeMesh<S>) -> Quaternion<S> {
+        mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node))
+    }
+
+    /// A shell with the section's parameters of each element, from its number and that of its nodes.
+    fn add_shell<M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
-        mesh: ShellMesh<S>,
-        kind: ShellSection,
-        section: impl Fn(usize, [[usize; 2]; NODES]) -> Vec<S>,
-    ) -> ShellMember {
-        let [first, second] = mesh.elements;
-        let field = ShellField { section: kind, damped: mesh.damping.is_some() };
-        let (counts, nodes, elements) = (mesh.elements, Vec::new(), Vec::new());
-        let mut member = ShellMember { name: name.into(), counts, nodes, elements, field };
-        let sound = self.check_mesh(name, &mesh);
-        let rotation = mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node));
-        for j in 0..=2 * second {
-            for i in 0..=2 * first {
-                let place = mesh.place(i, j);
-                let given = mesh.given.iter().find(|(own, _)| *own == place);
-                member.nodes.push(match given {
-                    Some(&(_, node)) => node,
-                    None if mesh.closed && i == 2 * first => member.nodes[j * (2 * first + 1)],
-                    None => {
-                        let q: Vec<S> = mesh.points[place].components().into_iter().chain(rotation.0).collect();
-                        let fixed = mesh.clamped.contains(&place);
-                        self.add_node(&format!("{name}, node {i}, {j}"), NodeKind::Body, fixed, &q)
-                    }
-                });
-            }
+        mesh: &M,
+        free: &FreeMesh<S>,
+        (section, section_of): SectionOf<S>,
+    ) -> MeshedShell {
+        let damped = free.damping.is_some();
+        let (groups, node_sets) = (free.groups.clone(), free.node_sets.clone());
+        let (nodes, elements, faces, of_point) = (Vec::new(), Vec::new(), Vec::new(), vec![None; free.points.len()]);
+        let mut shell =
+            MeshedShell { name: name.into(), nodes, elements, faces, of_point, groups, node_sets, section, damped };
+        let sound = self.check_mesh(name, mesh, free);
+        let rotation = self.rotation_of(free);
+        // of a mesh without faces, which is refused, all points may be asked for
+        let mut used = vec![free.faces.is_empty(); free.points.len()];
+        for &point in free.faces.iter().flat_map(|face| &face.points) {
+            used.get_mut(point).into_iter().for_each(|used| *used = true);
+        }
+        let given: HashMap<usize, NodeId> = free.given.iter().rev().copied().collect();
+        for (point, place) in free.points.iter().enumerate().filter(|(point, _)| used[*point]) {
+            let node = given.get(&point).copied().unwrap_or_else(|| {
+                let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
+                let fixed = free.clamped.contains(&point);
+                self.add_node(&format!("{name}, {}", mesh.node_name(point)), NodeKind::Body, fixed, &q)
+            });
+            shell.nodes.push(node);
+            shell.of_point[point] = Some(node);
         }
         if !sound {
-            return member;
+            return shell;
         }
-        for element in 0..first * second {
-            let (column, row) = (element % first, element / first);
-            let places = member.places_of(element);
-            let nodes = places.map(|[i, j]| member.node(i, j));
+        // the first element of each kind is checked as any other, and what it records serves all
+        let mut first: HashMap<FaceKind, ElementId> = HashMap::new();
+        for (element, (face, directors)) in free.faces.iter().zip(free.directors()).enumerate() {
+            let nodes: Vec<NodeId> = face.points.iter().filter_map(|&point| shell.of_point[point]).collect();
+            let kind = ShellKind { face: face.kind, section, damped };
             let mut p = Vec::new();
-            for [i, j] in places {
-                let place = mesh.place(i, j);
-                for vector in [mesh.points[place], mesh.normals[place]] {
+            for (&point, director) in face.points.iter().zip(directors) {
+                for vector in [free.points[point], director] {
                     p.extend(rotation.rotate_back(vector).components());
                 }
             }
-            p.extend(section(element, places));
-            p.push(S::from(DRILLING));
+            p.extend(section_of(element, nodes.len()));
+            p.push(S::from(face.kind.shape().drilling));
             p.extend([S::zero(); 3]);
-            p.extend(mesh.damping);
-            let own = format!("{name}, element {}, {}", column + 1, row + 1);
-            // the first element is checked as any other, and what it records serves all
-            let added = match member.elements.first() {
+            p.extend(free.damping);
+            let own = format!("{name}, {}", mesh.element_name(element));
+            let added = match first.get(&face.kind) {
                 Some(&like)
                     if self.model.find_element(like).is_some()
-                        && self.check_nodes(&own, &nodes, &[NodeKind::Body; NODES]) =>
+                        && self.check_nodes(&own, &nodes, &vec![NodeKind::Body; nodes.len()]) =>
                 {
                     self.numbers.p.extend_from_slice(&p);
                     self.model.add_element_like(&own, &nodes, like)
                 }
                 Some(_) => self.model.refused_element(),
-                None => self.add_element(&own, &nodes, Flexible(field).into(), &p),
+                None => self.add_element(&own, &nodes, kind.element(), &p),
             };
-            member.elements.push(added);
-            self.heavy_shells.push((member.elements[element], field.drilling() + 1));
+            first.entry(face.kind).or_insert(added);
+            shell.elements.push(added);
+            shell.faces.push((face.kind, nodes));
+            self.heavy_shells.push((added, kind.drilling() + 1));
         }
-        self.draw_grid(&member);
-        self.shells.push(member.clone());
-        member
+        for line in mesh.lines() {
+            let points = line.into_iter().filter_map(|point| Some((shell.node(point)?, [0.0; 3]))).collect();
+            self.drawings.push(Drawing { drawn: Drawn::Shell, points });
+        }
+        self.shells.push(shell.clone());
+        shell
     }
 
     /// A pressure on a shell with its size over time [N/m2], one value for each number of `size`: it pushes to where the normal points.
     ///
     /// A dead load (`LoadFrame::World`) keeps the normal and the area that the shell has at the start; a follower (`LoadFrame::Body`) stands
     /// normal to the deformed surface and acts on its area.
-    pub fn pressure(&mut self, name: &str, shell: &ShellMember, frame: LoadFrame, size: TimeFunction, values: &[S]) {
-        for (element, &id) in shell.elements.iter().enumerate() {
+    pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: TimeFunction, values: &[S]) {
+        for (element, ((face, nodes), &id)) in shell.faces.iter().zip(&shell.elements).enumerate() {
             // an element that was refused has been reported already
             if id == self.model.refused_element() {
                 continue;
             }
-            let nodes = shell.nodes_of(element);
-            let points = nodes.map(|node| self.position(node));
+            let FaceShape { gauss, gauss_weights, .. } = face.shape();
+            let points: Vec<Vector3<S>> = nodes.iter().map(|&node| self.position(node)).collect();
             let mut p = Vec::new();
             if frame == LoadFrame::World {
-                for (weights, point) in GAUSS.iter().zip(0..) {
-                    let area = tangent(&points, &weights.by_r).cross(&tangent(&points, &weights.by_s));
-                    p.extend((area * S::from(gauss_weight(point))).components());
+                for (weights, &own) in gauss.iter().zip(*gauss_weights) {
+                    let area = weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s));
+                    p.extend((area * S::from(own)).components());
                 }
             }
             p.extend_from_slice(values);
-            let load = Flexible(ShellPressureField { frame, size: size.clone() });
-            self.add_element(&format!("{name}, element {}", element + 1), &nodes, load.into(), &p);
+            let load = shell_pressure(*face, frame, size.clone());
+            self.add_element(&format!("{name}, element {}", element + 1), nodes, load, &p);
         }
     }
 
-    /// Lines between elements.
-    fn draw_grid(&mut self, member: &ShellMember) {
-        let [first, second] = member.counts.map(|count| 2 * count);
-        let lines = (0..=second).step_by(2).map(|j| (0..=first).map(|i| member.node(i, j)).collect::<Vec<_>>());
-        let across = (0..=first).step_by(2).map(|i| (0..=second).map(|j| member.node(i, j)).collect::<Vec<_>>());
-        for line in lines.chain(across) {
-            let points = line.into_iter().map(|node| (node, [0.0; 3])).collect();
-            self.drawings.push(Drawing { drawn: Drawn::Shell, points });
-        }
-    }
-
-    fn check_mesh(&mut self, name: &str, mesh: &ShellMesh<S>) -> bool {
+    fn check_mesh<M: SurfaceMesh<S>>(&mut self, name: &str, mesh: &M, free: &FreeMesh<S>) -> bool {
         let mistakes = self.mistakes.len();
-        let [first, second] = mesh.elements;
-        if first == 0 || second == 0 {
-            self.mistakes.push(format!("\"{name}\" has {first} x {second} elements; a shell needs at least 1 x 1"));
+        if let Some(mistake) = mesh.mistake() {
+            self.mistakes.push(format!("\"{name}\" {mistake}"));
             return false;
         }
-        for element in 0..first * second {
-            let (column, row) = (element % first, element / first);
-            let place = |node: usize| mesh.place(2 * column + node % 3, 2 * row + node / 3);
-            let points: [Vector3<S>; NODES] = std::array::from_fn(|node| mesh.points[place(node)]);
-            for (node, weights) in AT_NODES.iter().enumerate() {
-                let normal = tangent(&points, &weights.by_r).cross(&tangent(&points, &weights.by_s));
-                let cosine = normal.unit().dot(&mesh.normals[place(node)]).value();
+        let of_mesh = free.mistakes_of(&|face| mesh.element_name(face));
+        if !of_mesh.is_empty() {
+            self.mistakes.extend(of_mesh.into_iter().map(|mistake| format!("\"{name}\": {mistake}")));
+            return false;
+        }
+        for (element, (face, directors)) in free.faces.iter().zip(free.directors()).enumerate() {
+            let points = free.places(face);
+            for (node, (weights, director)) in face.kind.shape().at_nodes.iter().zip(directors).enumerate() {
+                let normal = weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s));
+                let cosine = normal.unit().dot(&director).value();
                 if !(cosine > 0.5) {
-                    let (column, row, node) = (column + 1, row + 1, node + 1);
+                    let (element, node) = (mesh.element_name(element), node + 1);
                     self.mistakes.push(format!(
-                        "\"{name}\", element {column}, {row}: at its node {node} the surface and the normal enclose an angle whose cosine is \
+                        "\"{name}\", {element}: at its node {node} the surface and the normal enclose an angle whose cosine is \
                          {cosine:.3}; nodes must lie apart, and the normal points to where the first direction is turned to the second \
                          counterclockwise"
                     ));
@@ -255,16 +322,16 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
         }
-        let size = (mesh.points[mesh.points.len() - 1] - mesh.points[0]).length().value();
+        let size = free.size();
         let mut rotation: Option<[f64; 4]> = None;
-        for &(place, node) in &mesh.given {
+        for &(place, node) in &free.given {
             let Some(kind) = self.kind_of(name, node) else { continue };
             let own = self.model.nodes[node.0].name.clone();
             if kind != NodeKind::Body {
                 self.mistakes.push(format!("\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none"));
                 continue;
             }
-            let gap = (self.position(node) - mesh.points[place]).length().value();
+            let gap = (self.position(node) - free.points[place]).length().value();
             if !(gap <= 1e-9 * size.max(f64::MIN_POSITIVE)) {
                 self.mistakes.push(format!(
                     "\"{name}\" lies {gap:.3e} m from its node \"{own}\": a shell takes hold of the origin of a body's frame"
