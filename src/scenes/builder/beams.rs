@@ -9,8 +9,8 @@ use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values
 use crate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField, STRAINS, Section, TYING_POINTS};
 use crate::elements::forces::LoadFrame;
 use crate::elements::{Flexible, NodeKind, TimeFunction};
-use crate::functionals::Over;
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
+use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 
@@ -107,6 +107,10 @@ pub struct BeamMember {
 }
 
 impl BeamMember {
+    /// All its elements.
+    pub fn group(&self) -> ElementGroup {
+        ElementGroup::new(&self.name, self.elements.iter().copied())
+    }
     /// First node.
     pub fn start(&self) -> NodeId {
         self.nodes[0]

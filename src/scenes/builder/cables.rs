@@ -7,8 +7,8 @@ use crate::elements::flexible::{
 };
 use crate::elements::joints::{CableCorner, CableEnd, HeldSlope};
 use crate::elements::{Flexible, NodeKind};
-use crate::functionals::Over;
 use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
+use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
 
@@ -83,6 +83,10 @@ pub struct CableMember {
 }
 
 impl CableMember {
+    /// All its elements.
+    pub fn group(&self) -> ElementGroup {
+        ElementGroup::new(&self.name, self.elements.iter().copied())
+    }
     /// First node.
     pub fn start(&self) -> NodeId {
         self.nodes[0]

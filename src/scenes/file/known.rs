@@ -186,11 +186,11 @@ impl<S: Scalar> Known<'_, S> {
         for (_, value) in list(fields, key) {
             let Value::Item(item) = value else { continue };
             groups.extend(match &self.made[*item] {
-                Made::Beam(beam) => vec![ElementGroup::new("beam", beam.elements.iter().copied())],
-                Made::Cable(cable) => vec![ElementGroup::new("cable", cable.elements.iter().copied())],
+                Made::Beam(beam) => vec![beam.group()],
+                Made::Cable(cable) => vec![cable.group()],
                 Made::Shell(shell) => vec![shell.group()],
-                Made::Walls(walls) => walls.walls.iter().map(ShellMember::group).collect(),
-                Made::Sphere(faces) => faces.iter().map(ShellMember::group).collect(),
+                Made::Walls(walls) => walls.walls.iter().map(|wall| wall.group()).collect(),
+                Made::Sphere(faces) => faces.iter().map(|face| face.group()).collect(),
                 Made::Group(group) => vec![group.clone()],
                 _ => Vec::new(),
             });
