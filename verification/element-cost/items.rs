@@ -161,12 +161,17 @@ mod tests {
         for folder in ["bodies", "flexible", "forces", "joints"] {
             let path = format!("{}/src/elements/{folder}", env!("CARGO_MANIFEST_DIR"));
             for file in std::fs::read_dir(path).expect("a folder of the library") {
-                let text = std::fs::read_to_string(file.expect("a file").path()).expect("text");
+                let path = file.expect("a file").path();
+                // the faces of shells are tables, without formulas
+                if path.is_dir() {
+                    continue;
+                }
+                let text = std::fs::read_to_string(path).expect("text");
                 for line in text.lines().filter(|line| line.starts_with("impl")) {
                     let Some((of, name)) = line.split_once(" for ") else { continue };
                     let is_physics = ["Element", "Constraint", "NonholonomicConstraint", "Field"]
                         .iter()
-                        .any(|own| of.trim_start_matches("impl").trim_start_matches("<J: Constraint>").trim() == *own);
+                        .any(|own| of.trim_start_matches("impl").split("> ").last().map(str::trim) == Some(own));
                     let name = name.trim_end_matches('{').trim().split('<').next().unwrap_or_default();
                     // Displacement and Slide are what a bushing and a slide spring are made of
                     if is_physics && !["Displacement", "Slide"].contains(&name) {

@@ -27,7 +27,8 @@ pub use distributed_load::{DistributedLoad, DistributedLoadField};
 pub use laminate::{Laminate, Ply, PlyStrength};
 pub use section::{Material, Section};
 pub use shell::{DRILLING_INERTIA, Shell, ShellField, ShellKind, ShellPoint, ShellSection};
-pub use shell_pressure::{ShellPressure, ShellPressureField, shell_pressure};
+pub(crate) use shell_pressure::shell_pressure;
+pub use shell_pressure::{ShellPressure, ShellPressureField};
 pub use small_strain_cable::{SmallStrainCable, SmallStrainCableField};
 
 use super::AnyElement;
