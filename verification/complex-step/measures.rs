@@ -111,8 +111,8 @@ impl Case {
             VonMises if !matches!(self.subject, Subject::Shell(ShellSubject::Isotropic)) => false,
             TsaiWu if !matches!(self.subject, Subject::Shell(ShellSubject::Laminate)) => false,
             Energy if !self.has_energies() => false,
-            // the shell under it is made of the turned start: the same mass but for round-off
-            Mass if matches!(self.subject, Subject::Shell(ShellSubject::Pressure(..))) => false,
+            // the shell under it, or beside it, is made of the turned start: the same mass but for round-off
+            Mass if matches!(self.subject, Subject::Shell(ShellSubject::Pressure(..) | ShellSubject::Face(_))) => false,
             Velocity | JointRate | JointSpeed if self.statics => false,
             _ => !self.statics || entry.1 != Over::Initial,
         };
