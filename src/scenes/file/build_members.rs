@@ -138,6 +138,24 @@ fn is_clamped(fields: &Fields, end: &str) -> bool {
     texts(fields, "clamped").iter().any(|own| own == end)
 }
 
+/// A line with its ends in the nodes that are named, or clamped.
+fn with_ends<L>(
+    fields: &Fields,
+    mut line: L,
+    mut node: impl FnMut(&str) -> Found<NodeId>,
+    joined: [fn(L, NodeId) -> L; 2],
+    clamped: [fn(L) -> L; 2],
+) -> Found<L> {
+    for (place, [key, end]) in [["start_node", "start"], ["end_node", "end"]].into_iter().enumerate() {
+        if fields.get(key).is_some() {
+            line = joined[place](line, node(key)?);
+        } else if is_clamped(fields, end) {
+            line = clamped[place](line);
+        }
+    }
+    Ok(line)
+}
+
 pub(super) fn beam<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
     let (from, elements) = (known.vector(fields, "from")?, count(fields, "elements"));
     let mut line = match fields.get("arc") {
@@ -150,16 +168,9 @@ pub(super) fn beam<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: 
     if fields.get("twist").is_some() {
         line = line.twisted(known.number(fields, "twist")?);
     }
-    if fields.get("start_node").is_some() {
-        line = line.from_node(known.node(fields, "start_node", m)?);
-    } else if is_clamped(fields, "start") {
-        line = line.clamped_start();
-    }
-    if fields.get("end_node").is_some() {
-        line = line.to_node(known.node(fields, "end_node", m)?);
-    } else if is_clamped(fields, "end") {
-        line = line.clamped_end();
-    }
+    let node = |key: &str| known.node(fields, key, m);
+    let (joined, clamped) = ([BeamLine::from_node, BeamLine::to_node], [BeamLine::clamped_start, BeamLine::clamped_end]);
+    let line = with_ends(fields, line, node, joined, clamped)?;
     let beam = m.beam(name, line, &beam_section(known, fields)?);
     set_motion(known, fields, &beam.nodes, m)?;
     Ok(Made::Beam(beam))
@@ -167,17 +178,10 @@ pub(super) fn beam<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: 
 
 pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
     let ends = [known.vector(fields, "from")?, known.vector(fields, "to")?];
-    let mut line = CableLine::straight(ends, count(fields, "elements"));
-    if fields.get("start_node").is_some() {
-        line = line.from_node(known.node(fields, "start_node", m)?);
-    } else if is_clamped(fields, "start") {
-        line = line.clamped_start();
-    }
-    if fields.get("end_node").is_some() {
-        line = line.to_node(known.node(fields, "end_node", m)?);
-    } else if is_clamped(fields, "end") {
-        line = line.clamped_end();
-    }
+    let line = CableLine::straight(ends, count(fields, "elements"));
+    let node = |key: &str| known.node(fields, key, m);
+    let (joined, clamped) = ([CableLine::from_node, CableLine::to_node], [CableLine::clamped_start, CableLine::clamped_end]);
+    let line = with_ends(fields, line, node, joined, clamped)?;
     let cable = m.cable(name, line, &cable_section(known, fields)?);
     set_motion(known, fields, &cable.nodes, m)?;
     Ok(Made::Cable(cable))
