@@ -80,6 +80,9 @@ pub struct Factorization {
     /// Places and columns of the entries in their rows, and where those of each begin.
     weak_entries: Vec<(usize, usize)>,
     weak_starts: Vec<usize>,
+    /// Workspace: rows, places and columns while they are sorted, and strengths of ties with the numbers of weak unknowns.
+    listed: Vec<(usize, usize, usize)>,
+    order: Vec<(f64, usize)>,
     /// Whether some of them are tied to each other.
     is_mixed: bool,
     /// Whether unknowns that multipliers tie to far stiffer ones count as weak.
@@ -133,6 +136,8 @@ impl Factorization {
             weak: Vec::new(),
             weak_entries: Vec::new(),
             weak_starts: vec![0],
+            listed: Vec::new(),
+            order: Vec::new(),
             is_mixed: false,
             is_careful: false,
             pattern,
@@ -359,9 +364,11 @@ impl Factorization {
     /// scaled ones, each against all that are scaled by then. By its unscaled entries such a body would hide those of the soft or light
     /// neighbours of its links.
     fn scale_mixed(&mut self, values: &[f64]) {
+        let mut order = std::mem::take(&mut self.order);
         let strength = |number: usize| self.row_size(number, values) * self.column_size(self.weak[number], values);
-        let mut order: Vec<(f64, usize)> = (0..self.weak.len()).map(|number| (strength(number), number)).collect();
-        order.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        order.clear();
+        order.extend((0..self.weak.len()).map(|number| (strength(number), number)));
+        order.sort_unstable_by(|(a, first), (b, second)| b.total_cmp(a).then(first.cmp(second)));
         let mut left = usize::MAX;
         while order.len() < left {
             left = order.len();
@@ -379,9 +386,10 @@ impl Factorization {
                 !is_tied
             });
         }
-        for (_, number) in order {
+        for &(_, number) in &order {
             (self.row_scale[self.weak[number]], self.column_scale[self.weak[number]]) = (1.0, 1.0);
         }
+        self.order = order;
     }
 
     /// Takes their scales from unknowns whose diagonal is nothing beside that of others in the equation of a multiplier: of a body without
@@ -408,15 +416,19 @@ impl Factorization {
     fn find_weak(&mut self) {
         self.weak.clear();
         self.weak.extend((0..self.pattern.size).filter(|&unknown| self.column_scale[unknown] == 0.0));
-        let mut entries: Vec<(usize, usize, usize)> = Vec::new();
+        let mut entries = std::mem::take(&mut self.listed);
+        entries.clear();
         for column in 0..self.pattern.size {
             let own = self.entries(column).map(|place| (self.pattern.rows[place], place, column));
             entries.extend(own.filter(|&(row, ..)| self.column_scale[row] == 0.0));
         }
         entries.sort_unstable();
-        self.weak_entries = entries.iter().map(|&(_, place, column)| (place, column)).collect();
+        self.weak_entries.clear();
+        self.weak_entries.extend(entries.iter().map(|&(_, place, column)| (place, column)));
         let start = |&row: &usize| entries.partition_point(|entry| entry.0 < row);
-        self.weak_starts = self.weak.iter().map(start).chain([entries.len()]).collect();
+        self.weak_starts.clear();
+        self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len()]));
+        self.listed = entries;
         self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.column_scale[column] == 0.0);
     }
 }
