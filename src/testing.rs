@@ -216,7 +216,7 @@ fn lagrangian<E: Element>(element: &E, Sample { a, v, q, p, t }: &Sample) -> [Ve
         result[0].push(element.kinetic(&seeded(v, i), &lift(q), &p1).eps);
         let (own, still) = (seeded(q, i), lift::<Dual64>(v));
         let e = strains(&own, (*t).into());
-        let potential = element.potential(&own, &p1) + element.stored(&e, &p1);
+        let potential = element.potential(&own, &p1) + (element.strain_energy(&own, &p1) + element.stored(&e, &p1));
         let damping: f64 = e.iter().zip(&stresses).map(|(e, s)| e.eps * s).sum();
         result[1].push(element.kinetic(&still, &own, &p1).eps - potential.eps + applied[i] - damping);
         let number = |x: f64, first: bool, rate: f64| HyperDual64::new(x, f64::from(u8::from(first)), rate, 0.0);
@@ -306,8 +306,8 @@ pub fn check_element<E: Element>(element: &Arc<E>, samples: &[Sample]) -> Result
             element.strains(s.q, p, 0.0, &mut e);
             e
         };
-        let stored = element.stored(&e, p);
-        let energies = [element.kinetic(s.v, s.q, p), element.potential(s.q, p) + stored, element.mass(p), stored];
+        let strain = element.strain_energy(s.q, p) + element.stored(&e, p);
+        let energies = [element.kinetic(s.v, s.q, p), element.potential(s.q, p) + strain, element.mass(p), strain];
         let found = physics.energies_at(s.v, s.q, p);
         // -0 is recorded as 0
         if found != energies {

@@ -102,6 +102,7 @@ impl Scene for Bar {
                 m.cable_strain_functional("strain", Over::Terminal, &cable, 0.9, CableMeasure::Strain);
                 m.cable_strain_functional("curvature", Over::Terminal, &cable, 0.5, CableMeasure::Curvature);
                 m.cable_stress_functional("stress", Over::Terminal, (&cable, 0.9), S::from(7.0), S::zero());
+                m.strain_energy_functional("strain energy", Over::Terminal, &cable.group());
             }
             What::Vibrating { supports, small } => {
                 let line = line(ELEMENTS);
@@ -146,10 +147,11 @@ fn equilibrium(what: What) -> Vec<f64> {
     prepared.analysis().forward(&[]).expect("an equilibrium").values
 }
 
-/// Elastica: tip of an inextensible cantilever under a dead load with P L^2 / (EI) = 4, Mattiasson (1981), recomputed to 12 digits.
+/// Elastica: tip of an inextensible cantilever under a dead load with P L^2 / (EI) = 4, Mattiasson (1981), recomputed to 12 digits; its
+/// energy times L / (EI) is 4 (sin phi - y / L) with the angle phi at the tip.
 #[test]
 fn a_cantilever_bends_like_the_elastica() {
-    let (shortening, deflection) = (0.328_941_242_247, 0.669_964_181_278);
+    let (shortening, deflection, bent) = (0.328_941_242_247, 0.669_964_181_278, 0.922_702_125_745);
     let load = [0.0, 4.0 * BENDING / (LENGTH * LENGTH), 0.0];
     for small in [false, true] {
         // nothing but bending resists a stretch of slopes where strains are those of the chord: it is kept at the start
@@ -157,10 +159,11 @@ fn a_cantilever_bends_like_the_elastica() {
         let mut errors = Vec::new();
         for elements in [8, 16, 32] {
             // EA L^2 / (EI) = 1e7: the load stretches by less than 1e-6
-            let [x, y, ..] = equilibrium(What::Loaded { elements, small, held, load, axial: 1e7 })[..] else {
+            let [x, y, .., energy] = equilibrium(What::Loaded { elements, small, held, load, axial: 1e7 })[..] else {
                 unreachable!()
             };
-            errors.push((x / LENGTH - 1.0 + shortening).abs().max((y / LENGTH - deflection).abs()));
+            let of_energy = (energy * LENGTH / BENDING / bent - 1.0).abs();
+            errors.push((x / LENGTH - 1.0 + shortening).abs().max((y / LENGTH - deflection).abs()).max(of_energy));
         }
         println!("small strains: {small}: errors of the tip {errors:?} of the length");
         assert!(errors[2] < 2.5e-4 && errors.windows(2).all(|pair| pair[0] > 3.0 * pair[1]), "{small}: {errors:?}");
@@ -185,6 +188,7 @@ fn a_cable_stretches_uniformly_unless_its_end_is_kept_from_it() {
             println!("small: {small}, {held:?}: stretch {:.6} for {stretch:.6}", found[0] / LENGTH);
             if held == Held::Weld(HeldSlope::Direction) {
                 assert!(off < 1e-12 && (found[2] - strain).abs() < 1e-12, "{found:?}");
+                assert!((found[5] - 0.5 * axial * strain * strain * LENGTH).abs() < 1e-10, "{found:?}");
                 assert!((found[4] - 7.0 * strain).abs() < 1e-11 && found[3].abs() < 1e-12, "{found:?}");
             } else if !small {
                 // a slope that keeps its length takes part of the stretch

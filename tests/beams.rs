@@ -511,7 +511,7 @@ impl Field for Cable {
     fn parameters_of(&self, _point: usize) -> Range<usize> {
         0..2
     }
-    fn potential<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
+    fn strain_energy<S: Scalar>(&self, _point: usize, h: &[S], p: &[S]) -> S {
         let strain = Vector3::first_three(h).length() / p[1] - 1.0;
         p[0] * p[1] * strain * strain * 0.5
     }

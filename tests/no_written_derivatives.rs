@@ -9,13 +9,13 @@ const CONTRACTS: [(&str, &str, &str); 7] = [
     (
         "elements/element.rs",
         "Element",
-        "nodes parameters residual kinetic potential add_force strain_count strains stored damping dissipation mass breakpoints \
+        "nodes parameters residual kinetic potential strain_energy add_force strain_count strains stored damping dissipation mass breakpoints \
          in_stages",
     ),
     (
         "elements/field.rs",
         "Field",
-        "parameters parameters_of node_map residual kinetic potential add_force strain_count strains stored stored_together damping \
+        "parameters parameters_of node_map residual kinetic potential strain_energy add_force strain_count strains stored stored_together damping \
          dissipation_together mass breakpoints",
     ),
     ("elements/constraint.rs", "Constraint", "nodes equations parameters g breakpoints"),

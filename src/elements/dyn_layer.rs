@@ -228,8 +228,8 @@ impl<E: Element> AnyElement for E {
         let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
         Formula::record(2 * n + m, |x| {
             let [v, q, p] = arguments(x, [n, n, m]);
-            let Energies { kinetic, potential, stored } = Energies::of(self, [v, q, p], Recorded::from(0.0));
-            vec![kinetic, potential, self.mass(p), stored]
+            let Energies { kinetic, potential, strain } = Energies::of(self, [v, q, p], Recorded::from(0.0));
+            vec![kinetic, potential, self.mass(p), strain]
         })
     }
     fn record_inertia_moment(&self) -> Recording {

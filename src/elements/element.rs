@@ -17,11 +17,11 @@ pub struct State<'a, S> {
 ///
 /// Give either [`residual`](Element::residual), or any of
 ///
-/// * the kinetic energy T(v, q, p) and the potential energy V(q, p),
+/// * the kinetic energy T(v, q, p), the potential energy V(q, p) and the strain energy U(q, p),
 /// * strains e(q, p, t) with the energy W(e, p) stored in them, the damping stresses s(e, de/dt, p, t) and the dissipation D(e, de/dt, p),
 /// * the non-conservative force Q(v, q, p, t),
 ///
-/// from which R = d/dt (dT/dv) - dT/dq + dV/dq + (de/dq)^T (dW/de + s + dD/d(de/dt)) - Q is made. The formula is recorded, and all derivatives are made
+/// from which R = d/dt (dT/dv) - dT/dq + d(V + U)/dq + (de/dq)^T (dW/de + s + dD/d(de/dt)) - Q is made. The formula is recorded, and all derivatives are made
 /// of the recording: there is no method by which one could be supplied. What is linear, constant, sparse or not read is seen there, too.
 ///
 /// Every list that a method writes to holds zeros before. Every physical number is a parameter in `p`; the element itself holds topology
@@ -44,8 +44,12 @@ pub trait Element: Send + Sync + 'static {
     fn kinetic<S: Scalar>(&self, _v: &[S], _q: &[S], _p: &[S]) -> S {
         S::zero()
     }
-    /// Potential energy V(q, p) \[J\].
+    /// Potential energy V(q, p) \[J\] that no strain stores: that of weight and other loads.
     fn potential<S: Scalar>(&self, _q: &[S], _p: &[S]) -> S {
+        S::zero()
+    }
+    /// Strain energy U(q, p) \[J\], where it is not [`stored`](Element::stored) in strains that are given.
+    fn strain_energy<S: Scalar>(&self, _q: &[S], _p: &[S]) -> S {
         S::zero()
     }
     /// The generalized non-conservative force Q(v, q, p, t), into `force`.

@@ -43,8 +43,12 @@ pub trait Field: Send + Sync + 'static {
     fn kinetic<S: Scalar>(&self, _point: usize, _v: &[S], _h: &[S], _p: &[S]) -> S {
         S::zero()
     }
-    /// Potential energy of a point \[J\].
+    /// Potential energy of a point \[J\] that no strain stores.
     fn potential<S: Scalar>(&self, _point: usize, _h: &[S], _p: &[S]) -> S {
+        S::zero()
+    }
+    /// Strain energy of a point \[J\], where it is not [`stored`](Field::stored) in strains that are given.
+    fn strain_energy<S: Scalar>(&self, _point: usize, _h: &[S], _p: &[S]) -> S {
         S::zero()
     }
     /// The non-conservative force of a point, conjugate to h, into `force`.
@@ -168,6 +172,13 @@ impl<F: Field> Flexible<F> {
         });
         total
     }
+    fn strain_energy_of<S: Scalar>(&self, y: &[S], p: &[S]) -> S {
+        let mut total = S::zero();
+        self.for_each_point(|point, rows, _| {
+            total += self.0.strain_energy(point, &interpolate::<F, S>(rows, y), &p[self.0.parameters_of(point)]);
+        });
+        total
+    }
     fn add_force_of<S: Scalar>(&self, v: &[S], y: &[S], p: &[S], t: S, force: &mut [S]) {
         self.for_each_point(|point, rows, _| {
             let (rates, h) = (interpolate::<F, S>(rows, v), interpolate::<F, S>(rows, y));
@@ -204,6 +215,12 @@ impl<F: Field> Element for Flexible<F> {
             return self.potential_of(q, p);
         }
         self.potential_of(&self.node_numbers(q, p), p)
+    }
+    fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        if F::MAPPED.is_none() {
+            return self.strain_energy_of(q, p);
+        }
+        self.strain_energy_of(&self.node_numbers(q, p), p)
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         if F::MAPPED.is_none() {
@@ -287,6 +304,9 @@ impl<F: Field> Formulas for OfNodeNumbers<'_, F> {
     }
     fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
         self.0.potential_of(q, p)
+    }
+    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
+        self.0.strain_energy_of(q, p)
     }
     fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]) {
         self.0.add_force_of(v, q, p, t, force);

@@ -10,16 +10,17 @@ use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_fr
 pub(super) struct Energies {
     /// T.
     pub kinetic: Recorded,
-    /// V with what is stored in strains.
+    /// V with the strain energy.
     pub potential: Recorded,
-    /// What is stored in strains.
-    pub stored: Recorded,
+    /// The strain energy, U with what is stored in strains that are given.
+    pub strain: Recorded,
 }
 
 /// What a residual is made of, in recorded numbers: an element, or the same in numbers that a node map makes of its coordinates.
 pub trait Formulas {
     fn kinetic(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded]) -> Recorded;
     fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
+    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded;
     fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]);
     fn strain_count(&self) -> usize;
     fn strains(&self, q: &[Recorded], p: &[Recorded], t: Recorded, e: &mut [Recorded]);
@@ -34,6 +35,9 @@ impl<E: Element> Formulas for E {
     }
     fn potential(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
         Element::potential(self, q, p)
+    }
+    fn strain_energy(&self, q: &[Recorded], p: &[Recorded]) -> Recorded {
+        Element::strain_energy(self, q, p)
     }
     fn add_force(&self, v: &[Recorded], q: &[Recorded], p: &[Recorded], t: Recorded, force: &mut [Recorded]) {
         Element::add_force(self, v, q, p, t, force);
@@ -67,8 +71,8 @@ fn strains(element: &impl Formulas, q: &[Recorded], p: &[Recorded], t: Recorded)
 
 impl Energies {
     pub fn of(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
-        let stored = element.stored(&strains(element, q, p, t), p);
-        Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + stored, stored }
+        let strain = element.strain_energy(q, p) + element.stored(&strains(element, q, p, t), p);
+        Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + strain, strain }
     }
 }
 

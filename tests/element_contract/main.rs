@@ -68,7 +68,7 @@ impl<E: Element> Contract for E {
         let (q, v) = (along(s.q, s.v), along(s.v, s.a));
         let e = strains(self, &q, p, t.into());
         let p = still(p);
-        self.kinetic(&v, &q, &p) + self.potential(&q, &p) + self.stored(&e, &p)
+        self.kinetic(&v, &q, &p) + self.potential(&q, &p) + self.strain_energy(&q, &p) + self.stored(&e, &p)
     }
 }
 

@@ -106,8 +106,7 @@ impl Case {
         let measured = |entry: &(Measure, Over)| match entry.0 {
             SectionForce | SectionStrain | FibreStress if !beam => false,
             CableStrain | CableCurvature | CableStress | LargestCableStress | CableDeflection if !cable => false,
-            // the potential of a cable is that of its strains and its weight
-            StrainEnergy if !(self.is_of_beams() || self.is_of_shells()) => false,
+            StrainEnergy if !(cable || self.is_of_beams() || self.is_of_shells()) => false,
             VonMises if !matches!(self.subject, Subject::Shell(ShellSubject::Isotropic)) => false,
             TsaiWu if !matches!(self.subject, Subject::Shell(ShellSubject::Laminate)) => false,
             Energy if !self.has_energies() => false,

@@ -130,6 +130,13 @@ impl Element for Cable {
     }
     #[inline(always)]
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        // the integral of r: that of a cubic
+        let vector = |place: usize| Vector3::first_three(&q[3 * place..]);
+        let middle = (vector(0) + vector(2)) * S::from(0.5) + (vector(1) - vector(3)) * (p[LENGTH] / 12.0);
+        -p[LENGTH] * p[MASS] * middle.dot(&Vector3::first_three(&p[GRAVITY..]))
+    }
+    #[inline(always)]
+    fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let inverse = p[LENGTH].recip();
         let own = line(q, inverse);
         let mut energy = S::zero();
@@ -139,10 +146,7 @@ impl Element for Cable {
             let twice = strain * strain * p[AXIAL] + square_of_curvature(first, second) * p[BENDING];
             energy += twice * p[LENGTH] * (0.5 * THREE_WEIGHTS[point]);
         }
-        // the integral of r: that of a cubic
-        let vector = |place: usize| Vector3::first_three(&q[3 * place..]);
-        let middle = (vector(0) + vector(2)) * S::from(0.5) + (vector(1) - vector(3)) * (p[LENGTH] / 12.0);
-        energy - p[LENGTH] * p[MASS] * middle.dot(&Vector3::first_three(&p[GRAVITY..]))
+        energy
     }
     fn strain_count(&self) -> usize {
         if self.damped { 12 } else { 0 }

@@ -39,7 +39,7 @@ impl Field for SmallStrainCableField {
         0..3
     }
     #[inline(always)]
-    fn potential<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
+    fn strain_energy<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
         if point == 0 {
             let strain = Vector3::first_three(h).length() / p[0] - 1.0;
             return strain * strain * p[0] * p[1] * 0.5;

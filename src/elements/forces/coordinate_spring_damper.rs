@@ -26,7 +26,7 @@ impl Element for CoordinateSpringDamper {
         vec![self.of]
     }
     #[inline(always)]
-    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+    fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let stretch = q[self.index] - p[2];
         p[0] * stretch * stretch * 0.5
     }
