@@ -66,6 +66,7 @@ struct ValueProgram {
 /// Where the numbers of one element stand.
 #[derive(Clone, Debug)]
 struct GroupMember {
+    element: ElementId,
     /// In the vectors of the model, those of its coordinates.
     dofs: Vec<usize>,
     /// First of its parameters.
@@ -83,6 +84,11 @@ impl GroupMember {
             Argument::Time => S::from(sample.t),
         }
     }
+}
+
+/// The larger one, or what is no number: a stress that is none is not hidden behind others.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if b <= a || a.is_nan() { a } else { b }
 }
 
 /// Workspace of a group's values.
@@ -121,9 +127,9 @@ impl MeasuredGroup {
             let mut batches: Vec<GroupBatch> = Vec::new();
             // elements of one type and options share their recordings
             let mut places: Vec<(&ElementPhysics, Option<usize>)> = Vec::new();
-            let all = (0..model.elements.len()).map(|index| &model.elements[index]);
-            let listed = self.elements.iter().flatten().filter_map(|&id| model.find_element(id));
-            for element in all.filter(|_| self.elements.is_none()).chain(listed) {
+            let all = self.elements.is_none().then(|| model.element_ids());
+            let listed = self.elements.iter().flatten().copied();
+            for (id, element) in all.into_iter().flatten().chain(listed).filter_map(|id| Some((id, model.find_element(id)?))) {
                 let known = places.iter().rev().find(|(physics, _)| physics.is_same(&element.physics));
                 let place = match known {
                     Some(&(_, place)) => place,
@@ -143,7 +149,7 @@ impl MeasuredGroup {
                 };
                 if let Some(place) = place {
                     let dofs = element.nodes.iter().flat_map(|&node| model.node(node).dofs.clone()).collect();
-                    batches[place].members.push(GroupMember { dofs, parameters: element.parameters.clone() });
+                    batches[place].members.push(GroupMember { element: id, dofs, parameters: element.parameters.clone() });
                 }
             }
             Ok(batches)
@@ -191,6 +197,21 @@ impl MeasuredGroup {
                 },
             );
         }
+    }
+
+    /// What it is in each element that has it, at a sample: of several points the largest, or what is no number.
+    pub fn element_values(&self, model: &Model, sample: &Sample<f64>, p: &[f64]) -> Vec<(ElementId, f64)> {
+        let mut work = GroupWork::default();
+        self.write_values(model, sample, p, PointWeights::Equal, &mut work);
+        let mut values = work.values.iter().map(|&[value, _]| value);
+        let mut all = Vec::new();
+        for batch in self.batches(model) {
+            for member in &batch.members {
+                let own = values.by_ref().take(batch.own.values.len());
+                all.push((member.element, own.reduce(larger).unwrap_or(f64::NAN)));
+            }
+        }
+        all
     }
 
     /// What gives the gradient of what these values add to the sums of a functional, towards the state and some parameters.

@@ -2,6 +2,7 @@ use super::builder::MechanismBuilder;
 use super::sketch::NodePoint;
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::{ShellKind, ShellSection};
+use crate::functionals::larger;
 use std::ops::Range;
 
 /// An element of a shell with what is shown of it at any coordinates.
@@ -11,6 +12,8 @@ pub struct Surface {
     pub nodes: Vec<NodePoint>,
     /// What it is.
     pub kind: ShellKind,
+    /// Which element of the model.
+    pub element: ElementId,
     parameters: Range<usize>,
 }
 
@@ -21,7 +24,7 @@ impl MechanismBuilder<f64> {
             let surface = |((kind, nodes), &id): ((ShellKind, &[NodeId]), &ElementId)| {
                 let parameters = self.model.find_element(id)?.parameters.clone();
                 let nodes: Option<Vec<NodePoint>> = nodes.iter().map(|&node| self.node_point(node, [0.0; 3])).collect();
-                Some(Surface { nodes: nodes?, kind, parameters })
+                Some(Surface { nodes: nodes?, kind, element: id, parameters })
             };
             shell.faces().zip(&shell.elements).filter_map(surface).collect::<Vec<_>>()
         };
@@ -29,17 +32,18 @@ impl MechanismBuilder<f64> {
     }
 }
 
-/// The larger one, or what is not a number: a stress that is none is not hidden behind others.
-fn larger(a: f64, b: f64) -> f64 {
-    if b <= a { a } else { b }
-}
-
 impl Surface {
     /// Mean thickness of an isotropic shell \[m\], from the parameters of the whole mechanism.
     pub fn thickness(&self, p: &[f64]) -> Option<f64> {
-        let (own, shape) = (&p[self.parameters.clone()], self.kind.face.shape());
-        (self.kind.section == ShellSection::Isotropic)
-            .then(|| own[shape.section()..shape.young()].iter().sum::<f64>() / shape.nodes as f64)
+        let own = self.thicknesses()?;
+        let count = own.len() as f64;
+        Some(p[own].iter().sum::<f64>() / count)
+    }
+
+    /// Places of the thicknesses of an isotropic shell at its nodes among the parameters of the whole mechanism.
+    pub fn thicknesses(&self) -> Option<Range<usize>> {
+        let (first, shape) = (self.parameters.start, self.kind.face.shape());
+        (self.kind.section == ShellSection::Isotropic).then(|| first + shape.section()..first + shape.young())
     }
 
     /// Largest von Mises stress [N/m2] of an isotropic shell at its Gauss points, on the lower and the upper surface.

@@ -235,6 +235,42 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// As there.
     pub fn adjoint_of(&self, x: &[f64], forward: &Forward, wanted: &[bool]) -> Result<Gradient, RunError> {
+        Ok(self.sweep(x, forward, wanted, &[])?.0)
+    }
+
+    /// As [`Analysis::adjoint`], with df/dp of each functional in the same sweep: `rows[functional][parameter]`, the derivative by a
+    /// parameter of the model alone while all others and the initial state stay, for parameters that are `asked` for, whether a variable
+    /// touches them or not.
+    ///
+    /// # Errors
+    /// As for [`Analysis::adjoint`], and flags that are not as many as parameters.
+    pub fn adjoint_by_parameters(
+        &self,
+        x: &[f64],
+        forward: &Forward,
+        asked: &[bool],
+    ) -> Result<(Gradient, Vec<Vec<f64>>), RunError> {
+        let (flags, parameters) = (asked.len(), self.model.parameters);
+        if flags != parameters {
+            return Err(RunError::Input(format!(
+                "the model has {parameters} parameters, but {flags} flags say which of them are asked for"
+            )));
+        }
+        let (gradient, mut rows) = self.sweep(x, forward, &vec![true; self.functionals.len()], asked)?;
+        for row in &mut rows {
+            row.iter_mut().zip(asked).filter(|(_, asked)| !**asked).for_each(|(own, _)| *own = 0.0);
+        }
+        Ok((gradient, rows))
+    }
+
+    /// Gradients of the `wanted` functionals, and df/dp for parameters that a variable touches or that are asked for `also`.
+    fn sweep(
+        &self,
+        x: &[f64],
+        forward: &Forward,
+        wanted: &[bool],
+        also: &[bool],
+    ) -> Result<(Gradient, Vec<Vec<f64>>), RunError> {
         self.check_belonging(x, forward)?;
         let (flags, functionals) = (wanted.len(), self.functionals.len());
         if flags != functionals {
@@ -245,16 +281,20 @@ impl<'m> Analysis<'m> {
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
-        let active = chain.active_parameters();
+        let mut active = chain.active_parameters();
+        active.iter_mut().zip(also).for_each(|(active, also)| *active |= also);
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();
         let run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
-        for (&k, bar) in places.iter().zip(&run.gradients) {
-            rows[k] = chain.gradient(bar);
+        let mut by_parameters = vec![Vec::new(); self.functionals.len()];
+        for (&k, bar) in places.iter().zip(run.gradients) {
+            rows[k] = chain.gradient(&bar);
+            by_parameters[k] = bar.p;
         }
-        self.checked(Gradient { rows, counters: run.counters })
+        let gradient = self.checked(Gradient { rows, counters: run.counters })?;
+        Ok((gradient, by_parameters))
     }
 
     /// Gradients by tangent runs (direct differentiation), eight variables at a time.
