@@ -2,8 +2,9 @@
 
 use costate::assembly::VectorsAvq;
 use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, Shell, ShellKind};
-use costate::functionals::{OfShells, Sample, ShellQuantity};
+use costate::functionals::{Measured, OfShells, Sample, ShellQuantity};
 use costate::prelude::*;
+use costate::scenes::built_in::PlatePendulum;
 use costate::scenes::{ShellMember, ShellMesh};
 use std::f64::consts::PI;
 
@@ -277,6 +278,88 @@ fn a_users_quantity_has_exact_gradients_in_every_aggregate() {
             assert!(forward.values[k].is_finite() && difference <= 1e-11, "{method}, {name}: {difference:.1e}");
         }
     }
+}
+
+/// A plate whose five elements have a thickness each, as one number beside four that no variable touches, or as five variables.
+struct Strips {
+    all: bool,
+}
+
+impl Scene for Strips {
+    fn name(&self) -> String {
+        "strips".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        let count = if self.all { 5 } else { 1 };
+        (1..=count).map(|place| DesignVariable::new(format!("thickness {place}"), 0.01, (0.005, 0.02), "m")).collect()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(0.01, 10)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let five: Vec<S> = (0..5).map(|place| x.get(place).copied().unwrap_or(S::from(0.01))).collect();
+        PlatePendulum::default().build(&five, m)
+    }
+}
+
+#[test]
+fn derivatives_by_parameters_are_those_of_variables_that_would_touch_them() {
+    let (touched, untouched) = (Strips { all: true }, Strips { all: false });
+    let of = |scene: &Strips| {
+        let prepared = Prepared::new(scene).expect("sound");
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let forward = analysis.forward(x).expect("runs");
+        let surfaces = prepared.mechanism.surfaces();
+        let mut asked = vec![false; prepared.model().parameters];
+        let places: Vec<_> = surfaces.iter().map(|own| own.thicknesses().expect("isotropic")).collect();
+        places.iter().for_each(|own| asked[own.clone()].fill(true));
+        let (gradient, by_parameters) = analysis.adjoint_by_parameters(x, &forward, &asked).expect("a gradient");
+        let alone = analysis.adjoint(x, &forward).expect("a gradient");
+        let pairs = gradient.rows.iter().zip(&alone.rows);
+        assert!(pairs.clone().all(|(own, alone)| largest_difference(own, alone) < 1e-12));
+        let sums: Vec<Vec<f64>> = by_parameters
+            .iter()
+            .map(|row| {
+                assert!(row.iter().zip(&asked).all(|(own, asked)| *asked || *own == 0.0));
+                places.iter().map(|own| row[own.clone()].iter().sum()).collect()
+            })
+            .collect();
+        let few = analysis.adjoint_by_parameters(x, &forward, &asked[1..]);
+        assert!(few.expect_err("refused").to_string().contains("parameters, but"));
+        (gradient.rows, sums, analysis.complex_step(x, &forward).expect("a gradient").rows)
+    };
+    let (rows, by_elements, complex) = of(&touched);
+    let (row, of_untouched, _) = of(&untouched);
+    for k in 0..rows.len() {
+        for (what, own) in [("touched", &by_elements), ("untouched", &of_untouched)] {
+            let difference = largest_difference(&complex[k], &own[k]);
+            println!("functional {k}, {what}: {difference:.1e} from complex steps");
+            assert!(difference < 1e-11, "functional {k}, {what}: {difference:.1e}");
+        }
+        assert!(largest_difference(&rows[k][..1], &row[k]) < 1e-11);
+    }
+}
+
+#[test]
+fn each_element_of_a_group_has_the_value_of_its_largest_point() {
+    let mut m = MechanismBuilder::<f64>::default();
+    let plate = m.shell("plate", rectangle([2, 1]), &STEEL, THICKNESS);
+    let over = Aggregate::smooth_maximum(1e4).at(Times::End);
+    m.group_functional("strain", "-", over, &plate.group(), OfShells(PrincipalStrain), &[1e-3]);
+    let m = m.finish().expect("sound");
+    let Measured::Group(group) = &m.functionals[0].measured else { unreachable!() };
+    // the second element is pulled, the first one is not
+    let mut q = m.numbers.q.clone();
+    let far = m.model.node(plate.node(4, 0)).dofs.start;
+    q[far] += 1e-4;
+    let at = VectorsAvq { a: vec![0.0; q.len()], v: vec![0.0; q.len()], q };
+    let values = |at: VectorsAvq<f64>| group.element_values(&m.model, &Sample { at, ..Sample::empty() }, &m.numbers.p);
+    let found = values(at.clone());
+    assert_eq!(found.iter().map(|(element, _)| *element).collect::<Vec<_>>(), plate.elements);
+    assert!(found[0].1.abs() < 1e-12 && found[1].1 > 1e-2, "{found:?}");
+    let mut broken = at;
+    broken.q[far] = f64::NAN;
+    assert!(values(broken)[1].1.is_nan());
 }
 
 #[test]
