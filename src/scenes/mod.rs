@@ -3,6 +3,8 @@
 mod builder;
 #[cfg(feature = "files")]
 pub mod file;
+mod gmsh;
+mod mesh_data;
 mod optimization_problem;
 mod prepared;
 mod scene;
@@ -15,10 +17,12 @@ pub mod built_in;
 
 pub use builder::{
     BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, FreeMesh, MechanismBuilder,
-    MeshedShell, Profile, ShellMember, ShellMesh, SurfaceMesh, ThinWalls,
+    MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SurfaceMesh, ThinWalls,
 };
 #[cfg(feature = "files")]
 pub use file::FileScene;
+pub use gmsh::{parse_gmsh, read_gmsh};
+pub use mesh_data::{FilePlace, MeshData};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Output, Scene};

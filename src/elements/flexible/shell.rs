@@ -61,7 +61,7 @@ pub struct ShellField<F = Quad9> {
 }
 
 /// What the section of a shell is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ShellSection {
     /// One material, the same in all directions.
     Isotropic,
@@ -73,7 +73,7 @@ pub enum ShellSection {
 pub type Shell<F = Quad9> = Flexible<ShellField<F>>;
 
 /// A shell whose face is told by its kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ShellKind {
     /// Kind of its face.
     pub face: FaceKind,

@@ -8,10 +8,15 @@ use super::shells::MeshedShell;
 use crate::assembly::NodeId;
 use crate::elements::flexible::faces::{FaceKind, Weights};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scenes::MeshData;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Cosine of the angle between faces from which on they meet in an edge instead of going on smoothly: 45 degrees.
 const CREASE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Most edges between faces of different sides that are told.
+const MOST_TOLD: usize = 3;
 
 /// A face: its kind, and its points in the order of the element.
 #[derive(Clone, Debug)]
@@ -55,6 +60,8 @@ pub struct FreeMesh<S> {
     completed: Vec<Vec<usize>>,
     /// Numbers of points of faces that are no faces.
     odd: Vec<(usize, usize)>,
+    /// The file that it is from, which has numbers of its own.
+    data: Option<Arc<MeshData>>,
 }
 
 impl<S: Scalar> FreeMesh<S> {
@@ -85,6 +92,18 @@ impl<S: Scalar> FreeMesh<S> {
         mesh
     }
 
+    /// The mesh of a file. Nodes and elements are called by their numbers there.
+    pub fn of_data(data: &Arc<MeshData>) -> Self {
+        Self::of_data_at(data, data.points.iter().map(|&point| Vector3::from_f64(point)).collect())
+    }
+    /// The same with its points elsewhere \[m\].
+    pub fn of_data_at(data: &Arc<MeshData>, points: Vec<Vector3<S>>) -> Self {
+        let mut mesh = Self::new(points, &data.faces);
+        (mesh.groups, mesh.node_sets) = (data.groups.clone(), data.node_sets.clone());
+        mesh.data = Some(data.clone());
+        mesh
+    }
+
     /// Points without faces.
     pub(super) fn of_points(points: Vec<Vector3<S>>) -> Self {
         FreeMesh {
@@ -99,6 +118,7 @@ impl<S: Scalar> FreeMesh<S> {
             crease: CREASE,
             completed: Vec::new(),
             odd: Vec::new(),
+            data: None,
         }
     }
 
@@ -156,6 +176,19 @@ impl<S: Scalar> FreeMesh<S> {
         self
     }
 
+    /// Number of a point where users see it: that of the file; the middles of quadrilaterals of eight have none there.
+    fn point_number(&self, point: usize) -> String {
+        let Some(data) = &self.data else { return point.to_string() };
+        let first = data.points.len();
+        match data.point_numbers.get(point) {
+            Some(number) => number.to_string(),
+            None => {
+                let mut of_eight = data.faces.iter().zip(&data.face_numbers).filter(|(face, _)| face.len() == 8);
+                let face = of_eight.nth(point - first).map_or(0, |(_, number)| *number);
+                format!("in the middle of element {face}")
+            }
+        }
+    }
     /// Diagonal of the box around its points \[m\].
     pub(super) fn size(&self) -> f64 {
         let extent = |axis: usize| {
@@ -235,6 +268,7 @@ impl<S: Scalar> FreeMesh<S> {
                 let &mut (other, beside) = of_ends.entry([from, to]).or_insert((number, middle));
                 if beside != middle {
                     let [first, second] = [other, number].map(face_name);
+                    let [from, to] = [from, to].map(|point| self.point_number(point));
                     return Some(format!(
                         "{first} and {second} do not have the same points along their edge from point {from} to point {to}: faces of four \
                          points do not fit to those of six, eight or nine"
@@ -251,6 +285,7 @@ impl<S: Scalar> FreeMesh<S> {
         corners.into_iter().find_map(|(number, point)| {
             let &(other, [from, to]) = middles.get(&point)?;
             let [first, second] = [other, number].map(face_name);
+            let [point, from, to] = [point, from, to].map(|point| self.point_number(point));
             Some(format!(
                 "point {point} is a corner of {second} and the middle of the edge of {first} from point {from} to point {to}: corners meet \
                  corners"
@@ -292,6 +327,7 @@ impl<S: Scalar> FreeMesh<S> {
             if let Some(point) = face.points.iter().find(|&&point| point >= count) {
                 all.push(format!("{name}: there is no point {point} among {count}, counted from 0 on"));
             } else if let Some(point) = repeated(&face.points) {
+                let point = self.point_number(point);
                 all.push(format!(
                     "{name} names point {point} twice: a face that is narrowed to a triangle is one of six points"
                 ));
@@ -305,7 +341,7 @@ impl<S: Scalar> FreeMesh<S> {
             let mean = normals.iter().fold(Vector3::zeros(), |sum, &normal| sum + normal).unit();
             let cosines = normals.iter().map(|normal| normal.unit().dot(&mean).value());
             if let Some((node, cosine)) = cosines.enumerate().find(|(_, cosine)| !(*cosine > 0.0)) {
-                let (name, point) = (face_name(number), self.faces[number].points[node]);
+                let (name, point) = (face_name(number), self.point_number(self.faces[number].points[node]));
                 all.push(format!(
                     "{name} is folded or has no area at point {point}: its normal there and that of the whole face enclose an angle whose \
                      cosine is {cosine:.3}; points must lie apart, corners be convex, and points on edges lie near their middles"
@@ -313,17 +349,25 @@ impl<S: Scalar> FreeMesh<S> {
             }
         }
         all.extend(self.hanging(face_name));
+        let mut turned = 0;
         for MeshEdge { points, faces } in self.edges() {
             if let [(first, forward), (second, other)] = faces[..]
                 && forward == other
             {
-                let (from, to) = (points[0], points[points.len() - 1]);
+                turned += 1;
+                if turned > MOST_TOLD {
+                    continue;
+                }
+                let [from, to] = [points[0], points[points.len() - 1]].map(|point| self.point_number(point));
                 let [first, second] = [first, second].map(face_name);
                 all.push(format!(
                     "{first} and {second} run along their edge from point {from} to point {to} in the same direction, so that their normals point \
-                     to different sides: reverse one of them"
+                     to different sides: reverse one of them, or the group that it belongs to"
                 ));
             }
+        }
+        if turned > MOST_TOLD {
+            all.push(format!("the same holds for {} more edges", turned - MOST_TOLD));
         }
         all
     }
@@ -354,10 +398,16 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
         self.clone()
     }
     fn node_name(&self, point: usize) -> String {
-        format!("node {point}")
+        format!("node {}", self.point_number(point))
     }
     fn element_name(&self, face: usize) -> String {
-        format!("element {face}")
+        let own = self.data.as_ref().and_then(|data| data.face_numbers.get(face));
+        format!("element {}", own.copied().unwrap_or(face))
+    }
+    fn element_place(&self, face: usize) -> String {
+        let name = self.element_name(face);
+        let place = self.data.as_ref().and_then(|data| Some((&data.file, data.face_places.get(face)?)));
+        place.map_or_else(|| name.clone(), |(file, place)| format!("{name} ({file}{place})"))
     }
     fn place(&self, face: usize, node: usize) -> usize {
         self.faces[face].points[node]

@@ -6,14 +6,14 @@
 use super::free_mesh::weighed;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
-use crate::elements::flexible::faces::{Face, FaceKind, FaceShape, Quad9};
+use crate::elements::flexible::faces::{Face, FaceShape, Quad9};
 use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection, shell_pressure};
 use crate::elements::forces::LoadFrame;
 use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
 /// [Stiffness against turning about the director](FaceShape::drilling) of shells of nine nodes.
@@ -28,12 +28,10 @@ pub struct MeshedShell {
     pub nodes: Vec<NodeId>,
     /// In the order of the faces.
     pub elements: Vec<ElementId>,
-    faces: Vec<(FaceKind, Vec<NodeId>)>,
+    faces: Vec<(ShellKind, Vec<NodeId>)>,
     of_point: Vec<Option<NodeId>>,
     groups: Vec<(String, Vec<usize>)>,
     node_sets: Vec<(String, Vec<usize>)>,
-    section: ShellSection,
-    damped: bool,
 }
 
 impl MeshedShell {
@@ -73,8 +71,7 @@ impl MeshedShell {
     }
     /// What each element is, with its nodes in their order.
     pub fn faces(&self) -> impl Iterator<Item = (ShellKind, &[NodeId])> {
-        let (section, damped) = (self.section, self.damped);
-        self.faces.iter().map(move |(face, nodes)| (ShellKind { face: *face, section, damped }, &nodes[..]))
+        self.faces.iter().map(|(kind, nodes)| (*kind, &nodes[..]))
     }
 }
 
@@ -133,8 +130,8 @@ impl ShellMember {
     }
 }
 
-/// What the section of a shell is.
-type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>);
+/// What a section is, and its parameters at the nodes of an element, from its number and that of its nodes.
+pub(super) type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>);
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A shell of one material and thickness \[m\] on a mesh, its nodes in the middle of its thickness.
@@ -154,16 +151,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         thickness: impl Fn(usize, M::Place) -> S,
     ) -> M::Member {
         let Material { young, poisson, density } = *material;
-        if !(poisson.value() > -1.0 && poisson.value() < 1.0) {
-            let value = poisson.value();
-            self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
-        }
+        self.check_poisson(name, poisson);
         let free = mesh.free();
         let section = |element: usize, nodes: usize| -> Vec<S> {
             let own = (0..nodes).map(|node| thickness(element, mesh.place(element, node)));
             own.chain([young, poisson, density]).collect()
         };
-        let shell = self.add_shell(name, &mesh, &free, (ShellSection::Isotropic, &section));
+        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Isotropic, &section)], &|_| 0);
         mesh.member(shell)
     }
 
@@ -175,21 +169,47 @@ impl<S: Scalar> MechanismBuilder<S> {
         laminate: &Laminate<S>,
         direction: Vector3<S>,
     ) -> M::Member {
+        let free = mesh.free();
+        let numbers = self.laminate_numbers(name, &free, laminate, direction);
+        let before = self.mistakes.len();
+        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Laminate, &|_, _| numbers.clone())], &|_| 0);
+        if self.mistakes.len() == before {
+            self.check_axis(name, direction, free.directors().into_iter().flatten());
+        }
+        mesh.member(shell)
+    }
+
+    /// Refuses a Poisson's ratio with which a sheet has no stiffness.
+    pub(super) fn check_poisson(&mut self, name: &str, poisson: S) {
+        let value = poisson.value();
+        if !(value > -1.0 && value < 1.0) {
+            self.mistakes.push(format!("the Poisson's ratio of \"{name}\" is {value}; it must lie between -1 and 1"));
+        }
+    }
+
+    /// Parameters of the section of a shell of plies.
+    pub(super) fn laminate_numbers(
+        &mut self,
+        name: &str,
+        mesh: &FreeMesh<S>,
+        laminate: &Laminate<S>,
+        direction: Vector3<S>,
+    ) -> Vec<S> {
         if let Some(why) = laminate.mistake() {
             self.mistakes.push(format!("the laminate of \"{name}\": {why}"));
         }
-        let (free, axis) = (mesh.free(), self.unit(name, direction));
-        let rotation = self.rotation_of(&free);
-        let numbers = [laminate.numbers(), rotation.rotate_back(axis).components().to_vec()].concat();
-        let before = self.mistakes.len();
-        let shell = self.add_shell(name, &mesh, &free, (ShellSection::Laminate, &|_, _| numbers.clone()));
-        let is_normal = |normal: &Vector3<S>| !(normal.cross(&axis).length().value() > 1e-3);
-        if self.mistakes.len() == before && free.directors().iter().flatten().any(is_normal) {
+        let axis = self.unit(name, direction);
+        [laminate.numbers(), self.rotation_of(mesh).rotate_back(axis).components().to_vec()].concat()
+    }
+
+    /// Refuses a direction of plies that has no projection on the surface.
+    pub(super) fn check_axis(&mut self, name: &str, direction: Vector3<S>, mut normals: impl Iterator<Item = Vector3<S>>) {
+        let axis = direction.unit();
+        if normals.any(|normal| !(normal.cross(&axis).length().value() > 1e-3)) {
             self.mistakes.push(format!(
                 "the direction of axis 1 of \"{name}\" is normal to its surface at a node; give one that lies more along it everywhere"
             ));
         }
-        mesh.member(shell)
     }
 
     /// Rotation with which the nodes of a shell start.
@@ -197,19 +217,19 @@ impl<S: Scalar> MechanismBuilder<S> {
         mesh.given.first().map_or_else(Quaternion::identity, |&(_, node)| self.rotation(node))
     }
 
-    /// A shell with the section's parameters of each element, from its number and that of its nodes.
-    fn add_shell<M: SurfaceMesh<S>>(
+    /// A shell of elements each of which has one of some sections.
+    pub(super) fn add_shell<M: SurfaceMesh<S>>(
         &mut self,
         name: &str,
         mesh: &M,
         free: &FreeMesh<S>,
-        (section, section_of): SectionOf<S>,
+        sections: &[SectionOf<S>],
+        section_of: &dyn Fn(usize) -> usize,
     ) -> MeshedShell {
         let damped = free.damping.is_some();
         let (groups, node_sets) = (free.groups.clone(), free.node_sets.clone());
         let (nodes, elements, faces, of_point) = (Vec::new(), Vec::new(), Vec::new(), vec![None; free.points.len()]);
-        let mut shell =
-            MeshedShell { name: name.into(), nodes, elements, faces, of_point, groups, node_sets, section, damped };
+        let mut shell = MeshedShell { name: name.into(), nodes, elements, faces, of_point, groups, node_sets };
         let sound = self.check_mesh(name, mesh, free);
         let rotation = self.rotation_of(free);
         // of a mesh without faces, which is refused, all points may be asked for
@@ -217,11 +237,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         for &point in free.faces.iter().flat_map(|face| &face.points) {
             used.get_mut(point).into_iter().for_each(|used| *used = true);
         }
+        let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
         let given: HashMap<usize, NodeId> = free.given.iter().rev().copied().collect();
         for (point, place) in free.points.iter().enumerate().filter(|(point, _)| used[*point]) {
             let node = given.get(&point).copied().unwrap_or_else(|| {
                 let q: Vec<S> = place.components().into_iter().chain(rotation.0).collect();
-                let fixed = free.clamped.contains(&point);
+                let fixed = clamped.contains(&point);
                 self.add_node(&format!("{name}, {}", mesh.node_name(point)), NodeKind::Body, fixed, &q)
             });
             shell.nodes.push(node);
@@ -231,9 +252,10 @@ impl<S: Scalar> MechanismBuilder<S> {
             return shell;
         }
         // the first element of each kind is checked as any other, and what it records serves all
-        let mut first: HashMap<FaceKind, ElementId> = HashMap::new();
+        let mut first: HashMap<ShellKind, ElementId> = HashMap::new();
         for (element, (face, directors)) in free.faces.iter().zip(free.directors()).enumerate() {
             let nodes: Vec<NodeId> = face.points.iter().filter_map(|&point| shell.of_point[point]).collect();
+            let (section, numbers) = sections[section_of(element)];
             let kind = ShellKind { face: face.kind, section, damped };
             let mut p = Vec::new();
             for (&point, director) in face.points.iter().zip(directors) {
@@ -241,12 +263,12 @@ impl<S: Scalar> MechanismBuilder<S> {
                     p.extend(rotation.rotate_back(vector).components());
                 }
             }
-            p.extend(section_of(element, nodes.len()));
+            p.extend(numbers(element, nodes.len()));
             p.push(S::from(face.kind.shape().drilling));
             p.extend([S::zero(); 3]);
             p.extend(free.damping);
             let own = format!("{name}, {}", mesh.element_name(element));
-            let added = match first.get(&face.kind) {
+            let added = match first.get(&kind) {
                 Some(&like)
                     if self.model.find_element(like).is_some()
                         && self.check_nodes(&own, &nodes, &vec![NodeKind::Body; nodes.len()]) =>
@@ -257,9 +279,9 @@ impl<S: Scalar> MechanismBuilder<S> {
                 Some(_) => self.model.refused_element(),
                 None => self.add_element(&own, &nodes, kind.element(), &p),
             };
-            first.entry(face.kind).or_insert(added);
+            first.entry(kind).or_insert(added);
             shell.elements.push(added);
-            shell.faces.push((face.kind, nodes));
+            shell.faces.push((kind, nodes));
             self.heavy_shells.push((added, kind.drilling() + 1));
         }
         for line in mesh.lines() {
@@ -275,11 +297,25 @@ impl<S: Scalar> MechanismBuilder<S> {
     /// A dead load (`LoadFrame::World`) keeps the normal and the area that the shell has at the start; a follower (`LoadFrame::Body`) stands
     /// normal to the deformed surface and acts on its area.
     pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: TimeFunction, values: &[S]) {
-        for (element, ((face, nodes), &id)) in shell.faces.iter().zip(&shell.elements).enumerate() {
+        self.pressure_on(name, shell, &shell.group(), (frame, size), values);
+    }
+
+    /// The same on those elements of a shell that belong to a group.
+    pub fn pressure_on(
+        &mut self,
+        name: &str,
+        shell: &MeshedShell,
+        group: &ElementGroup,
+        (frame, size): (LoadFrame, TimeFunction),
+        values: &[S],
+    ) {
+        let loaded: HashSet<ElementId> = group.elements.iter().copied().collect();
+        for (element, ((kind, nodes), id)) in shell.faces.iter().zip(&shell.elements).enumerate() {
             // an element that was refused has been reported already
-            if id == self.model.refused_element() {
+            if *id == self.model.refused_element() || !loaded.contains(id) {
                 continue;
             }
+            let face = kind.face;
             let FaceShape { gauss, gauss_weights, .. } = face.shape();
             let points: Vec<Vector3<S>> = nodes.iter().map(|&node| self.position(node)).collect();
             let mut p = Vec::new();
@@ -290,7 +326,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
             p.extend_from_slice(values);
-            let load = shell_pressure(*face, frame, size.clone());
+            let load = shell_pressure(face, frame, size.clone());
             self.add_element(&format!("{name}, element {}", element + 1), nodes, load, &p);
         }
     }
@@ -301,7 +337,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!("\"{name}\" {mistake}"));
             return false;
         }
-        let of_mesh = free.mistakes_of(&|face| mesh.element_name(face));
+        let of_mesh = free.mistakes_of(&|face| mesh.element_place(face));
         if !of_mesh.is_empty() {
             self.mistakes.extend(of_mesh.into_iter().map(|mistake| format!("\"{name}\": {mistake}")));
             return false;
@@ -312,7 +348,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 let normal = weighed(&points, weights.by_r).cross(&weighed(&points, weights.by_s));
                 let cosine = normal.unit().dot(&director).value();
                 if !(cosine > 0.5) {
-                    let (element, node) = (mesh.element_name(element), node + 1);
+                    let (element, node) = (mesh.element_place(element), node + 1);
                     self.mistakes.push(format!(
                         "\"{name}\", {element}: at its node {node} the surface and the normal enclose an angle whose cosine is \
                          {cosine:.3}; nodes must lie apart, and the normal points to where the first direction is turned to the second \

@@ -1,0 +1,368 @@
+//! Meshes that Gmsh 4.8 wrote, and such files with something wrong in them: see plate.geo beside.
+
+use costate::elements::flexible::Material;
+use costate::scenes::{FilePlace, FreeMesh, MechanismBuilder, MeshData, parse_gmsh, read_gmsh};
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+fn path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gmsh").join(name)
+}
+
+fn read(name: &str) -> MeshData {
+    read_gmsh(&path(name)).unwrap_or_else(|why| panic!("{why}"))
+}
+
+fn bytes(name: &str) -> Vec<u8> {
+    std::fs::read(path(name)).unwrap()
+}
+
+const SORTS: [&str; 4] = ["quads4", "quads8", "quads9", "triangles6"];
+
+/// A shell of thickness 1 m and density 1 kg/m3: its mass is its area. That of some faces, and of all.
+fn areas(data: &MeshData, group: &[usize]) -> [f64; 2] {
+    let mut m = MechanismBuilder::<f64>::default();
+    let material = Material { young: 1.0, poisson: 0.0, density: 1.0 };
+    let mesh = FreeMesh::of_data(&std::sync::Arc::new(data.clone()));
+    m.shell("plate", mesh, &material, 1.0);
+    let m = m.finish().unwrap_or_else(|why| panic!("{why}"));
+    let mass = |place: usize| {
+        let element = &m.model.elements[place];
+        let of = |x: &[f64]| -> Vec<f64> {
+            element.nodes.iter().flat_map(|&node| x[m.model.node(node).dofs.clone()].to_vec()).collect()
+        };
+        let q = of(&m.numbers.q);
+        element.physics.energies_at(&vec![0.0; q.len()], &q, &m.numbers.p[element.parameters.clone()])[2]
+    };
+    [group.iter().map(|&face| mass(face)).sum(), (0..data.faces.len()).map(mass).sum()]
+}
+
+#[test]
+fn text_and_binary_files_of_gmsh_are_the_same_mesh() {
+    for sort in SORTS {
+        let (text, binary) = (read(&format!("{sort}.msh")), read(&format!("{sort}-binary.msh")));
+        let bits = |mesh: &MeshData| mesh.points.iter().flatten().map(|own| own.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&text), bits(&binary), "{sort}");
+        assert_eq!(text.point_numbers, binary.point_numbers, "{sort}");
+        assert_eq!([&text.groups, &text.node_sets], [&binary.groups, &binary.node_sets], "{sort}");
+        assert_eq!([&text.face_numbers], [&binary.face_numbers], "{sort}");
+        assert_eq!(text.faces, binary.faces, "{sort}");
+        assert!(matches!(text.face_places[0], FilePlace::Line(_)), "{sort}");
+        assert!(matches!(binary.face_places[0], FilePlace::Byte(_)), "{sort}");
+    }
+}
+
+/// Area that chords or arcs of eight parts leave of a square of side 2 around a circle of radius 1/2: an eighth of the circle is a chord, or a
+/// parabola through its middle, under which lie two thirds of the rectangle on the chord.
+fn area(is_curved: bool) -> f64 {
+    let (radius, half) = (0.5, PI / 8.0);
+    let triangles = 8.0 * 0.5 * radius * radius * (2.0 * half).sin();
+    let segments = 8.0 * 2.0 / 3.0 * (2.0 * radius * half.sin()) * (radius * (1.0 - half.cos()));
+    4.0 - triangles - if is_curved { segments } else { 0.0 }
+}
+
+#[test]
+fn areas_are_those_of_the_edges() {
+    for sort in SORTS {
+        let data = read(&format!("{sort}.msh"));
+        let expected = area(sort != "quads4");
+        let [right, all] = areas(&data, data.group("right half").unwrap());
+        let [left, _] = areas(&data, data.group("left half").unwrap());
+        // Gmsh's points on curves are exact to about 1e-12
+        for (own, expected) in [(all, expected), (right, 0.5 * expected), (left, 0.5 * expected)] {
+            assert!((own - expected).abs() < 1e-10, "{sort}: {own} instead of {expected}");
+        }
+        println!("{sort}: area {all}, {expected} expected, {:.1e} apart", all - expected);
+    }
+}
+
+#[test]
+fn physical_groups_are_groups_and_node_sets_in_order() {
+    for sort in SORTS {
+        let data = read(&format!("{sort}.msh"));
+        let names = |all: &[(String, Vec<usize>)]| all.iter().map(|own| own.0.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&data.groups), ["right half", "left half", "surface 3"], "{sort}");
+        assert_eq!(names(&data.node_sets), ["corner", "hole", "left edge"], "{sort}");
+        let mut both = [data.group("right half").unwrap(), data.group("left half").unwrap()].concat();
+        both.sort_unstable();
+        assert_eq!(both, (0..data.faces.len()).collect::<Vec<_>>(), "{sort}");
+        assert_eq!(data.group("surface 3").unwrap(), both, "{sort}");
+        let [corner] = data.node_set("corner").unwrap()[..] else { panic!("{sort}") };
+        assert_eq!(data.points[corner], [1.0, 1.0, 0.0]);
+        let on = |name: &str, is_on: &dyn Fn([f64; 3]) -> bool| {
+            let set = data.node_set(name).unwrap();
+            assert!(set.iter().all(|&point| is_on(data.points[point])), "{sort}: {name}");
+            set
+        };
+        let hole = on("hole", &|[x, y, _]| (x.hypot(y) - 0.5).abs() < 1e-9);
+        let per_part = if sort == "quads4" { 1 } else { 2 };
+        assert_eq!(hole.len(), 8 * per_part, "{sort}");
+        // around the hole, each point beside the last
+        let length = |[a, b]: [usize; 2]| {
+            let [a, b] = [data.points[a], data.points[b]];
+            (a[0] - b[0]).hypot(a[1] - b[1])
+        };
+        let longest = hole.windows(2).map(|pair| length([pair[0], pair[1]])).fold(0.0, f64::max);
+        assert!(longest < 1.01 * (PI / 8.0 / per_part as f64).sin(), "{sort}: {longest}");
+        assert_eq!(on("left edge", &|[x, _, _]| x == -1.0).len(), 2 * per_part + 1, "{sort}");
+        // the points of a group of faces, where no set has the name
+        let half = on("right half", &|[x, _, _]| x > -1e-9);
+        assert!(half.len() < data.points.len() && half.is_sorted(), "{sort}");
+        // the middle of the circle belongs to no face: it is a point, and no node
+        assert_eq!(data.used().iter().filter(|used| !**used).count(), usize::from(data.point(7).is_none()), "{sort}");
+        assert_eq!(data.coincident(), None, "{sort}");
+    }
+}
+
+/// A text as Gmsh writes it, of one square of four nodes in two groups, both of which turn it, and with parameters at its nodes.
+const SQUARE: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 5 \"square \"of\" four\"\n1 2 \"side\"\n$EndPhysicalNames\n\
+    $Entities\n0 1 1 0\n4 0 0 0 1 0 0 1 2 0 \n9 0 0 0 1 1 0 2 -5 -6 1 4 \n$EndEntities\n\
+    $Nodes\n2 5 1 50\n1 4 1 2\n30\n10\n0 0 0 0.5\n1 0 0 0.25\n2 9 1 3\n1\n2\n50\n1 1 0 0 1\n0 1 0 1 0\n7 7 7 0 0\n$EndNodes\n\
+    $Elements\n2 2 3 8\n1 4 1 1\n3 30 10 \n2 9 3 1\n8 30 10 1 2 \n$EndElements\n\
+    $NodeData\n1\n\"a view\"\n$EndNodeData\n";
+
+#[test]
+fn parameters_are_passed_over_and_a_minus_sign_turns_faces_round() {
+    // whatever the ends of lines are
+    for text in [SQUARE.to_string(), SQUARE.replace('\n', "\r\n")] {
+        let data = parse_gmsh("square.msh", text.as_bytes()).unwrap();
+        assert_eq!(data.points, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [7.0; 3]]);
+        assert_eq!(data.point_numbers, [30, 10, 1, 2, 50]);
+        assert_eq!(data.faces, [[0, 3, 2, 1]]);
+        assert_eq!((data.face_numbers, data.face_places), (vec![8], vec![FilePlace::Line(34)]));
+        assert_eq!(data.groups, [("square \"of\" four".to_string(), vec![0]), ("surface 6".into(), vec![0])]);
+        assert_eq!(data.node_sets, [("side".to_string(), vec![0, 1])]);
+    }
+}
+
+/// Files of which something is replaced: which, by what, the place and the words of the message.
+const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
+    ("", "$MeshFormat", "{}", ":1", &["no mesh of Gmsh"]),
+    ("", "4.1 0 8", "2.2 0 8", ":2", &["version \"2.2\"", "4.1", "Mesh.MshFileVersion"]),
+    ("", "4.1 0 8", "4 0 8", ":2", &["version \"4\"", "msh41"]),
+    ("", "4.1 0 8", "4.1 0 4", ":2", &["4 bytes"]),
+    ("", "4.1 0 8", "4.1 2 8", ":2", &["0, a text, or 1, binary; it is 2"]),
+    ("", "4.1 0 8\n$EndMeshFormat", "4.1 0 8\n$EndMesh", ":3", &["$EndMeshFormat is wanted", "\"$EndMesh\""]),
+    ("", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "", ":1", &["$PhysicalNames stands before $MeshFormat"]),
+    ("", "2 5 \"square", "2 5 square", ":6", &["between quotes"]),
+    ("", "1 2 \"side\"", "2 5 \"side\"", ":7", &["group 5 of dimension 2 has two names"]),
+    (
+        "",
+        "$PhysicalNames\n2\n",
+        "$PhysicalNames\n3\n",
+        ":8",
+        &["$EndPhysicalNames where the dimension of a group is wanted"],
+    ),
+    ("", "$PhysicalNames\n2\n", "$PhysicalNames\n1\n", ":7", &["$EndPhysicalNames is wanted here"]),
+    ("", "$PhysicalNames\n2\n", "$PhysicalNames\n2000000\n", ":6", &["2000000 names are announced", "cut off"]),
+    ("", "0 1 1 0\n4", "0 1 2 0\n4", ":13", &["$EndEntities where the number of an entity"]),
+    ("", "2 -5 -6", "2 -5 6", ":33", &["surface 9", "\"square \"of\" four\", \"surface 6\"", "minus sign"]),
+    ("", "9 0 0 0 1 1 0", "8 0 0 0 1 1 0", ":33", &["no surface 9 in $Entities"]),
+    ("", "$Nodes\n2 5 1 50", "$Nodes\n2 18446744073709551615 1 50", ":16", &["18446744073709551615 nodes are announced"]),
+    ("", "$Nodes\n2 5 1 50", "$Nodes\n2 18446744073709551616 1 50", ":15", &["\"18446744073709551616\""]),
+    ("", "$Nodes\n2 5 1 50", "$Nodes\n2 -1 1 50", ":15", &["the number of nodes must be a whole number", "\"-1\""]),
+    ("", "$Nodes\n2 5 1 50", "$Nodes\n2 6 1 50", ":28", &["announces 6 nodes", "have 5"]),
+    ("", "$Nodes\n2 5 1 50", "$Nodes\n2 5 1 49", ":24", &["the number of a node is 50", "from 1 to 49"]),
+    ("", "1 4 1 2\n30\n10\n", "1 4 1 2\n30\n30\n", ":18", &["node 30 is there twice"]),
+    ("", "1 4 1 2\n30", "1 4 2 2\n30", ":16", &["parameters must be 0 or 1; it is 2"]),
+    ("", "1 4 1 2\n30", "4 4 1 2\n30", ":16", &["dimension of an entity must be from 0 to 3; it is 4"]),
+    ("", "7 7 7 0 0", "7 7 nan 0 0", ":27", &["coordinate of a node must be a finite number; it is \"nan\""]),
+    ("", "7 7 7 0 0", "7 7 x 0 0", ":27", &["coordinate of a node must be a finite number; it is \"x\""]),
+    ("", "7 7 7 0 0", "7 7 7 0", ":28", &["$EndNodes where a parameter of a node is wanted"]),
+    ("", "2 9 3 1\n8 30 10 1 2", "2 9 3 1\n8 30 10 1 3", ":34", &["element 8 names node 3", "$Nodes does not have"]),
+    ("", "2 9 3 1\n8 30", "2 9 3 1\n3 30", ":34", &["element 3 is there twice"]),
+    ("", "2 9 3 1\n8 30", "2 9 3 1\n9 30", ":34", &["the number of an element is 9", "from 3 to 8"]),
+    ("", "$Elements\n2 2 3 8", "$Elements\n2 3 3 8", ":35", &["announces 3 elements", "have 2"]),
+    ("", "2 9 3 1\n8 30", "2 9 1 1\n8 30", ":33", &["surface 9", "a line of 2 nodes cannot be a part of it"]),
+    ("", "2 9 3 1\n8", "2 9 4 1\n8", ":33", &["solid element", "gmsh -2"]),
+    ("", "2 9 3 1\n8", "2 9 21 1\n8", ":33", &["third order or higher", "Mesh.ElementOrder = 2"]),
+    ("", "2 9 3 1\n8", "2 9 36 1\n8", ":33", &["quadrilateral of third order", "Mesh.ElementOrder = 2"]),
+    ("", "2 9 3 1\n8", "2 9 34 1\n8", ":33", &["element of type 34"]),
+    ("", "1 4 1 1\n3", "1 4 26 1\n3", ":31", &["curve 4", "\"side\"", "line of third order", "Mesh.ElementOrder = 2"]),
+    ("", "2 9 3 1\n8 30 10 1 2", "2 9 3 0", "", &["2 elements", "have 1"]),
+    (
+        "",
+        "$Elements\n2 2 3 8\n1 4 1 1\n3 30 10 \n2 9 3 1\n8 30 10 1 2 \n",
+        "$Elements\n0 0 0 0\n",
+        "",
+        &["no faces", "gmsh -2"],
+    ),
+    ("", "$NodeData\n1\n\"a view\"\n$EndNodeData\n", "$NodeData\n1\n", ":37", &["$NodeData has no end", "cut off"]),
+    ("", "$NodeData\n1\n\"a view\"\n$EndNodeData\n", "$Nodes\n", ":36", &["two sections $Nodes"]),
+    ("", "$NodeData\n1\n\"a view\"\n$EndNodeData\n", "data\n", ":36", &["a section such as $Nodes", "\"data\""]),
+    ("", "$Entities\n", "$PartitionedEntities\n", ":9", &["partitioned", "UnpartitionMesh"]),
+    ("", "2 5 \"square \"of\" four\"", "1 7 \"side\"", "", &[]),
+    ("triangles3.msh", "", "", ":128", &["triangle of 3 nodes", "\"right half\"", "RecombineAll", "ElementOrder"]),
+];
+
+#[test]
+fn wrong_files_are_told_with_their_place() {
+    let mut kinds = 0;
+    for (file, from, to, place, words) in WRONG {
+        let text = if file.is_empty() { SQUARE.to_string() } else { String::from_utf8(bytes(file)).unwrap() };
+        assert!(text.contains(from), "{from}");
+        let result = parse_gmsh("a.msh", text.replacen(from, to, 1).as_bytes());
+        if words.is_empty() {
+            assert!(result.is_ok(), "{from} by {to}: {result:?}");
+            continue;
+        }
+        let Err(why) = result else { panic!("{from} by {to} is taken") };
+        assert!(why.starts_with(&format!("a.msh{place}: ")) || place.is_empty(), "{from} by {to}, {place}: {why}");
+        words.iter().for_each(|word| assert!(why.contains(word), "{from} by {to}, \"{word}\": {why}"));
+        kinds += 1;
+    }
+    assert!(kinds > 40, "{kinds}");
+}
+
+#[test]
+fn files_that_are_cut_off_are_told_wherever_they_end() {
+    for name in ["quads9.msh", "quads9-binary.msh"] {
+        let whole = bytes(name);
+        // without the last line of a text, whose end is not missed
+        for end in (0..whole.len() - 1).step_by(7) {
+            let why = parse_gmsh("a.msh", &whole[..end]).expect_err(name);
+            assert!(why.starts_with("a.msh") && why.contains(": "), "{name}, {end}: {why}");
+        }
+    }
+    assert!(parse_gmsh("a.msh", b"").unwrap_err().contains("empty"));
+    let missing = read_gmsh(&path("missing.msh")).unwrap_err();
+    assert!(missing.contains("missing.msh: cannot be read"), "{missing}");
+    assert!(read_gmsh(&path("")).unwrap_err().contains("no file"));
+}
+
+#[test]
+fn binary_files_that_are_wrong_are_told_with_their_byte() {
+    let whole = bytes("quads4-binary.msh");
+    let at = |text: &[u8]| whole.windows(text.len()).position(|own| own == text).unwrap();
+    let changed = |at: usize, own: &[u8]| {
+        let mut bytes = whole.clone();
+        bytes[at..at + own.len()].copy_from_slice(own);
+        parse_gmsh("a.msh", &bytes).unwrap_err()
+    };
+    let one = at(b"4.1 1 8\n") + 8;
+    let why = changed(one, &1_i32.to_be_bytes());
+    assert!(why.contains("other order") && why.contains("Mesh.Binary = 0"), "{why}");
+    let why = changed(one, &7_i32.to_le_bytes());
+    assert!(why.contains("must be 1; it is 7"), "{why}");
+    let nodes = at(b"$Nodes\n") + 7;
+    let why = changed(nodes + 8, &u64::MAX.to_le_bytes());
+    assert!(why.starts_with("a.msh, byte ") && why.contains("18446744073709551615 nodes"), "{why}");
+    let why = changed(nodes, &(1_u64 << 60).to_le_bytes());
+    assert!(why.contains("blocks of nodes are announced"), "{why}");
+    // the first coordinate, behind four sizes and a block of one node
+    let why = changed(nodes + 32 + 20 + 8, &f64::NAN.to_le_bytes());
+    assert!(why.contains(&format!("byte {}", nodes + 32 + 20 + 16)) && why.contains("NaN"), "{why}");
+    // what stands where elements are
+    let elements = at(b"$Elements\n") + 10;
+    let why = changed(elements + 32 + 8, &2_i32.to_le_bytes());
+    assert!(why.contains("point 4") && why.contains("triangle of 3 nodes"), "{why}");
+}
+
+#[test]
+fn faces_that_do_not_fit_are_told_with_their_numbers_and_lines() {
+    let build = |data: MeshData| {
+        let mut m = MechanismBuilder::<f64>::default();
+        let material = Material { young: 1.0, poisson: 0.0, density: 1.0 };
+        m.shell("plate", FreeMesh::of_data(&std::sync::Arc::new(data)), &material, 1.0);
+        m.finish().map(|_| ()).unwrap_err().to_string()
+    };
+    let mut turned = read("quads9.msh");
+    turned.reverse([4]);
+    let why = build(turned);
+    let line =
+        1 + String::from_utf8(bytes("quads9.msh")).unwrap().lines().position(|own| own.starts_with("16 7 2 3 38 ")).unwrap();
+    assert!(why.contains(&format!("element 16 ({}:{line})", path("quads9.msh").display())), "{why}");
+    assert!(why.contains("reverse one of them"), "{why}");
+    let mut folded = read("quads8.msh");
+    folded.faces[0].swap(0, 1);
+    assert!(build(folded).contains("element 12 ("), "{line}");
+}
+
+/// Numbers scattered evenly, the same in every run.
+struct Scatter(u64);
+
+impl Scatter {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % end.max(1)
+    }
+}
+
+#[test]
+fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
+    // a longer run: GMSH_MUTATIONS=10000000
+    let count: usize = std::env::var("GMSH_MUTATIONS").ok().and_then(|own| own.parse().ok()).unwrap_or(20_000);
+    let names = SORTS.iter().flat_map(|sort| [format!("{sort}.msh"), format!("{sort}-binary.msh")]);
+    let mut files: Vec<Vec<u8>> = names.map(|name| bytes(&name)).collect();
+    files.push(SQUARE.as_bytes().to_vec());
+    const PIECES: &[&[u8]] = &[
+        b"",
+        b" ",
+        b"\n",
+        b"\r\n",
+        b"$",
+        b"$Nodes\n",
+        b"$EndNodes\n",
+        b"$Elements\n",
+        b"$EndElements\n",
+        b"$MeshFormat\n4.1 0 8\n",
+        b"4.1 1 8\n",
+        b"-1",
+        b"0",
+        b"1",
+        b"2",
+        b"99999999999999999999",
+        b"18446744073709551615",
+        b"9223372036854775808",
+        b"2147483648",
+        b"-2147483648",
+        b"nan",
+        b"1e999",
+        b"\"",
+        b"\0\0\0\0",
+        b"\xff\xff\xff\xff\xff\xff\xff\xff",
+        b"\xc3",
+        b"$Comments\n",
+    ];
+    let (mut scatter, mut good, mut built) = (Scatter(1), 0, 0);
+    for _ in 0..count {
+        let mut own = files[scatter.below(files.len())].clone();
+        for _ in 0..=scatter.below(3) {
+            let from = scatter.below(own.len() + 1);
+            let to = (from + scatter.below(12)).min(own.len());
+            match scatter.below(6) {
+                0 => _ = own.splice(from..to, []),
+                1 => _ = own.splice(from..from, PIECES[scatter.below(PIECES.len())].iter().copied()),
+                2 => _ = own.splice(from..to, PIECES[scatter.below(PIECES.len())].iter().copied()),
+                3 => {
+                    let piece = own[from..to].to_vec();
+                    _ = own.splice(from..from, piece);
+                }
+                4 => own.iter_mut().skip(from).take(1).for_each(|byte| *byte ^= 1 << scatter.below(8)),
+                _ => own.truncate(from),
+            }
+        }
+        let outcome = std::panic::catch_unwind(|| match parse_gmsh("a.msh", &own) {
+            Ok(data) => {
+                assert!(data.points.len() == data.point_numbers.len() && data.faces.len() == data.face_places.len());
+                let mut m = MechanismBuilder::<f64>::default();
+                let material = Material { young: 1.0, poisson: 0.0, density: 1.0 };
+                data.coincident();
+                m.shell("plate", FreeMesh::of_data(&std::sync::Arc::new(data)), &material, 1.0);
+                (true, m.finish().is_ok())
+            }
+            Err(why) => {
+                assert!(why.starts_with("a.msh") && why.len() < 1000, "{why}");
+                (false, false)
+            }
+        });
+        let Ok((is_good, is_built)) = outcome else {
+            panic!("this file ends in a panic:\n{}", String::from_utf8_lossy(&own));
+        };
+        good += usize::from(is_good);
+        built += usize::from(is_built);
+    }
+    println!("{count} files: {good} read, {built} of them shells");
+    // neither all nor none: the changes are neither too small nor too large to try the reader
+    assert!(good > count / 50 && good < count / 2 && built > 0, "{count} files: {good} read, {built} built");
+}
