@@ -12,16 +12,19 @@ const FILES: &[(&str, &str)] = &[
     ("loads and springs", include_str!("coverage/loads.toml")),
     ("beams and cables", include_str!("coverage/members.toml")),
     ("shells", include_str!("coverage/shells.toml")),
+    ("meshes", include_str!("coverage/meshes.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
 ];
 
 /// What tables at these keys are called among the definitions of the schema: they are the same wherever they stand.
-const TABLES: [(&str, &str); 11] = [
+const TABLES: [(&str, &str); 13] = [
     ("arc", "arc"),
     ("constraint", "constraint"),
     ("linear", "linear"),
     ("plies", "plies"),
     ("held", "held"),
+    ("parts", "parts"),
+    ("nodes", "nodes"),
     ("size", "a function of time"),
     ("angle", "a function of time"),
     ("displacement", "a function of time"),

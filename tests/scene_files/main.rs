@@ -3,6 +3,7 @@
 mod coverage;
 mod mutations;
 mod wrong_files;
+mod wrong_meshes;
 
 use costate::design::DesignVariable;
 use costate::scenes::{AnyScene, FileScene, Prepared, built_in, file};

@@ -174,7 +174,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("[[body]]", "[[drawing]]", "", &["key \"name\""]),
 ];
 
-fn refusal(text: &str) -> String {
+pub fn refusal(text: &str) -> String {
     let scene = match FileScene::parse("scene.toml", text) {
         Ok(scene) => scene,
         Err(why) => return why,

@@ -2,6 +2,7 @@
 
 use super::build_functionals::functional;
 use super::build_members::{beam, cable, group, laminate, section, shell, thin_walls};
+use super::build_meshes::mesh;
 use super::known::{Found, Known, Made, count, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
@@ -11,12 +12,13 @@ use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
 use crate::elements::joints::HeldSlope;
 use crate::elements::{NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::MechanismBuilder;
+use crate::scenes::{MechanismBuilder, MeshedShell};
 
 pub(super) type Builder<S> = MechanismBuilder<S>;
 
 /// Makes what an entry says.
-pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
+pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {
+    let item = &known.items[place];
     let (name, fields) = (item.name.as_str(), &item.fields);
     match item.section {
         "variable" => Ok(Made::Nothing),
@@ -32,6 +34,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>
         "beam" => beam(known, name, fields, m),
         "cable" => cable(known, name, fields, m),
         "shell" => shell(known, name, fields, m),
+        "mesh" => mesh(known, place, m),
         "thin_walls" => thin_walls(known, name, fields, m),
         "sphere" => {
             let place = (known.vector_or(fields, "centre", Vector3::zeros())?, known.number(fields, "radius")?);
@@ -250,6 +253,15 @@ fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Buil
     Ok(Made::Nothing)
 }
 
+fn kind_in_space<S: Scalar>(node: NodeId, m: &Builder<S>) -> NodeKind {
+    m.model.find_node(node).and_then(|own| own.kind.in_space()).unwrap_or(NodeKind::Point)
+}
+
+/// A direction of the world in the frame of a load.
+fn in_frame<S: Scalar>(frame: LoadFrame, node: NodeId, direction: Vector3<S>, m: &Builder<S>) -> Vector3<S> {
+    if frame == LoadFrame::Body { m.local_direction(node, direction) } else { direction }
+}
+
 fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
     let (name, fields) = (item.name.as_str(), &item.fields);
     let (size, values): (TimeFunction, Vec<S>) = known.function(fields, "size")?;
@@ -262,23 +274,42 @@ fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<M
             m.distributed_load(name, beam, (frame(fields, LoadFrame::World), direction), size, &values);
         }
         "pressure" => {
-            let Made::Shell(shell) = known.made(fields, "shell")? else {
-                return Err(Mistake::new(fields.at, "shell must name a shell"));
+            let shell: &MeshedShell = match known.made(fields, "shell")? {
+                Made::Shell(shell) => shell,
+                Made::Mesh(shell) => shell,
+                _ => return Err(Mistake::new(fields.at, "shell must name a shell or a mesh")),
             };
-            m.pressure(name, shell, frame(fields, LoadFrame::Body), size, &values);
+            let group = match fields.get("shell") {
+                Some((at, Value::Group(_, group))) => shell.group_named(group).map_err(|why| Mistake::new(at, why))?,
+                _ => shell.group(),
+            };
+            m.pressure_on(name, shell, &group, (frame(fields, LoadFrame::Body), size), &values);
         }
-        kind => {
+        "torque" => {
             let node = known.node(fields, "on", m)?;
-            let on = m.model.find_node(node).and_then(|own| own.kind.in_space()).unwrap_or(NodeKind::Point);
-            let frame = frame(fields, LoadFrame::World);
-            let turned = |direction| if frame == LoadFrame::Body { m.local_direction(node, direction) } else { direction };
-            if kind == "torque" {
-                let p = [&turned(known.vector(fields, "axis")?).components()[..], &values].concat();
-                m.element(name, &[node], AppliedTorque { on, frame, size }, &p);
-            } else {
+            let (on, frame) = (kind_in_space(node, m), frame(fields, LoadFrame::World));
+            let axis = in_frame(frame, node, known.vector(fields, "axis")?, m);
+            let p = [&axis.components()[..], &values].concat();
+            m.element(name, &[node], AppliedTorque { on, frame, size }, &p);
+        }
+        _ => {
+            let (nodes, frame) = (known.node_set(fields, "on", m)?, frame(fields, LoadFrame::World));
+            if let Some((at, _)) = fields.get("point").filter(|_| nodes.len() > 1) {
+                let text =
+                    format!("a force on {} nodes has no point of its own: each takes its share where it is", nodes.len());
+                return Err(Mistake::new(at, text));
+            }
+            let direction = known.vector(fields, "direction")?;
+            for (number, &node) in nodes.iter().enumerate() {
+                let on = kind_in_space(node, m);
                 let point = m.local_point(node, place(known, fields, "point", node, m)?).components();
-                let p = [&turned(known.vector(fields, "direction")?).components()[..], &point, &values].concat();
-                m.element(name, &[node], AppliedForce { on, frame, size }, &p);
+                let own = in_frame(frame, node, direction, m);
+                let (own, name) = match nodes.len() {
+                    1 => (own, name.to_string()),
+                    count => (own * S::from(1.0 / count as f64), format!("{name}, node {}", number + 1)),
+                };
+                let p = [&own.components()[..], &point, &values].concat();
+                m.element(&name, &[node], AppliedForce { on, frame, size: size.clone() }, &p);
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Laminate, Ply, PlyStrength, STRAINS, Section};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, CableLine, Extrusion, Profile, ShellMember, ShellMesh};
+use crate::scenes::{BeamLine, CableLine, Extrusion, MeshedShell, Profile, ShellMesh};
 
 /// A section of beams, or the shape from which that of a cable is made, too.
 pub(super) fn section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Made<S>> {
@@ -187,6 +187,21 @@ pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     Ok(Made::Cable(cable))
 }
 
+/// Shells that the key `joined` names.
+pub(super) fn joined<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields) -> Vec<&'k MeshedShell> {
+    let mut others: Vec<&MeshedShell> = Vec::new();
+    for (_, value) in list(fields, "joined") {
+        let (Value::Item(item) | Value::Group(item, _)) = value else { continue };
+        match &known.made[*item] {
+            Made::Shell(shell) => others.push(shell),
+            Made::Mesh(shell) => others.push(shell),
+            Made::Walls(walls) => others.extend(walls.walls.iter().map(|wall| &**wall)),
+            _ => {}
+        }
+    }
+    others
+}
+
 pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
     let elements = counts(fields, "elements").unwrap_or([1; 2]);
     let vector = |key| known.vector(fields, key);
@@ -223,17 +238,9 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     for edge in texts(fields, "clamped") {
         mesh = mesh.clamped(edge_named(&edge));
     }
-    let mut others: Vec<&ShellMember> = Vec::new();
-    for (_, value) in list(fields, "joined") {
-        let Value::Item(item) = value else { continue };
-        match &known.made[*item] {
-            Made::Shell(shell) => others.push(shell),
-            Made::Walls(walls) => others.extend(&walls.walls),
-            _ => {}
-        }
-    }
+    let others = joined(known, fields);
     if !others.is_empty() {
-        mesh = m.joined(mesh, &others);
+        mesh = m.joined(mesh, &others.iter().collect::<Vec<_>>());
     }
     for (at, value) in list(fields, "held") {
         let Value::Fields(own) = value else { continue };

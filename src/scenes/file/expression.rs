@@ -26,6 +26,8 @@ impl<S: Scalar> Quantity<S> {
 pub(super) struct Named {
     pub name: String,
     pub is_vector: bool,
+    /// The entry and the name of the mesh for whose faces or nodes it has values.
+    pub each: Option<(usize, String)>,
     /// Its value, if no design variable changes it.
     constant: Option<Quantity<f64>>,
 }
@@ -37,22 +39,31 @@ pub(super) const TIME: &str = "t";
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scope {
     pub names: Vec<Named>,
+    /// The mesh of whose faces and nodes formulas may use the values.
+    pub of_mesh: Option<usize>,
 }
 
 impl Scope {
     /// A number that changes with the design.
     pub fn add_variable(&mut self, name: &str) {
-        self.names.push(Named { name: name.into(), is_vector: false, constant: None });
+        self.names.push(Named { name: name.into(), is_vector: false, each: None, constant: None });
+    }
+    /// A number that changes with the design, one for each of some faces or nodes of a mesh.
+    pub fn add_each(&mut self, name: &str, mesh: usize, mesh_name: &str) {
+        self.add_variable(name);
+        if let Some(own) = self.names.last_mut() {
+            own.each = Some((mesh, mesh_name.into()));
+        }
     }
     /// A number or vector that is always the same.
     pub fn add_constant(&mut self, name: &str, value: Quantity<f64>) {
         let is_vector = matches!(value, Quantity::Vector(_));
-        self.names.push(Named { name: name.into(), is_vector, constant: Some(value) });
+        self.names.push(Named { name: name.into(), is_vector, each: None, constant: Some(value) });
     }
     /// What a formula gives.
     pub fn add_formula(&mut self, name: &str, formula: &Expression) {
         let constant = formula.constant(self);
-        self.names.push(Named { name: name.into(), is_vector: formula.is_vector, constant });
+        self.names.push(Named { name: name.into(), is_vector: formula.is_vector, each: None, constant });
     }
     /// The same names and [`TIME`].
     pub fn with_time(&self) -> Scope {
@@ -190,6 +201,11 @@ impl Expression {
     pub fn parse(text: &str, scope: &Scope) -> Result<Self, SyntaxError> {
         let (operations, is_vector) = FormulaText::read(text, scope)?;
         Ok(Expression { operations, is_vector })
+    }
+
+    /// Whether it uses the name with a number.
+    pub fn uses(&self, name: usize) -> bool {
+        self.operations.contains(&Operation::Name(name))
     }
 
     /// Its value, if no design variable changes it.

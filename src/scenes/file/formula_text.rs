@@ -246,6 +246,14 @@ impl<'r> FormulaText<'r> {
             let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
             return Err((at, unknown("name", name, &known)));
         };
+        if let Some((mesh, of)) = &named.each
+            && self.scope.of_mesh != Some(*mesh)
+        {
+            let text = format!(
+                "\"{name}\" has a value for each face or node of \"{of}\"; only the thickness of this mesh, and of its parts, can use it"
+            );
+            return Err((at, text));
+        }
         self.operations.push(Operation::Name(index));
         Ok(named.is_vector)
     }

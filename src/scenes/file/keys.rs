@@ -67,10 +67,18 @@ pub(super) enum Type {
     Nodes(usize),
     /// Nodes, edges and ends.
     NodeSets,
+    /// One of them.
+    NodeSet,
     /// Something of one of these sections.
     Item(&'static [&'static str]),
     /// Any number of them.
     Items(&'static [&'static str]),
+    /// A number or a formula, which may use variables of the faces and nodes of this mesh; unit and range.
+    OfMesh(&'static str, Range),
+    /// Lists of whole numbers from 0 on.
+    Lists,
+    /// Lists of whole numbers from 0 on by name.
+    NamedLists,
     /// A table.
     Table(&'static Forms),
     /// A list of tables.

@@ -2,6 +2,7 @@
 
 use super::expression::Quantity;
 use super::keys::Range;
+use super::meshes::{Each, Per};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::{ConstraintId, NodeId};
@@ -12,7 +13,7 @@ use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::forces::LoadFrame;
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, ShellMember, ThinWalls};
+use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, ThinWalls};
 use std::sync::Arc;
 
 /// What an entry became.
@@ -23,6 +24,7 @@ pub(super) enum Made<S> {
     Beam(BeamMember),
     Cable(CableMember),
     Shell(Box<ShellMember>),
+    Mesh(Box<MeshedShell>),
     Walls(ThinWalls),
     Sphere(Vec<ShellMember>),
     Group(ElementGroup),
@@ -36,6 +38,8 @@ pub(super) struct Known<'f, S> {
     /// All entries.
     pub items: &'f [Item],
     pub names: Vec<Quantity<S>>,
+    /// Variables with values for faces or nodes of a mesh: their places among the names, and these values.
+    pub each: Vec<(usize, &'f Each, Vec<S>)>,
     pub made: Vec<Made<S>>,
 }
 
@@ -47,9 +51,13 @@ fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
 }
 
 impl<S: Scalar> Known<'_, S> {
-    fn value(&self, key: &str, (at, value): (usize, &Value)) -> Found<Quantity<S>> {
+    fn value(&self, key: &str, given: (usize, &Value)) -> Found<Quantity<S>> {
+        self.value_with(key, given, &self.names)
+    }
+
+    fn value_with(&self, key: &str, (at, value): (usize, &Value), names: &[Quantity<S>]) -> Found<Quantity<S>> {
         let Value::Formula(formula, range) = value else { return Err(Mistake::new(at, "this is no formula")) };
-        let value = formula.value(&self.names);
+        let value = formula.value(names);
         let range = *range;
         match value.components().iter().map(|own| own.value()).find(|own| !(own.is_finite() && range.holds(*own))) {
             None => Ok(value),
@@ -76,6 +84,31 @@ impl<S: Scalar> Known<'_, S> {
 
     pub fn number(&self, fields: &Fields, key: &str) -> Found<S> {
         fields.get(key).map_or_else(|| missing(fields, key), |given| self.scalar(key, given))
+    }
+
+    /// A number at a point of a face of a mesh, for which some variables have values of their own; what the face is called, for messages.
+    pub fn number_at(&self, fields: &Fields, key: &str, [mesh, face, point]: [usize; 3], called: &str) -> Found<S> {
+        let given = fields.get(key).map_or_else(|| missing(fields, key), Ok)?;
+        let mut names = self.names.clone();
+        for (place, each, values) in self.each.iter().filter(|own| own.1.mesh == mesh) {
+            let wanted = if each.per == Per::Face { face } else { point };
+            match each.places.binary_search(&wanted).ok().and_then(|own| values.get(own)) {
+                Some(&own) => names[*place] = Quantity::Number(own),
+                None if matches!(given.1, Value::Formula(formula, _) if formula.uses(*place)) => {
+                    let text = format!(
+                        "{key}: a design variable of some faces or nodes has no value for {called}; name those in per_face or per_node, or give \
+                         the others a part of their own"
+                    );
+                    return Err(Mistake::new(given.0, text));
+                }
+                None => {}
+            }
+        }
+        match self.value_with(key, given, &names) {
+            Ok(Quantity::Number(own)) => Ok(own),
+            Ok(Quantity::Vector(_)) => Err(Mistake::new(given.0, "a number is wanted, and this is a vector")),
+            Err(Mistake { at, what }) => Err(Mistake::new(at, format!("{called}, {what}"))),
+        }
     }
 
     pub fn number_or(&self, fields: &Fields, key: &str, default: f64) -> Found<S> {
@@ -136,8 +169,20 @@ impl<S: Scalar> Known<'_, S> {
                 Some(edge) => some(shell.edge(edge_named(edge))),
                 None => on_grid(shell, &place.index),
             },
+            Made::Mesh(shell) => {
+                let node = |&point: &usize| shell.node(point).ok_or_else(|| Mistake::new(at, "this is no node"));
+                place.points.iter().map(node).collect()
+            }
             Made::Sphere(faces) => on_grid(&faces[index(faces.len())?], &place.index[1..]),
             _ => Err(Mistake::new(at, "this is no node")),
+        }
+    }
+
+    /// All nodes that a key names.
+    pub fn node_set(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<Vec<NodeId>> {
+        match fields.get(key) {
+            Some((at, Value::Node(place))) => self.nodes_at(at, place, m),
+            _ => missing(fields, key),
         }
     }
 
@@ -161,7 +206,7 @@ impl<S: Scalar> Known<'_, S> {
     /// What another entry became.
     pub fn made<'m>(&'m self, fields: &Fields, key: &str) -> Found<&'m Made<S>> {
         match fields.get(key) {
-            Some((_, Value::Item(item))) => Ok(&self.made[*item]),
+            Some((_, Value::Item(item) | Value::Group(item, _))) => Ok(&self.made[*item]),
             _ => missing(fields, key),
         }
     }
@@ -183,12 +228,18 @@ impl<S: Scalar> Known<'_, S> {
     /// Elements of everything that a key names.
     pub fn group(&self, fields: &Fields, key: &str) -> Found<ElementGroup> {
         let mut groups = Vec::new();
-        for (_, value) in list(fields, key) {
+        for (at, value) in list(fields, key) {
+            if let Value::Group(item, name) = value
+                && let Made::Mesh(shell) = &self.made[*item]
+            {
+                groups.push(shell.group_named(name).map_err(|why| Mistake::new(at, why))?);
+            }
             let Value::Item(item) = value else { continue };
             groups.extend(match &self.made[*item] {
                 Made::Beam(beam) => vec![beam.group()],
                 Made::Cable(cable) => vec![cable.group()],
                 Made::Shell(shell) => vec![shell.group()],
+                Made::Mesh(shell) => vec![shell.group()],
                 Made::Walls(walls) => walls.walls.iter().map(|wall| wall.group()).collect(),
                 Made::Sphere(faces) => faces.iter().map(|face| face.group()).collect(),
                 Made::Group(group) => vec![group.clone()],

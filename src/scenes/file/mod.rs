@@ -4,10 +4,12 @@
 mod build;
 mod build_functionals;
 mod build_members;
+mod build_meshes;
 mod expression;
 mod formula_text;
 mod keys;
 mod known;
+mod meshes;
 mod mistake;
 mod order;
 mod raw;

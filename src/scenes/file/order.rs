@@ -35,7 +35,7 @@ impl Reader {
 
 fn collect_items(value: &Value, items: &mut Vec<usize>) {
     match value {
-        Value::Item(item) => items.push(*item),
+        Value::Item(item) | Value::Group(item, _) => items.push(*item),
         Value::Node(NodePlace { item: Some(item), .. }) => items.push(*item),
         Value::Fields(fields) => fields.values.iter().for_each(|(_, _, own)| collect_items(own, items)),
         Value::List(list) => list.iter().for_each(|(_, own)| collect_items(own, items)),

@@ -2,12 +2,16 @@
 
 use super::expression::{Expression, Scope, is_name, is_reserved, names_in};
 use super::keys::{Form, Forms, Range, Section, Shape};
+use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
 use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
 use super::unknown::unknown;
+use crate::scenes::MeshData;
 use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What a key was given.
 #[derive(Clone, Debug)]
@@ -20,18 +24,24 @@ pub(super) enum Value {
     Text(String),
     Node(NodePlace),
     Item(usize),
+    /// A group of the faces of a mesh.
+    Group(usize, String),
+    /// Whole numbers by name, with their places.
+    Lists(Vec<(String, usize, Vec<usize>)>),
     Weights(Vec<(String, f64)>),
     Fields(Fields),
     List(Vec<(usize, Value)>),
 }
 
 /// Where a node is to be found: `crank`, `beam.end`, `plate[2, 3]`, `tube.start[0]`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct NodePlace {
     /// The entry; without it the ground.
     pub item: Option<usize>,
     pub edge: Option<&'static str>,
     pub index: Vec<usize>,
+    /// Of a mesh: its points.
+    pub points: Vec<usize>,
 }
 
 /// The values of a table.
@@ -56,6 +66,8 @@ pub(super) struct Item {
     pub section: &'static str,
     pub name: String,
     pub fields: Fields,
+    /// Of an entry that is a mesh.
+    pub mesh: Option<Arc<MeshData>>,
 }
 
 /// A design variable: how formulas call it is its place.
@@ -63,6 +75,8 @@ pub(super) struct Item {
 pub(super) struct Variable {
     pub fields: Fields,
     pub name: String,
+    /// What it has a value for, if it is not one number.
+    pub each: Option<Each>,
 }
 
 /// A file that was read.
@@ -88,7 +102,14 @@ pub(super) struct Declared {
 }
 
 /// A file while it is read.
+#[derive(Default)]
 pub(super) struct Reader {
+    /// Where files stand whose paths are not absolute.
+    pub folder: PathBuf,
+    /// Meshes by their entries.
+    pub meshes: HashMap<usize, Arc<MeshData>>,
+    /// The entry that is read.
+    pub current: Option<usize>,
     pub scope: Scope,
     pub declared: Vec<Declared>,
     pub by_name: HashMap<(String, &'static str), usize>,
@@ -108,9 +129,9 @@ pub(super) fn name_space(section: &str) -> &'static str {
     }
 }
 
-/// Reads a whole file.
-pub(super) fn read(root: &Raw) -> Result<Contents, Vec<Mistake>> {
-    let mut reader = Reader { scope: Scope::default(), declared: Vec::new(), by_name: HashMap::new(), mistakes: Vec::new() };
+/// Reads a whole file; paths in it begin at a folder.
+pub(super) fn read(root: &Raw, folder: &Path) -> Result<Contents, Vec<Mistake>> {
+    let mut reader = Reader { folder: folder.into(), ..Reader::default() };
     let contents = reader.contents(root);
     if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
 }
@@ -147,6 +168,7 @@ impl Reader {
                 self.wrong(entry.at, unknown("key", &entry.key, &known));
             }
         }
+        self.meshes();
         let variables = self.variables();
         let definitions = self.define(definitions);
         let top_entries: Vec<Entry> = top.iter().map(|(_, entry)| (*entry).clone()).collect();
@@ -156,7 +178,7 @@ impl Reader {
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
             .collect();
         if self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
-            self.wrong(0, "the file has no [[body]], [[point]], [[beam]], [[cable]] or [[shell]]: nothing moves");
+            self.wrong(0, "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves");
         }
         let mut items = Vec::new();
         for place in 0..self.declared.len() {
@@ -166,11 +188,15 @@ impl Reader {
                 Shape::Listed => format!("[[{}]] \"{name}\"", section.name),
                 _ => format!("[{}.{name}]", section.name),
             };
+            self.current = Some(place);
             let fields = self.fields(&raw, &section.forms, &owner);
-            items.push(Item { section: section.name, name, fields });
+            let mesh = self.meshes.get(&place).cloned();
+            items.push(Item { section: section.name, name, fields, mesh });
         }
-        let variables =
-            variables.into_iter().map(|(index, name)| Variable { fields: items[index].fields.clone(), name }).collect();
+        let variables = variables
+            .into_iter()
+            .map(|(index, name, each)| Variable { fields: items[index].fields.clone(), name, each })
+            .collect();
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order }
     }
@@ -223,21 +249,25 @@ impl Reader {
     }
 
     /// Design variables: their places among the entries, and their names for users.
-    fn variables(&mut self) -> Vec<(usize, String)> {
-        let mut list: Vec<(usize, String)> = Vec::new();
+    fn variables(&mut self) -> Vec<(usize, String, Option<Each>)> {
+        let mut list: Vec<(usize, String, Option<Each>)> = Vec::new();
         for place in 0..self.declared.len() {
             let Declared { section, name, at, raw, .. } = &self.declared[place];
             if section.name != "variable" {
                 continue;
             }
-            let (own, at) = (name.clone(), *at);
+            let (own, at, raw_each) = (name.clone(), *at, raw.clone());
             let shown = raw.get("name").and_then(|name| name.text()).unwrap_or(name).to_string();
             self.check_name(&own, at);
-            if list.iter().any(|(_, other)| *other == shown) {
+            if list.iter().any(|(_, other, _)| *other == shown) {
                 self.wrong(at, format!("two design variables are named \"{shown}\""));
             }
-            self.scope.add_variable(&own);
-            list.push((place, shown));
+            let each = self.each(&raw_each);
+            match &each {
+                Some(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
+                None => self.scope.add_variable(&own),
+            }
+            list.push((place, shown, each));
         }
         list
     }

@@ -7,12 +7,12 @@ use super::unknown::unknown;
 
 impl Reader {
     /// Names of the entries of some sections.
-    fn names_of(&self, sections: &[&str]) -> Vec<String> {
+    pub(super) fn names_of(&self, sections: &[&str]) -> Vec<String> {
         let own = self.declared.iter().filter(|own| sections.contains(&own.section.name) && !own.name.is_empty());
         own.map(|own| own.name.clone()).collect()
     }
 
-    fn find(&self, name: &str, sections: &[&str]) -> Option<usize> {
+    pub(super) fn find(&self, name: &str, sections: &[&str]) -> Option<usize> {
         sections.iter().find_map(|section| {
             let place = self.by_name.get(&(name.to_string(), name_space(section)))?;
             (self.declared[*place].section.name == *section).then_some(*place)
@@ -27,11 +27,14 @@ impl Reader {
         };
         let found = self.find(name, sections);
         if found.is_none() {
-            let known = unknown(sections[0], name, &self.names_of(sections));
+            let mut names = self.names_of(sections);
+            if sections.contains(&"mesh") {
+                names.extend(self.group_names());
+            }
+            let known = unknown(sections[0], name, &names);
             let other = self.declared.iter().find(|own| own.name == name);
             let text = match other {
                 Some(other) => {
-                    let names = self.names_of(sections);
                     let there =
                         if names.is_empty() { "there is none".into() } else { format!("there are: {}", names.join(", ")) };
                     format!(
@@ -47,6 +50,21 @@ impl Reader {
         found
     }
 
+    /// The same, or a group of the faces of a mesh: `plate.web`.
+    pub(super) fn item_or_group(&mut self, raw: &Raw, what: &str, sections: &[&str]) -> Option<Value> {
+        if let Some(text) = raw.text().filter(|text| sections.contains(&"mesh") && self.find(text, sections).is_none())
+            && let Some((item, rest)) = self.of_mesh(text)
+            && let Some(group) = rest.strip_prefix('.')
+        {
+            // a mesh that could not be read has been reported
+            let known = self.meshes.get(&item).is_none_or(|data| data.group(group).is_some());
+            if known {
+                return Some(Value::Group(item, group.into()));
+            }
+        }
+        self.item(raw, what, sections).map(Value::Item)
+    }
+
     pub(super) fn node_list(&mut self, list: &[Raw], what: &str, sets: bool) -> Option<Value> {
         let own: Vec<_> = list.iter().map(|raw| (raw.at, self.node(raw, what, sets))).collect();
         own.into_iter().map(|(at, node)| Some((at, Value::Node(node?)))).collect::<Option<_>>().map(Value::List)
@@ -58,7 +76,10 @@ impl Reader {
             return None;
         };
         if text == "ground" {
-            return Some(NodePlace { item: None, edge: None, index: Vec::new() });
+            return Some(NodePlace::default());
+        }
+        if let Some(found) = self.mesh_node(raw, what, sets) {
+            return found;
         }
         let (name, edge, index) = match self.find(text, WITH_NODES) {
             Some(_) => (text, None, Vec::new()),
@@ -119,7 +140,7 @@ impl Reader {
             );
             return None;
         }
-        Some(NodePlace { item: Some(place), edge: found.flatten(), index })
+        Some(NodePlace { item: Some(place), edge: found.flatten(), index, points: Vec::new() })
     }
 }
 

@@ -3,7 +3,7 @@ use super::expression::Quantity;
 use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::raw::Raw;
-use super::reader::{Contents, Fields, Value, read};
+use super::reader::{Contents, Fields, Value, Variable, read};
 use super::unknown::unknown;
 use crate::design::DesignVariable;
 use crate::integrators::{MOST_STEPS, STATIC_TABLE, StepControl, table_named, table_names};
@@ -105,7 +105,8 @@ impl FileScene {
     /// All mistakes that were found, a line each: file, line, column, key, value, what is allowed.
     pub fn parse(file: &str, text: &str) -> Result<Self, String> {
         let source = Source { name: file.into(), text: text.into() };
-        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root)) {
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder)) {
             Ok(contents) => contents,
             Err(mistakes) => return Err(source.all_told(mistakes)),
         };
@@ -140,6 +141,20 @@ impl FileScene {
     }
 }
 
+impl Variable {
+    /// Its numbers of the design: one, or one for each face or node.
+    fn count(&self) -> usize {
+        self.each.as_ref().map_or(1, |each| each.numbers.len())
+    }
+    /// What they are called.
+    fn names(&self) -> Vec<String> {
+        match &self.each {
+            None => vec![self.name.clone()],
+            Some(each) => each.numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
+        }
+    }
+}
+
 fn single<'c>(contents: &'c Contents, name: &str) -> Option<&'c Fields> {
     contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
 }
@@ -162,7 +177,7 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
             mistakes.push(Mistake::new(at("initial"), text));
         }
         let unit = kept(text(&own.fields, "unit").unwrap_or("-"));
-        variables.push(DesignVariable::new(own.name.clone(), initial, (lower, upper), unit));
+        variables.extend(own.names().into_iter().map(|name| DesignVariable::new(name, initial, (lower, upper), unit)));
     }
     variables
 }
@@ -273,7 +288,14 @@ fn problem(contents: &Contents, variables: &[DesignVariable], mistakes: &mut Vec
     };
     let key = ["minimize", "maximize", "weights"].into_iter().zip(ways).find(|own| own.1).map_or("weights", |own| own.0);
     objective.iter().for_each(|(name, _)| check("functional", at(key), name, &functionals));
-    let varying = fields.get("varying").map(|_| texts(fields, "varying"));
+    // one name stands for all of a variable of faces or nodes
+    let varying = fields.get("varying").map(|_| {
+        let all = |name: String| match contents.variables.iter().find(|own| own.name == name) {
+            Some(own) => own.names(),
+            None => vec![name],
+        };
+        texts(fields, "varying").into_iter().flat_map(all).collect::<Vec<String>>()
+    });
     varying.iter().flatten().for_each(|name| check("design variable", at("varying"), name, &names));
     let (mut constraints, mut linear) = (Vec::new(), Vec::new());
     for (_, value) in list(fields, "constraint") {
@@ -316,7 +338,7 @@ fn problem(contents: &Contents, variables: &[DesignVariable], mistakes: &mut Vec
 }
 
 /// Sections whose entries have mass: weight follows them.
-const WITH_MASS: &[&str] = &["body", "point", "beam", "cable", "shell", "thin_walls", "sphere"];
+const WITH_MASS: &[&str] = &["body", "point", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 
 impl Scene for FileScene {
     fn name(&self) -> String {
@@ -338,11 +360,19 @@ impl Scene for FileScene {
         self.output
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let Contents { top, definitions, items, order, .. } = &self.contents;
+        let Contents { top, variables, definitions, items, order, .. } = &self.contents;
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
-        let mut names: Vec<Quantity<S>> = x.iter().map(|&x| Quantity::Number(x)).collect();
+        let (mut names, mut each, mut rest): (Vec<Quantity<S>>, Vec<_>, &[S]) = (Vec::new(), Vec::new(), x);
+        for own in variables {
+            let (values, others) = rest.split_at(own.count());
+            rest = others;
+            if let Some(of) = &own.each {
+                each.push((names.len(), of, values.to_vec()));
+            }
+            names.push(Quantity::Number(values[0]));
+        }
         for (at, name, formula) in definitions {
             let value = formula.value(&names);
             if let Some(own) = value.components().iter().map(|own| own.value()).find(|own| !own.is_finite()) {
@@ -352,7 +382,7 @@ impl Scene for FileScene {
             names.push(value);
         }
         let made = items.iter().map(|_| Made::Nothing).collect();
-        let mut known = Known { items, names, made };
+        let mut known = Known { items, names, each, made };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();
@@ -360,10 +390,13 @@ impl Scene for FileScene {
         let mut mistakes = Vec::new();
         let last = order.iter().rposition(|&place| WITH_MASS.contains(&items[place].section));
         for (rank, &place) in order.iter().enumerate() {
-            let built = build(&known, &items[place], m);
+            let built = build(&known, place, m);
             let of_builder = m.take_mistakes().into_iter().map(|what| Mistake::new(items[place].fields.at, what));
+            let before = mistakes.len();
             mistakes.extend(of_builder);
             match built {
+                // a mesh with mistakes has no elements: what needs them would only repeat it
+                Ok(Made::Mesh(_)) if mistakes.len() > before => break,
                 Ok(made) => known.made[place] = made,
                 Err(mistake) => {
                     mistakes.push(mistake);

@@ -110,7 +110,7 @@ fn of_key(key: &Key) -> Value {
     let whole = |least: usize, most: usize| json!({"type": "integer", "minimum": least, "maximum": most});
     let mut unit = "";
     let mut own = match key.takes {
-        Type::Number(of, range) | Type::Fixed(of, range) => {
+        Type::Number(of, range) | Type::Fixed(of, range) | Type::OfMesh(of, range) => {
             unit = of;
             formula(range)
         }
@@ -142,7 +142,7 @@ fn of_key(key: &Key) -> Value {
         Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string", "pattern": "[{]"}]}),
         Type::Counts(count, least, most) => array(whole(least, most), count, Some(count)),
         Type::Flag => json!({"type": "boolean"}),
-        Type::Text | Type::OfTime | Type::Node | Type::Item(_) => text(),
+        Type::Text | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
         Type::Texts => array(text(), 0, None),
         Type::Weights => json!({"type": "object", "additionalProperties": formula(Range::Any), "minProperties": 1}),
         Type::Choice(words) => json!({"enum": words}),
@@ -150,6 +150,8 @@ fn of_key(key: &Key) -> Value {
         Type::Nodes(count) => array(text(), count, Some(count)),
         Type::NodeSets => array(text(), 1, None),
         Type::Items(_) => json!({"anyOf": [text(), array(text(), 0, None)]}),
+        Type::Lists => array(array(whole(0, usize::MAX >> 11), 0, None), 1, None),
+        Type::NamedLists => json!({"type": "object", "additionalProperties": array(whole(0, usize::MAX >> 11), 0, None)}),
         Type::Table(forms) => inner(forms),
         Type::Tables(forms) => array(inner(forms), 0, None),
         Type::Function(of, forms) => {

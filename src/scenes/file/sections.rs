@@ -3,8 +3,8 @@
 use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Node, NodeSets, Nodes, Number, Numbers,
-    OfTime, OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
+    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, NamedLists, Node, NodeSet, NodeSets,
+    Nodes, Number, Numbers, OfMesh, OfTime, OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -178,18 +178,32 @@ const HELD: Forms = one_form![
     need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
 ];
 
+const NODE_OF_MESH: Forms = one_form![
+    need("at", Text, "number of the node, as in \"12\", or a node set of one node"),
+    need("node", Node, "a body, or a node of another shell or of a beam, that stands there"),
+];
+
+const PART: Forms = one_form![
+    need("of", Texts, "groups of faces"),
+    may("material", Item(&["material"]), "name of a material; that of the mesh"),
+    may("thickness", OfMesh("m", Positive), "thickness; needed but with laminate"),
+    may("laminate", Item(&["laminate"]), "name of a laminate"),
+    may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; that of the mesh"),
+];
+
 const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
 
 /// Sections whose entries are nodes or have nodes.
-pub(super) const WITH_NODES: &[&str] = &["body", "point", "joint_angle", "beam", "cable", "shell", "thin_walls", "sphere"];
+pub(super) const WITH_NODES: &[&str] =
+    &["body", "point", "joint_angle", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
-const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "thin_walls", "sphere", "group"];
+const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.
 pub(super) const JOINTS: &[&str] = &["joint", "driver"];
 
 const BEAM: &[&str] = &["beam"];
 const CABLE: &[&str] = &["cable"];
-const SHELLS: &[&str] = &["shell", "thin_walls"];
+const SHELLS: &[&str] = &["shell", "mesh", "thin_walls"];
 const MATERIAL: Key = need("material", Item(&["material"]), "name of a material");
 const ELEMENTS: Key = need("elements", Counts(2, 1, 1000), "elements along both directions");
 const OF_BEAM: Key = need("beam", Item(BEAM), "name of a beam");
@@ -201,7 +215,11 @@ const ON: Key = need("on", Node, "node");
 const AT: Key = may("point", Vector("m"), "point of the node, in the world at the start; the node's place");
 const ALONG: Key = need("direction", Vector("-"), "direction in the world");
 const OF_JOINT: Key = need("joint", Item(JOINTS), "name of a joint or driver");
-const GROUP: Key = need("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, walls or groups");
+const GROUP: Key = need(
+    "of",
+    Items(WITH_ELEMENTS),
+    "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
+);
 
 /// All sections, in the order of the reference page.
 pub(super) const SECTIONS: &[Section] = &[
@@ -213,6 +231,13 @@ pub(super) const SECTIONS: &[Section] = &[
             need("initial", Fixed("unit", Any), "value of the initial design"),
             need("bounds", Fixeds(2, "unit"), "least and largest value"),
             may("unit", Text, "unit, for tables and charts; -"),
+            may(
+                "per_face",
+                Text,
+                "name of a mesh, or a group of its faces, PLATE.GROUP: the variable is one for each face, NAME[17] that of the face with \
+                 the number 17, and in formulas of the thickness NAME is that of the face; one for all"
+            ),
+            may("per_node", Text, "the same for each node of the faces; one for all"),
             may("name", Text, "how commands and results call it; NAME"),
         ],
     },
@@ -396,6 +421,42 @@ pub(super) const SECTIONS: &[Section] = &[
         ]),
     },
     Section {
+        name: "mesh",
+        shape: Shape::Listed,
+        doc: "A shell on a mesh of quadrilaterals of four, eight and nine nodes and triangles of six. Node NAME[i] is the one with the number i of the \
+              file of Gmsh, or the i-th of the points from 0 on; NAME.SET are the nodes of a node set, which a physical curve or point is, or of a group \
+              of faces, NAME.SET[i] is one of them, counted from 0; NAME.GROUP are the elements of a group, which a physical surface is.",
+        forms: forms!([
+            NAME,
+            may("material", Item(&["material"]), "name of a material; needed but with laminate or parts"),
+            may("thickness", OfMesh("m", Positive),
+                "thickness of faces that have no part; may use design variables of faces and nodes; needed with material but with parts"),
+            may("laminate", Item(&["laminate"]), "name of a laminate"),
+            may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
+            may("parts", Tables(&PART), "sections of groups of faces; all faces have one"),
+            may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
+            may("clamped", Texts, "node sets, or groups of faces, whose nodes never move; none"),
+            may("joined", Items(SHELLS), "shells, meshes and walls whose nodes it takes over where its outer edges meet them; none"),
+            may("nodes", Tables(&NODE_OF_MESH), "nodes that are there already; none"),
+            may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side; none"),
+            may("crease", Fixed("rad", Positive), "faces at a larger angle meet in an edge, which keeps its angle; 45 deg"),
+            may("scale", Number("-", Positive), "by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1"),
+            may("orientation", Table(&ORIENTATION), "turn of the points about the origin, after scale; none"),
+            may("position", Vector("m"), "by which the points are moved, after orientation; 0"),
+        ]
+        "gmsh" "from a file of Gmsh, version 4.1" [
+            need("file", Text, "path of the file, from the folder of this file on"),
+            may("coincident", Flag, "nodes may stand at the same place and are not joined; false"),
+        ]
+        "faces" "from points and faces here" [
+            need("points", Points, "points, counted from 0 on"),
+            need("faces", Lists, "points of each face: corners counterclockwise as seen from where the normal points to, then the middles of the edges \
+                 from the first corner on, then the middle"),
+            may("groups", NamedLists, "groups of faces, counted from 0 on, by name; none"),
+            may("node_sets", NamedLists, "sets of points by name; none"),
+        ]),
+    },
+    Section {
         name: "thin_walls",
         shape: Shape::Listed,
         doc: "A member of thin walls of shells along a line; nodes of its ends are NAME.start, NAME.end, and NAME.start[i] one of them.",
@@ -510,7 +571,7 @@ pub(super) const SECTIONS: &[Section] = &[
         forms: one_form![
             NAME,
             need("body", Node, "the body, or one of the nodes"),
-            need("nodes", NodeSets, "nodes, edges of shells, ends of walls"),
+            need("nodes", NodeSets, "nodes, edges of shells, ends of walls, node sets of meshes"),
         ],
     },
     Section {
@@ -578,7 +639,7 @@ pub(super) const SECTIONS: &[Section] = &[
         doc: "A force at a point of a node: direction times size.",
         forms: one_form![
             NAME,
-            ON,
+            need("on", NodeSet, "node; of an edge, an end or a node set of a mesh each node takes an equal share"),
             AT,
             FRAME,
             need("direction", Vector("-"), "direction in the world at the start; its length counts"),
@@ -615,7 +676,11 @@ pub(super) const SECTIONS: &[Section] = &[
         doc: "A pressure on a shell; it pushes to where the normal points.",
         forms: one_form![
             NAME,
-            need("shell", Item(&["shell"]), "name of a shell"),
+            need(
+                "shell",
+                Item(&["shell", "mesh"]),
+                "name of a shell or a mesh, or a group of the faces of one: PLATE.GROUP"
+            ),
             may("frame", Choice(&["world", "body"]), "dead load, or normal to the deformed surface; body"),
             need("size", Function("N/m2", &FUNCTION), "size over time"),
         ],
@@ -657,10 +722,10 @@ pub(super) const SECTIONS: &[Section] = &[
                 may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
             ]
             "energy" "energy of all elements [J]" []
-            "mass" "mass of some elements [kg]" [may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, walls or groups; everything")]
+            "mass" "mass of some elements [kg]" [may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything")]
             "strain_energy" "energy stored in strains [J]" [GROUP]
             "inertia_moment" "moment of inertia about an axis [kg m2]" [
-                may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, walls or groups; everything"),
+                may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything"),
                 may("point", Vector("m"), "point of the axis; the origin"),
                 AXIS,
             ]

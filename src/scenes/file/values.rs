@@ -6,6 +6,9 @@ use super::raw::{Raw, RawValue};
 use super::reader::{Reader, Value};
 use super::unknown::unknown;
 
+/// Largest number of a point or face of a mesh.
+const MOST_POINTS: usize = 10_000_000;
+
 impl Reader {
     fn not(&mut self, raw: &Raw, key: &Key, owner: &str, wanted: &str) {
         self.wrong(raw.at, format!("{} of {owner} must be {wanted}; it is {}", key.name, raw.words()));
@@ -149,6 +152,7 @@ impl Reader {
                     .map(Value::List)
             }
             Type::Node => self.node(raw, &what, false).map(Value::Node),
+            Type::NodeSet => self.node(raw, &what, true).map(Value::Node),
             Type::Nodes(count) => match list().filter(|list| list.len() == count) {
                 Some(list) => self.node_list(list, &what, false),
                 None => {
@@ -163,13 +167,45 @@ impl Reader {
                     None
                 }
             },
-            Type::Item(sections) => self.item(raw, &what, sections).map(Value::Item),
+            Type::Item(sections) => self.item_or_group(raw, &what, sections),
             Type::Items(sections) => {
                 let own = std::slice::from_ref(raw);
                 let list = list().unwrap_or(own);
-                let found: Vec<_> = list.iter().map(|own| (own.at, self.item(own, &what, sections))).collect();
-                found.into_iter().map(|(at, item)| Some((at, Value::Item(item?)))).collect::<Option<_>>().map(Value::List)
+                let found: Vec<_> = list.iter().map(|own| (own.at, self.item_or_group(own, &what, sections))).collect();
+                found.into_iter().map(|(at, item)| Some((at, item?))).collect::<Option<_>>().map(Value::List)
             }
+            Type::OfMesh(_, range) => {
+                self.scope.of_mesh = self.current;
+                let formula = self.formula(raw, &what, Some(range));
+                self.scope.of_mesh = None;
+                Some(Value::Formula(formula?, range))
+            }
+            Type::Lists => match list().filter(|list| !list.is_empty()) {
+                Some(list) => {
+                    let own: Vec<_> = list.iter().map(|own| (own.at, self.whole_numbers(own, &what))).collect();
+                    let value = |(at, numbers): (usize, Option<Vec<usize>>)| {
+                        Some((at, Value::List(numbers?.into_iter().map(|own| (at, Value::Count(own))).collect())))
+                    };
+                    own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
+                }
+                None => {
+                    self.not(raw, key, owner, "a list of lists of whole numbers, as in [[0, 1, 2, 3]]");
+                    None
+                }
+            },
+            Type::NamedLists => match raw.entries() {
+                Some(entries) => {
+                    let own: Vec<_> = entries
+                        .iter()
+                        .map(|own| Some((own.key.clone(), own.at, self.whole_numbers(&own.value, &what)?)))
+                        .collect();
+                    own.into_iter().collect::<Option<_>>().map(Value::Lists)
+                }
+                None => {
+                    self.not(raw, key, owner, "a table of names with lists of whole numbers, as in { rim = [0, 1, 2] }");
+                    None
+                }
+            },
             Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, &what))),
             Type::Tables(forms) => match list() {
                 Some(list) => Some(Value::List(
@@ -196,6 +232,15 @@ impl Reader {
                 _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
             },
         }
+    }
+
+    fn whole_numbers(&mut self, raw: &Raw, what: &str) -> Option<Vec<usize>> {
+        let RawValue::List(list) = &raw.value else {
+            self.wrong(raw.at, format!("{what} must have lists of whole numbers; there is {}", raw.words()));
+            return None;
+        };
+        let own: Vec<Option<usize>> = list.iter().map(|own| self.count(own, what, [0, MOST_POINTS])).collect();
+        own.into_iter().collect()
     }
 
     fn numbers(&mut self, list: &[Raw], what: &str, range: Range) -> Option<Value> {

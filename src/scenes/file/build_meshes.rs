@@ -1,0 +1,206 @@
+//! Shells on meshes of a file.
+
+use super::build::Builder;
+use super::build_members::joined;
+use super::known::{Found, Known, Made, fixed, list, texts};
+use super::meshes::{names, nodes_of};
+use super::mistake::Mistake;
+use super::reader::{Fields, Value};
+use super::unknown::unknown;
+use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scenes::{FreeMesh, MeshData, ShellPart};
+
+/// Thickness at the points of each face, those that complete faces of eight points included.
+type Thickness<S> = Vec<Vec<(usize, S)>>;
+
+/// Points of the mesh where they are wanted.
+fn points<S: Scalar>(known: &Known<S>, fields: &Fields, data: &MeshData) -> Found<Vec<Vector3<S>>> {
+    let mut points = match fields.form {
+        "faces" => known.points(fields, "points")?,
+        _ => data.points.iter().map(|&point| Vector3::from_f64(point)).collect(),
+    };
+    if fields.get("scale").is_some() {
+        let scale = known.number(fields, "scale")?;
+        points.iter_mut().for_each(|point| *point *= scale);
+    }
+    if fields.get("orientation").is_some() {
+        let turn = known.orientation(fields)?;
+        points.iter_mut().for_each(|point| *point = turn.rotate(*point));
+    }
+    if fields.get("position").is_some() {
+        let position = known.vector(fields, "position")?;
+        points.iter_mut().for_each(|point| *point += position);
+    }
+    Ok(points)
+}
+
+/// What a file gives of its own must be right before a mesh is made of it.
+fn check(fields: &Fields, data: &MeshData) -> Found<()> {
+    let count = data.points.len();
+    for (at, face) in list(fields, "faces") {
+        let Value::List(own) = face else { continue };
+        let most = own.iter().filter_map(|(_, own)| if let Value::Count(own) = own { Some(*own) } else { None }).max();
+        if !matches!(own.len(), 4 | 6 | 8 | 9) {
+            let text = format!("a face has 4, 6, 8 or 9 points; this one has {}", own.len());
+            return Err(Mistake::new(at, text));
+        }
+        if let Some(most) = most.filter(|&most| most >= count) {
+            return Err(Mistake::new(at, format!("there is no point {most} among {count}, counted from 0 on")));
+        }
+    }
+    for (key, count, what) in [("groups", data.faces.len(), "faces"), ("node_sets", count, "points")] {
+        let Some((_, Value::Lists(lists))) = fields.get(key) else { continue };
+        for (name, at, numbers) in lists {
+            if let Some(number) = numbers.iter().find(|&&number| number >= count) {
+                let text =
+                    format!("\"{name}\" of {key} names number {number} of {count} {what}, which are counted from 0 on");
+                return Err(Mistake::new(*at, text));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The thickness that an entry gives to some faces.
+fn thickness<S: Scalar>(
+    known: &Known<S>,
+    (place, data): (usize, &MeshData),
+    fields: &Fields,
+    faces: &[usize],
+) -> Found<Thickness<S>> {
+    let mut all = vec![Vec::new(); data.faces.len()];
+    let has_each = known.each.iter().any(|own| own.1.mesh == place);
+    let constant = if has_each { None } else { Some(known.number(fields, "thickness")?) };
+    // the middle of a quadrilateral of eight points follows the last of all points
+    let mut middles = data.points.len()..;
+    let middle_of: Vec<usize> = data
+        .faces
+        .iter()
+        .map(|face| if face.len() == 8 { middles.next().unwrap_or(usize::MAX) } else { usize::MAX })
+        .collect();
+    for &face in faces {
+        let own = &data.faces[face];
+        let called = || format!("element {}", data.face_numbers[face]);
+        for &point in own {
+            let value = match constant {
+                Some(value) => value,
+                None => known.number_at(fields, "thickness", [place, face, point], &called())?,
+            };
+            all[face].push((point, value));
+        }
+        if own.len() == 8 {
+            // as the place of the middle follows from the others
+            let value = all[face]
+                .iter()
+                .enumerate()
+                .fold(S::zero(), |sum, (place, (_, own))| sum + *own * S::from(if place < 4 { -0.25 } else { 0.5 }));
+            all[face].push((middle_of[face], value));
+        }
+    }
+    Ok(all)
+}
+
+pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>) -> Found<Made<S>> {
+    let item = &known.items[place];
+    let (name, fields) = (item.name.as_str(), &item.fields);
+    let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
+    check(fields, data)?;
+    let mut mesh = FreeMesh::of_data_at(data, points(known, fields, data)?);
+    if let Some(angle) = fixed(fields, "crease") {
+        mesh = mesh.creased(angle);
+    }
+    if fields.get("damping").is_some() {
+        mesh = mesh.damped(known.number(fields, "damping")?);
+    }
+    for (at, value) in list(fields, "clamped") {
+        let Value::Text(set) = value else { continue };
+        let points = nodes_of(data, &format!(".{set}"));
+        mesh = mesh.clamped(points.map_err(|why| Mistake::new(at, format!("clamped, \"{set}\": {why}")))?);
+    }
+    for (at, value) in list(fields, "nodes") {
+        let Value::Fields(own) = value else { continue };
+        let Some((_, Value::Text(text))) = own.get("at") else { continue };
+        let is_number = text.chars().all(|letter| letter.is_ascii_digit());
+        let rest = if is_number { format!("[{text}]") } else { format!(".{text}") };
+        let point = match nodes_of(data, &rest).as_deref() {
+            Ok(&[point]) => point,
+            Ok(points) => {
+                let text = format!("at, \"{text}\": these are {} nodes, and one is wanted", points.len());
+                return Err(Mistake::new(at, text));
+            }
+            Err(why) => return Err(Mistake::new(at, format!("at, \"{text}\": {why}"))),
+        };
+        mesh = mesh.with_node(point, known.node(own, "node", m)?);
+    }
+    let others = joined(known, fields);
+    if !others.is_empty() {
+        mesh = m.joined(mesh, &others.iter().collect::<Vec<_>>());
+    }
+
+    // which entry says the section of each face
+    let parts: Vec<&Fields> =
+        list(fields, "parts").filter_map(|(_, own)| if let Value::Fields(own) = own { Some(own) } else { None }).collect();
+    let mut part_of: Vec<Option<usize>> = vec![None; data.faces.len()];
+    for (number, own) in parts.iter().enumerate() {
+        for group in texts(own, "of") {
+            let at = own.get("of").map_or(own.at, |given| given.0);
+            let Some(faces) = data.group(&group) else {
+                return Err(Mistake::new(at, unknown("group of faces", &group, &names(&data.groups))));
+            };
+            for &face in faces {
+                if part_of[face].replace(number).is_some_and(|before| before != number) {
+                    let text = format!("element {} of \"{group}\" belongs to another part, too", data.face_numbers[face]);
+                    return Err(Mistake::new(at, text));
+                }
+            }
+        }
+    }
+    let has_own = fields.get("thickness").is_some() || fields.get("laminate").is_some();
+    if let Some(face) = part_of.iter().position(Option::is_none).filter(|_| !has_own) {
+        let text = format!(
+            "\"{name}\" needs the keys material and thickness, or laminate and direction: element {} belongs to none of its {} parts",
+            data.face_numbers[face],
+            parts.len()
+        );
+        return Err(Mistake::new(fields.at, text));
+    }
+    let mut entries = parts;
+    let of_mesh = entries.len();
+    entries.push(fields);
+    let part_of: Vec<usize> = part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect();
+
+    let mut tables: Vec<Thickness<S>> = Vec::new();
+    for (number, own) in entries.iter().enumerate() {
+        let is_layered = own.get("laminate").is_some();
+        if is_layered && let Some((at, _)) = own.get("thickness") {
+            return Err(Mistake::new(at, "a laminate has the thickness of its plies: leave out thickness or laminate"));
+        }
+        let faces: Vec<usize> = (0..part_of.len()).filter(|&face| part_of[face] == number).collect();
+        tables.push(if is_layered || faces.is_empty() { Vec::new() } else { thickness(known, (place, data), own, &faces)? });
+    }
+    let at_point = |table: usize, face: usize, point: usize| {
+        let own = tables[table].get(face).into_iter().flatten().find(|own| own.0 == point);
+        own.map_or(S::from(f64::NAN), |own| own.1)
+    };
+    let lookups: Vec<Box<dyn Fn(usize, usize) -> S>> = (0..tables.len())
+        .map(|table| Box::new(move |face, point| at_point(table, face, point)) as Box<dyn Fn(usize, usize) -> S>)
+        .collect();
+    let mut sections: Vec<ShellPart<S>> = Vec::new();
+    for (number, own) in entries.iter().enumerate() {
+        let given = |key: &str| if own.get(key).is_some() { own } else { fields };
+        sections.push(if own.get("laminate").is_some() {
+            let Made::Laminate(laminate, _) = known.made(own, "laminate")? else {
+                return Err(Mistake::new(own.at, "laminate must name a laminate"));
+            };
+            ShellPart::Laminate(laminate, known.vector(given("direction"), "direction")?)
+        } else if part_of.contains(&number) {
+            ShellPart::Isotropic(known.material(given("material"))?, &*lookups[number])
+        } else if number == of_mesh {
+            // all faces have parts
+            break;
+        } else {
+            return Err(Mistake::new(own.at, "this part has no faces"));
+        });
+    }
+    Ok(Made::Mesh(Box::new(m.shell_of_parts(name, mesh, &sections, |face| part_of[face]))))
+}

@@ -1,0 +1,282 @@
+//! Meshes of a file: read before the entries that name their nodes and groups.
+
+use super::raw::{Raw, RawValue};
+use super::reader::{NodePlace, Reader};
+use super::unknown::unknown;
+use crate::scenes::{MeshData, read_gmsh};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A design variable that has a value for each face, or each point, of some of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Each {
+    /// The entry of the mesh.
+    pub mesh: usize,
+    pub per: Per,
+    /// Places of the faces or points in the order of the values.
+    pub places: Vec<usize>,
+    /// The same by their numbers in the file.
+    pub numbers: Vec<usize>,
+}
+
+/// What a variable has a value for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Per {
+    Face,
+    Node,
+}
+
+impl Reader {
+    /// Reads the meshes that are declared.
+    pub(super) fn meshes(&mut self) {
+        let mut read: HashMap<PathBuf, Arc<MeshData>> = HashMap::new();
+        for place in 0..self.declared.len() {
+            if self.declared[place].section.name != "mesh" {
+                continue;
+            }
+            let raw = self.declared[place].raw.clone();
+            let data = match raw.get("type").and_then(|own| own.text()) {
+                Some("gmsh") => self.gmsh_file(&raw, &mut read),
+                Some("faces") => Some(Arc::new(given_here(&raw))),
+                _ => None,
+            };
+            if let Some(data) = data.and_then(|data| self.turned_round(&raw, data)) {
+                self.meshes.insert(place, data);
+            }
+        }
+    }
+
+    /// The mesh of a file of Gmsh; each file is read once.
+    fn gmsh_file(&mut self, raw: &Raw, read: &mut HashMap<PathBuf, Arc<MeshData>>) -> Option<Arc<MeshData>> {
+        // what is no text is told where values are checked
+        let (key, file) = raw.get("file").and_then(|own| Some((own, own.text()?)))?;
+        if file.is_empty() {
+            return None;
+        }
+        let path = self.folder.join(file);
+        let data = match read.get(&path) {
+            Some(data) => data.clone(),
+            None => match read_gmsh(&path) {
+                Ok(data) => Arc::new(data),
+                Err(why) => {
+                    self.wrong(key.at, format!("file, \"{file}\": {why}"));
+                    return None;
+                }
+            },
+        };
+        read.insert(path, data.clone());
+        let may_coincide = matches!(raw.get("coincident"), Some(Raw { value: RawValue::Flag(true), .. }));
+        if !may_coincide && let Some([a, b]) = data.coincident() {
+            self.wrong(
+                key.at,
+                format!(
+                    "file, \"{file}\": nodes {a} and {b} stand at the same place, so that faces on both sides are not joined there; Coherence Mesh \
+                     in Gmsh makes them one, and the key coincident = true leaves them apart"
+                ),
+            );
+        }
+        Some(data)
+    }
+
+    /// The mesh with the groups of the key `reverse` turned round.
+    fn turned_round(&mut self, raw: &Raw, data: Arc<MeshData>) -> Option<Arc<MeshData>> {
+        let Some(RawValue::List(list)) = raw.get("reverse").map(|own| &own.value) else { return Some(data) };
+        let mut turned: Vec<usize> = Vec::new();
+        for own in list {
+            let name = own.text()?;
+            match data.group(name) {
+                Some(faces) => turned.extend(faces),
+                None => self.wrong(own.at, format!("reverse: {}", unknown("group of faces", name, &names(&data.groups)))),
+            }
+        }
+        turned.sort_unstable();
+        turned.dedup();
+        let mut data = (*data).clone();
+        data.reverse(turned);
+        Some(Arc::new(data))
+    }
+
+    /// A mesh and what stands behind its name, in a text such as `plate.rim` or `plate[12]`.
+    pub(super) fn of_mesh<'t>(&self, text: &'t str) -> Option<(usize, &'t str)> {
+        let ends = text.char_indices().filter(|(_, letter)| matches!(letter, '.' | '[')).map(|(at, _)| at);
+        ends.chain([text.len()]).find_map(|at| Some((self.find(text[..at].trim_end(), &["mesh"])?, &text[at..])))
+    }
+
+    /// Names of the groups of all meshes as they are written.
+    pub(super) fn group_names(&self) -> Vec<String> {
+        let mut meshes: Vec<(&usize, &Arc<MeshData>)> = self.meshes.iter().collect();
+        meshes.sort_by_key(|own| *own.0);
+        let of_mesh = |(place, data): (&usize, &Arc<MeshData>)| {
+            let mesh = &self.declared[*place].name;
+            names(&data.groups).into_iter().map(|group| format!("{mesh}.{group}")).collect::<Vec<_>>()
+        };
+        meshes.into_iter().flat_map(of_mesh).collect()
+    }
+
+    /// A node or a node set of a mesh: `plate[12]`, `plate.rim`, `plate.rim[0]`.
+    pub(super) fn mesh_node(&mut self, raw: &Raw, what: &str, sets: bool) -> Option<Option<NodePlace>> {
+        let text = raw.text()?;
+        let (item, rest) = self.of_mesh(text)?;
+        let name = self.declared[item].name.clone();
+        let place = |points: Vec<usize>| NodePlace { item: Some(item), points, ..NodePlace::default() };
+        // a mesh that could not be read has been reported
+        let Some(data) = self.meshes.get(&item).cloned() else { return Some(Some(place(Vec::new()))) };
+        let found = nodes_of(&data, rest).map_err(|why| format!("{what}: \"{text}\": {why}"));
+        let found = found.and_then(|points| match points.len() {
+            0 => Err(format!("{what}: \"{text}\" has no nodes")),
+            1 => Ok(points),
+            _ if sets => Ok(points),
+            count => Err(format!(
+                "{what}: \"{text}\" has {count} nodes, and one is wanted: \"{name}.SET[0]\" is the first of a set, and a [[rigid_interface]] \
+                 holds all of them on a body"
+            )),
+        });
+        Some(match found {
+            Ok(points) => Some(place(points)),
+            Err(why) => {
+                self.wrong(raw.at, why);
+                None
+            }
+        })
+    }
+
+    /// The faces or points for which a design variable has values.
+    pub(super) fn each(&mut self, raw: &Raw) -> Option<Each> {
+        let given = [("per_face", Per::Face), ("per_node", Per::Node)].map(|(key, per)| (raw.get(key), key, per));
+        let (own, key, per) = match given {
+            [(Some(own), ..), (Some(_), ..)] => {
+                self.wrong(own.at, "a design variable has per_face or per_node, not both");
+                return None;
+            }
+            [(Some(own), key, per), _] | [_, (Some(own), key, per)] => (own, key, per),
+            _ => return None,
+        };
+        // what is no text is told where values are checked
+        let text = own.text().filter(|text| !text.is_empty())?;
+        let Some((mesh, rest)) = self.of_mesh(text) else {
+            let mut known = self.names_of(&["mesh"]);
+            known.extend(self.group_names());
+            self.wrong(own.at, format!("{key}: {}", unknown("mesh", text, &known)));
+            return None;
+        };
+        let data = self.meshes.get(&mesh)?.clone();
+        let faces: Vec<usize> = match rest.strip_prefix('.') {
+            Some(group) => match data.group(group) {
+                Some(faces) => faces.to_vec(),
+                None => {
+                    let text = unknown("group of faces", group, &names(&data.groups));
+                    self.wrong(own.at, format!("{key}: {text}"));
+                    return None;
+                }
+            },
+            None if rest.is_empty() => (0..data.faces.len()).collect(),
+            None => {
+                self.wrong(own.at, format!("{key} must name a mesh, or a group of its faces; it is \"{text}\""));
+                return None;
+            }
+        };
+        let (places, all): (Vec<usize>, &[usize]) = match per {
+            Per::Face => (faces, &data.face_numbers),
+            Per::Node => {
+                let mut points: Vec<usize> =
+                    faces.iter().filter_map(|&face| data.faces.get(face)).flatten().copied().collect();
+                points.sort_unstable();
+                points.dedup();
+                (points, &data.point_numbers)
+            }
+        };
+        // faces that a file gives with mistakes in them are told where these are checked
+        let mut places: Vec<usize> = places.into_iter().filter(|&place| place < all.len()).collect();
+        places.sort_unstable();
+        places.dedup();
+        let numbers: Vec<usize> = places.iter().map(|&place| all[place]).collect();
+        (!numbers.is_empty()).then_some(Each { mesh, per, places, numbers })
+    }
+}
+
+pub(super) fn names(all: &[(String, Vec<usize>)]) -> Vec<String> {
+    all.iter().map(|own| own.0.clone()).collect()
+}
+
+/// Points behind the name of a mesh.
+pub(super) fn nodes_of(data: &MeshData, rest: &str) -> Result<Vec<usize>, String> {
+    let used = data.used();
+    let wrong_number = || "[i] is the number of a node".to_string();
+    if rest.is_empty() {
+        let sets = [names(&data.node_sets), names(&data.groups)].concat();
+        return Err(format!("a mesh has many nodes; name one by its number in [ ], or a node set: {}", sets.join(", ")));
+    }
+    if let Some(inside) = rest.strip_prefix('[') {
+        let number: usize = inside.strip_suffix(']').and_then(|own| own.trim().parse().ok()).ok_or_else(wrong_number)?;
+        let point = data.point(number).ok_or_else(|| {
+            let (least, most) = (data.point_numbers.iter().min(), data.point_numbers.iter().max());
+            format!(
+                "the mesh has no node {number}; they are numbered from {} to {}",
+                least.unwrap_or(&0),
+                most.unwrap_or(&0)
+            )
+        })?;
+        return match used[point] {
+            true => Ok(vec![point]),
+            false => Err(format!("node {number} belongs to no face")),
+        };
+    }
+    let rest = rest.strip_prefix('.').ok_or_else(wrong_number)?;
+    let (set, index) = match rest.strip_suffix(']').and_then(|own| own.rsplit_once('[')) {
+        // a name may end with a bracket itself
+        Some((set, index)) if data.node_set(rest).is_none() => {
+            (set.trim_end(), Some(index.trim().parse::<usize>().map_err(|_| wrong_number())?))
+        }
+        _ => (rest, None),
+    };
+    let Some(points) = data.node_set(set) else {
+        return Err(unknown("node set", set, &[names(&data.node_sets), names(&data.groups)].concat()));
+    };
+    if let Some(&point) = points.iter().find(|&&point| !used.get(point).copied().unwrap_or(false)) {
+        let number = data.point_numbers.get(point).copied().unwrap_or(point);
+        return Err(format!("node {number} of the node set belongs to no face"));
+    }
+    match index {
+        None => Ok(points),
+        Some(index) => match points.get(index) {
+            Some(&point) => Ok(vec![point]),
+            None => Err(format!("the node set has {} nodes, counted from 0", points.len())),
+        },
+    }
+}
+
+/// A mesh whose points and faces stand in the file itself, as far as they are right.
+fn given_here(raw: &Raw) -> MeshData {
+    let list = |raw: Option<&Raw>| match raw.map(|own| &own.value) {
+        Some(RawValue::List(list)) => list.clone(),
+        _ => Vec::new(),
+    };
+    let count = list(raw.get("points")).len();
+    let number = |raw: &Raw| match raw.value {
+        RawValue::Number { value, whole: true } if (0.0..count.max(1) as f64).contains(&value) => value as usize,
+        // refused where values are checked
+        _ => 0,
+    };
+    let faces: Vec<Vec<usize>> =
+        list(raw.get("faces")).iter().map(|face| list(Some(face)).iter().map(number).collect()).collect();
+    let whole = |raw: &Raw| match raw.value {
+        RawValue::Number { value, whole: true } if value >= 0.0 => Some(value as usize),
+        _ => None,
+    };
+    let named = |key: &str, most: usize| -> Vec<(String, Vec<usize>)> {
+        let own = raw.get(key).and_then(|own| own.entries()).unwrap_or_default();
+        let numbers =
+            |raw: &Raw| list(Some(raw)).iter().filter_map(whole).filter(|&number| number < most).collect::<Vec<_>>();
+        own.iter().map(|entry| (entry.key.clone(), numbers(&entry.value))).collect()
+    };
+    MeshData {
+        points: vec![[0.0; 3]; count],
+        point_numbers: (0..count).collect(),
+        face_numbers: (0..faces.len()).collect(),
+        groups: named("groups", faces.len()),
+        node_sets: named("node_sets", count),
+        faces,
+        ..MeshData::default()
+    }
+}
