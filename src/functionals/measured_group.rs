@@ -129,7 +129,8 @@ impl MeasuredGroup {
             let mut places: Vec<(&ElementPhysics, Option<usize>)> = Vec::new();
             let all = self.elements.is_none().then(|| model.element_ids());
             let listed = self.elements.iter().flatten().copied();
-            for (id, element) in all.into_iter().flatten().chain(listed).filter_map(|id| Some((id, model.find_element(id)?))) {
+            for (id, element) in all.into_iter().flatten().chain(listed).filter_map(|id| Some((id, model.find_element(id)?)))
+            {
                 let known = places.iter().rev().find(|(physics, _)| physics.is_same(&element.physics));
                 let place = match known {
                     Some(&(_, place)) => place,

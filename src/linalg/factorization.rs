@@ -62,6 +62,9 @@ const SMALL: usize = 8;
 /// Largest difference of scaled values that are the same but for round-off: of the sizes of steps, where all else is constant.
 const SAME_VALUES: f64 = 1e-11;
 
+/// Right-hand sides that meet an entry of the matrix at a time.
+const TOGETHER: usize = 4;
+
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
 
@@ -287,11 +290,12 @@ impl Factorization {
         self.solver.solve_transposed(rhs);
         for _ in 0..self.refinements {
             correction.clone_from(&given);
-            for (left, x) in correction.chunks_exact_mut(n).zip(rhs.chunks_exact(n)) {
-                for column in 0..n {
-                    let own = self.entries(column);
-                    let entries = self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]);
-                    left[column] -= entries.map(|(entry, &row)| entry * x[row]).sum::<f64>();
+            for (left, x) in correction.chunks_mut(TOGETHER * n).zip(rhs.chunks(TOGETHER * n)) {
+                match x.len() / n {
+                    1 => self.subtract_transposed::<1>(x, left),
+                    2 => self.subtract_transposed::<2>(x, left),
+                    3 => self.subtract_transposed::<3>(x, left),
+                    _ => self.subtract_transposed::<TOGETHER>(x, left),
                 }
             }
             self.solver.solve_transposed(&mut correction);
@@ -300,6 +304,21 @@ impl Factorization {
         (self.given, self.correction) = (given, correction);
         for rhs in rhs.chunks_exact_mut(n) {
             rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
+        }
+    }
+
+    /// B <- B - A^T X for `W` columns with the scaled matrix.
+    fn subtract_transposed<const W: usize>(&self, x: &[f64], b: &mut [f64]) {
+        let n = self.pattern.size;
+        for column in 0..n {
+            let own = self.entries(column);
+            let mut sums = [0.0; W];
+            for (entry, &row) in self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]) {
+                for w in 0..W {
+                    sums[w] += entry * x[row + w * n];
+                }
+            }
+            (0..W).for_each(|w| b[column + w * n] -= sums[w]);
         }
     }
 

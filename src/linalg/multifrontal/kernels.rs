@@ -214,29 +214,75 @@ impl Kernel for TransposedProduct<'_> {
     }
 }
 
-/// Sums of products of each of some vectors with each of some others, in lanes.
+/// Numbers of a vector that are multiplied at a time.
+const LANES: usize = 8;
+
+/// Adds the products of `LANES` numbers of some vectors with those of another.
+///
+/// # Safety
+/// Each has so many numbers from `first` on.
 #[inline(always)]
-fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b: [&[f64]; W]) -> [[f64; H]; W] {
-    const LANES: usize = 8;
-    let a = a.map(|a| a.as_chunks::<LANES>());
-    let b = b.map(|b| b.as_chunks::<LANES>());
-    let chunks = b.iter().map(|b| b.0.len()).chain(a.iter().map(|a| a.0.len())).min().unwrap_or(0);
-    let mut sums = [[[0.0; LANES]; H]; W];
-    for p in 0..chunks {
+unsafe fn add_products<const FUSED: bool, const H: usize>(
+    sums: &mut [[f64; LANES]; H],
+    a: &[&[f64]; H],
+    b: &[f64],
+    first: usize,
+) {
+    // SAFETY: promised by the caller.
+    let right = unsafe { &*b.as_ptr().add(first).cast::<[f64; LANES]>() };
+    for h in 0..H {
+        // SAFETY: as above.
+        let left = unsafe { &*a[h].as_ptr().add(first).cast::<[f64; LANES]>() };
+        for lane in 0..LANES {
+            sums[h][lane] = multiply_add::<FUSED>(left[lane], right[lane], sums[h][lane]);
+        }
+    }
+}
+
+/// Sums of products of each of some vectors with one or two others, all of one length, in lanes: each sum has the bits that it has alone.
+#[inline(always)]
+pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b: [&[f64]; W]) -> [[f64; H]; W] {
+    const { assert!(W == 1 || W == 2) };
+    let length = b[0].len();
+    // loops: a closure would not be compiled for wide vectors
+    for a in &a {
+        assert_eq!(a.len(), length, "lengths of vectors");
+    }
+    for b in &b {
+        assert_eq!(b.len(), length, "lengths of vectors");
+    }
+    let mut totals = [[0.0; H]; W];
+    let mut first = 0;
+    if length >= LANES {
+        let (mut of_first, mut of_last) = ([[0.0; LANES]; H], [[0.0; LANES]; H]);
+        while first + LANES <= length {
+            // SAFETY: so many numbers are left in each vector.
+            unsafe {
+                add_products::<FUSED, H>(&mut of_first, &a, b[0], first);
+                if W > 1 {
+                    add_products::<FUSED, H>(&mut of_last, &a, b[W - 1], first);
+                }
+            }
+            first += LANES;
+        }
+        // what is done with the lanes would make the compiler turn the loop above by 90 degrees, which takes a shuffle for each product
+        let lanes = std::hint::black_box([of_first, of_last]);
         for w in 0..W {
             for h in 0..H {
-                for lane in 0..LANES {
-                    sums[w][h][lane] = multiply_add::<FUSED>(a[h].0[p][lane], b[w].0[p][lane], sums[w][h][lane]);
-                }
+                let [s0, s1, s2, s3, s4, s5, s6, s7] = lanes[w][h];
+                totals[w][h] = ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));
             }
         }
     }
-    let mut totals = [[0.0; H]; W];
-    for w in 0..W {
-        for h in 0..H {
-            let rest: f64 = a[h].1.iter().zip(b[w].1).map(|(a, b)| a * b).sum();
-            totals[w][h] = sums[w][h].iter().sum::<f64>() + rest;
+    while first < length {
+        for w in 0..W {
+            for h in 0..H {
+                // SAFETY: inside each vector.
+                let (left, right) = unsafe { (*a[h].get_unchecked(first), *b[w].get_unchecked(first)) };
+                totals[w][h] = multiply_add::<FUSED>(left, right, totals[w][h]);
+            }
         }
+        first += 1;
     }
     totals
 }
@@ -454,24 +500,6 @@ pub fn subtract_columns<const FUSED: bool>(a: &[f64], stride: usize, x: &[f64], 
             *y = multiply_add::<FUSED>(*a, -x, *y);
         }
     }
-}
-
-/// Sum of products, in lanes.
-#[inline(always)]
-pub fn dot<const FUSED: bool>(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let mut sums = [0.0; LANES];
-    let (a_lanes, b_lanes) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let mut rest = 0.0;
-    for (a, b) in a_lanes.remainder().iter().zip(b_lanes.remainder()) {
-        rest = multiply_add::<FUSED>(*a, *b, rest);
-    }
-    for (a, b) in a_lanes.zip(b_lanes) {
-        for lane in 0..LANES {
-            sums[lane] = multiply_add::<FUSED>(a[lane], b[lane], sums[lane]);
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 /// Largest absolute value, not counting what is not a number.

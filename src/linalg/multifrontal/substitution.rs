@@ -2,7 +2,7 @@
 
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
-    Target, dot, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
+    Target, dots, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
     subtract_product, subtract_transposed_product,
 };
 use super::matrix_view::MatrixViewMut;
@@ -21,8 +21,7 @@ pub enum Side {
 
 /// Right-hand sides that are solved at once.
 pub const BLOCK: usize = 32;
-/// Right-hand sides that go through a front one after the other, while it is near: each has the bits that it has alone. More of them are worth
-/// products of matrices.
+/// Right-hand sides that go through a front together: each has the bits that it has alone. More of them are worth products of matrices.
 const FEW: usize = 4;
 
 /// Vectors in the order of elimination: residuals that turn into intermediate results, and solutions.
@@ -210,10 +209,21 @@ impl Kernel for ForwardFew<'_> {
         let size = symbolic.size.max(1);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
-            for (residual, solution) in residual.chunks_exact_mut(size).zip(solution.chunks_exact_mut(size)) {
-                lists.gather(residual, size, front);
-                forward_one::<FUSED>(&lists, side, front);
-                let (own, rest) = front.split_at(lists.factors.eliminated);
+            let FrontFactors { eliminated, lower, .. } = lists.factors;
+            lists.gather(residual, size, front);
+            let order = lists.len().max(1);
+            match side {
+                // loops: a closure would not be compiled for wide vectors
+                Side::Plain => {
+                    for front in front.chunks_exact_mut(order) {
+                        lower_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
+                    }
+                }
+                Side::Transposed => in_columns::<FUSED>(front, order, ForwardTransposed { lists: &lists }),
+            }
+            let vectors = residual.chunks_exact_mut(size).zip(solution.chunks_exact_mut(size));
+            for (front, (residual, solution)) in front.chunks_exact(order).zip(vectors) {
+                let (own, rest) = front.split_at(eliminated);
                 lists.own.iter().zip(own).for_each(|(&place, value)| solution[place as usize] = *value);
                 lists.scatter_rest(rest, residual);
             }
@@ -221,24 +231,112 @@ impl Kernel for ForwardFew<'_> {
     }
 }
 
-/// L y = b, or U^T y = b, in a front.
+/// Work on the vectors of a front, one or two at once.
+trait OnColumns: Copy {
+    fn run<const FUSED: bool, const W: usize>(self, x: [&mut [f64]; W]);
+}
+
+/// Runs it on the vectors in a front, of `order` numbers each: each has the bits that it has alone.
 #[inline(always)]
-fn forward_one<const FUSED: bool>(lists: &Lists, side: Side, front: &mut [f64]) {
-    let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
-    if side == Side::Plain {
-        return lower_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
+fn in_columns<const FUSED: bool>(front: &mut [f64], order: usize, work: impl OnColumns) {
+    let mut pairs = front.chunks_exact_mut(2 * order);
+    // loops: a closure would not be compiled for wide vectors
+    for pair in &mut pairs {
+        let (first, second) = pair.split_at_mut(order);
+        work.run::<FUSED, 2>([first, second]);
     }
-    let (own, rest) = front.split_at_mut(eliminated);
-    for pivot in 0..eliminated {
-        let column = lower.column(pivot);
-        own[pivot] = (own[pivot] - dot::<FUSED>(&column[..pivot], &own[..pivot])) / column[pivot];
+    for last in pairs.into_remainder().chunks_exact_mut(order) {
+        work.run::<FUSED, 1>([last]);
     }
-    let (delayed, others) = rest.split_at_mut(rows.len() - eliminated);
-    for (index, value) in delayed.iter_mut().enumerate() {
-        *value -= dot::<FUSED>(&lower.column(eliminated + index)[..eliminated], own);
+}
+
+/// Columns of a triangle that meet a vector at a time.
+const STRIP: usize = 4;
+
+/// U^T y = b in a front.
+#[derive(Clone, Copy)]
+struct ForwardTransposed<'l> {
+    lists: &'l Lists<'l>,
+}
+
+impl OnColumns for ForwardTransposed<'_> {
+    #[inline(always)]
+    fn run<const FUSED: bool, const W: usize>(self, x: [&mut [f64]; W]) {
+        let FrontFactors { eliminated, lower, upper, rows, .. } = self.lists.factors;
+        let mut first = 0;
+        while first < eliminated {
+            let strip = STRIP.min(eliminated - first);
+            // those before the strip, then those in it
+            let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
+            let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][..first]);
+            let sums = dots::<FUSED, STRIP, W>(columns.map(|column| &column[..first]), known);
+            for w in 0..W {
+                for p in 0..strip {
+                    let mut value = x[w][first + p] - sums[w][p];
+                    for before in 0..p {
+                        value = multiply_add::<FUSED>(columns[p][first + before], -x[w][first + before], value);
+                    }
+                    x[w][first + p] = value / columns[p][first + p];
+                }
+            }
+            first += strip;
+        }
+        let left = rows.len() - eliminated;
+        let column = |index: usize| match index.checked_sub(left) {
+            None => &lower.column(eliminated + index)[..eliminated],
+            Some(index) => &upper.column(index)[..eliminated],
+        };
+        let below = x.map(|x| {
+            let (own, rest) = x.split_at_mut(eliminated);
+            (&*own, rest)
+        });
+        let own: [&[f64]; W] = std::array::from_fn(|w| below[w].0);
+        let mut rest = below.map(|(_, rest)| rest);
+        let count = left + upper.columns();
+        let mut index = 0;
+        while index + STRIP <= count {
+            let sums = dots::<FUSED, STRIP, W>(std::array::from_fn(|p| column(index + p)), own);
+            for w in 0..W {
+                rest[w][index..index + STRIP].iter_mut().zip(sums[w]).for_each(|(value, sum)| *value -= sum);
+            }
+            index += STRIP;
+        }
+        for index in index..count {
+            let sums = dots::<FUSED, 1, W>([column(index)], own);
+            (0..W).for_each(|w| rest[w][index] -= sums[w][0]);
+        }
     }
-    for (index, value) in others.iter_mut().enumerate() {
-        *value -= dot::<FUSED>(&upper.column(index)[..eliminated], own);
+}
+
+/// L^T x = y in a front.
+#[derive(Clone, Copy)]
+struct BackwardTransposed<'l> {
+    lists: &'l Lists<'l>,
+}
+
+impl OnColumns for BackwardTransposed<'_> {
+    #[inline(always)]
+    fn run<const FUSED: bool, const W: usize>(self, x: [&mut [f64]; W]) {
+        let FrontFactors { eliminated, lower, .. } = self.lists.factors;
+        let mut end = eliminated;
+        while end > 0 {
+            let first = end.saturating_sub(STRIP);
+            let strip = end - first;
+            // those behind the strip, then those in it
+            let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
+            let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][end..]);
+            let sums = dots::<FUSED, STRIP, W>(columns.map(|column| &column[end..]), known);
+            for w in 0..W {
+                for p in (0..strip).rev() {
+                    let mut value = x[w][first + p] - sums[w][p];
+                    for behind in p + 1..strip {
+                        value = multiply_add::<FUSED>(columns[p][first + behind], -x[w][first + behind], value);
+                    }
+                    x[w][first + p] = value;
+                }
+            }
+            end = first;
+        }
     }
 }
 
@@ -259,9 +357,17 @@ impl Kernel for BackwardFew<'_> {
         let size = symbolic.size.max(1);
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
-            for solution in solution.chunks_exact_mut(size) {
-                lists.gather(solution, size, front);
-                backward_one::<FUSED>(&lists, side, front);
+            lists.gather(solution, size, front);
+            let order = lists.len().max(1);
+            match side {
+                Side::Plain => {
+                    for front in front.chunks_exact_mut(order) {
+                        backward_plain::<FUSED>(&lists, front);
+                    }
+                }
+                Side::Transposed => in_columns::<FUSED>(front, order, BackwardTransposed { lists: &lists }),
+            }
+            for (front, solution) in front.chunks_exact(order).zip(solution.chunks_exact_mut(size)) {
                 let own = lists.own.iter().zip(&front[..lists.factors.eliminated]);
                 own.for_each(|(&place, value)| solution[place as usize] = *value);
             }
@@ -269,19 +375,11 @@ impl Kernel for BackwardFew<'_> {
     }
 }
 
-/// U x = y, or L^T x = y, in a front.
+/// U x = y in a front.
 #[inline(always)]
-fn backward_one<const FUSED: bool>(lists: &Lists, side: Side, front: &mut [f64]) {
+fn backward_plain<const FUSED: bool>(lists: &Lists, front: &mut [f64]) {
     let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
     let (own, rest) = front.split_at_mut(eliminated);
-    if side == Side::Transposed {
-        for pivot in (0..eliminated).rev() {
-            let column = lower.column(pivot);
-            let later = dot::<FUSED>(&column[pivot + 1..eliminated], &own[pivot + 1..]);
-            own[pivot] -= later + dot::<FUSED>(&column[eliminated..], rest);
-        }
-        return;
-    }
     let (delayed, others) = rest.split_at(rows.len() - eliminated);
     if eliminated > 0 && !delayed.is_empty() {
         let beside = &lower.entries()[eliminated * lower.rows()..];
