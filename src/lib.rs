@@ -17,6 +17,7 @@
 //! scenes        mechanisms as functions of x
 //! optimize      better designs: programs, optimizers, histories
 //! io            plots, pictures, tables, files
+//! cli           the command line of any scenes (feature `cli`)
 //! ```
 //!
 //! # Conventions
@@ -64,6 +65,9 @@ pub mod scenes;
 pub mod optimize;
 
 pub mod io;
+
+#[cfg(feature = "cli")]
+pub mod cli;
 
 pub mod testing;
 

@@ -311,6 +311,61 @@ fn the_lists_have_every_scene_and_study() {
 }
 
 #[test]
+fn a_list_has_a_line_for_each_scene_and_of_one_scene_all_it_needs() {
+    let folder = Folder::new("list");
+    let all = text(&folder.run(&["list"]).stdout);
+    let lines: Vec<&str> = all.lines().collect();
+    let scenes = lines.iter().skip(2).take_while(|line| !line.is_empty()).count();
+    assert_eq!(scenes, costate::scenes::built_in::all().len(), "{all}");
+    let output = folder.run(&["list", "five-bar", "--json"]);
+    let said = text(&output.stdout);
+    for part in ["five-bar: ", "to optimize: minimize psi", "variable", "L01", "functional", "psi"] {
+        assert!(said.contains(part), "{part} is not in {said}");
+    }
+    let object = json(&output);
+    assert_eq!([&object["scene"], &object["functionals"][0]["name"]], ["five-bar", "psi"]);
+    let output = folder.run(&["list", "five-bra"]);
+    assert!(output.status.code() == Some(2) && text(&output.stderr).contains("\"five-bar\"?"));
+}
+
+#[test]
+fn a_new_file_runs_and_its_gradient_is_right() {
+    let folder = Folder::new("new");
+    let output = folder.run(&["new", "here/arm.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let written = fs::read_to_string(folder.0.join("here/arm.toml")).unwrap();
+    assert!(written.contains("costate run here/arm.toml  ") && !written.contains("NAME"), "{written}");
+    let check = folder.run(&["check", "here/arm.toml"]);
+    assert_eq!(check.status.code(), Some(0), "{}", text(&check.stderr));
+    let gradient = json(&folder.run(&["gradient", "here/arm.toml", "--check", "--steps", "40", "--json"]));
+    assert_eq!(gradient["pass"], true);
+    let better = folder.run(&["optimize", "here/arm.toml", "--steps", "40", "--json"]);
+    assert_eq!(better.status.code(), Some(0), "{}", text(&better.stderr));
+    assert_eq!(json(&better)["optimum"], true);
+    for (arguments, said) in [
+        (["new", "here/arm.toml"], "exists already"),
+        (["new", "arm"], "a scene file is named with .toml"),
+        (["new", "here/arm.toml/x.toml"], "cannot create the folder"),
+    ] {
+        let output = folder.run(&arguments);
+        let message = text(&output.stderr);
+        assert!(output.status.code() == Some(2) && message.contains(said), "{message}");
+    }
+    assert_eq!(fs::read_to_string(folder.0.join("here/arm.toml")).unwrap(), written);
+    assert_eq!(folder.files("here"), ["arm.toml"]);
+}
+
+#[test]
+fn the_help_of_every_command_has_examples() {
+    let folder = Folder::new("help");
+    for command in ["run", "gradient", "optimize", "modes", "verify", "check", "new", "schema", "list"] {
+        let help = text(&folder.run(&[command, "--help"]).stdout);
+        let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{help}"));
+        assert!(examples.lines().all(|line| line.starts_with(&format!("  costate {command}"))), "{examples}");
+    }
+}
+
+#[test]
 fn output_that_nobody_reads_is_no_error() {
     let folder = Folder::new("pipe");
     let mut child = folder.command(&["list"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

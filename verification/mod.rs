@@ -10,7 +10,6 @@ mod clock;
 mod complex_step;
 #[path = "element-cost/study.rs"]
 mod element_cost;
-mod figure;
 #[path = "flexible-pendulum/study.rs"]
 mod flexible_pendulum;
 #[path = "four-bar/study.rs"]
@@ -47,25 +46,8 @@ mod variational;
 mod work_precision;
 
 pub use clock::{Clock, median};
-pub use figure::{Figure, Form, Report};
+pub use costate::cli::{Figure, Form, Report, Study};
 pub use noise::Noise;
-
-/// A study: a published or closed-form problem, measured.
-pub trait Study {
-    /// Name on the command line and of its folder.
-    fn name(&self) -> &'static str;
-    /// One sentence: what it shows.
-    fn summary(&self) -> &'static str;
-    /// Forms it has beside the whole one.
-    fn forms(&self) -> &'static [Form] {
-        &[]
-    }
-    /// Measures, and writes every figure to the report.
-    ///
-    /// # Errors
-    /// In words, if the study could not be carried out; a figure out of tolerance is no error but a failed figure.
-    fn run(&self, report: &mut Report) -> Result<(), String>;
-}
 
 /// Measures with one thread: that of a pool of its own.
 fn on_one_thread(measure: impl FnOnce() -> Result<(), String> + Send) -> Result<(), String> {

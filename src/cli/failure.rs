@@ -1,5 +1,5 @@
-use costate::integrators::RunError;
-use costate::io::IoError;
+use crate::integrators::RunError;
+use crate::io::IoError;
 
 /// Why the program ends without success: exit code and one message.
 #[derive(Debug)]

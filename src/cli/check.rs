@@ -1,8 +1,9 @@
+use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
-use super::options::{find_scene, named};
+use super::options::named;
+use crate::scenes::Prepared;
 use clap::Args;
-use costate::scenes::Prepared;
 use serde_json::json;
 
 /// Options of `costate check`.
@@ -16,8 +17,8 @@ pub struct CheckOptions {
 }
 
 /// `costate check`: reads and builds a scene and checks its start, without running it.
-pub fn run(options: &CheckOptions) -> Result<(), Failure> {
-    let scene = find_scene(&options.scene)?;
+pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure> {
+    let scene = program.find_scene(&options.scene)?;
     let prepared = Prepared::new(&*scene).map_err(|error| named(&options.scene, error.into()))?;
     if let Some(problem) = scene.optimization_problem() {
         let functionals: Vec<&str> = prepared.functionals().iter().map(|own| own.name.as_str()).collect();
@@ -52,7 +53,7 @@ pub fn run(options: &CheckOptions) -> Result<(), Failure> {
 
 /// `costate schema`: the JSON schema of scene files.
 pub fn schema() -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(&costate::scenes::file::schema());
+    let text = serde_json::to_string_pretty(&crate::scenes::file::schema());
     say(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
     Ok(())
 }

@@ -1,4 +1,23 @@
-use costate::io::Chart;
+//! Studies of `verify`: published or closed-form problems that are measured against their references.
+
+use crate::io::Chart;
+
+/// A study: a published or closed-form problem, measured.
+pub trait Study {
+    /// Name on the command line and of its folder.
+    fn name(&self) -> &'static str;
+    /// One sentence: what it shows.
+    fn summary(&self) -> &'static str;
+    /// Forms it has beside the whole one.
+    fn forms(&self) -> &'static [Form] {
+        &[]
+    }
+    /// Measures, and writes every figure to the report.
+    ///
+    /// # Errors
+    /// In words, if the study could not be carried out; a figure out of tolerance is no error but a failed figure.
+    fn run(&self, report: &mut Report) -> Result<(), String>;
+}
 
 /// One measured number with what it is compared to.
 #[derive(Clone, Debug, PartialEq)]

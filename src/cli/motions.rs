@@ -1,9 +1,9 @@
 //! Pictures of a mechanism in space: the time lapse of a motion, and modes of vibration.
 
 use super::results::{Snapshot, thinned};
-use costate::integrators::Mode;
-use costate::io::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
-use costate::scenes::{Drawn, NodePoint, Prepared};
+use crate::integrators::Mode;
+use crate::io::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};
+use crate::scenes::{Drawn, NodePoint, Prepared};
 use std::f64::consts::PI;
 
 /// Moments of a drawn mode, in half a period.

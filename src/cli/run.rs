@@ -1,17 +1,19 @@
+use super::CommandLine;
 use super::console::{say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
 use super::simulation::{Simulation, say_work, simulate};
+use crate::history::Keep;
+use crate::scenes::Prepared;
 use clap::Args;
-use costate::history::Keep;
 
 /// Options of `costate run`.
 #[derive(Args)]
 pub struct RunOptions {
     #[command(flatten)]
     scene: SceneOptions,
-    /// Keep the steps, too: in file:PATH, with which --resume goes on, and costate gradient [default: not at all]
+    /// Keep the steps, too: in file:PATH, with which --resume goes on, and `gradient` [default: not at all]
     #[arg(long, value_name = "WHERE", value_parser = keep)]
     history: Option<Keep>,
     /// Go on with the run in the file of --history where it stopped, bit for bit; a finished one is not simulated again
@@ -20,11 +22,11 @@ pub struct RunOptions {
 }
 
 /// `costate run`: simulates, writes, prints.
-pub fn run(options: &RunOptions) -> Result<(), Failure> {
+pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     // no gradient is asked for
     let keep = resumed(options.history.clone().unwrap_or(Keep::Nothing), options.resume)?;
     let options = &options.scene;
-    let scene = options.scene()?;
+    let scene = options.scene(program)?;
     check_history(&keep, &options.folder(&*scene))?;
     let mut prepared = options.prepare(&*scene)?;
     prepared.keep = keep;
@@ -35,7 +37,7 @@ pub fn run(options: &RunOptions) -> Result<(), Failure> {
 }
 
 /// Prints what a simulation gave; of one that stopped early only what holds for the finished steps.
-pub fn report(simulation: &Simulation, prepared: &costate::scenes::Prepared) {
+pub fn report(simulation: &Simulation, prepared: &Prepared) {
     if simulation.stopped.is_none() {
         simulation.say_functionals(prepared);
         simulation.say_resolution(prepared);

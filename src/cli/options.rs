@@ -1,19 +1,21 @@
+use super::CommandLine;
 use super::failure::Failure;
-use clap::Args;
-use costate::design::{DesignVariable, check_design, shortest};
-use costate::integrators::{
+use crate::design::{DesignVariable, check_design, shortest};
+use crate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, StepControl, table_named, table_names,
 };
-use costate::linalg::Backend;
-use costate::program::{Execution, set_execution};
-use costate::scenes::file::unknown;
-use costate::scenes::{AnyScene, FileScene, Output, Prepared, Settings, built_in};
+use crate::linalg::Backend;
+use crate::program::{Execution, set_execution};
+use crate::scenes::file::unknown;
+use crate::scenes::{AnyScene, FileScene, Output, Prepared, Settings};
+use clap::Args;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 /// What is simulated, and how.
 #[derive(Args, Debug)]
 pub struct SceneOptions {
-    /// Name of a scene (see `costate list`), or path of a scene file (.toml)
+    /// Name of a scene (see `list`), or path of a scene file (.toml)
     scene: String,
     /// Folder for the results [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
@@ -94,16 +96,34 @@ pub(super) fn is_path(name: &str) -> bool {
     name.ends_with(".toml") || name.contains(['/', '\\'])
 }
 
-/// The scene with a given name, or in a given file.
-pub(super) fn find_scene(name: &str) -> Result<Box<dyn AnyScene>, Failure> {
-    if is_path(name) {
-        return Ok(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?));
+/// A scene of the program, or that of a file.
+pub(super) enum FoundScene<'p> {
+    Own(&'p dyn AnyScene),
+    File(Box<FileScene>),
+}
+
+impl<'p> Deref for FoundScene<'p> {
+    type Target = dyn AnyScene + 'p;
+    fn deref(&self) -> &Self::Target {
+        match self {
+            FoundScene::Own(scene) => *scene,
+            FoundScene::File(scene) => &**scene,
+        }
     }
-    let known: Vec<String> = built_in::all().iter().map(|scene| scene.scene_name()).collect();
-    built_in::all()
-        .into_iter()
-        .find(|scene| scene.scene_name() == name)
-        .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
+}
+
+impl<'p> CommandLine<'p> {
+    /// The scene with a given name, or in a given file.
+    pub(super) fn find_scene(&self, name: &str) -> Result<FoundScene<'p>, Failure> {
+        if is_path(name) {
+            return Ok(FoundScene::File(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?)));
+        }
+        let known: Vec<String> = self.scenes.iter().map(|scene| scene.scene_name()).collect();
+        let found = self.scenes.iter().find(|scene| scene.scene_name() == name);
+        found
+            .map(|scene| FoundScene::Own(*scene))
+            .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
+    }
 }
 
 /// The initial design with the changes of `--set`.
@@ -158,8 +178,8 @@ impl SceneOptions {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn scene(&self) -> Result<Box<dyn AnyScene>, Failure> {
-        find_scene(&self.scene)
+    pub fn scene<'p>(&self, program: &CommandLine<'p>) -> Result<FoundScene<'p>, Failure> {
+        program.find_scene(&self.scene)
     }
 
     /// The scene at the chosen design with the chosen method and steps.
@@ -256,7 +276,7 @@ mod tests {
 
     #[test]
     fn the_help_names_every_integrator_and_level() {
-        let mut command = super::super::Costate::command();
+        let mut command = super::super::Arguments::command();
         let run = command.find_subcommand_mut("run").unwrap();
         let help = run.render_long_help().to_string();
         let levels = ConstraintLevel::ALL.map(|level| level.name()).join(", ");

@@ -1,10 +1,11 @@
+use super::CommandLine;
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::Failure;
 use super::interrupt::Guard;
-use crate::verification::{Figure, Form, Report, Study, all};
+use super::study::{Figure, Form, Report, Study};
+use crate::io::{Cell, Table, number, write_file, write_panels};
+use crate::scenes::file::unknown;
 use clap::Args;
-use costate::io::{Cell, Table, number, write_file, write_panels};
-use costate::scenes::file::unknown;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -29,18 +30,19 @@ pub struct VerifyOptions {
 }
 
 /// A study that was carried out, or why it could not be.
-struct Outcome {
-    study: Box<dyn Study>,
+struct Outcome<'p> {
+    study: &'p dyn Study,
     report: Report,
     error: Option<String>,
     seconds: f64,
 }
 
 /// `costate verify`: lists the studies, or measures one or all.
-pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
-    let Some(name) = &options.name else { return list(options.json) };
-    let known: Vec<String> = all().iter().map(|study| study.name().to_string()).collect();
-    let studies: Vec<_> = all().into_iter().filter(|study| name == "all" || study.name() == name).collect();
+pub fn run(options: &VerifyOptions, program: &CommandLine) -> Result<(), Failure> {
+    let Some(name) = &options.name else { return list(options.json, program) };
+    let all = &program.studies;
+    let known: Vec<String> = all.iter().map(|study| study.name().to_string()).collect();
+    let studies: Vec<_> = all.iter().copied().filter(|study| name == "all" || study.name() == name).collect();
     if studies.is_empty() {
         return Err(Failure::input(unknown("study", name, &known)));
     }
@@ -51,7 +53,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     };
     if name != "all" && form != Form::Whole && !studies.iter().any(|study| study.forms().contains(&form)) {
         let which = if form == Form::Short { "short" } else { "long" };
-        let own: Vec<_> = all().iter().filter(|study| study.forms().contains(&form)).map(|study| study.name()).collect();
+        let own: Vec<_> = all.iter().filter(|study| study.forms().contains(&form)).map(|study| study.name()).collect();
         let own = own.join(", ");
         return Err(Failure::input(format!("\"{name}\" has no {which} form; these have one: {own}")));
     }
@@ -77,17 +79,18 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     Err(Failure::run(format!("out of tolerance or not carried out: {}", failed.join(", "))))
 }
 
-fn list(json: bool) -> Result<(), Failure> {
+fn list(json: bool, program: &CommandLine) -> Result<(), Failure> {
     let mut table = Table::new(&["study", "what it shows"]);
     let mut studies: Vec<Value> = Vec::new();
-    for study in all() {
+    for study in &program.studies {
         table.row([study.name().into(), study.summary().into()]);
         studies.push(json!({"study": study.name(), "summary": study.summary()}));
     }
     if studies.is_empty() {
-        say("there is no study yet");
+        say("this program has no studies");
     } else {
-        say(format_args!("{table}\n\nmeasure one with: costate verify STUDY, or all with: costate verify all"));
+        let name = &program.name;
+        say(format_args!("{table}\n\nmeasure one with: {name} verify STUDY, or all with: {name} verify all"));
     }
     say_json(json, &json!({ "studies": studies }));
     Ok(())
@@ -103,8 +106,8 @@ fn source_folder() -> Result<PathBuf, Failure> {
     })
 }
 
-impl Outcome {
-    fn measure(study: Box<dyn Study>, form: Form) -> Self {
+impl<'p> Outcome<'p> {
+    fn measure(study: &'p dyn Study, form: Form) -> Self {
         say(format_args!("{}: {}", study.name(), study.summary()));
         let mut report = Report::new(form);
         let begun = Instant::now();
@@ -239,7 +242,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_not_finite_fails_becomes_null_and_is_recorded() {
-        let outcome = Outcome::measure(Box::new(Made), Form::Whole);
+        let outcome = Outcome::measure(&Made, Form::Whole);
         assert!(!outcome.pass());
         let object = outcome.json();
         assert_eq!(object["pass"], false);

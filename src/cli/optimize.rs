@@ -1,20 +1,21 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::CommandLine;
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::optimization_charts;
 use super::options::SceneOptions;
 use super::results::check_folder;
-use clap::Args;
-use costate::design::DesignVariable;
-use costate::io::{Cell, IoError, Progress, Table, read_csv, write_csv};
-use costate::optimize::{
+use crate::design::DesignVariable;
+use crate::io::{Cell, IoError, Progress, Table, read_csv, write_csv};
+use crate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
-use costate::scenes::file::unknown;
-use costate::scenes::{AnyScene, Sense, built_in};
+use crate::scenes::file::unknown;
+use crate::scenes::{AnyScene, Sense};
+use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
@@ -106,10 +107,10 @@ impl Watcher for Recording<'_> {
 }
 
 /// `costate optimize`: improves a scene's design, writes the history, prints before and after.
-pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
-    let scene = options.scene.scene()?;
+pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failure> {
+    let scene = options.scene.scene(program)?;
     let optimizer = optimizer(&options.optimizer)?;
-    let problem = scene.optimization_problem().ok_or_else(|| no_problem(&*scene))?;
+    let problem = scene.optimization_problem().ok_or_else(|| program.no_problem(&*scene))?;
     if options.scene.output_step().is_some() {
         return Err(Failure::input("--output-step: an optimization writes no histories of motions; leave it out"));
     }
@@ -167,12 +168,13 @@ fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
     })
 }
 
-fn no_problem(scene: &dyn AnyScene) -> Failure {
-    let all = built_in::all();
-    let names: Vec<String> =
-        all.iter().filter(|scene| scene.optimization_problem().is_some()).map(|scene| scene.scene_name()).collect();
-    let (name, names) = (scene.scene_name(), names.join(", "));
-    Failure::input(format!("the scene \"{name}\" states no optimization problem; scenes that do: {names}"))
+impl CommandLine<'_> {
+    fn no_problem(&self, scene: &dyn AnyScene) -> Failure {
+        let able = self.scenes.iter().filter(|scene| scene.optimization_problem().is_some());
+        let names: Vec<String> = able.map(|scene| scene.scene_name()).collect();
+        let others = if names.is_empty() { String::new() } else { format!("; scenes that do: {}", names.join(", ")) };
+        Failure::input(format!("the scene \"{}\" states no optimization problem{others}", scene.scene_name()))
+    }
 }
 
 /// The design of `--restart` or `--set`.

@@ -3,13 +3,13 @@
 use super::failure::Failure;
 use super::meshes::Meshes;
 use super::motions::{extent, motion};
-use costate::assembly::{Model, Node, NodeId, VectorsAvq};
-use costate::elements::NodeKind;
-use costate::functionals::{Functional, Measured, Sample};
-use costate::history::{Dense, Observer};
-use costate::integrators::{RunError, StartRecord, StepRecord};
-use costate::io::{Chart, CsvFile, Progress, Series, Style, write_file, write_panels};
-use costate::scenes::Prepared;
+use crate::assembly::{Model, Node, NodeId, VectorsAvq};
+use crate::elements::NodeKind;
+use crate::functionals::{Functional, Measured, Sample};
+use crate::history::{Dense, Observer};
+use crate::integrators::{RunError, StartRecord, StepRecord};
+use crate::io::{Chart, CsvFile, Progress, Series, Style, write_file, write_panels};
+use crate::scenes::Prepared;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -410,11 +410,11 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use costate::design::DesignVariable;
-    use costate::elements::{Element, Parameter, State};
-    use costate::io::View;
-    use costate::scalar::{Scalar, SpatialVector, Vector3};
-    use costate::scenes::{MechanismBuilder, Scene, Settings};
+    use crate::design::DesignVariable;
+    use crate::elements::{Element, Parameter, State};
+    use crate::io::View;
+    use crate::scalar::{Scalar, SpatialVector, Vector3};
+    use crate::scenes::{MechanismBuilder, Scene, Settings};
 
     /// R = a + q: an oscillator without a place in space, and without energies.
     struct Oscillator;

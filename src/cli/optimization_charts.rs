@@ -1,8 +1,8 @@
 //! The pictures of an optimization: optimization.png/.svg and design.png/.svg.
 
-use costate::design::DesignVariable;
-use costate::io::{Chart, IoError, Series, Style, write_panels};
-use costate::optimize::{DesignHistory, DesignPoint, Optimization};
+use crate::design::DesignVariable;
+use crate::io::{Chart, IoError, Series, Style, write_panels};
+use crate::optimize::{DesignHistory, DesignPoint, Optimization};
 use std::path::{Path, PathBuf};
 
 /// Most curves of variables in one chart: those that move most.

@@ -1,13 +1,14 @@
+use super::CommandLine;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::mode_picture;
-use super::options::{changed_design, find_scene, named as named_scene};
+use super::options::{changed_design, named as named_scene};
 use super::simulation::long_number;
+use crate::assembly::Model;
+use crate::integrators::{Mode, STATIC_TABLE};
+use crate::io::{Table, number as number_of};
+use crate::scenes::Prepared;
 use clap::Args;
-use costate::assembly::Model;
-use costate::integrators::{Mode, STATIC_TABLE};
-use costate::io::{Table, number as number_of};
-use costate::scenes::Prepared;
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Options of `costate modes`.
 #[derive(Args)]
 pub struct ModesOptions {
-    /// Name of a scene (see `costate list`), or path of a scene file (.toml)
+    /// Name of a scene (see `list`), or path of a scene file (.toml)
     scene: String,
     /// Number of modes: those whose omega^2 are nearest to zero
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = mode_count, allow_negative_numbers = true)]
@@ -47,8 +48,8 @@ fn mode_count(text: &str) -> Result<usize, String> {
 }
 
 /// `costate modes`: frequencies and shapes of small undamped vibrations.
-pub fn run(options: &ModesOptions) -> Result<(), Failure> {
-    let scene = find_scene(&options.scene)?;
+pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure> {
+    let scene = program.find_scene(&options.scene)?;
     let x = changed_design(&scene.design_variables(), &options.set)?;
     let settings = scene.default_settings();
     let settings = if options.statics { settings.with_method(STATIC_TABLE) } else { settings };

@@ -1,7 +1,7 @@
 //! What a mechanism is made of as meshes for ParaView: shells as surfaces with their stress, beams and bodies as lines, the rest as points.
 
-use costate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
-use costate::scenes::{Drawn, NodePoint, Prepared, Surface};
+use crate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
+use crate::scenes::{Drawn, NodePoint, Prepared, Surface};
 use std::collections::HashMap;
 use std::path::Path;
 

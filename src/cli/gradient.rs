@@ -1,17 +1,18 @@
+use super::CommandLine;
 use super::console::{json_number, say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
 use super::run::report;
 use super::simulation::{Simulation, Work, long_number, say_work, simulate};
+use crate::design::DesignVariable;
+use crate::history::Keep;
+use crate::integrators::{Counters, RunError};
+use crate::io::{Cell, Progress, Table, number};
+use crate::program::making_time;
+use crate::scenes::Prepared;
+use crate::sensitivity::{Forward, Gradient};
 use clap::Args;
-use costate::design::DesignVariable;
-use costate::history::Keep;
-use costate::integrators::{Counters, RunError};
-use costate::io::{Cell, Progress, Table, number};
-use costate::program::making_time;
-use costate::scenes::Prepared;
-use costate::sensitivity::{Forward, Gradient};
 use serde_json::{Map, Value, json};
 use std::time::Instant;
 
@@ -60,8 +61,8 @@ struct Check {
 }
 
 /// `costate gradient`: simulates, writes, differentiates, checks, prints.
-pub fn run(options: &GradientOptions) -> Result<(), Failure> {
-    let scene = options.scene.scene()?;
+pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failure> {
+    let scene = options.scene.scene(program)?;
     let mut prepared = options.scene.prepare(&*scene)?;
     prepared.keep = resumed(options.history.clone(), options.resume)?;
     check_history(&prepared.keep, &options.scene.folder(&*scene))?;

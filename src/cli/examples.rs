@@ -1,0 +1,63 @@
+//! Examples below the help of each command, with the names of the program and of its scenes.
+
+use super::CommandLine;
+
+/// Lines of a command: what stands behind the name of the program, and what it does.
+type Examples = Vec<(String, &'static str)>;
+
+impl CommandLine<'_> {
+    /// A scene with some property, else the first one, else a file.
+    fn example_scene(&self, has: impl Fn(&dyn crate::scenes::AnyScene) -> bool) -> String {
+        let found = self.scenes.iter().find(|scene| has(**scene)).or(self.scenes.first());
+        found.map_or_else(|| "arm.toml".into(), |scene| scene.scene_name())
+    }
+
+    /// What stands below the help of a command.
+    pub(super) fn examples(&self, command: &str) -> String {
+        let first = self.example_scene(|_| true);
+        let better = self.example_scene(|scene| scene.optimization_problem().is_some());
+        let set = |scene: &str| {
+            let own = self.scenes.iter().find(|own| own.scene_name() == scene);
+            let variable = own.and_then(|own| own.design_variables().into_iter().next());
+            variable.map_or_else(String::new, |variable| format!(" --set \"{}={}\"", variable.name, variable.initial))
+        };
+        let examples: Examples = match command {
+            "run" => vec![
+                (format!("run {first}"), "the motion, with results in out/"),
+                (format!("run {first} --steps 2000{} --out results", set(&first)), "finer, another design, another folder"),
+                (
+                    "run arm.toml --tolerance 1e-6 --vtk".into(),
+                    "a scene file, steps chosen by their error, meshes for ParaView",
+                ),
+            ],
+            "gradient" => vec![
+                (format!("gradient {first} --check"), "derivatives by the adjoint, compared with complex step"),
+                (format!("gradient {first} --history checkpoints:100"), "in 100 MB of memory, however many steps"),
+            ],
+            "optimize" => vec![
+                (format!("optimize {better}"), "the problem that the scene states"),
+                (format!("optimize {better} --iterations 20 --json"), "with one JSON object behind the tables"),
+            ],
+            "modes" => {
+                let still = self.example_scene(|scene| scene.default_settings().method == Some("static"));
+                vec![
+                    (format!("modes {still} --count 4"), "the four slowest"),
+                    ("modes arm.toml --static".into(), "about the equilibrium under the scene's loads"),
+                ]
+            }
+            "verify" => self.studies.first().map_or_else(Vec::new, |study| {
+                vec![("verify".into(), "the studies"), (format!("verify {}", study.name()), "one of them")]
+            }),
+            "check" => vec![("check arm.toml".into(), "what is wrong with the file, with line and column")],
+            "new" => vec![("new arm.toml".into(), "a flexible arm to change into something of your own")],
+            "schema" => vec![("schema > costate.json".into(), "for `#:schema costate.json` in the first line of a file")],
+            "list" => {
+                vec![("list".into(), "all scenes"), (format!("list {first}"), "design variables and functionals of one")]
+            }
+            _ => Vec::new(),
+        };
+        let width = examples.iter().map(|(line, _)| line.chars().count()).max().unwrap_or_default();
+        let lines = examples.iter().map(|(line, what)| format!("  {} {line:<width$}  {what}", self.name));
+        format!("Examples:\n{}", lines.collect::<Vec<_>>().join("\n"))
+    }
+}

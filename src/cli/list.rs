@@ -1,0 +1,102 @@
+use super::CommandLine;
+use super::console::{count, json_number, say, say_json};
+use super::failure::Failure;
+use super::options::named;
+use crate::design::DesignVariable;
+use crate::io::Table;
+use crate::scenes::{AnyScene, Prepared};
+use clap::Args;
+use serde_json::{Value, json};
+
+/// Options of `costate list`.
+#[derive(Args)]
+pub struct ListOptions {
+    /// Name of a scene, or path of a scene file (.toml): lists its design variables and functionals
+    scene: Option<String>,
+    /// Print one JSON object on the last line of stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// `costate list`: the scenes, a line each; of one scene its design variables and functionals.
+pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> {
+    match &options.scene {
+        Some(name) => one(&*program.find_scene(name)?, name, options.json),
+        None => {
+            all(program, options.json);
+            Ok(())
+        }
+    }
+}
+
+fn all(program: &CommandLine, json: bool) {
+    let mut table = Table::new(&["scene", "what it is", "variables", "to optimize"]);
+    for scene in &program.scenes {
+        let variables = format!("{:>9}", scene.design_variables().len());
+        let wanted = wanted(*scene).unwrap_or_default();
+        table.row([scene.scene_name().into(), scene.scene_summary().into(), variables.into(), wanted.into()]);
+    }
+    let name = &program.name;
+    if program.scenes.is_empty() {
+        say("this program has no scenes of its own; it takes scene files");
+    } else {
+        say(format_args!(
+            "{table}\n\nvariables and functionals of one: {name} list SCENE; a scene file to start from: {name} new FILE"
+        ));
+    }
+    let scenes: Vec<Value> = program.scenes.iter().map(|scene| object(*scene)).collect();
+    say_json(json, &json!({ "scenes": scenes }));
+}
+
+fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
+    let prepared = Prepared::new(scene).map_err(|error| named(name, error.into()))?;
+    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    let settings = scene.default_settings();
+    let steps = match settings.control {
+        Some(_) => "chosen steps".into(),
+        None => count(settings.steps, "step"),
+    };
+    let method = &prepared.method.table;
+    let span = if method.is_static() { format!("load factor {}", settings.end) } else { format!("{} s", settings.end) };
+    say(format_args!("{}, {steps}, {span}", method.name));
+    if let Some(wanted) = wanted(scene) {
+        say(format_args!("to optimize: {wanted}"));
+    }
+    let mut table = Table::new(&["variable", "initial", "from", "to", "unit"]);
+    for DesignVariable { name, initial, lower, upper, unit } in scene.design_variables() {
+        table.row([name.into(), initial.into(), lower.into(), upper.into(), unit.into()]);
+    }
+    say(format_args!("\n{table}"));
+    let mut table = Table::new(&["functional", "unit"]);
+    for functional in prepared.functionals() {
+        table.row([functional.name.as_str().into(), functional.value_unit().into()]);
+    }
+    say(format_args!("\n{table}"));
+    let mut own = object(scene);
+    let functionals = prepared.functionals().iter();
+    own["functionals"] = functionals.map(|own| json!({"name": own.name, "unit": own.value_unit()})).collect();
+    say_json(json, &own);
+    Ok(())
+}
+
+/// What `optimize` would do.
+fn wanted(scene: &dyn AnyScene) -> Option<String> {
+    let problem = scene.optimization_problem()?;
+    Some(format!("{} {}", problem.sense.name(), problem.objective_name()))
+}
+
+fn object(scene: &dyn AnyScene) -> Value {
+    let settings = scene.default_settings();
+    let variables = scene.design_variables().into_iter().map(|variable| {
+        let [initial, lower, upper] = [variable.initial, variable.lower, variable.upper].map(json_number);
+        json!({"name": variable.name, "initial": initial, "lower": lower, "upper": upper, "unit": variable.unit})
+    });
+    json!({
+        "scene": scene.scene_name(),
+        "summary": scene.scene_summary(),
+        "end_s": json_number(settings.end),
+        "steps": settings.steps,
+        "variables": variables.collect::<Vec<_>>(),
+        "optimization": wanted(scene),
+    })
+}

@@ -1,0 +1,174 @@
+//! The command line: scenes are run, differentiated, improved, and written down, those of a program or of files.
+//!
+//! A program of its own for scenes of its own:
+//!
+//! ```no_run
+//! use costate::prelude::*;
+//! use std::process::ExitCode;
+//!
+//! struct Ball;
+//! impl Scene for Ball {
+//!     fn name(&self) -> String {
+//!         "ball".into()
+//!     }
+//!     fn variables(&self) -> Vec<DesignVariable> {
+//!         vec![DesignVariable::new("speed", 5.0, (1.0, 20.0), "m/s")]
+//!     }
+//!     fn settings(&self) -> Settings {
+//!         Settings::new(1.0, 100)
+//!     }
+//!     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+//!         let ball = m.point("ball", Vector3::zeros());
+//!         m.point_mass("ball", ball, S::one());
+//!         m.set_velocity(ball, Vector3::new(x[0], x[0], S::zero()), Vector3::zeros());
+//!         m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
+//!         m.coordinate_functional("height", Over::Final, ball, 1);
+//!         Ok(())
+//!     }
+//! }
+//!
+//! fn main() -> ExitCode {
+//!     costate::cli::main(&[&Ball])
+//! }
+//! ```
+
+mod check;
+mod console;
+mod examples;
+mod failure;
+mod gradient;
+mod histories;
+mod interrupt;
+mod list;
+mod meshes;
+mod modes;
+mod motions;
+mod new;
+mod optimization_charts;
+mod optimize;
+mod options;
+mod results;
+mod run;
+mod simulation;
+mod study;
+mod verify;
+
+pub use study::{Figure, Form, Report, Study};
+
+use crate::design::repeated;
+use crate::scenes::AnyScene;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use failure::Failure;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Flexible multibody dynamics with exact gradients.
+///
+/// Exit codes: 0 done; 1 a run failed, or a check or study is out of tolerance; 2 bad input; 130 interrupted.
+#[derive(Parser)]
+#[command(arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Simulate a scene: functionals, histories, a picture of the motion
+    Run(run::RunOptions),
+    /// Simulate a scene and differentiate its functionals by the discrete adjoint
+    Gradient(gradient::GradientOptions),
+    /// Improve a scene's design by what the scene states: objective, limits, variables
+    Optimize(optimize::OptimizeOptions),
+    /// Frequencies and shapes of small vibrations about the start of a scene or another equilibrium
+    Modes(modes::ModesOptions),
+    /// Measure a study against its reference; without a name: list the studies
+    Verify(verify::VerifyOptions),
+    /// Read a scene file and check what it says, without running it
+    Check(check::CheckOptions),
+    /// Write a commented scene file to start from
+    New(new::NewOptions),
+    /// Print the JSON schema of scene files, from which editors complete them
+    Schema,
+    /// List the scenes; of one scene its design variables and functionals
+    List(list::ListOptions),
+}
+
+/// Runs the command line for some scenes, and for scene files, with the arguments of the process; returns the exit code.
+pub fn main(scenes: &[&dyn AnyScene]) -> ExitCode {
+    CommandLine::new(scenes.iter().copied()).main()
+}
+
+/// A command line with its scenes and studies.
+pub struct CommandLine<'p> {
+    /// As which the program was called.
+    name: String,
+    scenes: Vec<&'p dyn AnyScene>,
+    studies: Vec<&'p dyn Study>,
+}
+
+impl<'p> CommandLine<'p> {
+    /// For some scenes, beside those of files.
+    pub fn new(scenes: impl IntoIterator<Item = &'p dyn AnyScene>) -> Self {
+        let called = std::env::args_os().next();
+        let name = called.as_ref().and_then(|path| Path::new(path).file_stem()?.to_str()).unwrap_or("costate").into();
+        CommandLine { name, scenes: scenes.into_iter().collect(), studies: Vec::new() }
+    }
+
+    /// With studies that `verify` measures.
+    #[must_use]
+    pub fn with_studies(mut self, studies: impl IntoIterator<Item = &'p dyn Study>) -> Self {
+        self.studies.extend(studies);
+        self
+    }
+
+    /// Does what the arguments of the process ask for and returns the exit code.
+    pub fn main(&self) -> ExitCode {
+        let matches = self.command().get_matches();
+        let done = match Arguments::from_arg_matches(&matches) {
+            Ok(arguments) => self.checked().and_then(|()| self.run(&arguments.command)),
+            Err(error) => error.exit(),
+        };
+        match done {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => {
+                console::complain(&failure.message);
+                ExitCode::from(failure.code)
+            }
+        }
+    }
+
+    /// What it understands.
+    fn command(&self) -> clap::Command {
+        let command = Arguments::command().bin_name(&self.name).display_name(&self.name).version(env!("CARGO_PKG_VERSION"));
+        let command = command.mut_subcommand("verify", |verify| verify.hide(self.studies.is_empty()));
+        command.mut_subcommands(|own| {
+            let examples = self.examples(own.get_name());
+            own.after_help(examples)
+        })
+    }
+
+    /// Scenes are found by their names.
+    fn checked(&self) -> Result<(), Failure> {
+        let names: Vec<String> = self.scenes.iter().map(|scene| scene.scene_name()).collect();
+        match repeated(names.iter().map(String::as_str)) {
+            Some(name) => Err(Failure::input(format!("two scenes of this program are named \"{name}\""))),
+            None => Ok(()),
+        }
+    }
+
+    fn run(&self, command: &Command) -> Result<(), Failure> {
+        interrupt::install()?;
+        match command {
+            Command::Run(options) => run::run(options, self),
+            Command::Gradient(options) => gradient::run(options, self),
+            Command::Optimize(options) => optimize::run(options, self),
+            Command::Modes(options) => modes::run(options, self),
+            Command::Verify(options) => verify::run(options, self),
+            Command::Check(options) => check::run(options, self),
+            Command::New(options) => new::run(options, self),
+            Command::Schema => check::schema(),
+            Command::List(options) => list::run(options, self),
+        }
+    }
+}
