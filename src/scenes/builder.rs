@@ -6,6 +6,7 @@ mod functionals;
 mod groups;
 mod joints;
 mod loads;
+mod outlined;
 mod rolling;
 mod shell_joining;
 mod shell_mesh;
@@ -17,6 +18,7 @@ mod thin_walls;
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
 pub use free_mesh::FreeMesh;
+pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};
 pub use shell_parts::ShellPart;
 pub use shells::{DRILLING, MeshedShell, ShellMember};
@@ -70,6 +72,8 @@ pub struct MechanismBuilder<S> {
     heavy_beams: Vec<(String, [NodeId; 3], Vec<S>, bool)>,
     /// Elements of cables.
     heavy_cables: Vec<cables::HeavyCable<S>>,
+    /// Beams and cables, for what is shown of them.
+    pub(crate) outlined: Vec<OutlinedLine>,
     /// Shells, for what is shown of them.
     pub(super) shells: Vec<MeshedShell>,
     /// Elements of shells, and the place of gravity among their parameters.
@@ -90,6 +94,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     masses,
     heavy_beams,
     heavy_cables,
+    outlined,
     shells,
     heavy_shells,
     angles,

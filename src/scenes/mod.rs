@@ -9,6 +9,7 @@ mod optimization_problem;
 mod prepared;
 mod scene;
 mod sketch;
+mod solids;
 mod statics;
 mod surfaces;
 mod violation;
@@ -27,6 +28,7 @@ pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, Op
 pub use prepared::{Prepared, Settings};
 pub use scene::{AnyScene, Output, Scene};
 pub use sketch::{Drawn, NodePoint, Sketch};
+pub use solids::{Rod, Solids};
 pub use statics::Equilibrium;
 pub use surfaces::Surface;
 pub use violation::Violation;

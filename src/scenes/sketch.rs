@@ -28,6 +28,12 @@ impl NodePoint {
     pub fn coordinates<'q>(&self, q: &'q [f64]) -> &'q [f64] {
         &q[self.dofs.clone()]
     }
+    /// A vector of its frame in the world.
+    pub fn turned(&self, q: &[f64], vector: [f64; 3]) -> [f64; 3] {
+        let axes = self.kind.axes(self.coordinates(q));
+        let sum = axes.into_iter().zip(vector).fold(Vector3::zeros(), |sum, (axis, part)| sum + axis * part);
+        sum.components()
+    }
     /// Rotation vector from one pose of the node to another, in world components \[rad\]; zero for nodes without axes.
     pub fn rotation(&self, from: &[f64], to: &[f64]) -> [f64; 3] {
         let [before, after] = [from, to].map(|q| Quaternion::of_columns(&self.kind.axes(self.coordinates(q))));
@@ -126,7 +132,7 @@ impl MechanismBuilder<f64> {
     }
 
     /// The three parameters `name x`, `name y`, `name z`.
-    fn named_vector(&self, parameters: &[Parameter], places: Range<usize>, name: &str) -> Option<[f64; 3]> {
+    pub(super) fn named_vector(&self, parameters: &[Parameter], places: Range<usize>, name: &str) -> Option<[f64; 3]> {
         let first = parameters.iter().position(|parameter| parameter.name == format!("{name} x"))?;
         let values = self.numbers.p[places].get(first..first + 3)?;
         Some([values[0], values[1], values[2]])

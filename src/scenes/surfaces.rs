@@ -1,6 +1,7 @@
 use super::builder::MechanismBuilder;
 use super::sketch::NodePoint;
 use crate::assembly::{ElementId, NodeId};
+use crate::elements::flexible::faces::NODE_PARAMETERS;
 use crate::elements::flexible::{ShellKind, ShellSection};
 use crate::functionals::larger;
 use std::ops::Range;
@@ -44,6 +45,13 @@ impl Surface {
     pub fn thicknesses(&self) -> Option<Range<usize>> {
         let (first, shape) = (self.parameters.start, self.kind.face.shape());
         (self.kind.section == ShellSection::Isotropic).then(|| first + shape.section()..first + shape.young())
+    }
+
+    /// Directors of its nodes in their frames.
+    pub fn directors(&self, p: &[f64]) -> Vec<[f64; 3]> {
+        let first = self.parameters.start;
+        let own = (0..self.nodes.len()).map(|node| first + node * NODE_PARAMETERS + 3);
+        own.map(|place| [p[place], p[place + 1], p[place + 2]]).collect()
     }
 
     /// Largest von Mises stress [N/m2] of an isotropic shell at its Gauss points, on the lower and the upper surface.

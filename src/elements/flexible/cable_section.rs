@@ -1,3 +1,4 @@
+use super::Outline;
 use super::cable::{green_strain, square_of_curvature};
 use super::section::{ImpossibleSize, Material, Shape};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -37,6 +38,8 @@ pub struct CableSection<S> {
     pub damped: bool,
     /// Strains of the energy.
     pub strain: CableStrain,
+    /// What it looks like, where it is made of a shape.
+    pub shown: Option<Outline>,
     /// A size that its shape cannot have.
     pub impossible: Option<ImpossibleSize>,
 }
@@ -45,14 +48,14 @@ impl<S: Scalar> CableSection<S> {
     /// A section by its stiffnesses EA \[N\] and EI [N m2] and its mass for each length [kg/m].
     pub fn new(axial: S, bending: S, mass: S) -> Self {
         let (damping, strain) = (S::zero(), CableStrain::Exact);
-        CableSection { axial, bending, mass, damping, damped: false, strain, impossible: None }
+        CableSection { axial, bending, mass, damping, damped: false, strain, shown: None, impossible: None }
     }
 
     /// A section of a material and a shape, which bends about axis 2 of the shape or is as stiff about every axis.
     pub fn of(material: Material<S>, shape: Shape<S>) -> Self {
         let Material { young, density, .. } = material;
         let section = CableSection::new(young * shape.area, young * shape.second_moments[0], density * shape.area);
-        CableSection { impossible: shape.impossible, ..section }
+        CableSection { shown: Some(shape.outline(young)), impossible: shape.impossible, ..section }
     }
 
     /// With damping proportional to stiffness, eta \[s\].
@@ -61,6 +64,11 @@ impl<S: Scalar> CableSection<S> {
         self.damping = damping;
         self.damped = true;
         self
+    }
+
+    /// What it looks like: the shape it is made of, or a rectangle as stiff.
+    pub fn outline(&self) -> Outline {
+        self.shown.unwrap_or_else(|| Outline::of_stiffness(self.axial, [self.bending; 2]))
     }
 
     /// With the simplified formulas for small strains.

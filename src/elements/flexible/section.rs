@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::STRAINS;
+use super::{Outline, STRAINS};
 use crate::design::shortest;
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
@@ -45,6 +45,8 @@ pub struct Section<S> {
     /// Whether stiffness has entries off the diagonal, the mass centre lies beside the line, and damping is asked for: topology, so that
     /// a design variable that is zero now can still be differentiated.
     pub kind: SectionKind,
+    /// What it looks like, where it is made of a shape.
+    pub shown: Option<Outline>,
     /// A size that its shape cannot have.
     pub impossible: Option<ImpossibleSize>,
 }
@@ -71,6 +73,8 @@ pub struct Shape<S> {
     pub torsion: S,
     /// Shear factors along axes 2 and 3 [-].
     pub shear: [S; 2],
+    /// Outer sizes along axes 2 and 3 \[m\], and whether it is round.
+    pub outer: ([S; 2], bool),
     /// A size that no shape has, told when a beam or a cable is made of it.
     pub impossible: Option<ImpossibleSize>,
 }
@@ -121,6 +125,7 @@ impl<S: Scalar> Shape<S> {
             second_moments: [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
             torsion: rectangle_torsion(width, height),
             shear: [factor; 2],
+            outer: ([width, height], false),
             impossible: ImpossibleSize::among(&[("width", width), ("height", height)]),
         }
     }
@@ -140,6 +145,7 @@ impl<S: Scalar> Shape<S> {
             ],
             torsion: b * b * h * h * wall * 2.0 / (b + h),
             shear: [box_shear_factor(h, b, poisson), box_shear_factor(b, h, poisson)],
+            outer: ([width, height], false),
             impossible: ImpossibleSize::of_hollow(&[("width", width), ("height", height)], wall),
         }
     }
@@ -153,6 +159,7 @@ impl<S: Scalar> Shape<S> {
             second_moments: [fourth; 2],
             torsion: fourth * 2.0,
             shear: [factor; 2],
+            outer: ([diameter; 2], true),
             impossible: ImpossibleSize::among(&[("diameter", diameter)]),
         }
     }
@@ -170,8 +177,17 @@ impl<S: Scalar> Shape<S> {
             second_moments: [fourth; 2],
             torsion: fourth * 2.0,
             shear: [factor; 2],
+            outer: ([diameter; 2], true),
             impossible: ImpossibleSize::of_hollow(&[("diameter", diameter)], wall),
         }
+    }
+}
+
+impl<S: Scalar> Shape<S> {
+    /// What it looks like, of a material with this Young's modulus [N/m2].
+    pub fn outline(&self, young: S) -> Outline {
+        let (sizes, round) = self.outer;
+        Outline { sizes: sizes.map(Scalar::value), middle: [0.0; 2], round, young: Some(young.value()) }
     }
 }
 
@@ -212,7 +228,8 @@ impl<S: Scalar> Section<S> {
         (0..STRAINS).for_each(|i| stiffness[i][i] = stiffnesses[i]);
         let (mass, damping) = (S::zero(), S::zero());
         let (centre, inertia) = ([S::zero(); 2], [S::zero(); 3]);
-        Section { stiffness, mass, centre, inertia, damping, kind: SectionKind::default(), impossible: None }
+        let kind = SectionKind::default();
+        Section { stiffness, mass, centre, inertia, damping, kind, shown: None, impossible: None }
     }
 
     /// A section of a material and a shape.
@@ -230,7 +247,13 @@ impl<S: Scalar> Section<S> {
             young * third,
         ])
         .with_inertia(density * area, [density * second, density * third]);
-        Section { impossible: shape.impossible, ..section }
+        Section { shown: Some(shape.outline(young)), impossible: shape.impossible, ..section }
+    }
+
+    /// What it looks like: the shape it is made of, or a rectangle as stiff.
+    pub fn outline(&self) -> Outline {
+        let own = &self.stiffness;
+        self.shown.unwrap_or_else(|| Outline::of_stiffness(own[0][0], [own[4][4], own[5][5]]))
     }
 
     /// Why no beam can have this section, in words: a size of its shape, or a stiffness that is not symmetric and positive definite.
@@ -295,6 +318,8 @@ impl<S: Scalar> Section<S> {
     /// The same section moved by (x2, x3) \[m\] away from the reference line: stiffness and inertia about the line.
     #[must_use]
     pub fn offset(mut self, [x2, x3]: [S; 2]) -> Self {
+        let mut moved_outline = self.outline();
+        moved_outline.middle = [moved_outline.middle[0] + x2.value(), moved_outline.middle[1] + x3.value()];
         // strains at the section's own origin: gamma + kappa x (0, x2, x3)
         let mut moved = [[S::zero(); STRAINS]; STRAINS];
         (0..STRAINS).for_each(|i| moved[i][i] = S::one());
@@ -317,6 +342,7 @@ impl<S: Scalar> Section<S> {
             i23 + self.mass * (c2 * x3 + c3 * x2 + x2 * x3),
         ];
         self.centre = [c2 + x2, c3 + x3];
+        self.shown = Some(moved_outline);
         self.kind.coupled = true;
         self.kind.eccentric = true;
         self

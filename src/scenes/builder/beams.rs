@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Drawing, MechanismBuilder};
+use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
 use crate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField, STRAINS, Section, TYING_POINTS};
@@ -206,6 +206,15 @@ impl<S: Scalar> MechanismBuilder<S> {
             member.elements.push(self.add_element(&own, &nodes, Flexible(field).into(), &p));
             self.heavy_beams.push((own, nodes, inertia, field.eccentric));
         }
+        let ring = |(i, &node): (usize, &NodeId)| {
+            let first = 2 * (i / 2).min(elements - 1);
+            let (points, axes) = (&line.points[first..first + 3], &line.second_axes[first..first + 3]);
+            let (_, axes) = reference(points, axes, (i - first) as f64 - 1.0);
+            let [_, second, third] = axes.map(|axis| rotation.rotate_back(axis).components().map(Scalar::value));
+            Ring { node, axes: Some([second, third]), outline: section(i as f64 / (count - 1) as f64).outline() }
+        };
+        let rings = member.nodes.iter().enumerate().map(ring).collect();
+        self.outlined.push(OutlinedLine { rings, elements: member.elements.clone(), field: LineField::Beam(field) });
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
         self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member

@@ -1,6 +1,6 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
-use super::{Drawing, MechanismBuilder};
+use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::elements::flexible::{
     Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
@@ -160,6 +160,12 @@ impl<S: Scalar> MechanismBuilder<S> {
                 CableStrain::Small => HeavyCable::Apart(own, [nodes[0], nodes[1]], inertia),
             });
         }
+        let rings = member.nodes.iter().map(|&node| Ring { node, axes: None, outline: section.outline() }).collect();
+        self.outlined.push(OutlinedLine {
+            rings,
+            elements: member.elements.clone(),
+            field: LineField::Cable(section.strain),
+        });
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
         self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member

@@ -1,0 +1,464 @@
+//! What a mechanism looks like in space: beams and cables with their sections, shells with their thickness, bodies and links as rods.
+
+use super::builder::{MechanismBuilder, OutlinedLine};
+use super::sketch::{Drawn, NodePoint};
+use super::surfaces::Surface;
+use crate::assembly::NodeId;
+use crate::elements::NodeKind;
+use crate::elements::flexible::Outline;
+use std::collections::HashMap;
+
+type Vector = [f64; 3];
+
+fn combined(terms: impl IntoIterator<Item = (f64, Vector)>) -> Vector {
+    terms.into_iter().fold([0.0; 3], |sum, (weight, own)| [0, 1, 2].map(|k| sum[k] + weight * own[k]))
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(a: Vector) -> Vector {
+    let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    a.map(|x| x / length)
+}
+
+/// Where a vertex stands.
+#[derive(Clone, Debug)]
+enum Place {
+    /// In the frame of a node.
+    Node(NodePoint),
+    /// Beside a cable's node: across its slope, by two directions at the start.
+    AcrossSlope { node: NodePoint, start: Vector, offset: Vector },
+    /// On a shell, at the shape functions of its nodes: on its lower (-1) or upper (1) side.
+    Shell { surface: usize, weights: Vec<f64>, side: f64 },
+}
+
+/// Where a stress is read; of several places their mean.
+#[derive(Clone, Debug)]
+enum StressPlace {
+    /// A part of a shell around a Gauss point.
+    Shell { surface: usize, piece: usize },
+    /// An end or the middle of an element of a beam or cable.
+    Line { line: usize, element: usize, place: f64, outline: Outline },
+}
+
+/// A rod through points that move.
+#[derive(Clone, Debug)]
+pub struct Rod {
+    /// What it stands for.
+    pub drawn: Drawn,
+    /// Vertices.
+    pub vertices: Vec<usize>,
+}
+
+/// Vertices that move with the mechanism, and what is spanned between them.
+pub struct Solids<'m> {
+    mechanism: &'m MechanismBuilder<f64>,
+    surfaces: Vec<Surface>,
+    vertices: Vec<Place>,
+    /// Elements that a vertex belongs to, by their places in the model.
+    elements: Vec<Vec<usize>>,
+    /// The stress of each vertex among all, where it has one.
+    stress_of: Vec<Option<usize>>,
+    stress_places: Vec<Vec<StressPlace>>,
+    /// Surfaces of beams, cables and shells.
+    pub triangles: Vec<[usize; 3]>,
+    /// Lines on these surfaces: outlines of sections and edges of elements.
+    pub edges: Vec<[usize; 2]>,
+    /// Bodies and links.
+    pub rods: Vec<Rod>,
+    /// Point masses.
+    pub points: Vec<usize>,
+    /// Points to follow, with their names.
+    pub followed: Vec<(String, usize)>,
+    /// Points that hold the mechanism to the ground \[m\].
+    pub anchors: Vec<Vector>,
+}
+
+impl MechanismBuilder<f64> {
+    /// The mechanism in space.
+    pub fn solids(&self) -> Solids<'_> {
+        let mut solids = Solids {
+            mechanism: self,
+            surfaces: self.surfaces(),
+            vertices: Vec::new(),
+            elements: Vec::new(),
+            stress_of: Vec::new(),
+            stress_places: Vec::new(),
+            triangles: Vec::new(),
+            edges: Vec::new(),
+            rods: Vec::new(),
+            points: Vec::new(),
+            followed: Vec::new(),
+            anchors: Vec::new(),
+        };
+        for line in 0..self.outlined.len() {
+            solids.add_line(line);
+        }
+        solids.add_shells();
+        solids.add_rods();
+        solids
+    }
+
+    fn start_of(&self, node: NodeId) -> Option<NodePoint> {
+        self.node_point(node, [0.0; 3])
+    }
+}
+
+impl Solids<'_> {
+    /// Whether nothing has a place in space.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// Number of vertices.
+    pub fn count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    fn add(&mut self, place: Place, elements: Vec<usize>, stress: Option<usize>) -> usize {
+        self.vertices.push(place);
+        self.elements.push(elements);
+        self.stress_of.push(stress);
+        self.vertices.len() - 1
+    }
+
+    /// Rings of a beam or cable, its surface and its ends.
+    fn add_line(&mut self, index: usize) {
+        let mechanism = self.mechanism;
+        let OutlinedLine { rings, elements, field } = &mechanism.outlined[index];
+        let per_element = field.places().len() - 1;
+        let mut last: Option<Vec<usize>> = None;
+        for (i, ring) in rings.iter().enumerate() {
+            let Some(node) = mechanism.start_of(ring.node) else { return };
+            let mut places = Vec::new();
+            for (element, first) in (0..elements.len()).map(|element| (element, element * per_element)) {
+                if (first..=first + per_element).contains(&i) {
+                    let place = field.places()[i - first];
+                    places.push(StressPlace::Line { line: index, element, place, outline: ring.outline });
+                }
+            }
+            let own = vec![elements[(i / per_element).min(elements.len() - 1)].0];
+            let stress = ring.outline.young.map(|_| {
+                self.stress_places.push(places);
+                self.stress_places.len() - 1
+            });
+            let start = &mechanism.numbers.q;
+            let points = ring.outline.points();
+            let vertex = |[x2, x3]: [f64; 2]| match ring.axes {
+                Some([second, third]) => {
+                    let local = combined([(x2, second), (x3, third)]);
+                    Some(Place::Node(mechanism.node_point(ring.node, local)?))
+                }
+                None => {
+                    let slope = unit(slope(&node, start));
+                    let along = (0..3).min_by(|&a, &b| slope[a].abs().total_cmp(&slope[b].abs()))?;
+                    let second = unit(cross(slope, [0, 1, 2].map(|k| f64::from(u8::from(k == along)))));
+                    let offset = combined([(x2, second), (x3, cross(slope, second))]);
+                    Some(Place::AcrossSlope { node: node.clone(), start: slope, offset })
+                }
+            };
+            let ends = i == 0 || i + 1 == rings.len();
+            // corners have a vertex for each face, so that they are sharp
+            let copies = if ring.outline.round { 1 } else { 2 };
+            let corners: Vec<Place> = points.iter().filter_map(|&point| vertex(point)).collect();
+            let now: Vec<usize> = corners
+                .iter()
+                .flat_map(|place| vec![place.clone(); copies])
+                .map(|place| self.add(place, own.clone(), stress))
+                .collect();
+            let count = corners.len();
+            let face = |ring: &[usize], k: usize| [ring[copies * k + copies - 1], ring[copies * ((k + 1) % count)]];
+            if let Some(before) = last.as_ref().filter(|before| before.len() == now.len()) {
+                for k in 0..count {
+                    let ([a, b], [c, d]) = (face(before, k), face(&now, k));
+                    self.triangles.extend([[a, b, d], [a, d, c]]);
+                    if copies > 1 {
+                        self.edges.push([before[copies * k], now[copies * k]]);
+                    }
+                }
+            }
+            if ends || i % per_element == 0 {
+                self.edges.extend((0..count).map(|k| face(&now, k)));
+            }
+            if ends {
+                let lid: Vec<usize> = corners.into_iter().map(|place| self.add(place, own.clone(), stress)).collect();
+                for k in 1..count.saturating_sub(1) {
+                    let [a, b, c] = [lid[0], lid[k], lid[k + 1]];
+                    self.triangles.push(if i == 0 { [a, c, b] } else { [a, b, c] });
+                }
+            }
+            last = Some(now);
+        }
+    }
+
+    /// Both sides of shells, joined along free edges.
+    fn add_shells(&mut self) {
+        let q = &self.mechanism.numbers.q;
+        let size = self.surfaces.iter().flat_map(|surface| surface.nodes.iter().flat_map(|node| node.at(q)));
+        let grid = 1e-7 * size.fold(0.0, |most: f64, x| most.max(x.abs())).max(1e-6);
+        // vertices of two elements are one where their places and directors are
+        let mut known: HashMap<[i64; 6], [usize; 2]> = HashMap::new();
+        let mut sides: HashMap<[usize; 2], ([usize; 4], usize)> = HashMap::new();
+        for surface in 0..self.surfaces.len() {
+            let shape = self.surfaces[surface].kind.face.shape();
+            let element = self.surfaces[surface].element.0;
+            for (piece, own) in shape.pieces.iter().enumerate() {
+                let corners = own.corners.map(|[r, s]| {
+                    let weights = (shape.values)(r, s).to_vec();
+                    let (middle, director) = self.shell_place(surface, &weights, q);
+                    let identity = [0, 1, 2].map(|k| (middle[k] / grid).round() as i64);
+                    let turned = unit(director).map(|x| (x * 20.0).round() as i64);
+                    let key = [identity[0], identity[1], identity[2], turned[0], turned[1], turned[2]];
+                    let pair = *known.entry(key).or_insert_with(|| {
+                        self.stress_places.push(Vec::new());
+                        let stress = Some(self.stress_places.len() - 1);
+                        [-1.0, 1.0].map(|side| {
+                            let place = Place::Shell { surface, weights: weights.clone(), side };
+                            self.add(place, Vec::new(), stress)
+                        })
+                    });
+                    for vertex in pair {
+                        if !self.elements[vertex].contains(&element) {
+                            self.elements[vertex].push(element);
+                        }
+                    }
+                    if let Some(stress) = self.stress_of[pair[0]] {
+                        self.stress_places[stress].push(StressPlace::Shell { surface, piece });
+                    }
+                    pair
+                });
+                let [a, b, c, d] = corners;
+                for side in 0..2 {
+                    let [a, b, c, d] = [a[side], b[side], c[side], d[side]];
+                    let faces = if side == 1 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
+                    self.triangles.extend(faces.into_iter().filter(|[a, b, c]| a != b && b != c && a != c));
+                }
+                for k in 0..4 {
+                    let (from, to) = (corners[k], corners[(k + 1) % 4]);
+                    if own.at_edge[k] {
+                        self.edges.extend([[from[0], to[0]], [from[1], to[1]]]);
+                    }
+                    let key = [from[0].min(to[0]), from[0].max(to[0])];
+                    sides.entry(key).or_insert(([from[0], to[0], to[1], from[1]], 0)).1 += 1;
+                }
+            }
+        }
+        let free: Vec<[usize; 4]> = sides.into_values().filter(|(_, count)| *count == 1).map(|(quad, _)| quad).collect();
+        for quad in free {
+            // of their own, so that the rim is sharp
+            let [a, b, c, d] = quad.map(|vertex| {
+                let (place, elements) = (self.vertices[vertex].clone(), self.elements[vertex].clone());
+                self.add(place, elements, self.stress_of[vertex])
+            });
+            self.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+
+    /// Lines of bodies, springs, dampers and links, point masses, and what is followed.
+    fn add_rods(&mut self) {
+        let mechanism = self.mechanism;
+        let sketch = mechanism.sketch();
+        let lines: Vec<Vec<(usize, [u64; 3])>> = mechanism
+            .outlined
+            .iter()
+            .map(|line| line.rings.iter().filter_map(|ring| Some(mechanism.start_of(ring.node)?.identity())).collect())
+            .collect();
+        for (drawn, points) in &sketch.lines {
+            let identities: Vec<_> = points.iter().map(NodePoint::identity).collect();
+            // what has a section is there already
+            if *drawn == Drawn::Shell || lines.contains(&identities) {
+                continue;
+            }
+            let elements = self.elements_between(points, *drawn);
+            let vertices = points.iter().map(|point| self.add(Place::Node(point.clone()), elements.clone(), None)).collect();
+            self.rods.push(Rod { drawn: *drawn, vertices });
+        }
+        for (index, node) in mechanism.model.nodes.iter().enumerate().filter(|(_, node)| node.kind == NodeKind::Point) {
+            let Some(point) = mechanism.start_of(mechanism.model.node_id(index)).filter(|_| !node.fixed) else { continue };
+            let elements = self.elements_between(std::slice::from_ref(&point), Drawn::Body);
+            let vertex = self.add(Place::Node(point), elements, None);
+            self.points.push(vertex);
+        }
+        for (name, point) in sketch.followed {
+            let vertex = self.add(Place::Node(point), Vec::new(), None);
+            self.followed.push((name, vertex));
+        }
+        self.anchors = sketch.anchors;
+    }
+
+    /// Elements that act on just the nodes of a line: masses of a body, springs and dampers of a link.
+    fn elements_between(&self, points: &[NodePoint], drawn: Drawn) -> Vec<usize> {
+        let mut nodes: Vec<usize> = points.iter().map(|point| point.identity().0).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let model = &self.mechanism.model;
+        let is_own = |own: &[NodeId]| {
+            let mut own: Vec<usize> = own.iter().map(|node| model.nodes[node.0].dofs.start).collect();
+            own.sort_unstable();
+            own.dedup();
+            own == nodes && (drawn != Drawn::Link || own.len() == 2)
+        };
+        (0..model.elements.len()).filter(|&element| is_own(&model.elements[element].nodes)).collect()
+    }
+
+    /// Middle of a shell and half its thickness along its director.
+    fn shell_place(&self, surface: usize, weights: &[f64], q: &[f64]) -> (Vector, Vector) {
+        let own = &self.surfaces[surface];
+        let p = &self.mechanism.numbers.p;
+        let middle = combined(own.nodes.iter().zip(weights).map(|(node, &weight)| (weight, node.at(q))));
+        let directors = own.directors(p);
+        let turned = own.nodes.iter().zip(&directors).map(|(node, &director)| node.turned(q, director));
+        let director = combined(weights.iter().copied().zip(turned));
+        let thickness: f64 = own.thicknesses().map_or(0.0, |places| p[places].iter().zip(weights).map(|(t, w)| t * w).sum());
+        (middle, if thickness > 0.0 { director.map(|x| 0.5 * thickness * x) } else { director.map(|x| 1e-9 * x) })
+    }
+
+    /// All vertices \[m\] at coordinates of the mechanism.
+    pub fn positions(&self, q: &[f64]) -> Vec<Vector> {
+        let place = |place: &Place| match place {
+            Place::Node(point) => point.at(q),
+            Place::AcrossSlope { node, start, offset } => {
+                let now = unit(slope(node, q));
+                let axis = cross(*start, now);
+                let cosine: f64 = (0..3).map(|k| start[k] * now[k]).sum();
+                let (once, centre) = (cross(axis, *offset), node.at(q));
+                // the least rotation from the slope at the start to that of now
+                let twice = cross(axis, once);
+                combined([(1.0, centre), (1.0, *offset), (1.0, once), (1.0 / (1.0 + cosine).max(1e-12), twice)])
+            }
+            Place::Shell { surface, weights, side } => {
+                let (middle, half) = self.shell_place(*surface, weights, q);
+                combined([(1.0, middle), (*side, half)])
+            }
+        };
+        self.vertices.iter().map(place).collect()
+    }
+
+    /// Whether any vertex has a stress.
+    pub fn have_stress(&self) -> bool {
+        self.stress_of.iter().any(Option::is_some)
+    }
+
+    /// Stress of each vertex [N/m2], not a number where there is none: von Mises of shells, the largest axial one of a section.
+    pub fn stresses(&self, q: &[f64]) -> Vec<f64> {
+        let p = &self.mechanism.numbers.p;
+        let shells: Vec<Option<Vec<f64>>> = self.surfaces.iter().map(|surface| surface.stresses(q, p)).collect();
+        let at = |place: &StressPlace| match place {
+            StressPlace::Shell { surface, piece } => shells[*surface].as_ref().map(|own| own[*piece]),
+            StressPlace::Line { line, element, place, outline } => self.line_stress(*line, *element, *place, outline, q),
+        };
+        let mean = |places: &Vec<StressPlace>| {
+            let values: Vec<f64> = places.iter().filter_map(at).collect();
+            values.iter().sum::<f64>() / values.len() as f64
+        };
+        let all: Vec<f64> = self.stress_places.iter().map(mean).collect();
+        self.stress_of.iter().map(|place| place.map_or(f64::NAN, |place| all[place])).collect()
+    }
+
+    fn line_stress(&self, line: usize, element: usize, place: f64, outline: &Outline, q: &[f64]) -> Option<f64> {
+        let OutlinedLine { elements, field, .. } = &self.mechanism.outlined[line];
+        let own = self.mechanism.model.find_element(elements[element])?;
+        let coordinates: Vec<f64> =
+            own.nodes.iter().flat_map(|&node| q[self.mechanism.model.node(node).dofs.clone()].to_vec()).collect();
+        let p = &self.mechanism.numbers.p[own.parameters.clone()];
+        field.largest_stress(outline, place, &coordinates, p)
+    }
+
+    /// For each vertex what its elements have of a number for each element, their mean; not a number where it has none.
+    pub fn of_elements(&self, values: &[f64]) -> Vec<f64> {
+        let mean = |own: &Vec<usize>| {
+            let finite: Vec<f64> = own.iter().map(|&element| values[element]).filter(|value| !value.is_nan()).collect();
+            finite.iter().sum::<f64>() / finite.len() as f64
+        };
+        self.elements.iter().map(mean).collect()
+    }
+}
+
+/// Slope of a cable's node.
+fn slope(node: &NodePoint, q: &[f64]) -> Vector {
+    let own = node.coordinates(q);
+    [own[3], own[4], own[5]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::flexible::section::Shape;
+    use crate::elements::flexible::{CableSection, Material, Section};
+    use crate::scalar::{SpatialVector, Vector3};
+    use crate::scenes::built_in::PlatePendulum;
+    use crate::scenes::{AnyScene, BeamLine, CableLine};
+
+    const YOUNG: f64 = 2e11;
+    const MATERIAL: Material<f64> = Material { young: YOUNG, poisson: 0.3, density: 7800.0 };
+
+    fn beam(shape: Shape<f64>) -> MechanismBuilder<f64> {
+        let mut m = MechanismBuilder::default();
+        let line =
+            BeamLine::straight([[0.0; 3], [2.0, 1.0, -2.0]].map(Vector3::from_f64), 2, Vector3::from_f64([0.0, 0.0, 1.0]));
+        m.beam("beam", line, &Section::of(MATERIAL, shape));
+        m
+    }
+
+    /// Of a closed surface that is seen from outside, by the divergence theorem \[m3\].
+    fn volume(solids: &Solids, q: &[f64]) -> f64 {
+        let places = solids.positions(q);
+        let piece = |[a, b, c]: [usize; 3]| -> f64 {
+            let across = cross(places[b], places[c]);
+            (0..3).map(|k| places[a][k] * across[k]).sum::<f64>() / 6.0
+        };
+        solids.triangles.iter().map(|&triangle| piece(triangle)).sum()
+    }
+
+    #[test]
+    fn surfaces_of_beams_hold_the_volume_of_their_sections() {
+        // twelve corners on a circle of radius r: 3 r^2
+        for (shape, area) in [(Shape::rectangle(0.1, 0.2, 0.3), 0.02), (Shape::circle(0.2, 0.3), 0.03)] {
+            let mechanism = beam(shape);
+            let solids = mechanism.solids();
+            let own = volume(&solids, &mechanism.numbers.q);
+            assert!((own - 3.0 * area).abs() < 1e-12, "{own} {area}");
+        }
+    }
+
+    #[test]
+    fn surfaces_of_shells_hold_the_volume_of_the_plate() {
+        let scene = PlatePendulum::default();
+        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let mechanism = scene.build_real(&x).unwrap();
+        let prepared = crate::scenes::Prepared::new(&scene).unwrap();
+        let forward = prepared.analysis().forward(&prepared.x).unwrap();
+        let value = |name: &str| {
+            let place = prepared.functionals().iter().position(|functional| functional.name == name).unwrap();
+            forward.values[place]
+        };
+        let density = scene.design_variables().iter().find(|variable| variable.name.contains("density")).unwrap().initial;
+        let own = volume(&mechanism.solids(), &mechanism.numbers.q);
+        assert!((own * density / value("mass") - 1.0).abs() < 1e-9, "{own} m3 of {density} kg/m3 are {} kg", value("mass"));
+    }
+
+    #[test]
+    fn a_stretched_line_has_the_stress_of_its_strain_everywhere() {
+        let mut cable = MechanismBuilder::<f64>::default();
+        let line = CableLine::straight([[0.0; 3], [2.0, 1.0, -2.0]].map(Vector3::from_f64), 3);
+        cable.cable("cable", line, &CableSection::of(MATERIAL, Shape::circle(0.01, 0.3)));
+        // Green's strain of cables, and that of the line itself
+        let stretch = 1.001_f64;
+        for (mechanism, strain) in
+            [(beam(Shape::rectangle(0.1, 0.2, 0.3)), stretch - 1.0), (cable, 0.5 * (stretch * stretch - 1.0))]
+        {
+            let mut q = mechanism.numbers.q.clone();
+            for node in &mechanism.model.nodes {
+                let count = if node.kind == NodeKind::Slope { 6 } else { 3 };
+                q[node.dofs.start..node.dofs.start + count].iter_mut().for_each(|x| *x *= stretch);
+            }
+            let solids = mechanism.solids();
+            let stresses = solids.stresses(&q);
+            assert!(stresses.len() > 20 && solids.have_stress());
+            assert!(stresses.iter().all(|stress| (stress / (YOUNG * strain) - 1.0).abs() < 1e-9), "{stresses:?}");
+            assert!(solids.stresses(&mechanism.numbers.q).iter().all(|stress| stress.abs() < 1e-3 * YOUNG * strain));
+        }
+    }
+}
