@@ -64,7 +64,14 @@ fn csv(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
     (header, lines.map(|line| line.split(',').map(|word| word.parse().unwrap()).collect()).collect())
 }
 
-const RESULTS: [&str; 5] = ["histories.csv", "histories.png", "histories.svg", "motion.png", "motion.svg"];
+const FILES: [&str; 7] =
+    ["histories.csv", "histories.png", "histories.svg", "motion.png", "motion.svg", "report.html", "summary.json"];
+
+/// The files of a run.
+fn results() -> Vec<&'static str> {
+    let arrow = cfg!(feature = "arrow").then_some("histories.arrow");
+    arrow.into_iter().chain(FILES).collect()
+}
 
 #[test]
 fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
@@ -137,27 +144,35 @@ fn a_run_writes_its_files_and_the_json_repeats_the_table() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert_eq!(text(&output.stderr), "", "a pipe gets no progress bar");
     assert!(!text(&output.stdout).contains(['\r', '\u{1b}']));
-    assert_eq!(folder.files("out/pendulum"), RESULTS);
+    assert_eq!(folder.files("out/pendulum"), results());
 
     let (header, rows) = csv(&folder.0.join("out/pendulum/histories.csv"));
     let expected = ["t [s]", "bob.x [m]", "bob.y [m]", "bob.z [m]", "bob.dx/dt [m/s]", "bob.dy/dt [m/s]", "bob.dz/dt [m/s]"];
-    assert_eq!(header[..9], [&expected[..], &["energy [J]", "rod.mu1"]].concat());
+    assert_eq!(header[..7], expected);
+    let others = ["bob.d2x/dt2 [m/s2]", "bob.d2y/dt2 [m/s2]", "bob.d2z/dt2 [m/s2]", "energy [J]", "rod.mu1"];
+    assert_eq!(header[7..12], others);
+    assert_eq!(header[12..15], ["rod.force_x [N]", "rod.force_y [N]", "rod.force_z [N]"]);
     // what functionals measure: height, x, rod force
     assert!(header.join(",").ends_with("\"measured for rod force, integral [N]\""), "{header:?}");
-    assert!(rows.iter().all(|row| row[9..] == [row[2], row[1], row[8]]), "{:?}", rows[3]);
+    assert!(rows.iter().all(|row| row[15..] == [row[2], row[1], row[11]]), "{:?}", rows[3]);
     assert_eq!(rows.len(), 21);
     assert_eq!([rows[0][0], rows[20][0]], [0.0, 0.5]);
     // tension of a rod released from rest: m (g sin + v^2 / l) with v^2 = 2 g l sin; mu pulls at the bob
     let last = &rows[20];
     let tension = 3.0 * 9.81 * (-last[2] / 2.0);
-    assert!((last[8] - tension).abs() < 1e-4 * tension, "{} {tension}", last[8]);
-    let drift = rows.iter().map(|row| (row[7] - rows[0][7]).abs()).fold(0.0, f64::max);
+    assert!((last[11] - tension).abs() < 1e-4 * tension, "{} {tension}", last[11]);
+    // Newton's law for a mass of 1 kg: its acceleration is the force of the rod and its weight, but for the direction of the rod, which the
+    // projection turns by the error of a step after the stage that both belong to
+    for row in &rows {
+        assert!((0..3).all(|k| (row[7 + k] - row[12 + k] - [0.0, -9.81, 0.0][k]).abs() < 1e-6), "{row:?}");
+    }
+    let drift = rows.iter().map(|row| (row[10] - rows[0][10]).abs()).fold(0.0, f64::max);
     assert!(drift < 1e-4 * 9.81, "energy drifts by {drift} J");
 
     let object = json(&output);
     assert_eq!([&object["scene"], &object["method"]], ["pendulum", "esdirk4"]);
     assert_eq!(object["design"]["length"], 2.0);
-    assert_eq!(object["files"].as_array().unwrap().len(), RESULTS.len());
+    assert_eq!(object["files"].as_array().unwrap().len(), results().len());
     let table = text(&output.stdout);
     for functional in object["functionals"].as_array().unwrap() {
         let name = functional["name"].as_str().unwrap();
@@ -183,12 +198,61 @@ fn a_run_writes_its_files_and_the_json_repeats_the_table() {
 }
 
 #[test]
+fn histories_have_angular_velocities_and_loads_of_joints_that_obey_the_laws_of_newton_and_euler() {
+    let folder = Folder::new("laws");
+    let output = folder.run(&["run", "heavy-top", "--end", "1", "--steps", "100"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let (header, rows) = csv(&folder.0.join("out/heavy-top/histories.csv"));
+    let vector = |row: &[f64], names: [&str; 3]| {
+        names.map(|name| row[header.iter().position(|own| own == name).unwrap_or_else(|| panic!("{name}: {header:?}"))])
+    };
+    let three = |before: &str, after: &str| ["x", "y", "z"].map(|k| format!("{before}{k}{after}"));
+    let read = |row: &[f64], names: [String; 3]| vector(row, [&names[0], &names[1], &names[2]]);
+    let cross = |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    // of a top of 1 kg with inertia 0.75 across and 0.5 along its axis, whose tip is at the origin: place, angular velocity, moment of momentum
+    let momentum = |row: &[f64]| {
+        let (place, omega) = (read(row, three("top.", " [m]")), read(row, three("top.omega_", " [rad/s]")));
+        let spin: f64 = (0..3).map(|k| place[k] * omega[k] / 0.5).sum();
+        (spin, [0, 1, 2].map(|k| 0.75 * omega[k] + (0.5 - 0.75) * spin * place[k] / 0.5))
+    };
+    for (i, row) in rows.iter().enumerate() {
+        let force = read(row, three("tip.force_", " [N]"));
+        let acceleration = ["x", "y", "z"].map(|k| format!("top.d2{k}/dt2 [m/s2]"));
+        let acceleration = read(row, acceleration);
+        assert!((0..3).all(|k| (acceleration[k] - force[k] - [0.0, 0.0, -2.0][k]).abs() < 1e-8), "row {i}");
+        assert!(read(row, three("tip.moment_", " [N m]")).iter().all(|moment| moment.abs() < 1e-9), "a spherical joint");
+        assert!((momentum(row).0 - 10.0).abs() < 1e-6, "its spin stays: {}", momentum(row).0);
+    }
+    // d(moment of momentum)/dt = moment of the tip's force about the mass centre, by central differences
+    for rows in rows.windows(3) {
+        let h = rows[1][0] - rows[0][0];
+        let place = read(&rows[1], three("top.", " [m]"));
+        let moment = cross(place.map(|x| -x), read(&rows[1], three("tip.force_", " [N]")));
+        let (before, after) = (momentum(&rows[0]).1, momentum(&rows[2]).1);
+        assert!((0..3).all(|k| ((after[k] - before[k]) / (2.0 * h) - moment[k]).abs() < 5e-3), "{moment:?}");
+    }
+}
+
+#[test]
+fn the_summary_is_the_json_object_and_the_report_is_one_file() {
+    let folder = Folder::new("summary");
+    let output = folder.run(&["gradient", "five-bar", "--end", "0.3", "--steps", "15", "--check", "--json"]);
+    let summary: Value = serde_json::from_slice(&fs::read(folder.0.join("out/five-bar/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary, json(&output));
+    let report = fs::read_to_string(folder.0.join("out/five-bar/report.html")).unwrap();
+    assert!(report.len() < 10_000_000 && !report.contains("{{"), "{} bytes", report.len());
+    for part in ["three.js authors", "Leon Sorokin", "\"title\":\"five-bar\"", "Gradient of psi"] {
+        assert!(report.contains(part), "{part}");
+    }
+}
+
+#[test]
 fn a_checked_gradient_shows_adjoint_and_complex_step_side_by_side() {
     let folder = Folder::new("gradient");
     let arguments = ["gradient", "five-bar", "--end", "0.3", "--steps", "15", "--check", "--json", "--out", "here/there"];
     let output = folder.run(&arguments);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert_eq!(folder.files("here/there"), RESULTS);
+    assert_eq!(folder.files("here/there"), results());
     let object = json(&output);
     assert_eq!(object["pass"], true);
     assert!(object["largest_relative_difference"].as_f64().unwrap() <= 1e-10);
@@ -401,7 +465,7 @@ fn finished_steps_survive(signal: &str) {
     let (_, rows) = csv(&folder.0.join("out/five-bar/histories.csv"));
     assert!(rows.len() > 1 && rows.len() < 1_000_001, "{} rows", rows.len());
     assert!(message.contains(&format!("interrupted after {} finished steps", rows.len() - 1)), "{message}");
-    assert_eq!(folder.files("out/five-bar"), RESULTS);
+    assert_eq!(folder.files("out/five-bar"), results());
 }
 
 #[test]
@@ -423,7 +487,7 @@ fn a_run_that_is_killed_leaves_its_rows_under_a_name_that_says_so() {
     assert!(rows.len() > 10 && rows.iter().all(|row| row.len() == header.len()), "{} rows", rows.len());
     assert!(!folder.0.join("out/five-bar/histories.csv").exists());
     assert_eq!(folder.run(&["run", "five-bar", "--end", "0.1", "--steps", "10"]).status.code(), Some(0));
-    assert_eq!(folder.files("out/five-bar"), RESULTS);
+    assert_eq!(folder.files("out/five-bar"), results());
 }
 
 #[test]
@@ -515,11 +579,11 @@ fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     assert_eq!(run.status.code(), Some(0), "{}", text(&run.stderr));
     let said = text(&run.stdout);
     assert!(said.contains("static, equilibria, 10 load steps up to the load factor 1"), "{said}");
-    assert_eq!(folder.files("out/von-mises-truss"), RESULTS);
+    assert_eq!(folder.files("out/von-mises-truss"), results());
     let (header, rows) = csv(&folder.0.join("out/von-mises-truss/histories.csv"));
     let end = rows.last().expect("rows");
     let rates: Vec<f64> = header.iter().zip(end).filter(|(name, _)| name.contains("/dt")).map(|(_, v)| *v).collect();
-    assert_eq!(rates, [0.0; 3], "in statics nothing moves");
+    assert!(rates.len() == 6 && rates.iter().all(|&rate| rate == 0.0), "in statics nothing moves: {rates:?}");
     let z = json(&run)["functionals"][0]["value"].as_f64().expect("a height");
     // F = 2 k z (l / L - 1) is the load
     let (rest, length) = (1f64.hypot(0.2), 1f64.hypot(z));
@@ -539,7 +603,7 @@ fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     assert!(text(&none.stdout).contains("nothing that could move has inertia"), "{}", text(&none.stdout));
     let drawn = folder.run(&["modes", "von-mises-truss", "--out", "drawn"]);
     assert_eq!(drawn.status.code(), Some(0), "{}", text(&drawn.stderr));
-    assert_eq!(folder.files("drawn"), ["mode-1.png", "mode-1.svg"]);
+    assert_eq!(folder.files("drawn"), ["mode-1.png", "mode-1.svg", "modes.html", "modes.json"]);
     assert!(fs::read_to_string(folder.0.join("drawn/mode-1.svg")).unwrap().contains("von-mises-truss: mode 1, "));
 
     let gradient = folder.run(&["gradient", "von-mises-truss", "--check", "--tolerance", "1e-6"]);
@@ -549,7 +613,15 @@ fn a_scene_of_equilibria_runs_is_differentiated_and_vibrates() {
     assert!(matches!(beyond.status.code(), Some(0 | 1)), "{}", text(&beyond.stderr));
 }
 
-const OPTIMIZED: [&str; 5] = ["design.png", "design.svg", "optimization.csv", "optimization.png", "optimization.svg"];
+const OPTIMIZED: [&str; 7] = [
+    "design.png",
+    "design.svg",
+    "optimization.csv",
+    "optimization.html",
+    "optimization.json",
+    "optimization.png",
+    "optimization.svg",
+];
 
 #[test]
 fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {

@@ -3,6 +3,8 @@ use super::console::{json_number, say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
+use super::part_sensitivities::PartSensitivities;
+use super::report::{GradientRows, Page};
 use super::run::report;
 use super::simulation::{Simulation, Work, long_number, say_work, simulate};
 use crate::design::DesignVariable;
@@ -66,8 +68,10 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     let mut prepared = options.scene.prepare(&*scene)?;
     prepared.keep = resumed(options.history.clone(), options.resume)?;
     check_history(&prepared.keep, &options.scene.folder(&*scene))?;
-    let simulation = simulate(&prepared, &options.scene)?;
+    let mut simulation = simulate(&prepared, &options.scene)?;
+    let mut page = Page::of_simulation(&prepared, &simulation, "simulation and gradient");
     if simulation.stopped.is_some() {
+        simulation.conclude(page, simulation.json(&prepared).into());
         report(&simulation, &prepared);
         say_json(options.scene.json, &simulation.json(&prepared).into());
         return simulation.stopped.map_or(Ok(()), Err);
@@ -84,7 +88,14 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
              computed again (--history file:PATH keeps all)\n"
         ));
     }
-    let adjoint = timed("adjoint", forward, || analysis.adjoint(x, forward)).inspect_err(|_| simulation.say_files())?;
+    let parts = PartSensitivities::of(prepared.model());
+    let mut by_parameters = Vec::new();
+    let adjoint = timed("adjoint", forward, || {
+        let (gradient, rows) = analysis.adjoint_by_parameters(x, forward, &parts.asked)?;
+        by_parameters = rows;
+        Ok(gradient)
+    });
+    let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
     let check = if options.check {
         let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward));
         let check = complex_step.and_then(|complex_step| Check::new(&prepared, &adjoint, complex_step));
@@ -111,6 +122,10 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
         }
     }
     say("");
+    parts.colour(&prepared, &by_parameters, &mut page);
+    page.gradient(&prepared, &rows_of(&adjoint, check.as_ref()));
+    let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref());
+    simulation.conclude(page, summary);
     simulation.say_files();
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref()));
     match check {
@@ -138,6 +153,15 @@ fn timed(
     let recomputed = forward.history.usage().recomputed - before;
     let seconds = begun.elapsed().as_secs_f64();
     Ok(Timed { gradient, recomputed, seconds, program_seconds: making_time() - programs })
+}
+
+fn rows_of<'g>(adjoint: &'g Timed, check: Option<&'g Check>) -> GradientRows<'g> {
+    let verdict = check.map_or_else(String::new, |check| {
+        let (verdict, limit) = (if check.pass() { "within" } else { "NOT within" }, check.limit());
+        format!("{verdict} {limit:.0e} of complex step: largest relative difference {}", brief(check.largest))
+    });
+    let check = check.map(|check| [&check.complex_step.gradient.rows[..], &check.differences]);
+    GradientRows { adjoint: &adjoint.gradient.rows, check, verdict }
 }
 
 fn brief(difference: f64) -> String {

@@ -38,7 +38,7 @@ pub fn keep(text: &str) -> Result<Keep, String> {
 }
 
 /// Endings of the files that this program writes for people and other programs.
-const RESULTS: [&str; 3] = ["csv", "png", "svg"];
+const RESULTS: [&str; 6] = ["arrow", "csv", "html", "json", "png", "svg"];
 
 /// Refuses to keep steps where a result of the same run will stand.
 ///

@@ -33,12 +33,15 @@
 //! ```
 
 mod check;
+mod columns;
 mod console;
 mod examples;
 mod failure;
 mod gradient;
 mod histories;
+mod history_files;
 mod interrupt;
+mod kept_moments;
 mod list;
 mod meshes;
 mod modes;
@@ -47,6 +50,8 @@ mod new;
 mod optimization_charts;
 mod optimize;
 mod options;
+mod part_sensitivities;
+mod report;
 mod results;
 mod run;
 mod simulation;

@@ -1,12 +1,14 @@
 use super::CommandLine;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
-use super::motions::mode_picture;
+use super::motions::{mode_moments, mode_picture, motion};
 use super::options::{changed_design, named as named_scene};
-use super::simulation::long_number;
+use super::report::{Clip, Page};
+use super::results::Snapshot;
+use super::simulation::{long_number, names};
 use crate::assembly::Model;
 use crate::integrators::{Mode, STATIC_TABLE};
-use crate::io::{Table, number as number_of};
+use crate::io::{Cell, Table, number as number_of, write_file};
 use crate::scenes::Prepared;
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -37,6 +39,8 @@ pub struct ModesOptions {
 
 /// Most modes that are drawn.
 const MOST_PICTURES: usize = 12;
+/// Frames of a period.
+const FRAMES: usize = 24;
 /// Most modes.
 const MOST_MODES: usize = 10_000;
 
@@ -74,7 +78,10 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     } else if modes.len() < options.count {
         say(format_args!("there {} only {}\n", if modes.len() == 1 { "is" } else { "are" }, count(modes.len(), "mode")));
     }
-    let files = draw(&prepared, &q, &modes, &folder)?;
+    let mut files = draw(&prepared, &q, &modes, &folder)?;
+    let [report, summary] = ["modes.html", "modes.json"].map(|name| folder.join(name));
+    files.extend([report.clone(), summary.clone()]);
+    page(&prepared, &q, &modes, about).write(&report)?;
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
@@ -82,9 +89,46 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
         "about": about,
         "design": Value::from(design.collect::<Map<_, _>>()),
         "modes": modes.iter().map(|mode| json_of(prepared.model(), mode)).collect::<Vec<_>>(),
+        "files": names(&files),
     });
+    write_file(&summary, format!("{object:#}\n").as_bytes())?;
     say_json(options.json, &object);
     Ok(())
+}
+
+/// The modes as a page on which they swing.
+fn page(prepared: &Prepared, q: &[f64], modes: &[Mode], about: &str) -> Page {
+    let mut page = Page::new(prepared.scene, "small vibrations");
+    page.fact("about", format!("the {about}"));
+    page.table(
+        "Modes",
+        &MODE_COLUMNS,
+        mode_rows(prepared.model(), modes).into_iter().map(|row| row.map(Value::from).to_vec()).collect(),
+    );
+    page.design(&prepared.variables, &prepared.x);
+    let angles = || (0..=FRAMES).map(|k| TAU * k as f64 / FRAMES as f64);
+    let swinging: Vec<(String, Vec<Snapshot>)> = (1..=MOST_PICTURES)
+        .zip(modes)
+        .filter_map(|(number, mode)| {
+            let name = format!("mode {number}: {}", what(mode));
+            Some((name, mode_moments(prepared, q, mode, angles())?))
+        })
+        .collect();
+    let clips: Vec<Clip> = swinging
+        .iter()
+        .map(|(name, moments)| {
+            let moments = moments.iter().map(|moment| (moment.t, &moment.q[..])).collect();
+            Clip { name: name.clone(), swings: true, moments }
+        })
+        .collect();
+    if let Some(picture) = swinging.first().and_then(|(_, moments)| motion(prepared, moments)) {
+        page.space(&prepared.mechanism.solids(), picture.view, &clips);
+    }
+    page
+}
+
+fn what(mode: &Mode) -> String {
+    if mode.is_unstable() { "unstable".into() } else { format!("{} Hz", number_of(mode.frequency / TAU)) }
 }
 
 /// Draws the modes that have a place in space: mode-1.png/.svg and so on.
@@ -92,8 +136,7 @@ fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result
     let mut files = Vec::new();
     for (number, mode) in (1..=MOST_PICTURES).zip(modes) {
         let Some(mut picture) = mode_picture(prepared, q, mode) else { continue };
-        let what = if mode.is_unstable() { "unstable".into() } else { format!("{} Hz", number_of(mode.frequency / TAU)) };
-        picture.title = format!("{}: mode {number}, {what}", prepared.scene.scene_name());
+        picture.title = format!("{}: mode {number}, {}", prepared.scene.scene_name(), what(mode));
         let stem = folder.join(format!("mode-{number}"));
         picture.write(&stem)?;
         files.extend(["png", "svg"].map(|ending| stem.with_extension(ending)));
@@ -101,17 +144,26 @@ fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result
     Ok(files)
 }
 
-fn say_modes(model: &Model, modes: &[Mode]) {
-    let mut table = Table::new(&["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "moves most"]);
-    for (number, mode) in modes.iter().enumerate() {
+const MODE_COLUMNS: [&str; 5] = ["mode", "omega [rad/s]", "frequency [Hz]", "growth [1/s]", "moves most"];
+
+fn mode_rows(model: &Model, modes: &[Mode]) -> Vec<[String; 5]> {
+    let row = |(number, mode): (usize, &Mode)| {
         let largest = (0..model.dofs).max_by(|&a, &b| mode.shape[a].abs().total_cmp(&mode.shape[b].abs()));
-        table.row([
-            (number + 1).to_string().into(),
-            long_number(mode.frequency).into(),
-            long_number(mode.frequency / TAU).into(),
-            if mode.is_unstable() { format!("{} unstable", long_number(mode.growth)) } else { "0".into() }.into(),
-            largest.map_or_else(String::new, |dof| model.dof_name(dof)).into(),
-        ]);
+        [
+            (number + 1).to_string(),
+            long_number(mode.frequency),
+            long_number(mode.frequency / TAU),
+            if mode.is_unstable() { format!("{} unstable", long_number(mode.growth)) } else { "0".into() },
+            largest.map_or_else(String::new, |dof| model.dof_name(dof)),
+        ]
+    };
+    modes.iter().enumerate().map(row).collect()
+}
+
+fn say_modes(model: &Model, modes: &[Mode]) {
+    let mut table = Table::new(&MODE_COLUMNS);
+    for row in mode_rows(model, modes) {
+        table.row(row.map(Cell::from));
     }
     say(format_args!("{table}\n"));
 }

@@ -23,6 +23,17 @@ pub fn extent(values: impl Iterator<Item = f64>) -> f64 {
 
 /// A mode of vibration through half a period, so large that it is seen; `None` if nothing that is drawn moves in it.
 pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<MotionPicture> {
+    let angles = (0..MODE_MOMENTS).map(|k| PI * k as f64 / (MODE_MOMENTS - 1) as f64);
+    lapse(prepared, &mode_moments(prepared, q, mode, angles)?, None)
+}
+
+/// A mode of vibration at some angles of its period, so large that it is seen; `None` if nothing that is drawn moves in it.
+pub fn mode_moments(
+    prepared: &Prepared,
+    q: &[f64],
+    mode: &Mode,
+    angles: impl Iterator<Item = f64>,
+) -> Option<Vec<Snapshot>> {
     // rigid motions have no period
     let rate = if mode.frequency > 0.0 { mode.frequency } else { 1.0 };
     let moved = |angle: f64, size: f64| Snapshot {
@@ -52,9 +63,7 @@ pub fn mode_picture(prepared: &Prepared, q: &[f64], mode: &Mode) -> Option<Motio
     if !(size.is_finite() && size > 0.0) {
         return None;
     }
-    let angle = |k: usize| PI * k as f64 / (MODE_MOMENTS - 1) as f64;
-    let moments: Vec<Snapshot> = (0..MODE_MOMENTS).map(|k| moved(angle(k), size)).collect();
-    lapse(prepared, &moments, None)
+    Some(angles.map(|angle| moved(angle, size)).collect())
 }
 
 /// The time lapse, its last pose with shells as surfaces; `None` if nothing of the scene has a place in space.
@@ -107,7 +116,7 @@ fn lapse(prepared: &Prepared, moments: &[Snapshot], surface: Option<ColouredSurf
 }
 
 /// Along the direction in which nothing extends, or from a corner.
-fn view(motion: &MotionPicture) -> View {
+pub fn view(motion: &MotionPicture) -> View {
     let lines = motion.frames.iter().flat_map(|frame| &frame.lines).flat_map(|line| &line.points);
     let trails = motion.trails.iter().flat_map(|trail| &trail.points);
     let corners = motion.surface.iter().flat_map(|surface| &surface.facets).flat_map(|facet| &facet.corners);

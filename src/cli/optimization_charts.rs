@@ -16,11 +16,19 @@ fn spans_decades(values: impl Iterator<Item = f64>) -> bool {
     least > 0.0 && most > DECADES * least
 }
 
-/// Objective, violation, and variables over iterations; returns the files.
+/// Writes objective, violation, and variables over iterations; returns the files.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(optimization: &Optimization, history: &DesignHistory, folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+pub fn write([panels, design]: &[Vec<Chart>; 2], folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+    write_panels(panels, &folder.join("optimization"))?;
+    write_panels(design, &folder.join("design"))?;
+    let names = ["optimization.png", "optimization.svg", "design.png", "design.svg"];
+    Ok(names.map(|name| folder.join(name)).to_vec())
+}
+
+/// Objective and violation over iterations, and design variables.
+pub fn charts(optimization: &Optimization, history: &DesignHistory) -> [Vec<Chart>; 2] {
     let mut reached: Vec<(f64, &DesignPoint)> =
         history.points.iter().filter_map(|point| Some((point.iteration? as f64, point))).collect();
     reached.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -55,7 +63,6 @@ pub fn write(optimization: &Optimization, history: &DesignHistory, folder: &Path
             ..Chart::default()
         });
     }
-    write_panels(&panels, &folder.join("optimization"))?;
 
     let relative = |i: usize, point: &DesignPoint| {
         let DesignVariable { lower, upper, .. } = &optimization.variables()[i];
@@ -80,9 +87,7 @@ pub fn write(optimization: &Optimization, history: &DesignHistory, folder: &Path
         series: series.collect(),
         ..Chart::default()
     };
-    design.write(&folder.join("design"))?;
-    let names = ["optimization.png", "optimization.svg", "design.png", "design.svg"];
-    Ok(names.map(|name| folder.join(name)).to_vec())
+    [panels, vec![design]]
 }
 
 #[cfg(test)]

@@ -5,16 +5,20 @@ use super::CommandLine;
 use super::console::{count, json_number, say, say_json, seconds};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
+use super::kept_moments::KeptMoments;
 use super::optimization_charts;
 use super::options::SceneOptions;
-use super::results::check_folder;
+use super::report::Page;
+use super::results::{Snapshot, check_folder};
 use crate::design::DesignVariable;
-use crate::io::{Cell, IoError, Progress, Table, read_csv, write_csv};
+use crate::history::Keep;
+use crate::integrators::RunError;
+use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
 use crate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
 use crate::scenes::file::unknown;
-use crate::scenes::{AnyScene, Sense};
+use crate::scenes::{AnyScene, Prepared, Sense};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -137,7 +141,12 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     }
     let report = Report::new(&optimization, &*optimizer, &optimized)?;
     let mut files = vec![path];
-    files.extend(optimization_charts::write(&optimization, &optimized.history, &folder)?);
+    let charts = optimization_charts::charts(&optimization, &optimized.history);
+    files.extend(optimization_charts::write(&charts, &folder)?);
+    let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
+    files.extend([page.clone(), summary.clone()]);
+    report.page(&charts.concat()).write(&page)?;
+    write_file(&summary, format!("{:#}\n", report.json(&files)).as_bytes())?;
     report.say();
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &report.json(&files));
@@ -343,6 +352,50 @@ impl<'r> Report<'r> {
             say(format_args!("{} could not be simulated{why}", count(ended.failed, "design")));
         }
         say(format_args!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
+    }
+
+    /// What is shown of it, with the motion of the best design.
+    fn page(&self, charts: &[Chart]) -> Page {
+        let Report { optimization, optimizer, optimized, best, .. } = self;
+        let (scene, ended) = (optimization.scene, &optimized.ended);
+        let mut page = Page::new(scene, "optimization");
+        page.fact("optimizer", format!("{}, gradients by {}", optimizer.name(), gradient_name(optimization.gradient)));
+        page.fact("ended", format!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
+        page.fact("simulations", optimized.history.work().simulations.to_string());
+        if !(best.violation <= optimization.stopping.violation) {
+            page.warning(format!(
+                "No design keeps all limits: the best one violates them by {:.1e} of their scale.",
+                best.violation
+            ));
+        }
+        let wanted = self.wanted().into_iter().map(|Wanted { kind, name, limit, before, after, unit }| {
+            let (sign, limit) = limit.map_or((Value::Null, Value::Null), |(sign, limit)| (json!(sign), json_number(limit)));
+            vec![json!(kind), json!(name), sign, limit, json_number(before), json_number(after), json!(unit)]
+        });
+        page.table("What is wanted", &["", "", "", "limit", "before", "after", "unit"], wanted.collect());
+        let variables = self.variables().into_iter().map(|(variable, before, after, bound)| {
+            let [before, after, lower, upper] = [before, after, variable.lower, variable.upper].map(json_number);
+            let mark = bound.map_or_else(String::new, |bound| format!("at its {bound} bound"));
+            vec![json!(variable.name), before, after, lower, upper, json!(variable.unit), json!(mark)]
+        });
+        page.table("Design variables", &["variable", "before", "after", "from", "to", "unit", ""], variables.collect());
+        match self.best_motion() {
+            Ok((prepared, moments)) => page.motion(&prepared, &moments),
+            Err(error) => page.warning(format!("The best design could not be simulated again: {error}")),
+        }
+        page.charts("Optimization", charts);
+        page
+    }
+
+    /// The best design once more.
+    fn best_motion(&self) -> Result<(Prepared<'r>, Vec<Snapshot>), RunError> {
+        let Optimization { scene, method, settings, .. } = self.optimization;
+        let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), *settings)?;
+        prepared.keep = Keep::Nothing;
+        let mut kept = KeptMoments::default();
+        let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
+        stopped.map_or(Ok(()), Err)?;
+        Ok((prepared, kept.finish()))
     }
 
     /// `--set` options that repeat the best design.

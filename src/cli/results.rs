@@ -1,6 +1,9 @@
 //! The files of a run: histories.csv, histories.png/.svg, motion.png/.svg, fields.pvd with its .vtu files.
 
+use super::columns::Columns;
 use super::failure::Failure;
+use super::history_files::HistoryFiles;
+use super::kept_moments::KeptMoments;
 use super::meshes::Meshes;
 use super::motions::{extent, motion};
 use crate::assembly::{Model, Node, NodeId, VectorsAvq};
@@ -8,15 +11,12 @@ use crate::elements::NodeKind;
 use crate::functionals::{Functional, Measured, Sample};
 use crate::history::{Dense, Observer};
 use crate::integrators::{RunError, StartRecord, StepRecord};
-use crate::io::{Chart, CsvFile, Progress, Series, Style, write_file, write_panels};
+use crate::io::{Chart, Progress, Series, Style, write_file, write_panels};
 use crate::scenes::Prepared;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Name of the table of states.
-const HISTORIES: &str = "histories.csv";
 /// Most points of a curve in a picture.
-const MOST_POINTS: usize = 4000;
+pub const MOST_POINTS: usize = 4000;
 /// Most curves of one chart.
 const MOST_CURVES: usize = 7;
 
@@ -50,23 +50,16 @@ pub fn check_folder(folder: &Path) -> Result<(), Failure> {
 pub struct Results<'p> {
     prepared: &'p Prepared<'p>,
     folder: PathBuf,
-    csv: CsvFile,
+    histories: HistoryFiles,
     meshes: Option<Meshes<'p>>,
-    /// Coordinates and equations that have a column.
-    dofs: Vec<usize>,
-    equations: Range<usize>,
+    columns: Columns<'p>,
     /// Redundant constraint equations that were left out last.
     dropped: Vec<usize>,
-    energies: bool,
     is_conservative: bool,
     energy: Option<EnergyCourse>,
     output: Output,
     row: Vec<f64>,
-    /// Every so many-th moment.
-    moments: Vec<Snapshot>,
-    stride: usize,
-    last: Option<Snapshot>,
-    count: usize,
+    kept: KeptMoments,
     /// Finished steps.
     steps: usize,
 }
@@ -89,6 +82,18 @@ impl EnergyCourse {
     }
 }
 
+/// What is left of a run when its files are written.
+pub struct Finished {
+    /// Files written.
+    pub files: Vec<PathBuf>,
+    /// Why others could not be.
+    pub unwritten: Option<Failure>,
+    /// Histories as charts.
+    pub charts: Vec<Chart>,
+    /// The moments that pictures show.
+    pub moments: Vec<Snapshot>,
+}
+
 /// At which times there are rows.
 enum Output {
     /// The start and the ends of steps.
@@ -104,26 +109,21 @@ impl<'p> Results<'p> {
     /// A file that cannot be written.
     pub fn begin(prepared: &'p Prepared<'p>, output_step: Option<f64>, folder: &Path) -> Result<Self, Failure> {
         let model = prepared.model();
-        let energies = model.elements.iter().all(|element| element.physics.has_energies());
-        let csv = CsvFile::create(&folder.join(HISTORIES), &header(prepared, energies))?;
-        let dofs = moving(model).flat_map(|node| node.dofs.clone()).collect();
+        let columns = Columns::new(prepared);
+        let energies = columns.have_energy();
+        let histories = HistoryFiles::create(folder, &columns.names())?;
         Ok(Results {
             prepared,
             folder: folder.to_path_buf(),
-            csv,
+            histories,
             meshes: None,
-            dofs,
-            equations: 0..model.equations,
+            columns,
             dropped: Vec::new(),
-            energies,
             is_conservative: energies && !prepared.method.table.is_static() && model.is_conservative(),
             energy: None,
             output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
             row: Vec::new(),
-            moments: Vec::new(),
-            stride: 1,
-            last: None,
-            count: 0,
+            kept: KeptMoments::default(),
             steps: 0,
         })
     }
@@ -141,7 +141,7 @@ impl<'p> Results<'p> {
             let sample = Sample { t, at, ..Sample::empty() };
             Measured::Energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
         };
-        let energy = self.energies.then(|| energy_of(v.to_vec()));
+        let energy = self.columns.have_energy().then(|| energy_of(v.to_vec()));
         if let Some(energy) = energy.filter(|_| self.is_conservative) {
             let kinetic = energy - energy_of(vec![0.0; v.len()]);
             let course = self.energy.get_or_insert(EnergyCourse { start: energy, growth: 0.0, t, kinetic });
@@ -151,40 +151,27 @@ impl<'p> Results<'p> {
                 (course.growth, course.t) = (growth, t);
             }
         }
-        self.row.clear();
-        self.row.push(t);
-        self.row.extend(self.dofs.iter().map(|&dof| q[dof]));
-        self.row.extend(self.dofs.iter().map(|&dof| v[dof]));
-        self.row.extend(energy);
         let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
         let at = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
-        let (mu, dropped) = (mu[self.equations.clone()].to_vec(), self.dropped.clone());
+        let (mu, dropped) = (mu[..model.equations].to_vec(), self.dropped.clone());
         let mut sample = Sample { t, at, mu, dropped, ..Sample::empty() };
         sample.share(model, p);
-        self.row.extend(&sample.mu);
-        let measured = self.row.len();
-        self.row.extend(courses(self.prepared).map(|functional| functional.measured_at(model, &sample, p)));
-        let written = self.csv.row(&self.row);
+        self.row.clear();
+        self.columns.add_row(&sample, energy, &mut self.row);
+        let written = self.histories.row(&self.row);
         let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(t, q));
         written.and_then(|()| meshes()).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
             hint: "choose a folder on a disk with room (--out)".into(),
         })?;
-        let moment = Snapshot { t, q: q.to_vec(), energy, measured: self.row[measured..].to_vec() };
-        if self.count.is_multiple_of(self.stride) {
-            self.moments.push(moment.clone());
-            if self.moments.len() > 2 * MOST_POINTS {
-                let mut index = 0;
-                self.moments.retain(|_| {
-                    index += 1;
-                    index % 2 == 1
-                });
-                self.stride *= 2;
-            }
-        }
-        self.last = Some(moment);
-        self.count += 1;
+        let moment = Snapshot {
+            t,
+            q: q.to_vec(),
+            energy,
+            measured: self.row[self.row.len() - courses(self.prepared).count()..].to_vec(),
+        };
+        self.kept.add(moment);
         Ok(())
     }
 
@@ -220,11 +207,11 @@ impl<'p> Results<'p> {
         self.energy
     }
 
-    /// Finishes all files and returns their names, none if there is no finished step; and why others could not be written.
-    pub fn finish(mut self, progress: &Progress) -> (Vec<PathBuf>, Option<Failure>) {
+    /// Finishes all files, of which there are none without a finished step.
+    pub fn finish(mut self, progress: &Progress) -> Finished {
         let (mut files, mut unwritten) = (Vec::new(), None);
         if self.steps == 0 {
-            return (files, unwritten);
+            return Finished { files, unwritten, charts: Vec::new(), moments: Vec::new() };
         }
         let mut keep = |written: Result<(), Failure>, own: &[PathBuf]| match written {
             Ok(()) => files.extend_from_slice(own),
@@ -232,22 +219,24 @@ impl<'p> Results<'p> {
         };
         keep(self.add_end().map_err(Failure::from), &[]);
         let folder = self.folder;
-        keep(self.csv.finish_cut().map_err(Failure::from), &[folder.join(HISTORIES)]);
+        for (file, written) in self.histories.finish() {
+            keep(written.map_err(Failure::from), &[file]);
+        }
         if let Some(meshes) = &self.meshes {
             keep(meshes.finish().map_err(Failure::from), &[folder.join(super::meshes::SERIES)]);
         }
         progress.set(1);
-        self.moments.extend(self.last.filter(|last| self.moments.last() != Some(last)));
+        let moments = self.kept.finish();
         let picture = |name: &str| [".png", ".svg"].map(|end| folder.join(format!("{name}{end}")));
-        let charts = charts(self.prepared, &self.moments);
+        let charts = charts(self.prepared, &moments);
         if !charts.is_empty() {
             keep(write_panels(&charts, &folder.join("histories")).map_err(Failure::from), &picture("histories"));
         }
         progress.set(2);
-        if let Some(motion) = motion(self.prepared, &self.moments) {
+        if let Some(motion) = motion(self.prepared, &moments) {
             keep(motion.write(&folder.join("motion")).map_err(Failure::from), &picture("motion"));
         }
-        (files, unwritten)
+        Finished { files, unwritten, charts, moments }
     }
 }
 
@@ -277,44 +266,18 @@ impl Observer for Results<'_> {
     }
 }
 
-fn moving(model: &Model) -> impl Iterator<Item = &Node> {
+pub fn moving(model: &Model) -> impl Iterator<Item = &Node> {
     model.nodes.iter().filter(|node| !node.fixed)
 }
 
 /// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
-fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
+pub fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
     let has = |functional: &&Functional| match &functional.measured {
         Measured::Energy => false,
         Measured::Group(group) => group.is_moving(prepared.model()),
         _ => true,
     };
     prepared.functionals().iter().filter(has)
-}
-
-/// Column names: `bob.x [m]`, `bob.dx/dt [m/s]`, energy, `rod.mu1`, then what functionals measure.
-fn header(prepared: &Prepared, energies: bool) -> Vec<String> {
-    let model = prepared.model();
-    let mut names = vec!["t [s]".to_string()];
-    let named = |node: &Node, index: usize, rate: bool| {
-        let (coordinate, unit, per_second) = match (node.kind, index) {
-            (NodeKind::Coordinates(_), index) => (format!("q{index}"), "", ""),
-            (kind, 0..3) => (kind.coordinate_name(index), " [m]", " [m/s]"),
-            (kind, _) => (kind.coordinate_name(index), " [-]", " [1/s]"),
-        };
-        let node = &node.name;
-        if rate { format!("{node}.d{coordinate}/dt{per_second}") } else { format!("{node}.{coordinate}{unit}") }
-    };
-    for rate in [false, true] {
-        names.extend(moving(model).flat_map(|node| (0..node.dofs.len()).map(move |index| named(node, index, rate))));
-    }
-    if energies {
-        names.push("energy [J]".into());
-    }
-    for joint in &model.constraints {
-        names.extend(joint.equations.clone().map(|row| format!("{}.mu{}", joint.name, row - joint.equations.start + 1)));
-    }
-    names.extend(courses(prepared).map(|functional| format!("measured for {} [{}]", functional.name, functional.unit)));
-    names
 }
 
 /// Every so many moments that a curve has no more points than a picture can show; the last one included.
@@ -410,6 +373,7 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::history_files::HISTORIES;
     use crate::design::DesignVariable;
     use crate::elements::{Element, Parameter, State};
     use crate::io::View;
@@ -486,7 +450,7 @@ mod tests {
             let (scene, folder) = (Thrown(Some(velocity)), Folder::new("view"));
             let prepared = Prepared::new(&scene).unwrap();
             let results = ran(&prepared, &folder);
-            assert_eq!(motion(&prepared, &results.moments).unwrap().view, expected, "{velocity:?}");
+            assert_eq!(motion(&prepared, &results.kept.finish()).unwrap().view, expected, "{velocity:?}");
         }
     }
 
@@ -494,15 +458,16 @@ mod tests {
     fn a_scene_without_a_place_in_space_has_histories_but_no_picture_of_its_motion() {
         let (scene, folder) = (Thrown(None), Folder::new("free"));
         let prepared = Prepared::new(&scene).unwrap();
-        let (files, unwritten) = ran(&prepared, &folder).finish(&Progress::new("writing", 3));
+        let Finished { files, unwritten, .. } = ran(&prepared, &folder).finish(&Progress::new("writing", 3));
         assert!(unwritten.is_none(), "{unwritten:?}");
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["histories.csv", "histories.png", "histories.svg"]);
         let text = std::fs::read_to_string(&files[0]).unwrap();
         let mut lines = text.lines();
-        assert_eq!(lines.next(), Some("t [s],free.q0,free.dq0/dt"));
+        assert_eq!(lines.next(), Some("t [s],free.q0,free.dq0/dt,free.d2q0/dt2"));
         let last: Vec<f64> = lines.last().unwrap().split(',').map(|word| word.parse().unwrap()).collect();
         assert!((last[1] - 1f64.cos()).abs() < 1e-5 && (last[2] + 1f64.sin()).abs() < 1e-5, "{last:?}");
+        assert!((last[3] + last[1]).abs() < 1e-12, "{last:?}");
     }
     #[test]
     fn a_long_run_keeps_no_more_moments_than_pictures_show() {
@@ -510,9 +475,11 @@ mod tests {
         let (steps, method) = (5 * MOST_POINTS + 7, Prepared::default_method());
         let prepared = Prepared::with(&scene, &[], method, Settings::new(1.0, steps)).unwrap();
         let results = ran(&prepared, &folder);
-        assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&results.moments.len()), "{} moments", results.moments.len());
-        assert_eq!(results.moments[1].t, prepared.grid.times[results.stride]);
-        assert!(results.finish(&Progress::new("writing", 3)).1.is_none());
+        let Finished { moments, unwritten, .. } = results.finish(&Progress::new("writing", 3));
+        assert!(unwritten.is_none());
+        assert!((MOST_POINTS..=2 * MOST_POINTS).contains(&moments.len()), "{} moments", moments.len());
+        let stride = steps / moments.len() + 1;
+        assert_eq!([moments[1].t, moments[moments.len() - 1].t], [prepared.grid.times[stride], 1.0]);
         let text = std::fs::read_to_string(folder.0.join(HISTORIES)).unwrap();
         assert_eq!(text.lines().count(), steps + 2);
     }

@@ -3,6 +3,7 @@ use super::console::{say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, keep, resumed};
 use super::options::SceneOptions;
+use super::report::Page;
 use super::simulation::{Simulation, say_work, simulate};
 use crate::history::Keep;
 use crate::scenes::Prepared;
@@ -30,7 +31,10 @@ pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     check_history(&keep, &options.folder(&*scene))?;
     let mut prepared = options.prepare(&*scene)?;
     prepared.keep = keep;
-    let simulation = simulate(&prepared, options)?;
+    let mut simulation = simulate(&prepared, options)?;
+    let mut page = Page::of_simulation(&prepared, &simulation, "simulation");
+    page.design(&prepared.variables, &prepared.x);
+    simulation.conclude(page, simulation.json(&prepared).into());
     report(&simulation, &prepared);
     say_json(options.json, &simulation.json(&prepared).into());
     simulation.stopped.or(simulation.unwritten).map_or(Ok(()), Err)

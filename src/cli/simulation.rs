@@ -2,10 +2,11 @@ use super::console::{count, json_number, say, seconds, warn};
 use super::failure::Failure;
 use super::interrupt::Guard;
 use super::options::SceneOptions;
-use super::results::{EnergyCourse, Results, check_folder};
+use super::report::Page;
+use super::results::{EnergyCourse, Finished, Results, Snapshot, check_folder};
 use crate::history::{Observer, Usage};
 use crate::integrators::{Counters, RunError, StartRecord, StepControl, StepError, StepRecord};
-use crate::io::{Cell, Progress, Table};
+use crate::io::{Cell, Chart, Progress, Table, write_file};
 use crate::linalg::SolverPlan;
 use crate::program::{making_time, refuses_machine_code};
 use crate::scenes::Prepared;
@@ -35,6 +36,12 @@ pub struct Simulation {
     pub unwritten: Option<Failure>,
     /// Why the run stopped before its end.
     pub stopped: Option<Failure>,
+    /// Where its files are.
+    pub folder: PathBuf,
+    /// Histories as charts.
+    pub charts: Vec<Chart>,
+    /// The moments that pictures show.
+    pub moments: Vec<Snapshot>,
 }
 
 /// Writes results, moves the progress bar, and stops at Ctrl-C.
@@ -88,12 +95,24 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
         stopped = prepared.analysis().check_values(&forward).err();
     }
     let energy = results.energy_course();
-    let (files, unwritten) = results.finish(&Progress::new("writing", 3));
+    let Finished { files, unwritten, charts, moments } = results.finish(&Progress::new("writing", 3));
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
     let (chosen_steps, stopped) = (prepared.control.is_some(), stopped.map(|error| with_hint(error, prepared)));
-    Ok(Simulation { forward, chosen_steps, seconds: elapsed, program_seconds, energy, files, unwritten, stopped })
+    Ok(Simulation {
+        forward,
+        chosen_steps,
+        seconds: elapsed,
+        program_seconds,
+        energy,
+        files,
+        unwritten,
+        stopped,
+        folder,
+        charts,
+        moments,
+    })
 }
 
 /// Says what will be simulated.
@@ -201,39 +220,67 @@ impl Simulation {
 
     /// Says how well equal steps resolve the motion, and warns where they hardly do.
     pub fn say_resolution(&self, prepared: &Prepared) {
-        self.say_error(prepared);
+        if let Some((error, _)) = self.error_in_words(prepared) {
+            say(format_args!("largest estimated error of a step: {error}\n"));
+        }
+        self.resolution(prepared).iter().for_each(|warning| warn(warning));
+    }
+
+    /// Warnings where the steps hardly resolve the motion.
+    pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
+        let mut warnings: Vec<String> = self.error_in_words(prepared).and_then(|error| error.1).into_iter().collect();
         if let Some((t, step)) = self.forward.leap {
-            warn(&format!(
+            warnings.push(format!(
                 "step {step} (t = {t} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
                  let the steps be chosen (--tolerance)"
             ));
         }
-        let Some((share, t)) = self.energy.map(|energy| energy.share()) else { return };
-        if share > StepError::COARSE {
-            warn(&format!(
+        let energy = self.energy.map(|energy| energy.share());
+        if let Some((share, t)) = energy.filter(|(share, _)| *share > StepError::COARSE) {
+            warnings.push(format!(
                 "the energy of this scene is constant in an exact motion, but grows by {:.1} % of the largest kinetic energy until t = {t} s: {}",
                 100.0 * share,
                 "take smaller steps, or a smaller tolerance"
             ));
         }
+        warnings
     }
 
-    fn say_error(&self, prepared: &Prepared) {
-        let Some(StepError { share, step, t, dof, in_velocity }) = self.forward.error else { return };
+    /// The largest estimated error of a step, and the warning that it is large.
+    fn error_in_words(&self, prepared: &Prepared) -> Option<(String, Option<String>)> {
+        let StepError { share, step, t, dof, in_velocity } = self.forward.error?;
         let of = if in_velocity { "largest velocity" } else { "model's length" };
         let name = prepared.model().dof_name(dof);
         let place = format!("step {step} (t = {t} s), {name}{}", if in_velocity { ", velocity" } else { "" });
-        say(format_args!("largest estimated error of a step: {share:.1e} of the {of}, {place}\n"));
-        if share > StepError::COARSE {
+        let warning = (share > StepError::COARSE).then(|| {
             let steps = prepared.grid.steps();
             let chosen =
                 if prepared.method.table.embedded.is_some() { "--tolerance" } else { "--tolerance with another method" };
-            warn(&format!(
+            format!(
                 "a step has an estimated error of {:.1} % of the {of}, {place}: the motion may be another one from there on; take smaller steps \
                  (--steps above {steps}), or {chosen}",
                 100.0 * share
-            ));
+            )
+        });
+        Some((format!("{share:.1e} of the {of}, {place}"), warning))
+    }
+
+    /// Writes the summary and the report, the last files of a run.
+    pub fn conclude(&mut self, page: Page, mut summary: Value) {
+        let [summary_file, report] = ["summary.json", "report.html"].map(|name| self.folder.join(name));
+        if self.files.is_empty() {
+            return;
         }
+        let reported = page.write(&report).map(|()| self.files.push(report));
+        self.files.push(summary_file.clone());
+        summary["files"] = names(&self.files);
+        let text = format!("{summary:#}\n");
+        let summarized = write_file(&summary_file, text.as_bytes()).map_err(|error| {
+            self.files.pop();
+            Failure::from(error)
+        });
+        let failed = reported.err().or(summarized.err());
+        self.unwritten = self.unwritten.take().or(failed);
     }
 
     /// Prints the files.
@@ -278,12 +325,17 @@ impl Simulation {
         if let Some((share, t)) = self.energy.map(|energy| energy.share()) {
             object.insert("energy_growth".into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
         }
-        object.insert("files".into(), self.files.iter().map(|file| json!(file.display().to_string())).collect());
+        object.insert("files".into(), names(&self.files));
         if let Some(failure) = &self.stopped {
             object.insert("error".into(), json!(failure.message));
         }
         object
     }
+}
+
+/// Names of files.
+pub fn names(files: &[PathBuf]) -> Value {
+    files.iter().map(|file| json!(file.display().to_string())).collect()
 }
 
 /// Prints work as a table of two columns: `newton_iterations` as "Newton iterations".

@@ -37,6 +37,16 @@ pub struct JointLoad {
     formula: OnceLock<Arc<Formula>>,
 }
 
+/// Force and moment about a point of the node with which a joint acts on it, in the world, from the coordinates of the node and the
+/// generalized forces A^T mu on them; for nodes without axes the moment is the force, as nothing there can turn.
+pub fn joint_force_and_moment<S: Scalar>(on: NodeKind, q: &[S], generalized: &[S], point: Vector3<S>) -> [Vector3<S>; 2] {
+    let force = -Vector3::first_three(generalized);
+    if !on.has_axes() {
+        return [force, force];
+    }
+    [force, -on.moment(q, generalized) - Frame::of(on, q).direction(&point.components()).cross(&force)]
+}
+
 impl JointLoad {
     /// Its parameters.
     pub const PARAMETERS: [Parameter; 6] = [
@@ -72,16 +82,11 @@ impl JointLoad {
 
     /// The load, from the coordinates of its node, the generalized forces A^T mu on them, and its parameters.
     fn value<S: Scalar>(&self, q: &[S], generalized: &[S], p: &[S]) -> S {
-        let mut load = -Vector3::first_three(generalized);
+        let [force, moment] = joint_force_and_moment(self.on, q, generalized, Vector3::first_three(&p[3..]));
+        let load = if matches!(self.kind, LoadKind::Moment | LoadKind::MomentNorm) { moment } else { force };
         let mut direction = Vector3::first_three(p);
-        if self.on.has_axes() {
-            let frame = Frame::of(self.on, q);
-            if matches!(self.kind, LoadKind::Moment | LoadKind::MomentNorm) {
-                load = -self.on.moment(q, generalized) - frame.direction(&p[3..]).cross(&load);
-            }
-            if self.frame == LoadFrame::Body {
-                direction = frame.direction(p);
-            }
+        if self.on.has_axes() && self.frame == LoadFrame::Body {
+            direction = Frame::of(self.on, q).direction(p);
         }
         match self.kind {
             LoadKind::Force | LoadKind::Moment => load.dot(&direction),

@@ -1,8 +1,10 @@
 //! Output: files written whole or not at all, tables; with the feature `cli` also charts, pictures of a motion, meshes for ParaView,
-//! progress bars.
+//! progress bars; with the feature `arrow` tables as files of Apache Arrow.
 //!
 //! Everything here takes plain numbers, so any result of the other folders can be written.
 
+#[cfg(feature = "arrow")]
+mod arrow;
 #[cfg(feature = "cli")]
 mod drawing;
 mod file;
@@ -13,6 +15,8 @@ mod table;
 #[cfg(feature = "cli")]
 mod vtu;
 
+#[cfg(feature = "arrow")]
+pub use arrow::ArrowFile;
 #[cfg(feature = "cli")]
 pub use drawing::{Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_panels};
 pub use file::{IoError, write_file, write_with};
@@ -20,5 +24,7 @@ pub use file::{IoError, write_file, write_with};
 pub use progress::Progress;
 pub use read::read_csv;
 pub use table::{Cell, CsvFile, Table, number, write_csv};
+#[cfg(feature = "cli")]
+pub(crate) use vtu::base64;
 #[cfg(feature = "cli")]
 pub use vtu::{Attribute, MeshCell, MeshSeries, UnstructuredMesh};

@@ -66,7 +66,7 @@ pub struct UnstructuredMesh {
 const BLOCK: usize = 1 << 20;
 
 /// Bytes as letters, three of them by four: raw bytes make a file that is no XML.
-fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for three in bytes.chunks(3) {

@@ -4,6 +4,7 @@ mod builder;
 #[cfg(feature = "files")]
 pub mod file;
 mod gmsh;
+mod joint_ends;
 mod mesh_data;
 mod optimization_problem;
 mod prepared;
@@ -23,6 +24,7 @@ pub use builder::{
 #[cfg(feature = "files")]
 pub use file::FileScene;
 pub use gmsh::{parse_gmsh, read_gmsh};
+pub use joint_ends::JointEnd;
 pub use mesh_data::{FilePlace, MeshData};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};

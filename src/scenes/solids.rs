@@ -434,7 +434,7 @@ mod tests {
             let place = prepared.functionals().iter().position(|functional| functional.name == name).unwrap();
             forward.values[place]
         };
-        let density = scene.design_variables().iter().find(|variable| variable.name.contains("density")).unwrap().initial;
+        let density = 2500.0;
         let own = volume(&mechanism.solids(), &mechanism.numbers.q);
         assert!((own * density / value("mass") - 1.0).abs() < 1e-9, "{own} m3 of {density} kg/m3 are {} kg", value("mass"));
     }
@@ -456,9 +456,12 @@ mod tests {
             }
             let solids = mechanism.solids();
             let stresses = solids.stresses(&q);
-            assert!(stresses.len() > 20 && solids.have_stress());
-            assert!(stresses.iter().all(|stress| (stress / (YOUNG * strain) - 1.0).abs() < 1e-9), "{stresses:?}");
-            assert!(solids.stresses(&mechanism.numbers.q).iter().all(|stress| stress.abs() < 1e-3 * YOUNG * strain));
+            assert!(solids.have_stress());
+            let at_rest = solids.stresses(&mechanism.numbers.q);
+            for &vertex in solids.triangles.iter().flatten() {
+                let stress = stresses[vertex] / (YOUNG * strain);
+                assert!((stress - 1.0).abs() < 1e-9 && at_rest[vertex].abs() < 1e-3 * YOUNG * strain, "{stress}");
+            }
         }
     }
 }

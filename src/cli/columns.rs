@@ -1,0 +1,119 @@
+//! The columns of the histories: what stands in them, and their names.
+
+use super::results::{courses, moving};
+use crate::assembly::Node;
+use crate::elements::NodeKind;
+use crate::functionals::Sample;
+use crate::scalar::SpatialVector;
+use crate::scenes::{JointEnd, Prepared};
+
+const DIRECTIONS: [&str; 3] = ["x", "y", "z"];
+
+/// Time, coordinates, their rates, angular velocities, accelerations, energy, multipliers and loads of joints, what functionals measure.
+pub struct Columns<'p> {
+    prepared: &'p Prepared<'p>,
+    /// Whether every element states its energy.
+    energies: bool,
+    ends: Vec<JointEnd>,
+}
+
+impl<'p> Columns<'p> {
+    /// Of a scene.
+    pub fn new(prepared: &'p Prepared<'p>) -> Self {
+        let energies = prepared.model().elements.iter().all(|element| element.physics.has_energies());
+        Columns { prepared, energies, ends: prepared.mechanism.joint_ends() }
+    }
+
+    /// Whether there is a column of the energy.
+    pub fn have_energy(&self) -> bool {
+        self.energies
+    }
+
+    /// Their names: `bob.x [m]`, `bob.dx/dt [m/s]`, `bar.omega_x [rad/s]`, `bob.d2x/dt2 [m/s2]`, energy, `rod.mu1`, `rod.force_x [N]`,
+    /// `hinge.moment_x [N m]`, then what functionals measure.
+    pub fn names(&self) -> Vec<String> {
+        let model = self.prepared.model();
+        let mut names = vec!["t [s]".to_string()];
+        for rate in [false, true] {
+            names.extend(
+                moving(model).flat_map(|node| (0..node.dofs.len()).map(move |index| coordinate_name(node, index, rate))),
+            );
+        }
+        for node in turning(self.prepared) {
+            names.extend(DIRECTIONS.map(|direction| format!("{}.omega_{direction} [rad/s]", node.name)));
+        }
+        for node in moving(model) {
+            names.extend((0..accelerated(node)).map(|index| acceleration_name(node, index)));
+        }
+        if self.energies {
+            names.push("energy [J]".into());
+        }
+        for joint in &model.constraints {
+            let (name, first) = (&joint.name, joint.equations.start);
+            names.extend(joint.equations.clone().map(|row| format!("{name}.mu{}", row - first + 1)));
+        }
+        for end in &self.ends {
+            let name = &model.constraints[end.joint].name;
+            names.extend(DIRECTIONS.map(|direction| format!("{name}.force_{direction} [N]")));
+            if end.turns {
+                names.extend(DIRECTIONS.map(|direction| format!("{name}.moment_{direction} [N m]")));
+            }
+        }
+        let measured = courses(self.prepared);
+        names.extend(measured.map(|functional| format!("measured for {} [{}]", functional.name, functional.unit)));
+        names
+    }
+
+    /// Adds what stands in them at a sample to a row.
+    pub fn add_row(&self, sample: &Sample<f64>, energy: Option<f64>, row: &mut Vec<f64>) {
+        let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
+        let [a, v, q] = [&sample.at.a, &sample.at.v, &sample.at.q];
+        row.push(sample.t);
+        for own in [q, v] {
+            row.extend(moving(model).flat_map(|node| &own[node.dofs.clone()]));
+        }
+        for node in turning(self.prepared) {
+            let own = node.kind.angular_velocity(&v[node.dofs.clone()], &q[node.dofs.clone()]);
+            row.extend(own.components());
+        }
+        for node in moving(model) {
+            row.extend(&a[node.dofs.clone()][..accelerated(node)]);
+        }
+        row.extend(energy);
+        row.extend(&sample.mu);
+        for end in &self.ends {
+            let [force, moment] = self.prepared.mechanism.joint_load(end, (q, &sample.mu), sample.t);
+            row.extend(force);
+            if end.turns {
+                row.extend(moment);
+            }
+        }
+        row.extend(courses(self.prepared).map(|functional| functional.measured_at(model, sample, p)));
+    }
+}
+
+fn turning<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Node> {
+    moving(prepared.model()).filter(|node| node.kind.has_axes())
+}
+
+/// Coordinates of a node whose accelerations have a column: those of its place, or all of a node without one.
+fn accelerated(node: &Node) -> usize {
+    if matches!(node.kind, NodeKind::Coordinates(_)) { node.dofs.len() } else { 3 }
+}
+
+fn coordinate_name(node: &Node, index: usize, rate: bool) -> String {
+    let (coordinate, unit, per_second) = match (node.kind, index) {
+        (NodeKind::Coordinates(_), index) => (format!("q{index}"), "", ""),
+        (kind, 0..3) => (kind.coordinate_name(index), " [m]", " [m/s]"),
+        (kind, _) => (kind.coordinate_name(index), " [-]", " [1/s]"),
+    };
+    let node = &node.name;
+    if rate { format!("{node}.d{coordinate}/dt{per_second}") } else { format!("{node}.{coordinate}{unit}") }
+}
+
+fn acceleration_name(node: &Node, index: usize) -> String {
+    match node.kind {
+        NodeKind::Coordinates(_) => format!("{}.d2q{index}/dt2", node.name),
+        kind => format!("{}.d2{}/dt2 [m/s2]", node.name, kind.coordinate_name(index)),
+    }
+}

@@ -1,0 +1,163 @@
+//! One page in one file that shows a result: `report.html`, to be opened from the disk, without a network.
+//!
+//! The page is `page.html` with its style, its script and the libraries in it, and one JSON object with everything that it shows; arrays of
+//! numbers stand in it as base64. Long histories are thinned to what a screen can show, and the page says so.
+
+mod clip;
+mod sections;
+
+pub use clip::Clip;
+pub use sections::GradientRows;
+
+use super::failure::Failure;
+use crate::io::{Chart, Series, base64, write_file};
+use crate::scenes::AnyScene;
+use flate2::read::GzDecoder;
+use serde_json::{Map, Value, json};
+use std::io::Read;
+use std::path::Path;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+const CHART_STYLE: &str = include_str!("uplot.css");
+const LICENSES: &str = include_str!("LICENSES");
+/// three.js and uPlot as one script: README.md says how it is made.
+const VIEWER: &[u8] = include_bytes!("viewer.js.gz");
+
+/// Most points of a curve.
+const MOST_POINTS: usize = 2000;
+
+/// What a page shows, in the order in which it was added within each section.
+pub struct Page {
+    object: Map<String, Value>,
+    notes: Vec<String>,
+}
+
+/// Single precision: seven digits are more than a screen shows.
+fn floats(numbers: impl IntoIterator<Item = f64>) -> Value {
+    let bytes: Vec<u8> = numbers.into_iter().flat_map(|number| (number as f32).to_le_bytes()).collect();
+    base64(&bytes).into()
+}
+
+impl Page {
+    /// A page about a scene: `what` a command did to it.
+    pub fn new(scene: &dyn AnyScene, what: &str) -> Self {
+        let mut object = Map::new();
+        object.insert("title".into(), scene.scene_name().into());
+        object.insert("summary".into(), scene.scene_summary().into());
+        object.insert("what".into(), what.into());
+        object.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+        Page { object, notes: Vec::new() }
+    }
+
+    /// Adds to one of the lists of the page.
+    fn push(&mut self, list: &str, entry: Value) {
+        if let Value::Array(all) = self.object.entry(list).or_insert_with(|| json!([])) {
+            all.push(entry);
+        }
+    }
+
+    /// A name and a value below the title.
+    pub fn fact(&mut self, name: &str, value: impl Into<String>) {
+        self.push("facts", json!([name, value.into()]));
+    }
+
+    /// Something that a reader must not miss.
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.push("warnings", text.into().into());
+    }
+
+    /// What was left out, once.
+    fn note(&mut self, text: String) {
+        if !self.notes.contains(&text) {
+            self.notes.push(text);
+        }
+    }
+
+    /// A table: a heading, column names, and rows of texts and numbers.
+    pub fn table(&mut self, heading: &str, columns: &[&str], rows: Vec<Vec<Value>>) {
+        self.push("tables", json!({"heading": heading, "columns": columns, "rows": rows}));
+    }
+
+    /// Charts below a heading.
+    pub fn charts(&mut self, heading: &str, charts: &[Chart]) {
+        for Chart { title, x_label, y_label, series, log_y, .. } in charts {
+            let longest = series.iter().map(|own| own.points.len()).max().unwrap_or_default();
+            let stride = longest.div_ceil(MOST_POINTS).max(1);
+            if stride > 1 {
+                self.note(format!("Charts show one of {stride} of {longest} kept points; histories.csv has all."));
+            }
+            let kept = |own: &Series| -> Vec<(f64, f64)> {
+                let last = own.points.len().saturating_sub(1);
+                let points = own.points.iter().enumerate();
+                points.filter(|(i, _)| i % stride == 0 || *i == last).map(|(_, point)| *point).collect()
+            };
+            let curves: Vec<Value> = series
+                .iter()
+                .map(|own| json!({"name": own.name, "y": floats(kept(own).into_iter().map(|point| point.1))}))
+                .collect();
+            let x = series.first().map(kept).unwrap_or_default();
+            let x = floats(x.into_iter().map(|point| point.0));
+            let chart = json!({"heading": heading, "title": title, "x_label": x_label, "y_label": y_label, "log": log_y, "x": x, "series": curves});
+            self.push("charts", chart);
+        }
+    }
+
+    /// Writes the page.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(mut self, path: &Path) -> Result<(), Failure> {
+        self.object.insert("notes".into(), json!(self.notes));
+        let mut viewer = String::new();
+        GzDecoder::new(VIEWER).read_to_string(&mut viewer).map_err(|cause| Failure::run(format!("the viewer: {cause}")))?;
+        // no text may end the element that it stands in
+        let data = Value::from(self.object).to_string().replace("</", "<\\/");
+        let parts = [
+            ("{{STYLE}}", STYLE),
+            ("{{CHART_STYLE}}", CHART_STYLE),
+            ("{{LICENSES}}", &LICENSES.replace('<', "&lt;")),
+            ("{{VIEWER}}", &viewer),
+            ("{{SCRIPT}}", SCRIPT),
+            ("{{DATA}}", &data),
+        ];
+        let (mut html, mut rest) = (String::with_capacity(data.len() + viewer.len() + 100_000), PAGE);
+        // in one pass, so that nothing in a part is taken for a place
+        while let Some((at, name, text)) =
+            parts.iter().filter_map(|(name, text)| Some((rest.find(name)?, *name, *text))).min_by_key(|found| found.0)
+        {
+            html += &rest[..at];
+            html += text;
+            rest = &rest[at + name.len()..];
+        }
+        html += rest;
+        Ok(write_file(path, html.as_bytes())?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::Style;
+    use crate::scenes::built_in::Pendulum;
+
+    #[test]
+    fn the_page_is_whole_and_texts_cannot_end_its_script() {
+        let mut page = Page::new(&Pendulum, "</script><b>{{SCRIPT}}");
+        let points = (0..5000).map(|i| (f64::from(i), 1.0)).collect();
+        let series = vec![Series { name: "x".into(), points, style: Style::Line }];
+        page.charts("histories", &[Chart { series, ..Chart::default() }]);
+        let folder = std::env::temp_dir().join(format!("costate-page-{}", std::process::id()));
+        page.write(&folder.join("report.html")).unwrap();
+        let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
+        std::fs::remove_dir_all(folder).unwrap();
+        assert_eq!(html.matches("</script>").count(), PAGE.matches("</script>").count());
+        let data = html.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
+        let object: Value = serde_json::from_str(data).unwrap();
+        assert_eq!(object["what"], "</script><b>{{SCRIPT}}");
+        assert!(object["notes"][0].as_str().unwrap().contains("one of 3 of 5000 kept points"));
+        // 1667 of them, and the last: 5000 - 1 is a third one anyway
+        assert_eq!(object["charts"][0]["x"].as_str().unwrap().len(), (4 * 1668_usize).div_ceil(3) * 4);
+    }
+}

@@ -1,0 +1,129 @@
+//! What commands have in common to say on a page.
+
+use super::{Clip, Page};
+use crate::cli::console::json_number;
+use crate::cli::motions::motion;
+use crate::cli::results::Snapshot;
+use crate::cli::simulation::{Simulation, long_number};
+use crate::design::DesignVariable;
+use crate::integrators::StepError;
+use crate::io::number;
+use crate::scenes::Prepared;
+use serde_json::{Value, json};
+
+/// A gradient with the complex step beside it, if that was asked for: of each functional by each variable.
+pub struct GradientRows<'g> {
+    /// By the adjoint.
+    pub adjoint: &'g [Vec<f64>],
+    /// By complex step, with relative differences.
+    pub check: Option<[&'g [Vec<f64>]; 2]>,
+    /// The verdict in words.
+    pub verdict: String,
+}
+
+impl Page {
+    /// All that a simulation gave, before what others add to it.
+    pub fn of_simulation(prepared: &Prepared, simulation: &Simulation, what: &str) -> Self {
+        let mut page = Page::new(prepared.scene, what);
+        page.simulation(prepared, simulation);
+        page.functionals(prepared, simulation);
+        page.motion(prepared, &simulation.moments);
+        page.charts("Histories", &simulation.charts);
+        page
+    }
+
+    /// The motion in space.
+    pub fn motion(&mut self, prepared: &Prepared, moments: &[Snapshot]) {
+        let Some(picture) = motion(prepared, moments) else { return };
+        let moments = moments.iter().map(|moment| (moment.t, &moment.q[..])).collect();
+        let clip = Clip { name: "motion".into(), swings: false, moments };
+        self.space(&prepared.mechanism.solids(), picture.view, &[clip]);
+    }
+
+    /// How a scene was integrated, and how well.
+    fn simulation(&mut self, prepared: &Prepared, simulation: &Simulation) {
+        let end = prepared.grid.times[prepared.grid.steps()];
+        let is_static = prepared.method.table.is_static();
+        self.fact("method", prepared.method.table.name.to_string());
+        if !is_static {
+            self.fact("constraints", format!("{} level", prepared.method.constraint_level().name()));
+        }
+        let steps = simulation.forward.history.steps();
+        match prepared.control {
+            Some(control) if !is_static => {
+                self.fact("steps", format!("{steps}, chosen for a tolerance of {:e}", control.coordinates.relative));
+            }
+            _ => self.fact("steps", steps.to_string()),
+        }
+        self.fact(
+            if is_static { "load factor" } else { "duration" },
+            if is_static { number(end) } else { format!("{} s", number(end)) },
+        );
+        if let Some(StepError { share, t, in_velocity, .. }) = simulation.forward.error {
+            let of = if in_velocity { "largest velocity" } else { "model's length" };
+            self.fact("estimated error of a step", format!("at most {share:.1e} of the {of}, at t = {} s", number(t)));
+        }
+        if let Some((share, _)) = simulation.energy.map(|energy| energy.share()) {
+            let growth = if share > 0.0 {
+                format!("grows by {share:.1e} of the largest kinetic energy")
+            } else {
+                "does not grow".into()
+            };
+            self.fact("energy", growth);
+        }
+        let warnings = simulation.resolution(prepared);
+        warnings.into_iter().for_each(|warning| self.warning(warning));
+        if let Some(failure) = &simulation.stopped {
+            self.warning(format!("{}; what is shown are the finished steps", failure.message));
+        }
+    }
+
+    /// Values of the functionals, if the run came to its end.
+    fn functionals(&mut self, prepared: &Prepared, simulation: &Simulation) {
+        if simulation.stopped.is_some() || prepared.functionals().is_empty() {
+            return;
+        }
+        let row = |(functional, &value): (&crate::functionals::Functional, &f64)| {
+            vec![json!(functional.name), json!(long_number(value).trim()), json!(functional.value_unit())]
+        };
+        let rows = prepared.functionals().iter().zip(&simulation.forward.values).map(row).collect();
+        self.table("Functionals", &["functional", "value", "unit"], rows);
+    }
+
+    /// Design variables, where there is no gradient that shows them.
+    pub fn design(&mut self, variables: &[DesignVariable], x: &[f64]) {
+        let row = |(variable, &x): (&DesignVariable, &f64)| {
+            let [lower, upper] = [variable.lower, variable.upper].map(json_number);
+            vec![json!(variable.name), json_number(x), lower, upper, json!(variable.unit)]
+        };
+        if !variables.is_empty() {
+            let rows = variables.iter().zip(x).map(row).collect();
+            self.table("Design variables", &["variable", "value", "from", "to", "unit"], rows);
+        }
+    }
+
+    /// Derivatives of the functionals by the variables.
+    pub fn gradient(&mut self, prepared: &Prepared, gradient: &GradientRows) {
+        for (k, functional) in prepared.functionals().iter().enumerate() {
+            let mut columns = vec!["variable", "value", "unit", "adjoint"];
+            if gradient.check.is_some() {
+                columns.extend(["complex step", "difference"]);
+            }
+            let row = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| -> Vec<Value> {
+                let mut row = vec![json!(variable.name), json_number(x), json!(variable.unit)];
+                row.push(json!(long_number(gradient.adjoint[k][i]).trim()));
+                if let Some([complex, differences]) = gradient.check {
+                    row.push(json!(long_number(complex[k][i]).trim()));
+                    row.push(json!(format!("{:.1e}", differences[k][i])));
+                }
+                row
+            };
+            let rows = prepared.variables.iter().zip(&prepared.x).enumerate().map(row).collect();
+            let heading = format!("Gradient of {} [{} / unit of the variable]", functional.name, functional.value_unit());
+            self.table(&heading, &columns, rows);
+        }
+        if !gradient.verdict.is_empty() {
+            self.fact("gradient", gradient.verdict.clone());
+        }
+    }
+}
