@@ -2,11 +2,11 @@
 
 use costate::assembly::NodeId;
 use costate::elements::flexible::faces::FaceKind;
-use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength};
+use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, ShellSection};
 use costate::elements::forces::LoadFrame;
 use costate::functionals::{Aggregate, AggregateKind, Times};
 use costate::prelude::*;
-use costate::scenes::{AnyScene, Edge, FreeMesh, ShellMesh};
+use costate::scenes::{AnyScene, Edge, FreeMesh, ShellMesh, ShellPart};
 use std::f64::consts::PI;
 
 const THICKNESS: f64 = 0.01;
@@ -634,4 +634,55 @@ fn mistakes_name_the_face_and_say_what_to_do() {
     assert!(group.contains("its group \"skin\" names number 2 of 2 faces"), "{group}");
     let held = refused(FreeMesh::new(square(), quads()).clamped([99]));
     assert!(held.contains("its point 99 is held, but there are 15 points"), "{held}");
+}
+
+#[test]
+fn a_shell_of_parts_has_the_energies_of_shells_of_each() {
+    // two halves of one plate that share no element, of one material with a thickness for each point, and of plies
+    let counts = [2, 2];
+    let at = |u: f64, v: f64| [0.5 * u, 0.3 * v, 0.0];
+    let all = faces(counts, mixed);
+    let is_left = |face: &Vec<usize>| face.iter().all(|&point| point % 5 <= 2);
+    let laminate = Laminate::new(vec![Ply {
+        thickness: 0.004,
+        angle: 0.3,
+        young: [1.4e11, 1e10],
+        poisson: 0.3,
+        shear: [5e9, 5e9, 3e9],
+        density: 1600.0,
+    }])
+    .offset(0.001);
+    let direction = Vector3::new(1.0, 0.2, 0.0);
+    let thickness = |_: usize, point: usize| 0.01 + 1e-4 * point as f64;
+    let sums = |m: MechanismBuilder<f64>| {
+        let m = m.finish().expect("sound");
+        let q = moved(&m, deformed);
+        let v = moved(&m, |x| (x * 0.7 + Vector3::new(0.1, -0.2, x[0]), Quaternion::identity()));
+        energies(&m, &v, &q)
+    };
+    let half = |left: bool| {
+        let own: Vec<Vec<usize>> = all.iter().filter(|face| is_left(face) == left).cloned().collect();
+        FreeMesh::new(points::<f64>(counts, at), own)
+    };
+    let [mut left, mut right, mut both, mut same] = [(); 4].map(|()| MechanismBuilder::<f64>::default());
+    left.tapered_shell("left", half(true), &STEEL, thickness);
+    right.laminate_shell("right", half(false), &laminate, direction);
+    let whole = || FreeMesh::new(points::<f64>(counts, at), all.clone());
+    let parts = [ShellPart::Isotropic(STEEL, &thickness), ShellPart::Laminate(&laminate, direction)];
+    let shell = both.shell_of_parts("both", whole(), &parts, |face| usize::from(!is_left(&all[face])));
+    let layered = shell.faces().filter(|(kind, _)| kind.section == ShellSection::Laminate).count();
+    assert_eq!(layered, all.iter().filter(|face| !is_left(face)).count());
+    same.shell_of_parts("same", whole(), &parts[..1], |_| 0);
+    let mut plain = MechanismBuilder::<f64>::default();
+    plain.tapered_shell("plain", whole(), &STEEL, thickness);
+    let [left, right, both, same, plain] = [left, right, both, same, plain].map(sums);
+    assert_eq!(same, plain);
+    for k in 0..3 {
+        assert_close("energy", both[k], left[k] + right[k], 1e-12);
+    }
+    // a part that is not there
+    let mut m = MechanismBuilder::<f64>::default();
+    m.shell_of_parts("none", whole(), &parts, |_| 2);
+    let why = m.finish().map(|_| ()).unwrap_err().to_string();
+    assert!(why.contains("element 0 has part 2, but there are 2"), "{why}");
 }

@@ -1,6 +1,7 @@
 //! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
 
 mod coverage;
+mod meshes;
 mod mutations;
 mod wrong_files;
 mod wrong_meshes;

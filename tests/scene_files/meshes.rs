@@ -1,0 +1,180 @@
+//! Meshes of scene files against shells on grids, and design variables of faces and nodes against one of all.
+
+use costate::scenes::{AnyScene, FileScene, Prepared};
+
+/// A clamped sheet that falls, with what is between the marks.
+fn sheet(variable: &str, shell: &str, names: [&str; 3]) -> FileScene {
+    let [tip, group, rim] = names;
+    let text = format!(
+        r#"
+version = 1
+gravity = [0, 0, -9.81]
+settings = {{ end = 0.02, steps = 4 }}
+
+[variable.h]
+initial = 0.004
+bounds = [0.001, 0.01]
+unit = "m"
+{variable}
+
+[material.rubber]
+young = 2e7
+poisson = 0.4
+density = 1100
+
+[optimization]
+minimize = "mass"
+varying = ["h"]
+
+{shell}
+material = "rubber"
+thickness = "h"
+
+[[body]]
+name = "hub"
+position = [0.4, 0.1, 0]
+mass = 0.2
+inertia = [1e-3, 1e-3, 1e-3]
+
+[[rigid_interface]]
+name = "hub"
+body = "hub"
+nodes = ["{rim}"]
+
+[[force]]
+name = "push"
+on = "{tip}"
+direction = [0, 0, 1]
+size = 0.3
+
+[[pressure]]
+name = "press"
+shell = "sheet"
+size = 20
+
+[[functional]]
+name = "mass"
+type = "mass"
+of = "sheet"
+over = "terminal"
+
+[[functional]]
+name = "energy"
+type = "strain_energy"
+of = "{group}"
+over = "integral"
+
+[[functional]]
+name = "stress"
+type = "von_mises"
+of = "sheet"
+yield_stress = 1e5
+over = {{ aggregate = "smooth_maximum", sharpness = 10 }}
+
+[[functional]]
+name = "height"
+type = "position"
+on = "hub"
+direction = [0, 0, 1]
+over = "terminal"
+"#
+    );
+    FileScene::parse("sheet.toml", &text).unwrap_or_else(|why| panic!("{why}"))
+}
+
+const GRID: &str = r#"
+[[group]]
+name = "right"
+of = "sheet"
+first = [1, 1]
+
+[[shell]]
+name = "sheet"
+type = "plate"
+first = [0.4, 0, 0]
+second = [0, 0.2, 0]
+elements = [2, 1]
+clamped = "first_start"
+"#;
+
+/// The same nodes, row by row, of two quadrilaterals of nine; a tenth of a metre in a unit, such as e-1.
+fn mesh(unit: &str) -> String {
+    let points = (0..3).flat_map(|j| (0..5).map(move |i| format!("[{i}{unit}, {j}{unit}, 0]")));
+    let points: Vec<String> = points.collect();
+    format!(
+        r#"
+[[mesh]]
+name = "sheet"
+type = "faces"
+points = [{}]
+faces = [[0, 2, 12, 10, 1, 7, 11, 5, 6], [2, 4, 14, 12, 3, 9, 13, 7, 8]]
+groups = {{ left = [0], right = [1] }}
+node_sets = {{ root = [0, 5, 10], rim = [4, 9, 14], tip = [8] }}
+clamped = ["root"]
+"#,
+        points.join(", ")
+    )
+}
+
+const OF_GRID: [&str; 3] = ["sheet[3, 1]", "right", "sheet.first_end"];
+const OF_MESH: [&str; 3] = ["sheet.tip", "sheet.right", "sheet.rim"];
+
+fn values_and_gradients(scene: &FileScene) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let prepared = Prepared::new(scene).unwrap_or_else(|why| panic!("{why}"));
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&prepared.x).unwrap();
+    let adjoint = analysis.adjoint(&prepared.x, &forward).unwrap();
+    (forward.values, adjoint.rows)
+}
+
+fn assert_near(what: &str, own: f64, expected: f64, size: f64) {
+    assert!((own - expected).abs() <= 1e-11 * size, "{what}: {own:e} instead of {expected:e}");
+}
+
+#[test]
+fn a_mesh_is_the_grid_on_the_same_points() {
+    let (grid, free) = (sheet("", GRID, OF_GRID), sheet("", &mesh("e-1"), OF_MESH));
+    let [own, expected] = [&free, &grid].map(values_and_gradients);
+    for k in 0..own.0.len() {
+        assert_near("value", own.0[k], expected.0[k], expected.0[k].abs());
+        assert_near("derivative", own.1[k][0], expected.1[k][0], expected.1[k][0].abs());
+    }
+    assert!(own.0.iter().all(|value| *value != 0.0), "{:?}", own.0);
+}
+
+#[test]
+fn derivatives_by_the_thicknesses_of_faces_and_of_nodes_add_up_to_that_by_one() {
+    let text = mesh("e-1");
+    let (values, one) = values_and_gradients(&sheet("", &text, OF_MESH));
+    for (key, count) in [("per_face = \"sheet\"", 2), ("per_node = \"sheet\"", 15)] {
+        let scene = sheet(key, &text, OF_MESH);
+        let names: Vec<String> = scene.design_variables().iter().map(|own| own.name.clone()).collect();
+        assert_eq!(names, (0..count).map(|number| format!("h[{number}]")).collect::<Vec<_>>());
+        // one name stands for all where variables are chosen
+        assert_eq!(scene.optimization_problem().unwrap().varying.unwrap(), names);
+        let (own, many) = values_and_gradients(&scene);
+        for k in 0..values.len() {
+            assert_near(key, own[k], values[k], values[k].abs());
+            let size = many[k].iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+            assert_near(key, many[k].iter().sum(), one[k][0], size.max(one[k][0].abs()));
+        }
+    }
+    // of a group: the thickness of the other is its own
+    let parts = format!("{text}parts = [{{ of = [\"left\"], thickness = 0.004 }}]\n");
+    let (own, right) = values_and_gradients(&sheet("per_face = \"sheet.right\"", &parts, OF_MESH));
+    let (_, both) = values_and_gradients(&sheet("per_face = \"sheet\"", &text, OF_MESH));
+    for k in 0..values.len() {
+        assert_near("group", own[k], values[k], values[k].abs());
+        assert_near("group", right[k][0], both[k][1], both[k][1].abs());
+    }
+}
+
+#[test]
+fn scale_turn_and_place_of_a_mesh_are_those_of_its_points() {
+    let moved = mesh("e2")
+        + "scale = 0.001\norientation = { type = \"angle\", axis = [0, 0, 1], angle = 0 }\nposition = [0, 0, 0]\n";
+    let [own, expected] = [moved, mesh("e-1")].map(|text| values_and_gradients(&sheet("", &text, OF_MESH)));
+    for k in 0..own.0.len() {
+        assert_near("value", own.0[k], expected.0[k], expected.0[k].abs());
+    }
+}
