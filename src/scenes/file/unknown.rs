@@ -1,9 +1,17 @@
 //! Unknown names: what was meant, and what there is.
 
+/// Most names that are listed: design variables of faces are thousands.
+const MOST_SHOWN: usize = 100;
+
 /// Says that `given` is no known `kind`, with the nearest name and the list of all.
 pub fn unknown(kind: &str, given: &str, known: &[String]) -> String {
     let nearest = nearest(given, known).map_or_else(String::new, |name| format!("; did you mean \"{name}\"?"));
-    let list = if known.is_empty() { "there is none".into() } else { format!("known: {}", known.join(", ")) };
+    let shown = known.iter().take(MOST_SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let list = match known.len().checked_sub(MOST_SHOWN) {
+        _ if known.is_empty() => "there is none".into(),
+        Some(more) if more > 0 => format!("known: {shown} and {more} more"),
+        _ => format!("known: {shown}"),
+    };
     let separator = if nearest.is_empty() { ";" } else { "" };
     format!("{kind} \"{given}\" is not known{nearest}{separator} {list}")
 }
@@ -47,5 +55,7 @@ mod tests {
         let far = unknown("scene", "crane", &known);
         assert_eq!(far, "scene \"crane\" is not known; known: pendulum, five-bar");
         assert_eq!(unknown("study", "x", &[]), "study \"x\" is not known; there is none");
+        let many: Vec<String> = (0..103).map(|number| format!("face[{number}]")).collect();
+        assert!(unknown("variable", "thickness", &many).ends_with(", face[98], face[99] and 3 more"));
     }
 }
