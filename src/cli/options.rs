@@ -47,15 +47,17 @@ pub struct SceneOptions {
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
     #[arg(long, value_name = "TABLE")]
     method: Option<String>,
-    /// Time derivative on which constraints are kept: position, velocity, acceleration
-    #[arg(long, value_name = "LEVEL", default_value = ConstraintLevel::default().name())]
-    constraint_level: String,
+    /// Time derivative on which constraints are kept: position, velocity, acceleration [default: the scene's, else acceleration]
+    #[arg(long, value_name = "LEVEL")]
+    constraint_level: Option<String>,
     /// When Newton's method stops: at round-off, or by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy
-    #[arg(long, value_name = "RULE", default_value = NewtonTolerance::default().name())]
-    newton: String,
+    /// [default: the scene's, else round-off]
+    #[arg(long, value_name = "RULE")]
+    newton: Option<String>,
     /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, multifrontal
-    #[arg(long, value_name = "NAME", default_value = Backend::default().name())]
-    solver: String,
+    /// [default: the scene's, else automatic]
+    #[arg(long, value_name = "NAME")]
+    solver: Option<String>,
     /// How the programs of formulas are executed: as machine code, or by a loop over their operations (same results, bit by bit)
     #[arg(long, value_name = "WAY", value_parser = ["native", "loop"], default_value = "native")]
     programs: String,
@@ -173,6 +175,19 @@ pub(super) fn named(scene: &str, failure: Failure) -> Failure {
     Failure { message: format!("scene \"{scene}\": {}", failure.message), ..failure }
 }
 
+/// The one of some that an option names, if it is given.
+fn chosen<T: Copy, const N: usize>(
+    option: &str,
+    given: &Option<String>,
+    all: [T; N],
+    name: fn(T) -> &'static str,
+) -> Result<Option<T>, Failure> {
+    let Some(given) = given else { return Ok(None) };
+    let found = all.into_iter().find(|&one| name(one) == given);
+    let known = || all.map(|one| name(one).to_string());
+    found.map(Some).ok_or_else(|| Failure::input(unknown(option, given, &known())))
+}
+
 impl SceneOptions {
     /// The scene.
     ///
@@ -219,19 +234,12 @@ impl SceneOptions {
         let name = self.method.as_deref().or(settings.method.take()).unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(|message| Failure::input(format!("--method: {message}")))?;
         let table = table.ok_or_else(|| Failure::input(unknown("--method", name, &table_names())))?;
-        let level = ConstraintLevel::by_name(&self.constraint_level).ok_or_else(|| {
-            let known = ConstraintLevel::ALL.map(|level| level.name().to_string());
-            Failure::input(unknown("--constraint-level", &self.constraint_level, &known))
-        })?;
-        let mut method = Method::new(table, level);
-        method.tolerance = NewtonTolerance::ALL.into_iter().find(|rule| rule.name() == self.newton).ok_or_else(|| {
-            let known = NewtonTolerance::ALL.map(|rule| rule.name().to_string());
-            Failure::input(unknown("--newton", &self.newton, &known))
-        })?;
-        method.backend = Backend::ALL.into_iter().find(|backend| backend.name() == self.solver).ok_or_else(|| {
-            let known = Backend::ALL.map(|backend| backend.name().to_string());
-            Failure::input(unknown("--solver", &self.solver, &known))
-        })?;
+        let level = chosen("--constraint-level", &self.constraint_level, ConstraintLevel::ALL, ConstraintLevel::name)?;
+        let mut method = Method::new(table, level.unwrap_or(settings.level));
+        let newton = chosen("--newton", &self.newton, NewtonTolerance::ALL, NewtonTolerance::name)?;
+        let solver = chosen("--solver", &self.solver, Backend::ALL, Backend::name)?;
+        method.tolerance = newton.unwrap_or(settings.newton);
+        method.backend = solver.unwrap_or(settings.solver);
         settings.end = self.end.unwrap_or(settings.end);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.policy.project_start |= self.project_start;

@@ -5,10 +5,10 @@ use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design, repea
 use crate::functionals::Functional;
 use crate::history::Keep;
 use crate::integrators::{
-    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, Problem, RunError, STATIC_TABLE, StartPlan,
-    StepControl, Systems, TimeGrid, table_by_name, table_named,
+    ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, NewtonTolerance, Problem, RunError,
+    STATIC_TABLE, StartPlan, StepControl, Systems, TimeGrid, table_by_name, table_named,
 };
-use crate::linalg::{Factorization, SolverPlan};
+use crate::linalg::{Backend, Factorization, SolverPlan};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
 use crate::sensitivity::{Analysis, largest_difference};
@@ -28,12 +28,28 @@ pub struct Settings {
     pub policy: ConstraintPolicy,
     /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`].
     pub method: Option<&'static str>,
+    /// Time derivative on which constraints are kept.
+    pub level: ConstraintLevel,
+    /// When Newton's method stops.
+    pub newton: NewtonTolerance,
+    /// Solver of the linear systems.
+    pub solver: Backend,
 }
 
 impl Settings {
     /// A duration \[s\] and a number of steps; inconsistent starts and redundant constraints are refused.
     pub fn new(end: f64, steps: usize) -> Self {
-        Settings { end, steps, control: None, divide: false, policy: ConstraintPolicy::default(), method: None }
+        Settings {
+            end,
+            steps,
+            control: None,
+            divide: false,
+            policy: ConstraintPolicy::default(),
+            method: None,
+            level: ConstraintLevel::default(),
+            newton: NewtonTolerance::default(),
+            solver: Backend::default(),
+        }
     }
 
     /// Equilibria instead of a motion: time is a load factor that goes from 0 to 1 in equal steps.
@@ -118,16 +134,18 @@ impl<'s> Prepared<'s> {
         Method::new(table, ConstraintLevel::default())
     }
 
-    /// The method that settings ask for: their own table, or the default one.
+    /// The method that settings ask for: their own table, or the default one, with their level, rule and solver.
     ///
     /// # Errors
     /// [`RunError::Input`] for a name that is not listed.
     pub fn method_of(settings: &Settings) -> Result<Method, RunError> {
-        let Some(name) = settings.method else { return Ok(Self::default_method()) };
+        let name = settings.method.unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(RunError::Input)?;
         let table = table
             .ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
-        Ok(Method::new(table, ConstraintLevel::default()))
+        let mut method = Method::new(table, settings.level);
+        (method.tolerance, method.backend) = (settings.newton, settings.solver);
+        Ok(method)
     }
 
     /// Builds a scene at its initial design, with its own settings and their method.
