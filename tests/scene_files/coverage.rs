@@ -14,16 +14,18 @@ const FILES: &[(&str, &str)] = &[
     ("shells", include_str!("coverage/shells.toml")),
     ("meshes", include_str!("coverage/meshes.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
+    ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];
 
 /// What tables at these keys are called among the definitions of the schema: they are the same wherever they stand.
-const TABLES: [(&str, &str); 13] = [
+const TABLES: [(&str, &str); 14] = [
     ("arc", "arc"),
     ("constraint", "constraint"),
     ("linear", "linear"),
     ("plies", "plies"),
     ("held", "held"),
     ("parts", "parts"),
+    ("walls", "walls"),
     ("nodes", "nodes"),
     ("size", "a function of time"),
     ("angle", "a function of time"),

@@ -165,6 +165,19 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("steps = 10", "steps = 10\ntolerance = 1e-6", "26:13", &["steps and tolerance"]),
     ("steps = 10", "steps = 10\nlongest_step = 0.1", "26:16", &["means nothing without the key tolerance"]),
     ("steps = 10\n", "steps = 10\n[output]\nstep = 1e-300\n", "27:8", &["step of [output] is", "fit into 1 s"]),
+    ("steps = 10", "steps = 10\nconstraint_level = \"velocty\"", "26:20", &["did you mean \"velocity\"?"]),
+    ("steps = 10", "steps = 10\nsolver = \"sparse\"", "26:10", &["automatic, dense, multifrontal"]),
+    ("steps = 10", "steps = 10\nnewton = 3", "26:10", &["newton of [settings]", "round-off, residual"]),
+    // soft joints and sections that change
+    ("axis = [0, 0, 1]", "axis = [0, 0, 1]\nstiffness = [1, 2]", "44:1", &["5 equations", "2 stiffnesses and 2 dampings"]),
+    ("axis = [0, 0, 1]", "axis = [0, 0, 1]\ndamping = [1]", "50:11", &["only a soft joint has damping"]),
+    ("mass = 1.0", "mass = \"share\"", "33:9", &["share", "only numbers of a [section]"]),
+    (
+        "diameter = 0.05",
+        "diameter = \"0.05 - 0.1 * share\"",
+        "21:12",
+        &["diameter: at this design the value is -0.0", "greater than 0"],
+    ),
     // loops
     ("bounds = [0.1, 10]\n", "bounds = [0.1, 10]\nfor = { i = [1, 2] }\n", "4:11", &["name \"length\" is taken"]),
     ("name = \"weld\"", "name = \"weld\"\nfor = { i = 3 }", "53:13", &["for must be", "i is the number 3"]),

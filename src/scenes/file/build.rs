@@ -3,10 +3,11 @@
 use super::build_functionals::functional;
 use super::build_members::{beam, cable, group, laminate, section, shell, thin_walls};
 use super::build_meshes::mesh;
+use super::build_soft_joints::soft_joint;
 use super::known::{Found, Known, Made, count, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
-use crate::assembly::NodeId;
+use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
 use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
 use crate::elements::joints::HeldSlope;
@@ -46,7 +47,11 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             let (nodes, axis) = (known.nodes(fields, "between", m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
-        "joint" => joint(known, name, fields, m),
+        "joint" if fields.get("stiffness").is_some() => soft_joint(known, name, fields, m),
+        "joint" => match fields.get("damping") {
+            Some((at, _)) => Err(Mistake::new(at, "only a soft joint has damping: give it stiffness, too, or leave it out")),
+            None => rigid_joint(known, name, fields, m).map(Made::Joint),
+        },
         "rigid_interface" => {
             let body = known.node(fields, "body", m)?;
             let mut nodes = Vec::new();
@@ -153,17 +158,23 @@ pub(super) fn place<S: Scalar>(
     known.vector_or(fields, key, m.position(node))
 }
 
-fn joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+/// A joint that holds its equations.
+pub(super) fn rigid_joint<S: Scalar>(
+    known: &Known<S>,
+    name: &str,
+    fields: &Fields,
+    m: &mut Builder<S>,
+) -> Found<ConstraintId> {
     if fields.form == "rack_and_pinion" {
         let places = [known.vector(fields, "centre")?, known.vector(fields, "contact")?];
         let nodes = known.nodes(fields, "between", m)?;
-        return Ok(Made::Joint(m.rack_and_pinion(name, nodes, places, known.vector(fields, "axis")?)));
+        return Ok(m.rack_and_pinion(name, nodes, places, known.vector(fields, "axis")?));
     }
     let nodes: [NodeId; 2] = known.nodes(fields, "between", m)?;
     let point = place(known, fields, "point", nodes[1], m)?;
     let vector = |key| known.vector(fields, key);
     let contact = format!("contact of {name}");
-    Ok(Made::Joint(match fields.form {
+    Ok(match fields.form {
         "spherical" => m.spherical(name, nodes, point),
         "revolute" => m.revolute(name, nodes, point, vector("axis")?),
         "fixed" => m.fixed(name, nodes, point),
@@ -197,7 +208,7 @@ fn joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
         "cable_hinge" => m.cable_hinge(name, nodes, vector("axis")?),
         "cable_corner" => m.cable_corner(name, nodes),
         other => return Err(Mistake::new(fields.at, format!("nothing builds a joint of type {other}"))),
-    }))
+    })
 }
 
 fn driver<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
@@ -253,7 +264,7 @@ fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Buil
     Ok(Made::Nothing)
 }
 
-fn kind_in_space<S: Scalar>(node: NodeId, m: &Builder<S>) -> NodeKind {
+pub(super) fn kind_in_space<S: Scalar>(node: NodeId, m: &Builder<S>) -> NodeKind {
     m.model.find_node(node).and_then(|own| own.kind.in_space()).unwrap_or(NodeKind::Point)
 }
 

@@ -1,6 +1,7 @@
 //! Sections, beams, cables and shells of a file.
 
 use super::build::Builder;
+use super::expression::SHARE_PLACE;
 use super::known::{Found, Known, Made, count, counts, edge_named, fixed, flag, list, text, texts};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
@@ -10,6 +11,7 @@ use crate::elements::flexible::{CableSection, Laminate, Ply, PlyStrength, STRAIN
 use crate::functionals::ElementGroup;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, CableLine, Extrusion, MeshedShell, Profile, ShellMesh};
+use std::cell::RefCell;
 
 /// A section of beams, or the shape from which that of a cable is made, too.
 pub(super) fn section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Made<S>> {
@@ -36,11 +38,23 @@ fn section_of<'i>(items: &'i [Item], fields: &Fields) -> Found<(usize, &'i Item)
     }
 }
 
+/// Whether a section changes along the beam.
+fn is_tapered(section: &Fields) -> bool {
+    fn uses(value: &Value) -> bool {
+        match value {
+            Value::Formula(formula, _) => formula.uses(SHARE_PLACE),
+            Value::List(list) => list.iter().any(|(_, own)| uses(own)),
+            _ => false,
+        }
+    }
+    section.values.iter().any(|(_, _, value)| uses(value))
+}
+
 fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S>> {
     let (at, item) = section_of(known.items, fields)?;
     let own = &item.fields;
-    let mut section = match (known.made(fields, "section")?, own.form) {
-        (Made::Shape(material, shape), _) => Section::of(*material, *shape),
+    let mut section = match (section(known, own)?, own.form) {
+        (Made::Shape(material, shape), _) => Section::of(material, shape),
         (_, "beam") => {
             let ([shear_2, shear_3], [bending_2, bending_3]) =
                 (known.numbers(own, "shear")?, known.numbers(own, "bending")?);
@@ -81,6 +95,12 @@ fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S
 fn cable_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<CableSection<S>> {
     let (at, item) = section_of(known.items, fields)?;
     let own = &item.fields;
+    if is_tapered(own) {
+        return Err(Mistake::new(
+            at,
+            format!("\"{}\" depends on share, and a cable has one section from end to end", item.name),
+        ));
+    }
     let number = |key| known.number(own, key);
     let mut section = match (known.made(fields, "section")?, own.form) {
         (Made::Shape(material, shape), _) => CableSection::of(*material, *shape),
@@ -171,7 +191,25 @@ pub(super) fn beam<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: 
     let node = |key: &str| known.node(fields, key, m);
     let (joined, clamped) = ([BeamLine::from_node, BeamLine::to_node], [BeamLine::clamped_start, BeamLine::clamped_end]);
     let line = with_ends(fields, line, node, joined, clamped)?;
-    let beam = m.beam(name, line, &beam_section(known, fields)?);
+    let first = beam_section(known, fields)?;
+    let beam = if is_tapered(&section_of(known.items, fields)?.1.fields) {
+        let failed = RefCell::new(None);
+        let at_share = |share: f64| {
+            known.share.set(S::from(share));
+            beam_section(known, fields).unwrap_or_else(|why| {
+                failed.borrow_mut().get_or_insert(why);
+                first
+            })
+        };
+        let beam = m.tapered_beam(name, line, at_share);
+        known.share.set(S::zero());
+        if let Some(why) = failed.into_inner() {
+            return Err(why);
+        }
+        beam
+    } else {
+        m.beam(name, line, &first)
+    };
     set_motion(known, fields, &beam.nodes, m)?;
     Ok(Made::Beam(beam))
 }
@@ -270,11 +308,25 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
 }
 
 pub(super) fn thin_walls<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
-    let size = [known.number(fields, "width")?, known.number(fields, "height")?];
-    let across = counts(fields, "across").unwrap_or([1; 2]);
     let (profile, walls) = match fields.form {
-        "box_tube" => (Profile::box_tube(size, across), 4),
-        _ => (Profile::i_section(size, across), 5),
+        "profile" => {
+            let corners = list(fields, "corners").map(|given| known.pair(given)).collect::<Found<Vec<[S; 2]>>>()?;
+            let wall = |(_, value): (usize, &Value)| match value {
+                Value::Fields(own) => Some((counts(own, "between")?, count(own, "elements"))),
+                _ => None,
+            };
+            let walls: Vec<([usize; 2], usize)> = list(fields, "walls").filter_map(wall).collect();
+            let number = walls.len();
+            (Profile::new(corners, walls), number)
+        }
+        form => {
+            let size = [known.number(fields, "width")?, known.number(fields, "height")?];
+            let across = counts(fields, "across").unwrap_or([1; 2]);
+            match form {
+                "box_tube" => (Profile::box_tube(size, across), 4),
+                _ => (Profile::i_section(size, across), 5),
+            }
+        }
     };
     let extrusion = Extrusion {
         start: known.vector_or(fields, "start", Vector3::zeros())?,

@@ -35,15 +35,37 @@ pub(super) struct Named {
 /// The time in formulas that are functions of it \[s\].
 pub(super) const TIME: &str = "t";
 
+/// The share of the length of a beam in formulas of its section, from 0 to 1; the first of all names of a file.
+pub(super) const SHARE: &str = "share";
+/// Its place among the names.
+pub(super) const SHARE_PLACE: usize = 0;
+
 /// Names that formulas may use, in the order of their values; [`TIME`] comes last where it is one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scope {
     pub names: Vec<Named>,
     /// The mesh of whose faces and nodes formulas may use the values.
     pub of_mesh: Option<usize>,
+    /// Formulas may use [`SHARE`].
+    pub of_section: bool,
 }
 
 impl Scope {
+    /// The names that every file has.
+    pub fn of_file() -> Self {
+        let mut scope = Scope::default();
+        scope.add_variable(SHARE);
+        scope
+    }
+    /// Whether a name is [`SHARE`] and stands where it has no meaning.
+    pub fn is_out_of_section(&self, name: usize) -> bool {
+        let is_share = |own: &Named| own.name == SHARE && own.constant.is_none();
+        name == SHARE_PLACE && !self.of_section && self.names.first().is_some_and(is_share)
+    }
+    /// Names that can be used.
+    pub fn known(&self) -> impl Iterator<Item = &Named> {
+        self.names.iter().skip(usize::from(self.is_out_of_section(SHARE_PLACE)))
+    }
     /// A number that changes with the design.
     pub fn add_variable(&mut self, name: &str) {
         self.names.push(Named { name: name.into(), is_vector: false, each: None, constant: None });

@@ -242,10 +242,14 @@ impl<'r> FormulaText<'r> {
             return Ok(false);
         }
         let Some((index, named)) = self.scope.find(name) else {
-            let known = self.scope.names.iter().map(|own| own.name.clone());
+            let known = self.scope.known().map(|own| own.name.clone());
             let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
             return Err((at, unknown("name", name, &known)));
         };
+        if self.scope.is_out_of_section(index) {
+            let text = "\"share\" is the place along a beam, from 0 to 1: only numbers of a [section] can use it";
+            return Err((at, text.into()));
+        }
         if let Some((mesh, of)) = &named.each
             && self.scope.of_mesh != Some(*mesh)
         {

@@ -48,6 +48,8 @@ pub(super) enum Type {
     OneOrMore(&'static str, Range),
     /// Two vectors or more, in metres.
     Points,
+    /// Two pairs of numbers or formulas or more; unit.
+    Pairs(&'static str),
     /// A whole number, from and to.
     Count(usize, usize),
     /// As many whole numbers, each from and to.

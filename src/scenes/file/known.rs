@@ -1,6 +1,6 @@
 //! Values of the keys of an entry, in the scalar of the mechanism.
 
-use super::expression::Quantity;
+use super::expression::{Quantity, SHARE_PLACE};
 use super::keys::Range;
 use super::meshes::{Each, Per};
 use super::mistake::Mistake;
@@ -14,6 +14,7 @@ use crate::elements::forces::LoadFrame;
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, ThinWalls};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// What an entry became.
@@ -21,6 +22,8 @@ pub(super) enum Made<S> {
     Nothing,
     Node(NodeId),
     Joint(ConstraintId),
+    /// Springs and dampers, without multipliers.
+    SoftJoint,
     Beam(BeamMember),
     Cable(CableMember),
     Shell(Box<ShellMember>),
@@ -38,6 +41,8 @@ pub(super) struct Known<'f, S> {
     /// All entries.
     pub items: &'f [Item],
     pub names: Vec<Quantity<S>>,
+    /// Place along a beam for whose sections numbers are wanted.
+    pub share: Cell<S>,
     /// Variables with values for faces or nodes of a mesh: their places among the names, and these values.
     pub each: Vec<(usize, &'f Each, Vec<S>)>,
     pub made: Vec<Made<S>>,
@@ -52,7 +57,14 @@ fn missing<T>(fields: &Fields, key: &str) -> Found<T> {
 
 impl<S: Scalar> Known<'_, S> {
     fn value(&self, key: &str, given: (usize, &Value)) -> Found<Quantity<S>> {
-        self.value_with(key, given, &self.names)
+        match given.1 {
+            Value::Formula(formula, _) if formula.uses(SHARE_PLACE) => {
+                let mut names = self.names.clone();
+                names[SHARE_PLACE] = Quantity::Number(self.share.get());
+                self.value_with(key, given, &names)
+            }
+            _ => self.value_with(key, given, &self.names),
+        }
     }
 
     fn value_with(&self, key: &str, (at, value): (usize, &Value), names: &[Quantity<S>]) -> Found<Quantity<S>> {
@@ -130,6 +142,14 @@ impl<S: Scalar> Known<'_, S> {
 
     pub fn numbers<const N: usize>(&self, fields: &Fields, key: &str) -> Found<[S; N]> {
         self.series(fields, key)?.try_into().or_else(|_| missing(fields, key))
+    }
+
+    /// Two numbers of a list.
+    pub fn pair(&self, (at, value): (usize, &Value)) -> Found<[S; 2]> {
+        let Value::List(own) = value else { return Err(Mistake::new(at, "this is no pair")) };
+        let numbers: Vec<S> =
+            own.iter().map(|(at, own)| self.scalar("a number of a pair", (*at, own))).collect::<Found<_>>()?;
+        numbers.try_into().map_err(|_| Mistake::new(at, "a pair has two numbers"))
     }
 
     pub fn points(&self, fields: &Fields, key: &str) -> Found<Vec<Vector3<S>>> {
@@ -214,6 +234,13 @@ impl<S: Scalar> Known<'_, S> {
     pub fn joint(&self, fields: &Fields) -> Found<ConstraintId> {
         match self.made(fields, "joint")? {
             Made::Joint(joint) => Ok(*joint),
+            Made::SoftJoint => {
+                let at = fields.get("joint").map_or(fields.at, |own| own.0);
+                Err(Mistake::new(
+                    at,
+                    "this joint is soft: springs have no multipliers; leave out its stiffness to measure them",
+                ))
+            }
             _ => missing(fields, "joint"),
         }
     }

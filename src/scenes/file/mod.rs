@@ -5,6 +5,7 @@ mod build;
 mod build_functionals;
 mod build_members;
 mod build_meshes;
+mod build_soft_joints;
 mod expression;
 mod formula_text;
 mod keys;

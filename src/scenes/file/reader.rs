@@ -131,7 +131,7 @@ pub(super) fn name_space(section: &str) -> &'static str {
 
 /// Reads a whole file; paths in it begin at a folder.
 pub(super) fn read(root: &Raw, folder: &Path) -> Result<Contents, Vec<Mistake>> {
-    let mut reader = Reader { folder: folder.into(), ..Reader::default() };
+    let mut reader = Reader { folder: folder.into(), scope: Scope::of_file(), ..Reader::default() };
     let contents = reader.contents(root);
     if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
 }
@@ -189,6 +189,7 @@ impl Reader {
                 _ => format!("[{}.{name}]", section.name),
             };
             self.current = Some(place);
+            self.scope.of_section = section.name == "section";
             let fields = self.fields(&raw, &section.forms, &owner);
             let mesh = self.meshes.get(&place).cloned();
             items.push(Item { section: section.name, name, fields, mesh });

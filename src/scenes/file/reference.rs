@@ -110,6 +110,7 @@ fn words(key: &Key) -> String {
         Type::Series(unit) => with("numbers or formulas", unit, Range::Any),
         Type::OneOrMore(unit, range) => with("one or more numbers or formulas", unit, range),
         Type::Points => "vectors \\[m\\]".into(),
+        Type::Pairs(unit) => with("pairs of numbers or formulas", unit, Range::Any),
         Type::Count(least, most) if least == most => format!("{least}"),
         Type::Count(least, most) => format!("whole number, {least} to {most}"),
         Type::Counts(count, least, most) => format!("{count} whole numbers, {least} to {most}"),

@@ -6,11 +6,15 @@ use super::raw::Raw;
 use super::reader::{Contents, Fields, Value, Variable, read};
 use super::unknown::unknown;
 use crate::design::DesignVariable;
-use crate::integrators::{MOST_STEPS, STATIC_TABLE, StepControl, table_named, table_names};
+use crate::integrators::{
+    ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
+};
+use crate::linalg::Backend;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::{
     FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scene, Sense, Settings,
 };
+use std::cell::Cell;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -226,6 +230,12 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     }
     let mut settings = Settings::new(end.unwrap_or(1.0), steps.unwrap_or(1));
     settings.method = method.map(kept);
+    let level = text(fields, "constraint_level").and_then(ConstraintLevel::by_name);
+    settings.level = level.unwrap_or(settings.level);
+    let newton = NewtonTolerance::ALL.into_iter().find(|own| text(fields, "newton") == Some(own.name()));
+    settings.newton = newton.unwrap_or(settings.newton);
+    let solver = Backend::ALL.into_iter().find(|own| text(fields, "solver") == Some(own.name()));
+    settings.solver = solver.unwrap_or(settings.solver);
     settings.divide = flag(fields, "divide_steps", false);
     settings.policy.drop_redundant = flag(fields, "drop_redundant", false);
     settings.policy.project_start = flag(fields, "project_start", false);
@@ -364,7 +374,8 @@ impl Scene for FileScene {
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
-        let (mut names, mut each, mut rest): (Vec<Quantity<S>>, Vec<_>, &[S]) = (Vec::new(), Vec::new(), x);
+        let (mut names, mut each, mut rest): (Vec<Quantity<S>>, Vec<_>, &[S]) =
+            (vec![Quantity::Number(S::zero())], Vec::new(), x);
         for own in variables {
             let (values, others) = rest.split_at(own.count());
             rest = others;
@@ -382,7 +393,7 @@ impl Scene for FileScene {
             names.push(value);
         }
         let made = items.iter().map(|_| Made::Nothing).collect();
-        let mut known = Known { items, names, each, made };
+        let mut known = Known { items, names, share: Cell::new(S::zero()), each, made };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();

@@ -139,6 +139,10 @@ fn of_key(key: &Key) -> Value {
             unit = "m";
             array(part("vector"), 2, None)
         }
+        Type::Pairs(of) => {
+            unit = of;
+            array(array(formula(Range::Any), 2, Some(2)), 2, None)
+        }
         Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string", "pattern": "[{]"}]}),
         Type::Counts(count, least, most) => array(whole(least, most), count, Some(count)),
         Type::Flag => json!({"type": "boolean"}),

@@ -4,7 +4,8 @@ use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
     Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, NamedLists, Node, NodeSet, NodeSets,
-    Nodes, Number, Numbers, OfMesh, OfTime, OneOrMore, Over, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
+    Nodes, Number, Numbers, OfMesh, OfTime, OneOrMore, Over, Pairs, Points, Series, Table, Tables, Text, Texts, Vector,
+    Weights,
 };
 
 /// The version of the format that this program reads.
@@ -128,6 +129,16 @@ const NORMAL: Key = need("normal", Vector("-"), "normal in the world at the star
 const FRAME: Key = may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the node; world");
 const ENDS: Key = may("points", Points, "where it takes hold of a and b; both nodes");
 
+/// What makes springs of a joint.
+const SOFT: [Key; 2] = [
+    may(
+        "stiffness",
+        Series("N/m, N m/rad"),
+        "of each of its equations: the joint is soft, a spring and damper for each in its place; rigid",
+    ),
+    may("damping", Series("N s/m, N m s/rad"), "of a soft joint, of each of its equations; 0"),
+];
+
 const LINE: [Key; 8] = [
     need("name", Text, "name; its nodes are NAME.start, NAME.end and NAME[i], counted from 0"),
     need("from", Vector("m"), "where it starts"),
@@ -189,6 +200,11 @@ const PART: Forms = one_form![
     may("thickness", OfMesh("m", Positive), "thickness; needed but with laminate"),
     may("laminate", Item(&["laminate"]), "name of a laminate"),
     may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; that of the mesh"),
+];
+
+const WALL: Forms = one_form![
+    need("between", Counts(2, 0, 1000), "its corners, counted from 0"),
+    need("elements", Count(1, 1000), "elements from one to the other"),
 ];
 
 const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end"];
@@ -254,7 +270,8 @@ pub(super) const SECTIONS: &[Section] = &[
     Section {
         name: "section",
         shape: Shape::Named,
-        doc: "The section of beams and cables; axis 1 along the line, 2 and 3 across.",
+        doc: "The section of beams and cables; axis 1 along the line, 2 and 3 across. For beams that taper its numbers may use `share`, the place \
+              along the length from 0 to 1: `width = \"0.05 - 0.02 * share\"`.",
         forms: forms!([
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
             may("offset", Numbers(&[2], "m", Any), "of beams: the section moved away from the line along axes 2 and 3; not"),
@@ -479,6 +496,10 @@ pub(super) const SECTIONS: &[Section] = &[
             need("width", Number("m", Positive), "of the flanges along axis 1"),
             need("height", Number("m", Positive), "of the web along axis 2"),
             need("across", Counts(2, 1, 100), "elements across half a flange, and the web"),
+        ]
+        "profile" "walls between corners" [
+            need("corners", Pairs("m"), "places along axes 1 and 2"),
+            need("walls", Tables(&WALL), "walls between corners"),
         ]),
     },
     Section {
@@ -517,22 +538,23 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "What holds nodes together. Geometry is given in the world at the start.",
         forms: forms!([NAME]
-            "spherical" "a common point" [BETWEEN, POINT]
-            "revolute" "a common point and axis" [BETWEEN, POINT, AXIS]
-            "fixed" "two bodies welded together" [BETWEEN, POINT]
-            "rigid_link" "b carried along by a as it stands" [BETWEEN]
-            "distance" "a massless link between points" [BETWEEN, ENDS]
-            "prismatic" "b slides along an axis without turning" [BETWEEN, POINT, AXIS]
-            "cylindrical" "b slides along and turns about an axis" [BETWEEN, POINT, AXIS]
-            "planar" "b slides on a plane and turns about its normal" [BETWEEN, POINT, NORMAL]
+            "spherical" "a common point" [BETWEEN, POINT, SOFT[0], SOFT[1]]
+            "revolute" "a common point and axis" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
+            "fixed" "two bodies welded together" [BETWEEN, POINT, SOFT[0], SOFT[1]]
+            "rigid_link" "b carried along by a as it stands" [BETWEEN, SOFT[0], SOFT[1]]
+            "distance" "a massless link between points" [BETWEEN, ENDS, SOFT[0], SOFT[1]]
+            "prismatic" "b slides along an axis without turning" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
+            "cylindrical" "b slides along and turns about an axis" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
+            "planar" "b slides on a plane and turns about its normal" [BETWEEN, POINT, NORMAL, SOFT[0], SOFT[1]]
             "universal" "a cross with one pin in a and one in b" [
                 BETWEEN, POINT,
                 need("pin_a", Vector("-"), "pin in a, at right angles to the other"),
                 need("pin_b", Vector("-"), "pin in b"),
+                SOFT[0], SOFT[1],
             ]
-            "helical" "a screw" [BETWEEN, POINT, AXIS, need("pitch", Number("m", Any), "advance with each turn; negative for a left-handed thread")]
-            "point_on_line" "a point of b on a line of a" [BETWEEN, POINT, AXIS]
-            "point_in_plane" "a point of b in a plane of a" [BETWEEN, POINT, NORMAL]
+            "helical" "a screw" [BETWEEN, POINT, AXIS, need("pitch", Number("m", Any), "advance with each turn; negative for a left-handed thread"), SOFT[0], SOFT[1]]
+            "point_on_line" "a point of b on a line of a" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
+            "point_in_plane" "a point of b in a plane of a" [BETWEEN, POINT, NORMAL, SOFT[0], SOFT[1]]
             "gear" "gears on two joint angles" [
                 BETWEEN,
                 need("radii", Numbers(&[2], "m", Any), "pitch radii; of one sign for external gears"),
@@ -788,6 +810,13 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
             may("velocity_tolerance", Fixed("-", Positive), "the same for velocities; tolerance"),
             may("longest_step", Fixed("s", Positive), "longest step that tolerance may choose; any"),
+            may(
+                "constraint_level",
+                Choice(&["position", "velocity", "acceleration"]),
+                "time derivative on which constraints are kept; acceleration"
+            ),
+            may("newton", Choice(&["round-off", "residual"]), "when Newton's method stops, as for --newton; round-off"),
+            may("solver", Choice(&["automatic", "dense", "multifrontal"]), "solver of the linear systems; automatic"),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
             may("project_start", Flag, "project an inconsistent start onto the constraints instead of refusing it; false"),

@@ -80,6 +80,29 @@ impl Reader {
                     None
                 }
             },
+            Type::Pairs(_) => {
+                let pairs = list().filter(|list| list.len() > 1);
+                let pair = |own: &Raw| match &own.value {
+                    RawValue::List(list) if list.len() == 2 => Some((own.at, list.clone())),
+                    _ => None,
+                };
+                match pairs.and_then(|list| list.iter().map(pair).collect::<Option<Vec<_>>>()) {
+                    Some(pairs) => {
+                        let own: Vec<_> =
+                            pairs.iter().map(|(at, pair)| (*at, self.numbers(pair, &what, Range::Any))).collect();
+                        own.into_iter().map(|(at, pair)| Some((at, pair?))).collect::<Option<_>>().map(Value::List)
+                    }
+                    None => {
+                        self.not(
+                            raw,
+                            key,
+                            owner,
+                            "a list of two or more pairs of numbers or formulas, as in [[0, 0], [1, 0]]",
+                        );
+                        None
+                    }
+                }
+            }
             Type::Count(least, most) => self.count(raw, &what, [least, most]).map(Value::Count),
             Type::Counts(count, least, most) => match list().filter(|list| list.len() == count) {
                 Some(list) => {
