@@ -81,6 +81,16 @@ const PIECES: &[&str] = &[
     "position = ",
     "motion = {}\n",
     "section = \"\"\n",
+    "[[mesh]]\n",
+    "faces = [[0, 1, 2, 3]]\n",
+    "points = [[0, 0, 0]]\n",
+    "per_face = \"\"\n",
+    "per_node = ",
+    "groups = { a = [0] }\n",
+    "parts = []\n",
+    "reverse = []\n",
+    "share",
+    "stiffness = [1]\n",
 ];
 
 /// A text with some changes: bytes, pieces, lines and words taken out, put in, doubled and exchanged.
@@ -134,7 +144,10 @@ fn mutated(text: &str, scatter: &mut Scatter) -> String {
 fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
     // a longer run: SCENE_MUTATIONS=1000000
     let count: usize = std::env::var("SCENE_MUTATIONS").ok().and_then(|own| own.parse().ok()).unwrap_or(4000);
-    let texts: Vec<String> = super::files().iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    let mut texts: Vec<String> = super::files().iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    // meshes are found from here
+    texts.iter_mut().for_each(|text| *text = text.replace("bracket.msh", "examples/scenes/bracket.msh"));
+    texts.push(include_str!("coverage/meshes.toml").into());
     // long files are slow and say nothing that short ones do not
     let mut texts: Vec<&String> = texts.iter().filter(|text| text.len() < 12_000 && !text.contains("[1, 100]")).collect();
     texts.sort();
