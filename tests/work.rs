@@ -1,9 +1,11 @@
 //! Work counts and threads: lost efficiency turns red without a clock, and results do not depend on the number of threads.
 
+use costate::assembly::{Equations, Level, StageCoefficients};
 use costate::design::DesignVariable;
 use costate::elements::{Element, NodeKind, Parameter, State};
 use costate::functionals::Over;
-use costate::integrators::{ConstraintLevel, Method, table_named};
+use costate::integrators::{ConstraintLevel, Method, Systems, table_named};
+use costate::program::Program;
 use costate::scalar::Scalar;
 use costate::scenes::built_in::FlexiblePendulum;
 use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, built_in};
@@ -64,6 +66,22 @@ fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functional
     let functionals = prepared.functionals().len();
     assert!(functionals > 1 && counters.solves > counters.systems && counters.solves <= functionals * counters.systems);
     assert_eq!(counters.products, counters.solves);
+}
+
+#[test]
+fn products_of_a_second_functional_share_what_depends_on_the_state() {
+    for name in ["five-bar", "andrews", "plate-pendulum"] {
+        let scene = scene(name);
+        let prepared = prepared(&*scene, 0.1, 10);
+        let systems = Systems::new(prepared.model(), &prepared.method, &prepared.plan.dropped);
+        let equations = Equations::stage(StageCoefficients::new(1.0, 0.01, 1e-4), Level::Acceleration);
+        let count = |program: &Program| program.listing().instructions.len();
+        let pairs = systems.stage.part_programs(&equations).into_iter().map(|own| own.products.map(|own| count(&own)));
+        let shares: Vec<(usize, f64)> = pairs.map(|[one, two]| (one, two as f64 / one as f64)).collect();
+        println!("{name}: instructions for one functional, and for two by these: {shares:.2?}");
+        let large = shares.iter().filter(|(one, _)| *one > 100);
+        assert!(large.clone().count() > 0 && large.clone().all(|(_, share)| *share < 1.9), "{name}: {shares:?}");
+    }
 }
 
 #[test]

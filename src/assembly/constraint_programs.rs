@@ -270,19 +270,22 @@ pub(super) fn matrix(physics: &ConstraintPhysics, asked: Asked, nodes: &[NodeRed
     })
 }
 
-/// Gradient of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G towards (a, v, q) and those parameters that are asked for, numbered as
-/// the arguments. Behind these: lambda_F, lambda_Y and lambda_G of both sets, each where it is asked for.
-pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[bool]) -> Arc<Program> {
+/// Gradients of lambda_F . A^T mu - lambda_Y . A^T eta + lambda_G . G towards (a, v, q) and those parameters that are asked for, for one set of
+/// adjoint variables after the other: numbered as the arguments before mu, and so many further for the next set. Behind the arguments:
+/// lambda_F, lambda_Y and lambda_G of both sets of equations, each where it is asked for, of each set of adjoint variables.
+pub(super) fn products(physics: &ConstraintPhysics, asked: Asked, parameters: &[bool], count: usize) -> Arc<Program> {
     let (layout, nonholonomic) = (ConstraintLayout::of(physics), physics.is_nonholonomic());
-    let code = asked.code().chain(parameters.iter().map(|&asked| u32::from(asked)));
-    let extra = layout.extra() - layout.own() + weights(layout, asked);
+    let code = asked.code().chain(parameters.iter().map(|&asked| u32::from(asked))).chain([count as u32]);
+    let extra = layout.extra() - layout.own() + count * weights(layout, asked);
     physics.formula().sparse_program(("constraint products", code.collect()), extra, |graph, inputs, outputs| {
         let Parts { reactions, equations } = Parts::new(graph, (inputs, outputs), layout, (asked, nonholonomic));
         let all: Vec<Node> = reactions.into_iter().chain(equations).flatten().collect();
-        let weights = &inputs[layout.extra()..][..all.len()];
-        let asked_for = (layout.p()..layout.t()).filter(|place| parameters[place - layout.p()]);
-        let places = (0..layout.p()).chain(asked_for).chain(layout.a()..layout.mu());
-        gradient(graph, (&all, weights), inputs, places)
+        let places = || {
+            let asked_for = (layout.p()..layout.t()).filter(|place| parameters[place - layout.p()]);
+            (0..layout.p()).chain(asked_for).chain(layout.a()..layout.mu())
+        };
+        let sets = inputs[layout.extra()..].chunks_exact(all.len().max(1)).take(count);
+        sets.flat_map(|weights| gradient(graph, (&all, weights), inputs, (places(), layout.mu()))).collect()
     })
 }
 

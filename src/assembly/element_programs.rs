@@ -248,28 +248,28 @@ fn along_coordinates(
     columns
 }
 
-/// Gradient of lambda . R towards (a, v, q) and those parameters that are asked for, numbered as the arguments of the formula. Behind
-/// these: lambda.
-pub(super) fn products(formula: &Formula, layout: ElementLayout, asked: &[bool]) -> Arc<Program> {
-    let code = asked.iter().map(|&asked| u32::from(asked)).collect();
-    formula.sparse_program(("products", code), layout.n, |graph, inputs, outputs| {
-        let lambda = &inputs[layout.extra()..][..layout.n];
-        let places = (0..layout.p()).chain((layout.p()..layout.t()).filter(|place| asked[place - layout.p()]));
-        gradient(graph, (outputs, lambda), inputs, places)
+/// Gradients of lambda . R towards (a, v, q) and those parameters that are asked for, for one lambda after the other: numbered as the arguments
+/// of the formula before the time, and so many further for the next lambda. Behind the arguments: each lambda.
+pub(super) fn products(formula: &Formula, layout: ElementLayout, asked: &[bool], count: usize) -> Arc<Program> {
+    let code = asked.iter().map(|&asked| u32::from(asked)).chain([count as u32]).collect();
+    formula.sparse_program(("products", code), count * layout.n, |graph, inputs, outputs| {
+        let places = || (0..layout.p()).chain((layout.p()..layout.t()).filter(|place| asked[place - layout.p()]));
+        let all = inputs[layout.extra()..].chunks_exact(layout.n.max(1)).take(count);
+        all.flat_map(|lambda| gradient(graph, (outputs, lambda), inputs, (places(), layout.t()))).collect()
     })
 }
 
-/// The gradient of a weighted sum towards some inputs; zero towards the others before the last.
+/// The gradient of a weighted sum towards some of the first `size` inputs; zero towards the others.
 pub(super) fn gradient(
     graph: &mut Graph,
     (outputs, weights): (&[Node], &[Node]),
     inputs: &[Node],
-    places: impl Iterator<Item = usize>,
+    (places, size): (impl Iterator<Item = usize>, usize),
 ) -> Vec<Node> {
     let places: Vec<usize> = places.collect();
     let towards: Vec<Node> = places.iter().map(|&place| inputs[place]).collect();
     let gradient = graph.reverse(outputs, weights, &towards);
-    let mut all = vec![graph.zero(); places.iter().max().map_or(0, |last| last + 1)];
+    let mut all = vec![graph.zero(); size];
     places.iter().zip(gradient).for_each(|(&place, own)| all[place] = own);
     all
 }

@@ -12,8 +12,8 @@ pub struct PartPrograms {
     pub residual: Arc<Program>,
     /// The matrix, reduced to the unknowns of the nodes.
     pub matrix: Arc<Program>,
-    /// Products of adjoint variables with the derivatives towards (a, v, q) and all parameters.
-    pub products: Arc<Program>,
+    /// Products of adjoint variables with the derivatives towards (a, v, q) and all parameters, for one functional and for two together.
+    pub products: [Arc<Program>; 2],
 }
 
 impl System<'_> {
@@ -25,7 +25,8 @@ impl System<'_> {
             PartPrograms {
                 residual: Arc::clone(formula.values()),
                 matrix: element_programs::matrix(formula, layout, &batch.nodes, self.options.stabilized, moves),
-                products: element_programs::products(formula, layout, &vec![true; layout.parameters]),
+                products: [1, 2]
+                    .map(|count| element_programs::products(formula, layout, &vec![true; layout.parameters], count)),
             }
         });
         let moves = numbers_of(equations.constraint).1;
@@ -35,7 +36,8 @@ impl System<'_> {
             PartPrograms {
                 residual: constraint_programs::values(physics, asked),
                 matrix: constraint_programs::matrix(physics, asked, &batch.nodes, moves),
-                products: constraint_programs::products(physics, asked, &vec![true; batch.layout.parameters]),
+                products: [1, 2]
+                    .map(|count| constraint_programs::products(physics, asked, &vec![true; batch.layout.parameters], count)),
             }
         });
         elements.chain(constraints).collect()

@@ -125,6 +125,35 @@ impl ProductBars<'_> {
     }
 }
 
+/// Functionals whose products share what depends on the state alone.
+const TOGETHER: usize = 2;
+
+/// Where the results of a program go, for one functional after the other.
+#[derive(Default)]
+struct Targets {
+    all: Vec<Target>,
+    /// Where those of each functional begin, and their end.
+    starts: [usize; TOGETHER + 1],
+}
+
+impl Targets {
+    /// Of the labels of a program: `size` times the number of the functional, and the place of an argument, which `target` finds.
+    fn set(&mut self, labels: &[u32], size: usize, target: impl Fn(usize) -> Target) {
+        self.all.clear();
+        self.all.extend(labels.iter().map(|&label| target(label as usize % size)));
+        self.starts = std::array::from_fn(|k| labels.partition_point(|&label| (label as usize) < k * size));
+    }
+
+    /// Adds the results for one part, times a factor.
+    #[inline(always)]
+    fn add(&self, bars: &mut [ProductBars], part: &DofMap, results: &[f64], factor: f64) {
+        for (bar, range) in bars.iter_mut().zip(self.starts.windows(2)) {
+            let own = range[0]..range[1];
+            bar.add(part, &self.all[own.clone()], &results[own], factor);
+        }
+    }
+}
+
 /// Products of adjoint variables with the derivatives of elements and constraints.
 pub struct Products {
     /// By what elements add.
@@ -133,7 +162,7 @@ pub struct Products {
     active: Vec<bool>,
     work: BatchWork<f64>,
     chosen: Vec<usize>,
-    targets: Vec<Target>,
+    targets: Targets,
 }
 
 impl Products {
@@ -145,7 +174,7 @@ impl Products {
             active: active.to_vec(),
             work: BatchWork::default(),
             chosen: Vec::new(),
-            targets: Vec::new(),
+            targets: Targets::default(),
         }
     }
 
@@ -166,16 +195,17 @@ impl Products {
         for Selection { batch, asked, parts, programs } in selections {
             let (batch, n) = (&batches[*batch], batches[*batch].layout.n);
             let layout = batch.layout;
-            let program = programs.get(0, || element_programs::products(&batch.formula, layout, asked));
             let like = &system.element_parts[parts[0]];
-            targets.clear();
-            targets.extend(program.labels().iter().map(|&label| match label as usize {
-                place if place < 3 * n => Target::coordinate(place / n, like, place % n),
-                place => Target::parameter(like, place - layout.p()),
-            }));
-            for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+            for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
+                let count = adjoints.len();
+                let program =
+                    programs.get(count as u32, || element_programs::products(&batch.formula, layout, asked, count));
+                targets.set(program.labels(), layout.t(), |place| match place {
+                    place if place < 3 * n => Target::coordinate(place / n, like, place % n),
+                    place => Target::parameter(like, place - layout.p()),
+                });
                 chosen.clear();
-                let weighs = |part: &&usize| any(&system.element_parts[**part], &adjoint.f);
+                let weighs = |part: &&usize| adjoints.iter().any(|own| any(&system.element_parts[**part], &own.f));
                 chosen.extend(parts.iter().filter(weighs));
                 let part = |index: usize| &system.element_parts[chosen[index]];
                 run_parts(
@@ -183,10 +213,12 @@ impl Products {
                     chosen.len(),
                     work,
                     |index, lane| {
-                        let place = layout.write(lane, part(index), (at, p, t), force);
-                        lane.copy_segments(place, part(index), &adjoint.f);
+                        let mut place = layout.write(lane, part(index), (at, p, t), force);
+                        for adjoint in adjoints {
+                            place = lane.copy_segments(place, part(index), &adjoint.f);
+                        }
                     },
-                    |index, results| bar.add(part(index), targets, results, sign),
+                    |index, results| targets.add(bars, part(index), results, sign),
                 );
             }
         }
@@ -211,24 +243,25 @@ impl Products {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
-            let code = asked.short_code([false; 3]);
-            let program = programs.get(code, || constraint_programs::products(physics, asked, parameters));
             let (like, n) = (&system.constraint_parts[parts[0]], layout.n);
-            targets.clear();
-            targets.extend(program.labels().iter().map(|&label| match label as usize {
-                place if place < 2 * n => Target::coordinate(1 + place / n, like, place % n),
-                place if place < layout.t() => Target::parameter(like, place - layout.p()),
-                place => Target::coordinate(0, like, place - layout.a()),
-            }));
-            for (adjoint, bar) in adjoints.iter().zip(&mut *bars) {
+            for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
+                let count = adjoints.len();
+                let code = asked.short_code([false; 3]) * (TOGETHER + 1) as u32 + count as u32;
+                let program = programs.get(code, || constraint_programs::products(physics, asked, parameters, count));
+                targets.set(program.labels(), layout.mu(), |place| match place {
+                    place if place < 2 * n => Target::coordinate(1 + place / n, like, place % n),
+                    place if place < layout.t() => Target::parameter(like, place - layout.p()),
+                    place => Target::coordinate(0, like, place - layout.a()),
+                });
                 chosen.clear();
-                chosen.extend(parts.iter().filter(|&&index| {
+                let weighs = |adjoint: &Adjoints, index: usize| {
                     let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
                     let nonzero = |values: &[f64]| values.iter().any(|&value| value != 0.0);
                     let equations = nonzero(&adjoint.g[rows.clone()]) || adjoint.g_second.get(rows).is_some_and(nonzero);
                     (asked.reactions && (any(part, &adjoint.f) || any(part, &adjoint.y)))
                         || (asked.equations[0].is_some() && equations)
-                }));
+                };
+                chosen.extend(parts.iter().filter(|&&index| adjoints.iter().any(|adjoint| weighs(adjoint, index))));
                 let part = |index: usize| &system.constraint_parts[chosen[index]];
                 run_parts(
                     &program,
@@ -239,20 +272,22 @@ impl Products {
                         let rows = system.equations_of(chosen[index]);
                         let multipliers = asked.multipliers(unknowns, rows.clone());
                         let mut place = layout.write(lane, part, (at, p, t), multipliers, scales);
-                        if asked.reactions {
-                            place = lane.copy_segments(place, part, &adjoint.f);
-                            if asked.stabilized() {
-                                place = lane.copy_segments(place, part, &adjoint.y);
+                        for adjoint in adjoints {
+                            if asked.reactions {
+                                place = lane.copy_segments(place, part, &adjoint.f);
+                                if asked.stabilized() {
+                                    place = lane.copy_segments(place, part, &adjoint.y);
+                                }
+                            }
+                            if asked.equations[0].is_some() {
+                                place = lane.copy(place, &adjoint.g[rows.clone()]);
+                            }
+                            if asked.equations[1].is_some() {
+                                place = lane.copy(place, &adjoint.g_second[rows.clone()]);
                             }
                         }
-                        if asked.equations[0].is_some() {
-                            place = lane.copy(place, &adjoint.g[rows.clone()]);
-                        }
-                        if asked.equations[1].is_some() {
-                            lane.copy(place, &adjoint.g_second[rows]);
-                        }
                     },
-                    |index, results| bar.add(part(index), targets, results, factor),
+                    |index, results| targets.add(bars, part(index), results, factor),
                 );
             }
         }

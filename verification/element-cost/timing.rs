@@ -226,7 +226,7 @@ pub fn programs(item: &Item) -> [Arc<Program>; 4] {
     let model = assembly(item, 1, false);
     let system = System::new(&model, SystemOptions::default());
     let mut all = system.part_programs(&equations());
-    let PartPrograms { residual, matrix, products } = all.pop().expect("a model of one part");
+    let PartPrograms { residual, matrix, products: [products, _] } = all.pop().expect("a model of one part");
     let second = match (item.physics)() {
         Physics::Element(own) => second_of_element(&ElementPhysics::new(own)),
         Physics::Constraint(own) => second_of_constraint(&ConstraintPhysics::new(own)),
