@@ -174,4 +174,35 @@ fn a_run_writes_where_its_shell_stands_and_how_it_is_stressed() {
     let stress = arrays.numbers("CellData", "von Mises stress [N/m2]");
     // weight bends and pulls it, in kilopascals or megapascals
     assert!(stress[..5].iter().all(|stress| (1e3..1e8).contains(stress)), "{stress:?}");
+    let ratios = arrays.numbers("CellData", "measured for failure ratio, smooth maximum [-]");
+    let yields = |(stress, ratio): (&f64, &f64)| (stress / 276e6 / ratio - 1.0).abs() < 1e-12;
+    assert!(stress[..5].iter().zip(&ratios).all(yields) && ratios[5..].iter().all(|ratio| ratio.is_nan()), "{ratios:?}");
+}
+
+#[test]
+fn a_gradient_writes_how_each_element_of_a_shell_changes_it_by_its_thickness() {
+    let folder = Folder::new("gradient");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_costate"));
+    command.args(["gradient", "plate-pendulum", "--steps", "3", "--end", "0.003", "--vtk", "--json", "--out"]);
+    let output = command.arg(&folder.0).output().expect("runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.contains("gradients.vtu"), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    let said: serde_json::Value = serde_json::from_str(text.lines().last().expect("a line")).expect("JSON");
+    let arrays = Arrays::read(&folder.0.join("gradients.vtu"));
+    let functionals = said["functionals"].as_array().expect("functionals");
+    assert_eq!(functionals.len(), 5);
+    for functional in functionals {
+        let word = |key: &str| functional[key].as_str().expect("a word").to_string();
+        let name = format!("gradient of {} by thickness [{}/m]", word("name"), word("unit"));
+        let own = arrays.numbers("CellData", &name);
+        assert!(own.len() >= 5 && own[5..].iter().all(|value| value.is_nan()), "{own:?}");
+        // each of the five elements is a strip, whose thickness is a variable
+        let strips: Vec<f64> =
+            (1..=5).map(|strip| functional["gradient"][format!("thickness {strip}")].as_f64().expect("a number")).collect();
+        let largest = strips.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        assert!(
+            largest > 0.0 && own.iter().zip(&strips).all(|(own, strip)| (own - strip).abs() < 1e-12 * largest),
+            "{name}"
+        );
+    }
 }

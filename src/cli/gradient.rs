@@ -2,6 +2,7 @@ use super::CommandLine;
 use super::console::{json_number, say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, keep, resumed};
+use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
 use super::report::{GradientRows, Page};
@@ -123,6 +124,13 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     }
     say("");
     parts.colour(&prepared, &by_parameters, &mut page);
+    if options.scene.output(&*scene).meshes {
+        let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(&*scene));
+        match written {
+            Ok(path) => simulation.files.extend(path),
+            Err(error) => simulation.unwritten = simulation.unwritten.or(Some(error.into())),
+        }
+    }
     page.gradient(&prepared, &rows_of(&adjoint, check.as_ref()));
     let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref());
     simulation.conclude(page, summary);

@@ -1,12 +1,16 @@
 //! What a mechanism is made of as meshes for ParaView: shells as surfaces with their stress, beams and bodies as lines, the rest as points.
 
+use crate::assembly::ElementId;
+use crate::functionals::{Functional, Measured, Sample};
 use crate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
 use crate::scenes::{Drawn, NodePoint, Prepared, Surface};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the file of the series.
 pub const SERIES: &str = "fields.pvd";
+/// Name of the file of gradients by thickness.
+const GRADIENTS: &str = "gradients.vtu";
 
 /// The meshes of a run.
 pub struct Meshes<'p> {
@@ -54,13 +58,13 @@ impl<'p> Meshes<'p> {
         Meshes { prepared, series: MeshSeries::new(folder, name), points, cells, surfaces }
     }
 
-    /// Writes the mesh at a time \[s\].
+    /// Writes the mesh at a sample.
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn add(&mut self, t: f64, q: &[f64]) -> Result<(), IoError> {
-        let mesh = self.mesh(q);
-        self.series.add(t, &mesh)
+    pub fn add(&mut self, sample: &Sample<f64>) -> Result<(), IoError> {
+        let mesh = self.mesh(sample);
+        self.series.add(sample.t, &mesh)
     }
 
     /// Writes the file that names all others.
@@ -71,8 +75,8 @@ impl<'p> Meshes<'p> {
         self.series.finish().map(drop)
     }
 
-    fn mesh(&self, q: &[f64]) -> UnstructuredMesh {
-        let numbers = &self.prepared.mechanism.numbers;
+    fn mesh(&self, sample: &Sample<f64>) -> UnstructuredMesh {
+        let (numbers, q) = (&self.prepared.mechanism.numbers, &sample.at.q[..]);
         let points: Vec<[f64; 3]> = self.points.iter().map(|point| point.at(q)).collect();
         let moved = self.points.iter().zip(&points).flat_map(|(point, now)| {
             let start = point.at(&numbers.q);
@@ -83,19 +87,56 @@ impl<'p> Meshes<'p> {
             Attribute { name: "displacement [m]".into(), components: 3, values: moved.collect() },
             Attribute { name: "rotation [rad]".into(), components: 3, values: turned.collect() },
         ];
-        let of_cells = |name: &str, value: &dyn Fn(&Surface) -> Option<f64>| {
-            let mut values: Vec<f64> = self.surfaces.iter().map(|surface| value(surface).unwrap_or(f64::NAN)).collect();
-            values.resize(self.cells.len(), f64::NAN);
-            Attribute { name: name.into(), components: 1, values }
-        };
         let cell_data = if self.surfaces.is_empty() {
             Vec::new()
         } else {
-            vec![
-                of_cells("von Mises stress [N/m2]", &|surface| surface.stress(q, &numbers.p)),
-                of_cells("thickness [m]", &|surface| surface.thickness(&numbers.p)),
-            ]
+            let mut all = vec![
+                self.of_surfaces("von Mises stress [N/m2]".into(), |surface| surface.stress(q, &numbers.p)),
+                self.of_surfaces("thickness [m]".into(), |surface| surface.thickness(&numbers.p)),
+            ];
+            all.extend(self.prepared.functionals().iter().filter_map(|functional| self.measured(functional, sample)));
+            all
         };
         UnstructuredMesh { points, cells: self.cells.clone(), point_data, cell_data }
     }
+
+    /// A number of each surface; of other cells and surfaces without it none.
+    fn of_surfaces(&self, name: String, value: impl Fn(&Surface) -> Option<f64>) -> Attribute {
+        let mut values: Vec<f64> = self.surfaces.iter().map(|surface| value(surface).unwrap_or(f64::NAN)).collect();
+        values.resize(self.cells.len(), f64::NAN);
+        Attribute { name, components: 1, values }
+    }
+
+    /// What a functional of a group measures in each of its surfaces, at the point where it is largest.
+    fn measured(&self, functional: &Functional, sample: &Sample<f64>) -> Option<Attribute> {
+        let Measured::Group(group) = &functional.measured else { return None };
+        let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
+        let values: HashMap<ElementId, f64> = group.element_values(model, sample, p).into_iter().collect();
+        let of_surface = |surface: &Surface| values.get(&surface.element).copied();
+        self.surfaces.iter().any(|surface| of_surface(surface).is_some()).then(|| {
+            let name = format!("measured for {} [{}]", functional.name, functional.unit);
+            self.of_surfaces(name, of_surface)
+        })
+    }
+}
+
+/// Writes the derivatives of all functionals by the thickness of each shell element, given those by parameters, on the mesh of the start;
+/// nothing without shells.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_gradients(prepared: &Prepared, by_parameters: &[Vec<f64>], folder: &Path) -> Result<Option<PathBuf>, IoError> {
+    let meshes = Meshes::new(prepared, folder);
+    if meshes.surfaces.iter().all(|surface| surface.thicknesses().is_none()) {
+        return Ok(None);
+    }
+    let points = meshes.points.iter().map(|point| point.at(&prepared.mechanism.numbers.q)).collect();
+    let gradients = prepared.functionals().iter().zip(by_parameters).map(|(functional, row)| {
+        let name = format!("gradient of {} by thickness [{}/m]", functional.name, functional.value_unit());
+        meshes.of_surfaces(name, |surface| Some(row[surface.thicknesses()?].iter().sum()))
+    });
+    let path = folder.join(GRADIENTS);
+    let (cells, cell_data) = (meshes.cells.clone(), gradients.collect());
+    UnstructuredMesh { points, cells, point_data: Vec::new(), cell_data }.write(&path)?;
+    Ok(Some(path))
 }

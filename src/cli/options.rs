@@ -39,7 +39,8 @@ pub struct SceneOptions {
     /// Write histories at multiples of this time instead of at the steps [s]
     #[arg(long, value_name = "DT", value_parser = positive_seconds, allow_negative_numbers = true)]
     output_step: Option<f64>,
-    /// Write meshes for ParaView: fields.pvd, with a .vtu file for each row of the histories
+    /// Write meshes for ParaView: fields.pvd, with a .vtu file for each row of the histories, and with `gradient` gradients.vtu, the
+    /// derivatives by the thickness of each shell element
     #[arg(long)]
     vtk: bool,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,

@@ -159,7 +159,7 @@ impl<'p> Results<'p> {
         self.row.clear();
         self.columns.add_row(&sample, energy, &mut self.row);
         let written = self.histories.row(&self.row);
-        let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(t, q));
+        let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
         written.and_then(|()| meshes()).map_err(|error| RunError::History {
             place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
             cause: error.to_string(),
