@@ -301,9 +301,10 @@ impl OnColumns for ForwardTransposed<'_> {
             }
             index += STRIP;
         }
-        for index in index..count {
+        while index < count {
             let sums = dots::<FUSED, 1, W>([column(index)], own);
             (0..W).for_each(|w| rest[w][index] -= sums[w][0]);
+            index += 1;
         }
     }
 }
