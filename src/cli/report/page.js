@@ -51,6 +51,9 @@
   const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const charts = [];
   let now = null;
+  // curves of the same things in several charts are named in the first of them
+  const named = (chart) => chart.series.length < 2 || chart.series.some((own) => own.name) ? chart
+    : report.charts.find((other) => other.series.length === chart.series.length && other.series.every((own) => own.name)) ?? chart;
   for (const chart of report.charts ?? []) {
     const card = element("div", null, byId("charts"), "card");
     element("h3", chart.title || chart.y_label, card);
@@ -66,7 +69,7 @@
       axes: [axis(chart.x_label, 34), axis(chart.y_label, 62)],
       cursor: { sync: { key: overTime ? "time" : chart.x_label }, drag: { x: true, y: true, uni: 20 } },
       series: [{ label: chart.x_label, value: (_, value) => brief(value) }, ...chart.series.map((own, k) => ({
-        label: own.name || chart.y_label, stroke: palette[k % palette.length], width: 1.6, points: { show: few }, value: (_, value) => brief(value) }))],
+        label: own.name || named(chart).series[k].name || chart.y_label, stroke: palette[k % palette.length], width: 1.6, points: { show: few }, value: (_, value) => brief(value) }))],
       hooks: { draw: [(plot) => {
         if (now === null || !overTime) return;
         const at = plot.valToPos(now, "x", true);
