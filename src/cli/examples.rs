@@ -23,7 +23,7 @@ impl CommandLine<'_> {
         };
         let examples: Examples = match command {
             "run" => vec![
-                (format!("run {first}"), "the motion, with results in out/"),
+                (format!("run {first}"), "the motion, with a report and other results in out/"),
                 (format!("run {first} --steps 2000{} --out results", set(&first)), "finer, another design, another folder"),
                 (
                     "run arm.toml --tolerance 1e-6 --vtk".into(),

@@ -461,7 +461,10 @@ mod tests {
         let Finished { files, unwritten, .. } = ran(&prepared, &folder).finish(&Progress::new("writing", 3));
         assert!(unwritten.is_none(), "{unwritten:?}");
         let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
-        assert_eq!(names, ["histories.csv", "histories.png", "histories.svg"]);
+        let arrow = cfg!(feature = "arrow").then_some("histories.arrow");
+        let expected: Vec<&str> =
+            ["histories.csv"].into_iter().chain(arrow).chain(["histories.png", "histories.svg"]).collect();
+        assert_eq!(names, expected);
         let text = std::fs::read_to_string(&files[0]).unwrap();
         let mut lines = text.lines();
         assert_eq!(lines.next(), Some("t [s],free.q0,free.dq0/dt,free.d2q0/dt2"));

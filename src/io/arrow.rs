@@ -13,7 +13,7 @@ use std::sync::Arc;
 const AT_ONCE: usize = 1 << 20;
 
 /// A file of the Arrow IPC format (Feather version 2) that is written row by row. It appears under its name when it is finished, and not at
-/// all if it is dropped before.
+/// all if it is dropped before; while it is written it is called `NAME.unfinished.arrow`.
 pub struct ArrowFile {
     path: PathBuf,
     aside: Aside,
@@ -28,7 +28,7 @@ impl ArrowFile {
     /// # Errors
     /// A folder that cannot be created, or a file that cannot be written.
     pub fn create(path: &Path, names: &[String]) -> Result<Self, IoError> {
-        let aside = Aside::beside(path)?;
+        let aside = Aside::unfinished(path)?;
         let file = File::create(&aside.part).map_err(|cause| IoError::new(path, cause))?;
         let fields: Vec<Field> = names.iter().map(|name| Field::new(name, DataType::Float64, false)).collect();
         let schema = Arc::new(Schema::new(fields));
