@@ -22,7 +22,7 @@
 //!         m.point_mass("ball", ball, S::one());
 //!         m.set_velocity(ball, Vector3::new(x[0], x[0], S::zero()), Vector3::zeros());
 //!         m.gravity(Vector3::from_f64([0.0, -9.81, 0.0]));
-//!         m.coordinate_functional("height", Over::Final, ball, 1);
+//!         m.coordinate_functional("height", Over::Terminal, ball, 1);
 //!         Ok(())
 //!     }
 //! }
