@@ -12,12 +12,13 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Public names of options there, which have no formula of their own.
-const OPTIONS: [&str; 11] = [
+const OPTIONS: [&str; 12] = [
     "CableSection",
     "CableStrain",
     "HeldSlope",
     "Laminate",
     "Material",
+    "Outline",
     "Ply",
     "PlyStrength",
     "Section",
