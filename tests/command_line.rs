@@ -422,11 +422,30 @@ fn a_new_file_runs_and_its_gradient_is_right() {
 #[test]
 fn the_help_of_every_command_has_examples() {
     let folder = Folder::new("help");
-    for command in ["run", "gradient", "optimize", "modes", "verify", "check", "new", "schema", "list"] {
+    for command in ["run", "gradient", "optimize", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
+    {
         let help = text(&folder.run(&[command, "--help"]).stdout);
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{help}"));
         assert!(examples.lines().all(|line| line.starts_with(&format!("  costate {command}"))), "{examples}");
     }
+}
+
+#[test]
+fn shells_complete_every_command_and_each_has_a_page_of_the_manual() {
+    let folder = Folder::new("manual");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = text(&folder.run(&["completions", shell]).stdout);
+        assert!(["gradient", "resume", "constraint-level"].iter().all(|word| script.contains(word)), "{shell}: {script}");
+    }
+    assert_eq!(folder.run(&["completions", "dos"]).status.code(), Some(2));
+    assert_eq!(folder.run(&["man", "pages"]).status.code(), Some(0));
+    let pages = folder.files("pages");
+    assert!(["costate.1", "costate-gradient.1"].iter().all(|page| pages.iter().any(|own| own == page)), "{pages:?}");
+    let page = fs::read_to_string(folder.0.join("pages/costate-gradient.1")).unwrap();
+    assert!(page.contains("complex\\-step") || page.contains("complex-step"), "{page}");
+    fs::write(folder.0.join("taken"), "").unwrap();
+    let output = folder.run(&["man", "taken"]);
+    assert!(output.status.code() == Some(1) && text(&output.stderr).contains("man taken"), "{}", text(&output.stderr));
 }
 
 #[test]

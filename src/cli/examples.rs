@@ -54,6 +54,11 @@ impl CommandLine<'_> {
             "list" => {
                 vec![("list".into(), "all scenes"), (format!("list {first}"), "design variables and functionals of one")]
             }
+            "completions" => vec![(
+                format!("completions bash > ~/.local/share/bash-completion/completions/{}", self.name),
+                "for new shells",
+            )],
+            "man" => vec![("man ~/.local/share/man/man1".into(), "a page of the manual for each command")],
             _ => Vec::new(),
         };
         let width = examples.iter().map(|(line, _)| line.chars().count()).max().unwrap_or_default();

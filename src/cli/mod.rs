@@ -43,6 +43,7 @@ mod history_files;
 mod interrupt;
 mod kept_moments;
 mod list;
+mod manual;
 mod meshes;
 mod modes;
 mod motions;
@@ -97,6 +98,10 @@ enum Command {
     Schema,
     /// List the scenes; of one scene its design variables and functionals
     List(list::ListOptions),
+    /// Print what a shell needs to complete commands and options
+    Completions(manual::CompletionOptions),
+    /// Write the pages of the manual into a folder
+    Man(manual::ManualOptions),
 }
 
 /// Runs the command line for some scenes, and for scene files, with the arguments of the process; returns the exit code.
@@ -174,6 +179,8 @@ impl<'p> CommandLine<'p> {
             Command::New(options) => new::run(options, self),
             Command::Schema => check::schema(),
             Command::List(options) => list::run(options, self),
+            Command::Completions(options) => manual::complete(options, self),
+            Command::Man(options) => manual::write(options, self),
         }
     }
 }
