@@ -13,6 +13,8 @@ const ZERO_SHARE: f64 = 1e-3;
 const STAGNATED: &str = "stagnated in the derivative parts";
 /// Corrections of derivative parts that shrink less than this do not converge any more.
 const SLOW_PARTS: f64 = 0.9;
+/// Relative corrections of derivative parts above which not even round-off is let pass.
+const ROUNDED_PARTS: f64 = 1e-6;
 /// Relative correction up to which a guide counts as the solution of the same problem.
 const GUIDED: f64 = 1e-6;
 
@@ -82,11 +84,26 @@ impl<S: RunScalar> Newton<'_, S> {
                 return Ok(());
             }
             if pass >= PASSES && beyond > SLOW_PARTS * previous {
+                if self.parts_at_round_off(stage, unknowns) {
+                    return Ok(());
+                }
                 return Err(Failure { how: FailureKind::Parts(STAGNATED), iterations: pass, correction: beyond });
             }
             previous = if pass >= PASSES { beyond } else { f64::INFINITY };
         }
         Err(Failure { how: FailureKind::Parts(STAGNATED), iterations: MOST_ITERATIONS, correction: previous })
+    }
+
+    /// Corrections no longer shrink: are they what the last bits of (a, v, q) and of their parts change? So it is with accelerations of stiff
+    /// members, which are the small difference of large forces: a share eps omega^2 of what moves, omega the highest frequency.
+    fn parts_at_round_off(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> bool {
+        (0..S::PARTS).all(|part| {
+            self.evaluate(stage, unknowns);
+            let left = self.step(Some(part), &mut unknowns.clone());
+            let round_off = self.round_off_of(Some(part), stage, unknowns);
+            let size = self.size_of_part(part, stage, unknowns);
+            left <= (2.0 * round_off).min(ROUNDED_PARTS * size)
+        })
     }
 
     /// What a correction of derivative part `part` is measured by: the unknowns' parts and those of the coordinates and velocities that

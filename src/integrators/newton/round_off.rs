@@ -8,17 +8,22 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Sizes of a correction of coordinates and of multipliers that are round-off alone: what the last bits of (a, v, q) change in the
     /// residual, through the matrix.
     pub(super) fn round_off(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> [f64; 2] {
-        self.jacobian.reduce(&self.system, &self.residual, None, &mut self.exact);
+        let step = self.round_off_of(None, stage, unknowns);
+        [step, self.multiplier_step()]
+    }
+
+    /// Size of a correction of coordinates, of their values or of a derivative part, that is round-off alone; the residual is evaluated.
+    pub(super) fn round_off_of(&mut self, part: Option<usize>, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> f64 {
+        self.jacobian.reduce(&self.system, &self.residual, part, &mut self.exact);
         self.residual.last_bits = true;
         self.evaluate(stage, unknowns);
         self.residual.last_bits = false;
-        self.jacobian.reduce(&self.system, &self.residual, None, &mut self.rhs);
+        self.jacobian.reduce(&self.system, &self.residual, part, &mut self.rhs);
         self.rhs.iter_mut().zip(&self.exact).for_each(|(other, exact)| *other -= exact);
         self.factorization.solve(&mut self.rhs);
         self.counters.solves += 1;
         self.work.clone_from(unknowns);
-        let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.coordinate_scales);
-        [step, self.multiplier_step()]
+        self.jacobian.add_step(&self.system, &self.rhs, part, &mut self.work, &self.coordinate_scales)
     }
 
     /// Corrections no longer shrink: is that round-off, or a system that does not converge?
