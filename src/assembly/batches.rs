@@ -160,7 +160,6 @@ impl<S: RunScalar> Aligned<S> {
 /// Workspace of evaluations.
 #[derive(Clone, Debug)]
 pub(crate) struct BatchWork<S> {
-    group: Group<S>,
     pieces: Vec<Group<S>>,
     /// Results of several elements, one element after the other.
     results: Vec<S>,
@@ -192,12 +191,14 @@ impl<S> Default for Group<S> {
 
 impl<S> Default for BatchWork<S> {
     fn default() -> Self {
-        BatchWork { group: Group::default(), pieces: Vec::new(), results: Vec::new() }
+        BatchWork { pieces: Vec::new(), results: Vec::new() }
     }
 }
 
 /// Groups that several threads evaluate at a time, while the results of as many are taken.
 const PIECES: usize = 16;
+/// Groups that go through a section of a long program together: what they store in between should stay in the second cache.
+const TOGETHER: usize = 4;
 /// Instructions of all parts together below which one thread does them: waking others costs more.
 const PARALLEL: usize = 400_000;
 
@@ -222,59 +223,81 @@ pub(crate) fn run_parts<S: RunScalar>(
     mut read: impl FnMut(usize, &[S]) + Send,
 ) {
     let lanes = S::lanes();
-    let run = |first: usize, group: &mut Group<S>| {
-        let (parts, width) = next_group(count - first, lanes);
-        let count = program.inputs();
-        let inputs = group.inputs.first(count * width);
-        let outputs = group.outputs.first(program.outputs() * width);
+    let (inputs, outputs) = (program.inputs(), program.outputs());
+    let fill = |group: &mut Group<S>| {
+        let (parts, width) = next_group(count - group.first, lanes);
+        let numbers = group.inputs.first(inputs * width);
         if width == 1 {
-            write(first, &mut Lane(inputs));
-            return S::run(program, inputs, outputs, &mut group.work);
+            return write(group.first, &mut Lane(numbers));
         }
-        group.arguments.resize(count * width, S::zero());
-        for (lane, own) in group.arguments.chunks_exact_mut(count.max(1)).enumerate() {
+        group.arguments.resize(inputs * width, S::zero());
+        for (lane, own) in group.arguments.chunks_exact_mut(inputs.max(1)).enumerate() {
             // in lanes without a part those of the last one
-            write(first + lane.min(parts - 1), &mut Lane(own));
+            write(group.first + lane.min(parts - 1), &mut Lane(own));
         }
-        side_by_side(&group.arguments, inputs, width);
-        S::run_lanes(program, inputs, outputs, &mut group.work);
+        side_by_side(&group.arguments, numbers, width);
     };
-    let BatchWork { group, pieces, results } = work;
-    let mut take = |first: usize, group: &mut Group<S>| {
-        let (parts, width) = next_group(count - first, lanes);
-        let numbers = &*group.outputs.first(program.outputs() * width);
+    let run = |section: usize, group: &mut Group<S>| {
+        let width = next_group(count - group.first, lanes).1;
+        let (arguments, results) = (group.inputs.first(inputs * width), group.outputs.first(outputs * width));
+        match (width, section) {
+            (1, 0) => S::run(program, arguments, results, &mut group.work),
+            (1, _) => {}
+            _ => S::run_section(program, section, arguments, results, &mut group.work),
+        }
+    };
+    let sections = if count * 3 > lanes { S::sections(program) } else { 1 };
+    let evaluate = |groups: &mut [Group<S>]| {
+        groups.iter_mut().for_each(fill);
+        for section in 0..sections {
+            groups.iter_mut().for_each(|group| run(section, group));
+        }
+    };
+    let BatchWork { pieces, results } = work;
+    let mut take = |group: &mut Group<S>| {
+        let (parts, width) = next_group(count - group.first, lanes);
+        let numbers = &*group.outputs.first(outputs * width);
         if width == 1 {
-            return read(first, numbers);
+            return read(group.first, numbers);
         }
         results.resize(numbers.len(), S::zero());
         one_by_one(numbers, results, width);
-        let own = results.chunks_exact(program.outputs().max(1));
-        own.take(parts).enumerate().for_each(|(lane, own)| read(first + lane, own));
+        let own = results.chunks_exact(outputs.max(1));
+        own.take(parts).enumerate().for_each(|(lane, own)| read(group.first + lane, own));
     };
+    let together = if sections > 1 { TOGETHER } else { 1 };
     let mut firsts = groups(count, lanes);
+    let mut set_firsts = |groups: &mut [Group<S>]| {
+        let next = groups.iter_mut().zip(&mut firsts);
+        next.map(|(group, first)| group.first = first).count()
+    };
     let alone = rayon::current_num_threads() == 1 || count < 2 * lanes;
     if alone || count * program.listing().instructions.len() < PARALLEL {
-        for first in firsts {
-            run(first, group);
-            take(first, group);
+        if pieces.len() < together {
+            pieces.resize_with(together, Group::default);
         }
-        return;
+        loop {
+            let ready = set_firsts(&mut pieces[..together]);
+            if ready == 0 {
+                return;
+            }
+            evaluate(&mut pieces[..ready]);
+            pieces[..ready].iter_mut().for_each(&mut take);
+        }
     }
-    pieces.resize_with(2 * PIECES, Group::default);
+    if pieces.len() < 2 * PIECES {
+        pieces.resize_with(2 * PIECES, Group::default);
+    }
     let (mut now, mut next) = pieces.split_at_mut(PIECES);
-    let evaluate = |firsts: &mut (dyn Iterator<Item = usize> + Send), groups: &mut [Group<S>]| -> usize {
-        let mut ready = 0;
-        for (group, first) in groups.iter_mut().zip(firsts) {
-            group.first = first;
-            ready += 1;
-        }
-        groups[..ready].par_iter_mut().for_each(|group| run(group.first, group));
+    let mut start = |groups: &mut [Group<S>]| {
+        let ready = set_firsts(groups);
+        groups[..ready].par_chunks_mut(together).for_each(evaluate);
         ready
     };
-    let mut ready = evaluate(&mut firsts, now);
+    let mut ready = start(now);
     while ready > 0 {
-        let taking = || now[..ready].iter_mut().for_each(|group| take(group.first, group));
-        let ((), following) = rayon::join(taking, || evaluate(&mut firsts, next));
+        let taking = || now[..ready].iter_mut().for_each(&mut take);
+        let ((), following) = rayon::join(taking, || start(next));
         ready = following;
         std::mem::swap(&mut now, &mut next);
     }

@@ -32,8 +32,12 @@ pub trait RunScalar: Scalar {
     fn run(program: &Program, inputs: &[Self], outputs: &mut [Self], work: &mut ProgramWork<Self>) {
         program.run_in(inputs, outputs, work);
     }
-    /// Executes it for as many as there are lanes, whose numbers lie side by side.
-    fn run_lanes(program: &Program, inputs: &[Self], outputs: &mut [Self], work: &mut ProgramWork<Self>) {
+    /// Number of sections in which a program is executed for several elements side by side.
+    fn sections(_program: &Program) -> usize {
+        1
+    }
+    /// Executes a section of it for as many as there are lanes, whose numbers lie side by side.
+    fn run_section(program: &Program, _section: usize, inputs: &[Self], outputs: &mut [Self], work: &mut ProgramWork<Self>) {
         Self::run(program, inputs, outputs, work);
     }
 }
@@ -92,8 +96,11 @@ impl RunScalar for f64 {
     fn run(program: &Program, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
         program.run(inputs, outputs, work);
     }
-    fn run_lanes(program: &Program, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
-        program.run_lanes(inputs, outputs, work);
+    fn sections(program: &Program) -> usize {
+        program.sections()
+    }
+    fn run_section(program: &Program, section: usize, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
+        program.run_section(section, inputs, outputs, work);
     }
 }
 

@@ -150,8 +150,11 @@ fn native_codes(listing: &Listing) -> Vec<(String, NativeCode)> {
     let mut codes = Vec::new();
     for level in [Level::Avx2, Level::Avx512] {
         for width in [Width::One, Width::Four, Width::Eight] {
-            let code = NativeCode::compile_for(listing, width, level);
-            codes.extend(code.map(|code| (format!("{width:?} lanes with {level:?}"), code)));
+            for section in [400, 1 << 20] {
+                let code = NativeCode::compile_for(listing, width, level, section);
+                let name = format!("{width:?} lanes with {level:?}, sections of {section} bytes");
+                codes.extend(code.map(|code| (name, code)));
+            }
         }
     }
     codes
@@ -226,7 +229,10 @@ fn long_listings_reach_the_far_addresses() {
         instructions.push(Instruction::Binary(random.pick(&BINARY), Source::Value(number), before));
     }
     let outputs = (0..length).rev().step_by(5).map(Source::Value).collect();
-    check(&Listing { inputs, constants, instructions, outputs }, &mut random);
+    let listing = Listing { inputs, constants, instructions, outputs };
+    let short = |(way, _): &(String, NativeCode)| way.ends_with("sections of 400 bytes");
+    assert!(native_codes(&listing).iter().filter(|code| short(code)).all(|(_, code)| code.sections() > 50));
+    check(&listing, &mut random);
 }
 
 #[test]

@@ -164,11 +164,26 @@ impl Program {
 
     /// Executes it for [`lanes`] elements, whose numbers lie side by side.
     pub fn run_lanes(&self, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
-        let width = if lanes() == 4 { Width::Four } else { Width::Eight };
-        match self.native(1, width) {
-            Some(code) => code.run(inputs, outputs, &mut work.scratch),
+        (0..self.sections()).for_each(|section| self.run_section(section, inputs, outputs, work));
+    }
+
+    /// As [`run_lanes`](Self::run_lanes), one of the [`sections`](Self::sections): those before it were executed with the same arguments,
+    /// results and workspace.
+    pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
+        match self.native_of_lanes() {
+            Some(code) => code.run_section(section, inputs, outputs, &mut work.scratch),
             None => self.looped().run_lanes(inputs, outputs, &mut work.lanes),
         }
+    }
+
+    /// Number of parts that are executed one after the other. Code that the caches for instructions do not hold comes from far for each
+    /// call: several groups of elements go through one section, then through the next.
+    pub fn sections(&self) -> usize {
+        self.native_of_lanes().map_or(1, NativeCode::sections)
+    }
+
+    fn native_of_lanes(&self) -> Option<&NativeCode> {
+        self.native(1, if lanes() == 4 { Width::Four } else { Width::Eight })
     }
 }
 

@@ -9,6 +9,9 @@ use crate::program::running::memory_refused;
 use memmap2::{Mmap, MmapMut};
 use std::arch::is_x86_feature_detected;
 
+/// Bytes of a section: the caches for instructions hold it, and moving numbers out of the registers at its end costs nothing.
+const SECTION: usize = 1 << 15;
+
 /// Machine code of a listing.
 #[derive(Debug)]
 pub struct NativeCode {
@@ -19,6 +22,8 @@ pub struct NativeCode {
     scratch: usize,
     /// Executable, not writable.
     memory: Mmap,
+    /// Where the functions begin that are called one after the other.
+    sections: Vec<usize>,
     /// Constants for all lanes, aligned to a cache line.
     constants: Box<[CacheLine]>,
     /// What the code passes to the functions it calls: it holds the addresses of the entries.
@@ -41,11 +46,11 @@ impl NativeCode {
     /// # Panics
     /// Where an operand of the listing is not a number that exists when it is read.
     pub fn compile(listing: &Listing, width: Width) -> Option<Self> {
-        [Level::Avx512, Level::Avx2].into_iter().find_map(|level| Self::compile_for(listing, width, level))
+        [Level::Avx512, Level::Avx2].into_iter().find_map(|level| Self::compile_for(listing, width, level, SECTION))
     }
 
-    /// As [`compile`](Self::compile), with the instructions of one level only.
-    pub(in crate::program) fn compile_for(listing: &Listing, width: Width, level: Level) -> Option<Self> {
+    /// As [`compile`](Self::compile), with the instructions of one level only and sections of a length in bytes.
+    pub(in crate::program) fn compile_for(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Self> {
         let available = match (level, width) {
             (Level::Avx512, _) => {
                 is_x86_feature_detected!("avx512f")
@@ -59,7 +64,7 @@ impl NativeCode {
         if !available {
             return None;
         }
-        let Emitted { bytes, constants, calls, scratch, biases } = emit(listing, width, level)?;
+        let Emitted { bytes, sections, constants, calls, scratch, biases } = emit(listing, width, level, section)?;
         let executable = || -> std::io::Result<Mmap> {
             let mut memory = MmapMut::map_anon(bytes.len())?;
             memory.copy_from_slice(&bytes);
@@ -74,7 +79,7 @@ impl NativeCode {
             .map(|chunk| CacheLine(std::array::from_fn(|i| chunk.get(i).copied().unwrap_or(0.0))))
             .collect();
         let (inputs, outputs) = (listing.inputs, listing.outputs.len());
-        Some(NativeCode { width, inputs, outputs, scratch, memory, constants, _calls: calls, biases })
+        Some(NativeCode { width, inputs, outputs, scratch, memory, sections, constants, _calls: calls, biases })
     }
 
     /// Elements evaluated together.
@@ -89,6 +94,16 @@ impl NativeCode {
     ///
     /// * `scratch` grows to the length that is needed, and may be shared with other programs
     pub fn run(&self, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
+        (0..self.sections()).for_each(|section| self.run_section(section, inputs, outputs, scratch));
+    }
+
+    /// Number of sections: code that is longer than the caches for instructions has several.
+    pub fn sections(&self) -> usize {
+        self.sections.len()
+    }
+
+    /// Executes one section, for the inputs, outputs and scratch with which those before it were executed.
+    pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], scratch: &mut Vec<f64>) {
         let lanes = self.width.lanes();
         assert_eq!(inputs.len(), lanes * self.inputs, "inputs: their number times {lanes}");
         assert_eq!(outputs.len(), lanes * self.outputs, "outputs: their number times {lanes}");
@@ -98,11 +113,12 @@ impl NativeCode {
         }
         let start = scratch.as_ptr().align_offset(64).min(7);
         let scratch = &mut scratch[start..][..self.scratch];
-        // SAFETY: `memory` holds a whole function of this type, which `emit` made for a listing with these numbers of
-        // inputs and outputs: it reads `inputs` and `constants`, writes `outputs` and `scratch`, and reads of them what
-        // it wrote. It keeps the convention of the type. The processor has its instructions: `compile_for` asked.
+        let begin = &self.memory[self.sections[section]..];
+        // SAFETY: at the start of each section `memory` holds a whole function of this type, which `emit` made for a listing with these
+        // numbers of inputs and outputs: it reads `inputs` and `constants`, writes `outputs` and `scratch`, and reads of them what it or
+        // those before it wrote, or other numbers if they were not called. It keeps the convention of the type. The processor has its instructions: `compile_for` asked.
         unsafe {
-            let entry = std::mem::transmute::<*const u8, Entry>(self.memory.as_ptr());
+            let entry = std::mem::transmute::<*const u8, Entry>(begin.as_ptr());
             entry(
                 inputs.as_ptr().wrapping_byte_add(self.biases[0]),
                 outputs.as_mut_ptr().wrapping_byte_add(self.biases[1]),

@@ -20,6 +20,8 @@ const DOWN: u8 = 0x09;
 /// Machine code, and what it needs to run.
 pub struct Emitted {
     pub bytes: Vec<u8>,
+    /// Where each section begins: a function of its own, to be called when those before it have been.
+    pub sections: Vec<usize>,
     /// Constants for all lanes.
     pub constants: Vec<f64>,
     /// Calls, at the addresses that the code has.
@@ -30,8 +32,8 @@ pub struct Emitted {
     pub biases: [usize; 4],
 }
 
-/// Makes the code of a listing; none where it is too long for the addresses of the instructions.
-pub fn emit(listing: &Listing, width: Width, level: Level) -> Option<Emitted> {
+/// Makes the code of a listing, in sections of so many bytes or some more; none where it is too long for the addresses of the instructions.
+pub fn emit(listing: &Listing, width: Width, level: Level, section: usize) -> Option<Emitted> {
     let uses = NextUses::of(listing);
     let longest = listing.outputs.len().max(uses.first.len()) + 64;
     i32::try_from(longest.checked_mul(8 * width.lanes())?).ok()?;
@@ -44,17 +46,28 @@ pub fn emit(listing: &Listing, width: Width, level: Level) -> Option<Emitted> {
         emitter.storage.encoder.save_bases();
     }
     let mut next_call = calls.iter();
+    let mut sections = vec![0];
     for (number, &instruction) in listing.instructions.iter().enumerate() {
-        if uses.needed[number] {
-            emitter.instruction(number, instruction, &mut next_call);
+        if !uses.needed[number] {
+            continue;
         }
+        if emitter.storage.encoder.length() - sections[sections.len() - 1] >= section {
+            emitter.storage.clear_registers();
+            let encoder = &mut emitter.storage.encoder;
+            encoder.finish_function(!calls.is_empty());
+            sections.push(encoder.length());
+            if !calls.is_empty() {
+                encoder.save_bases();
+            }
+        }
+        emitter.instruction(number, instruction, &mut next_call);
     }
     emitter.copy_outputs(&listing.outputs);
     let mut storage = emitter.storage;
     storage.encoder.finish_function(!calls.is_empty());
     let (scratch, biases) = (storage.scratch(), storage.biases());
     let constants = Storage::constants(width, &listing.constants);
-    Some(Emitted { bytes: storage.encoder.finish(), constants, calls, scratch, biases })
+    Some(Emitted { sections, bytes: storage.encoder.finish(), constants, calls, scratch, biases })
 }
 
 struct Emitter<'a> {

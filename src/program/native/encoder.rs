@@ -101,6 +101,11 @@ impl Encoder {
         self.bytes
     }
 
+    /// Bytes so far.
+    pub fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// `target = first op second`; instructions of one source have `first = 0`.
     pub fn vector(&mut self, width: Width, opcode: Opcode, target: u8, first: u8, second: Operand) {
         let low = |register: u8| register < 16;

@@ -19,6 +19,16 @@ impl NativeCode {
         match *self {}
     }
 
+    /// Number of sections.
+    pub fn sections(&self) -> usize {
+        match *self {}
+    }
+
+    /// Executes one section.
+    pub fn run_section(&self, _section: usize, _inputs: &[f64], _outputs: &mut [f64], _scratch: &mut Vec<f64>) {
+        match *self {}
+    }
+
     /// Evaluates the elements.
     pub fn run(&self, _inputs: &[f64], _outputs: &mut [f64], _scratch: &mut Vec<f64>) {
         match *self {}
