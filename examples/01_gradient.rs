@@ -1,4 +1,4 @@
-//! A user-written element and the gradient of its motion: Duffing's oscillator m a + c v + k q + k3 q^3 = 0, released at q0.
+//! A user-written element and the gradient of its motion: Duffing's oscillator m a + k q + k3 q^3 = 0, released at q0.
 //!
 //! The functional is the integral of q over 10 s. Run: `cargo run --release --example 01_gradient`
 
@@ -6,17 +6,13 @@ use costate::prelude::*;
 
 struct Duffing;
 impl Element for Duffing {
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::positive("mass", "kg"),
-        Parameter::non_negative("damping", "N s/m"),
-        Parameter::new("stiffness", "N/m"),
-        Parameter::new("cubic stiffness", "N/m3"),
-    ];
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::positive("mass", "kg"), Parameter::new("stiffness", "N/m"), Parameter::new("cubic stiffness", "N/m3")];
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Coordinates(1)]
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
-        r[0] = p[0] * s.a[0] + p[1] * s.v[0] + p[2] * s.q[0] + p[3] * s.q[0] * s.q[0] * s.q[0];
+        r[0] = p[0] * s.a[0] + p[1] * s.q[0] + p[2] * s.q[0] * s.q[0] * s.q[0];
     }
 }
 
@@ -26,16 +22,15 @@ impl Scene for Oscillator {
         "duffing".into()
     }
     fn variables(&self) -> Vec<DesignVariable> {
-        [("m", 1.0), ("c", 0.1), ("k", 2.0), ("k3", 0.5), ("q0", 1.5)]
-            .map(|(name, value)| DesignVariable::new(name, value, (0.0, 10.0), ""))
-            .to_vec()
+        let variables = [("m", 1.0, "kg"), ("k", 2.0, "N/m"), ("k3", 0.5, "N/m3"), ("q0", 1.5, "m")];
+        variables.map(|(name, value, unit)| DesignVariable::new(name, value, (0.0, 10.0), unit)).to_vec()
     }
     fn settings(&self) -> Settings {
         Settings::new(10.0, 400)
     }
     fn build<S: Scalar>(&self, x: &[S], mechanism: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let node = mechanism.coordinates("oscillator", &[x[4]], &[S::zero()]);
-        mechanism.element("spring", &[node], Duffing, &x[..4]);
+        let node = mechanism.coordinates("oscillator", &x[3..], &[S::zero()]);
+        mechanism.element("spring", &[node], Duffing, &x[..3]);
         mechanism.coordinate_functional("integral of q", Over::Integral, node, 0);
         Ok(())
     }
@@ -46,7 +41,7 @@ fn main() -> Result<(), RunError> {
     let analysis = scene.analysis();
     let forward = analysis.forward(&scene.x)?;
     let gradient = analysis.adjoint(&scene.x, &forward)?;
-    println!("integral of q = {:.12}", forward.values[0]);
+    println!("integral of q = {:.12} m s", forward.values[0]);
     for (variable, derivative) in scene.variables.iter().zip(&gradient.rows[0]) {
         println!("d / d {:<3} {derivative:>20.12}", variable.name);
     }

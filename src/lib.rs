@@ -1,7 +1,22 @@
 //! Flexible multibody dynamics whose elements are written once, generic over a scalar, with exact gradients of anything a
 //! mechanism does.
 //!
-//! The way of the data, and the order of the modules: each uses only those before it.
+//! **Start with the [guide]**: [getting started](guide::getting_started), [programs of your own](guide::programs), [your own element or
+//! joint](guide::own_parts), [the theory](guide::theory). Conventions, symbols and words are in its [glossary](guide::glossary), keys of scene files
+//! in `scenes::file`.
+//!
+//! | to | use |
+//! |---|---|
+//! | write a scene | [`prelude`], [`scenes::Scene`], [`scenes::MechanismBuilder`] |
+//! | run and differentiate it | [`scenes::Prepared`], [`sensitivity::Analysis`] |
+//! | write an element, a joint, a functional | [`elements::Element`], [`elements::Field`], [`elements::Constraint`], [`functionals::Quantity`] |
+//! | check what was written | [`testing`] |
+//! | improve a design | [`optimize::Optimization`] |
+//! | have the command line for scenes of one's own | `cli::main` |
+//!
+//! # The way of the data
+//!
+//! The order of the modules: each uses only those before it.
 //!
 //! ```text
 //! scalar        number types: real, complex step, dual, recorded
@@ -18,27 +33,8 @@
 //! optimize      better designs: programs, optimizers, histories
 //! io            plots, pictures, tables, files
 //! cli           the command line of any scenes (feature `cli`)
+//! guide         how to use all of this, and what it computes: text alone
 //! ```
-//!
-//! # Conventions
-//!
-//! * residual: inertia + internal - applied = 0; constraints add A^T mu with A = dg/dq, so the force on the bodies is -A^T mu
-//! * a body node: position of its frame in the world, then Euler parameters with the scalar part first; R(e) takes body
-//!   components to world components; angular velocity in the body frame is 2 G(e) de/dt
-//! * a body in natural coordinates: position of its frame, then its axes as world vectors; a cable's node: position, then slope dr/dx
-//! * units are the caller's, consistent; documentation names SI
-//!
-//! # Symbols
-//!
-//! | symbol | meaning |
-//! |---|---|
-//! | q, v, a | coordinates, velocities, accelerations |
-//! | p | parameters: every physical number of the model |
-//! | x | design variables; in a solved system: its unknowns |
-//! | mu | multipliers of the constraints g |
-//! | alpha, beta, gamma | dq/dx, dv/dx, da/dx of a system's unknowns |
-//! | lambda | adjoint variables of a system |
-//! | a bar behind a name | derivative of the functional with respect to it |
 
 pub mod scalar;
 
@@ -70,6 +66,8 @@ pub mod io;
 pub mod cli;
 
 pub mod testing;
+
+pub mod guide;
 
 /// What a file with a user's own element or scene needs.
 pub mod prelude {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
     "scalar",
     "program",
     "design",
@@ -17,6 +17,7 @@ const ORDER: [&str; 14] = [
     "optimize",
     "io",
     "cli",
+    "guide",
 ];
 
 fn check(folder: &Path, place: usize, violations: &mut Vec<String>, files: &mut usize) {

@@ -148,11 +148,15 @@ fn files_give_the_functionals_and_gradients_of_their_twins() {
 
 #[test]
 fn the_examples_of_the_pages_are_files_that_run() {
-    for page in ["README.md", "src/scenes/file/format.md"] {
-        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(page)).unwrap();
-        let blocks: Vec<&str> = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-        assert!(!blocks.is_empty(), "{page}");
-        for block in blocks {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let guide = std::fs::read_dir(root.join("src/guide")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = guide.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
+    let mut count = 0;
+    for path in pages.chain([root.join("README.md"), root.join("src/scenes/file/format.md")]) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let page = &path.display().to_string();
+        for block in text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+            count += 1;
             let scene = FileScene::parse(page, block).unwrap_or_else(|why| panic!("{why}"));
             let prepared = prepared(&scene);
             let analysis = prepared.analysis();
@@ -163,6 +167,7 @@ fn the_examples_of_the_pages_are_files_that_run() {
             assert!(largest < 1e-12 && size(&adjoint.rows[0]) > 0.0, "{page}: {largest:.1e}");
         }
     }
+    assert!(count >= 4, "only {count} files");
 }
 
 /// Holds a file against the text that belongs into it.

@@ -1,0 +1,242 @@
+//! The README and the guide say what is there: commands run, options, files and names exist, links lead to headings.
+//!
+//! Programs on the pages are doc-tests; scene files on them are run by the tests of scene files.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All files below a folder whose names end so, as paths from the root.
+fn files_below(folder: &str, ending: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap()) {
+        let path = format!("{folder}/{}", entry.file_name().to_str().unwrap());
+        if entry.file_type().unwrap().is_dir() {
+            found.extend(files_below(&path, ending));
+        } else if path.ends_with(ending) {
+            found.push(path.into());
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Names and texts of the pages.
+fn pages() -> Vec<(String, String)> {
+    let paths = files_below("src/guide", ".md").into_iter().chain(["README.md".into(), "src/scenes/file/format.md".into()]);
+    let read = |path: PathBuf| (path.display().to_string(), fs::read_to_string(root().join(path)).unwrap());
+    let pages: Vec<_> = paths.map(read).collect();
+    assert!(pages.len() > 25, "only {} pages", pages.len());
+    pages
+}
+
+/// Blocks of code in a language.
+fn blocks<'p>(page: &'p str, language: &str) -> Vec<&'p str> {
+    let fence = format!("```{language}\n");
+    page.split(&fence).skip(1).filter_map(|rest| rest.split("```").next()).collect()
+}
+
+/// What stands outside of blocks of code.
+fn prose(page: &str) -> String {
+    page.split("```").step_by(2).collect()
+}
+
+/// What stands in backticks outside of blocks of code.
+fn quoted(page: &str) -> Vec<String> {
+    prose(page).split('`').skip(1).step_by(2).map(String::from).collect()
+}
+
+/// Words of a command, of which some stand in quotes.
+fn words(line: &str) -> Vec<String> {
+    let pieces = line.split('"').enumerate();
+    let mut words: Vec<String> = vec![String::new()];
+    for (place, piece) in pieces {
+        let mut parts = if place % 2 == 1 { vec![piece] } else { piece.split(' ').collect() }.into_iter();
+        words.last_mut().unwrap().push_str(parts.next().unwrap_or_default());
+        words.extend(parts.map(String::from));
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// Arguments of `costate` in a line, if it calls it.
+fn arguments(line: &str) -> Option<Vec<String>> {
+    let line = line.split("    #").next().unwrap();
+    let call = ["costate ", "cargo run --release -- "].iter().find_map(|start| line.strip_prefix(start));
+    call.map(words)
+}
+
+fn costate(folder: &Path, arguments: &[String]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_costate")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// Whether a command takes longer than a test should: studies, optimizations without a limit, and large scenes.
+fn is_long(arguments: &[String]) -> bool {
+    let has = |own: &str| arguments.iter().any(|argument| argument == own);
+    let unlimited = arguments[0] == "optimize" && !has("--iterations") && !has("arm.toml");
+    arguments[0] == "verify" || unlimited || has("suspension") || has("box-tube-pendulum")
+}
+
+#[test]
+fn commands_on_the_pages_run() {
+    let folder = std::env::temp_dir().join(format!("costate-guide-{}", std::process::id()));
+    let (mut studies, mut run) = (BTreeSet::new(), 0);
+    for (name, page) in pages() {
+        // each page for itself, in the order of its lines
+        let here = folder.join(name.replace('/', "-"));
+        fs::create_dir_all(here.join("examples/scenes")).unwrap();
+        for file in ["bracket.toml", "bracket.msh"] {
+            let path = format!("examples/scenes/{file}");
+            fs::copy(root().join(&path), here.join(&path)).unwrap();
+        }
+        if blocks(&page, "sh").iter().any(|block| block.contains("arm.toml") && !block.contains("new arm.toml")) {
+            assert!(costate(&here, &["new".into(), "arm.toml".into()]).status.success());
+        }
+        let lines: Vec<Vec<String>> = blocks(&page, "sh").into_iter().flat_map(str::lines).filter_map(arguments).collect();
+        for own in lines {
+            let done = if is_long(&own) {
+                studies.extend((own[0] == "verify").then(|| own[1].clone()));
+                // what is wrong with an argument is said before the help
+                costate(&here, &[own.clone(), vec!["--help".into()]].concat())
+            } else {
+                run += 1;
+                costate(&here, &own)
+            };
+            let said = String::from_utf8_lossy(&done.stderr).into_owned();
+            assert!(done.status.success(), "{name}: costate {}: {said}", own.join(" "));
+        }
+    }
+    fs::remove_dir_all(&folder).unwrap();
+    assert!(run > 20, "only {run} commands");
+    let known = costate(root(), &["verify".into()]);
+    let known = String::from_utf8(known.stdout).unwrap();
+    let unknown: Vec<_> =
+        studies.iter().filter(|study| !known.lines().any(|line| line.split(' ').any(|own| own == *study))).collect();
+    assert!(studies.len() > 10 && unknown.is_empty(), "no studies: {unknown:?}");
+}
+
+#[test]
+fn options_on_the_pages_exist() {
+    let commands = ["run", "gradient", "optimize", "modes", "verify", "check", "list"];
+    let help: String = commands
+        .iter()
+        .map(|command| String::from_utf8(costate(root(), &[command.to_string(), "--help".into()]).stdout).unwrap())
+        .collect();
+    for (name, page) in pages() {
+        for own in quoted(&page).iter().filter_map(|own| own.strip_prefix("--")) {
+            let option = own.split([' ', '=']).next().unwrap();
+            let of_cargo = ["features", "release", "open", "example", "help"].contains(&option);
+            assert!(of_cargo || help.contains(&format!("--{option} ")), "{name}: there is no option --{option}");
+        }
+    }
+}
+
+#[test]
+fn files_on_the_pages_exist() {
+    for (name, page) in pages() {
+        for own in quoted(&page) {
+            let is_path = own.contains('/') && !own.contains([' ', '*', '(', '"', '<']);
+            let known = ["src/", "tests/", "examples/", "verification/", ".ci/"].iter().any(|start| own.starts_with(start));
+            if is_path && known && !own.contains("NAME") {
+                assert!(root().join(&own).exists(), "{name}: there is no {own}");
+            }
+        }
+    }
+}
+
+#[test]
+fn names_on_the_pages_are_those_of_the_source() {
+    let sources: String = ["src", "verification"]
+        .iter()
+        .flat_map(|folder| files_below(folder, ".rs"))
+        .map(|path| fs::read_to_string(root().join(path)).unwrap())
+        .collect();
+    let known: BTreeSet<&str> = sources.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+    let is_name = |own: &str| {
+        let head = own.chars().next().is_some_and(|c| c.is_alphabetic());
+        head && own.chars().all(|c| c.is_alphanumeric() || c == '_')
+            && (own.contains('_') || own.chars().any(char::is_uppercase))
+    };
+    let mut count = 0;
+    for (name, page) in pages() {
+        for own in quoted(&page) {
+            // `Settings::statics(10)`: both words
+            let head = own.split('(').next().unwrap().trim_start_matches('.');
+            let parts: Vec<&str> = head.split("::").flat_map(|part| part.split('.')).collect();
+            let is_command = own.contains([' ', '/', '-']) || own.ends_with(".md");
+            if is_command
+                || !parts.iter().all(|part| part.is_empty() || part.chars().all(|c| c.is_alphanumeric() || c == '_'))
+            {
+                continue;
+            }
+            for part in parts.into_iter().filter(|part| is_name(part)) {
+                count += 1;
+                let of_others = ["SCENE", "RAYON_NUM_THREADS", "pandas", "read_feather", "read_ipc", "rc"].contains(&part);
+                // symbols of mechanics: E_rs, A_33
+                let is_symbol = part.len() <= 5;
+                assert!(of_others || is_symbol || known.contains(part), "{name}: nothing is called {part} (in `{own}`)");
+            }
+        }
+    }
+    assert!(count > 100, "only {count} names");
+}
+
+/// The anchor of a heading.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase();
+    text.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+#[test]
+fn links_to_headings_lead_to_one() {
+    let pages = pages();
+    let headings =
+        |page: &str| -> Vec<String> { prose(page).lines().filter(|line| line.starts_with('#')).map(anchor).collect() };
+    let mut count = 0;
+    for (name, page) in &pages {
+        for target in prose(page).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let Some((module, fragment)) = target.split_once('#') else { continue };
+            let last = module.rsplit("::").next().unwrap();
+            let file = match last {
+                "" => name.clone(),
+                "file" => "src/scenes/file/format.md".into(),
+                _ if name.contains("/theory/") || module.contains("theory::") => format!("src/guide/theory/{last}.md"),
+                _ => format!("src/guide/{last}.md"),
+            };
+            let file = if pages.iter().any(|(own, _)| *own == file) { file } else { format!("src/guide/{last}.md") };
+            let there = pages.iter().find(|(own, _)| *own == file).unwrap_or_else(|| panic!("{name}: no page for {target}"));
+            assert!(headings(&there.1).iter().any(|own| own == fragment), "{name}: {file} has no heading #{fragment}");
+            count += 1;
+        }
+    }
+    assert!(count > 5, "only {count} links");
+}
+
+#[test]
+fn every_page_has_an_address() {
+    let modules = fs::read_to_string(root().join("src/guide/mod.rs")).unwrap();
+    for page in files_below("src/guide", ".md") {
+        let page = page.strip_prefix("src/guide").unwrap().display().to_string();
+        assert!(
+            modules.contains(&format!("include_str!(\"{page}\")")),
+            "src/guide/{page} is on no page of the documentation"
+        );
+    }
+}
+
+#[test]
+fn the_readme_is_one_page_and_its_program_an_example() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let lines = readme.lines().count();
+    assert!(lines <= 90, "{lines} lines");
+    let example = fs::read_to_string(root().join("examples/01_gradient.rs")).unwrap();
+    let program = blocks(&readme, "rust");
+    assert_eq!(program.len(), 1);
+    let code = example.split_once("\n\n").unwrap().1;
+    assert_eq!(program[0], code, "the program of the README is that of examples/01_gradient.rs");
+}
