@@ -67,6 +67,8 @@ pub mod cli;
 
 pub mod testing;
 
+// text alone: no page that changes asks for another build
+#[cfg(any(doc, doctest))]
 pub mod guide;
 
 /// What a file with a user's own element or scene needs.
