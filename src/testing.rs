@@ -644,10 +644,10 @@ impl<'s> Assembled<'s> {
                 .collect()
         };
         let found = |active: &[bool]| {
-            let (mut bar, mut bar_p) = (VectorsAvq::zeros(self.at.q.len()), vec![0.0; self.p.len()]);
+            let (mut bar, mut bar_p) = (vec![0.0; 3 * self.at.q.len()], vec![0.0; self.p.len()]);
             let mut products = Products::new(active);
             let point = ProductPoint { at: &self.at, p: &self.p, t };
-            let mut bars = [ProductBars { at: &mut bar, p: &mut bar_p }];
+            let mut bars = [ProductBars { avq: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
             products.add_elements(&system, adjoints, (Force::Residual, 1.0), point, &mut bars);
             products.add_constraints(&system, (equations, ConstraintPart::Both), adjoints, &unknowns, point, &mut bars);
@@ -677,9 +677,9 @@ impl<'s> Assembled<'s> {
             (0..self.samples.len()).map(own).collect()
         };
         let found = |active: &[bool]| {
-            let (mut bar, mut bar_p) = (VectorsAvq::zeros(self.at.q.len()), vec![0.0; self.p.len()]);
+            let (mut bar, mut bar_p) = (vec![0.0; 3 * self.at.q.len()], vec![0.0; self.p.len()]);
             let point = ProductPoint { at: &self.at, p: &self.p, t };
-            let mut bars = [ProductBars { at: &mut bar, p: &mut bar_p }];
+            let mut bars = [ProductBars { avq: &mut bar, p: &mut bar_p }];
             let adjoints = std::slice::from_ref(&adjoints);
             Products::new(active).add_elements(&system, adjoints, (Force::Impulse(impulse), 1.0), point, &mut bars);
             (bar, bar_p)
@@ -712,7 +712,7 @@ impl<'s> Assembled<'s> {
     fn compare_products(
         &self,
         what: &str,
-        found: impl Fn(&[bool]) -> (VectorsAvq<f64>, Vec<f64>),
+        found: impl Fn(&[bool]) -> (Vec<f64>, Vec<f64>),
         product_of: &mut dyn FnMut(Argument, usize) -> Vec<f64>,
     ) -> Result<(), String> {
         let (n, m) = (self.samples[0].q.len(), self.samples[0].p.len());
@@ -729,8 +729,8 @@ impl<'s> Assembled<'s> {
         for stride in [1, 2] {
             let active: Vec<bool> = (0..self.p.len()).map(|place| (place % m.max(1)) % stride == 0).collect();
             let (bar, bar_p) = found(&active);
-            for (argument, (own, exact)) in ["a", "v", "q", "p"].iter().zip([bar.a, bar.v, bar.q, bar_p].iter().zip(&exact))
-            {
+            let avq = bar.chunks(self.at.q.len().max(1));
+            for (argument, (own, exact)) in ["a", "v", "q", "p"].iter().zip(avq.chain([&bar_p[..]]).zip(&exact)) {
                 let mut exact = exact.clone();
                 if *argument == "p" {
                     exact.iter_mut().zip(&active).filter(|(_, active)| !**active).for_each(|(value, _)| *value = 0.0);

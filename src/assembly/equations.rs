@@ -309,6 +309,14 @@ pub(crate) use empty_fields;
 macro_rules! clone_fields {
     ($record:ident { $($field:ident),* }) => {
         $crate::assembly::empty_fields!($record { $($field),* });
+        $crate::assembly::cloned_in_place!($record { $($field),* });
+    };
+}
+pub(crate) use clone_fields;
+
+/// Copied field by field, into the memory that is there.
+macro_rules! cloned_in_place {
+    ($record:ident { $($field:ident),* $(,)? }) => {
         impl<S: Clone> Clone for $record<S> {
             fn clone(&self) -> Self {
                 $record { $($field: self.$field.clone()),* }
@@ -319,7 +327,7 @@ macro_rules! clone_fields {
         }
     };
 }
-pub(crate) use clone_fields;
+pub(crate) use cloned_in_place;
 
 clone_fields!(VectorsAvq { a, v, q });
 clone_fields!(Unknowns { x, y, mu, eta, local_mu, local_eta });

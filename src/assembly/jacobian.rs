@@ -487,11 +487,23 @@ impl Jacobian {
         }
     }
 
-    /// N_R^T (x, y) for every node: the node part of the right-hand side of a transposed solve.
+    /// Adds N_R^T (x, y) of every node: the node part of the right-hand side of a transposed solve.
     pub fn restrict_right(&self, system: &System, x: &[f64], y: &[f64], reduced: &mut [f64]) {
-        self.for_each_direction(system, |dof, column, dx, dy| {
-            reduced[column] += dx * x[dof] + if dy == 0.0 { 0.0 } else { dy * y[dof] };
-        });
+        for (node, unknowns) in system.nodes.iter().enumerate() {
+            let seeds = node_seeds(system, &self.bases, node);
+            let dofs = system.model.nodes[node].dofs.clone();
+            let own = &mut reduced[unknowns.columns.clone()];
+            if seeds.stabilized {
+                for (local, own) in own.iter_mut().enumerate() {
+                    for (i, dof) in dofs.clone().enumerate() {
+                        let (dx, dy) = seeds.direction(i, local);
+                        *own += dx * x[dof] + if dy == 0.0 { 0.0 } else { dy * y[dof] };
+                    }
+                }
+                continue;
+            }
+            add_restricted(seeds.right, seeds.plain, &x[dofs], own);
+        }
     }
 
     /// (f, y) += N_L reduced for every node: the adjoint of F and Y from a transposed solve.
@@ -500,15 +512,11 @@ impl Jacobian {
         for (node, unknowns) in system.nodes.iter().enumerate().filter(|(_, u)| !u.columns.is_empty()) {
             let dofs = system.model.nodes[node].dofs.clone();
             let half = unknowns.columns.len() / if stabilized { 2 } else { 1 };
-            let left = &self.bases[node].left;
-            for (i, dof) in dofs.enumerate() {
-                for row in 0..half {
-                    let weight = if left.is_empty() { f64::from(u8::from(i == row)) } else { left[i * half + row] };
-                    f[dof] += weight * reduced[unknowns.columns.start + row];
-                    if stabilized {
-                        y[dof] += weight * reduced[unknowns.columns.start + half + row];
-                    }
-                }
+            let NullSpaces { left, plain, .. } = &self.bases[node];
+            let (own, second) = reduced[unknowns.columns.clone()].split_at(half);
+            add_prolonged(left, *plain, own, &mut f[dofs.clone()]);
+            if stabilized {
+                add_prolonged(left, *plain, second, &mut y[dofs]);
             }
         }
     }
@@ -571,21 +579,24 @@ impl Jacobian {
         }
         largest
     }
+}
 
-    /// Calls `f(dof, column, dx, dy)` for every coordinate that a column moves.
-    fn for_each_direction(&self, system: &System, mut f: impl FnMut(usize, usize, f64, f64)) {
-        for (node, unknowns) in system.nodes.iter().enumerate() {
-            let seeds = node_seeds(system, &self.bases, node);
-            let dofs = system.model.nodes[node].dofs.clone();
-            for (local, column) in unknowns.columns.clone().enumerate() {
-                for (i, dof) in dofs.clone().enumerate() {
-                    let (dx, dy) = seeds.direction(i, local);
-                    if dx != 0.0 || dy != 0.0 {
-                        f(dof, column, dx, dy);
-                    }
-                }
-            }
-        }
+/// reduced += basis^T x; an empty basis is the identity, and so are the first `plain` rows and columns.
+fn add_restricted(basis: &[f64], plain: usize, x: &[f64], reduced: &mut [f64]) {
+    let plain = if basis.is_empty() { x.len() } else { plain };
+    let columns = reduced.len();
+    reduced[..plain.min(columns)].iter_mut().zip(x).for_each(|(own, x)| *own += x);
+    for (row, x) in basis.chunks_exact(columns.max(1)).zip(x).skip(plain) {
+        reduced[plain..].iter_mut().zip(&row[plain..]).for_each(|(own, weight)| *own += weight * x);
+    }
+}
+
+/// x += basis reduced, for such a basis.
+fn add_prolonged(basis: &[f64], plain: usize, reduced: &[f64], x: &mut [f64]) {
+    let plain = if basis.is_empty() { x.len() } else { plain };
+    x[..plain].iter_mut().zip(reduced).for_each(|(x, own)| *x += own);
+    for (row, x) in basis.chunks_exact(reduced.len().max(1)).zip(x).skip(plain) {
+        *x += row[plain..].iter().zip(&reduced[plain..]).fold(0.0, |sum, (weight, own)| sum + weight * own);
     }
 }
 

@@ -69,11 +69,15 @@ pub(super) fn add_combination<S: Scalar>(rows: &[S], multipliers: &[S], f: &mut 
 /// C: derivative of the node's scaled equations with respect to its unknowns (x, or x then y), row-major, at a real point.
 pub(super) fn equation_rows(local: &NodeConstraint, equations: &Equations, node: State<f64>) -> LocalVec<f64> {
     let n = node.q.len();
-    let stabilized = equations.level == Level::Stabilized;
-    let columns = if stabilized { 2 * n } else { n };
-    let count = local.equations.len();
-    let mut gradients: SmallVec<[Rates<f64>; 16]> = SmallVec::from_elem(Rates::zero(), count * n);
+    let mut gradients: SmallVec<[Rates<f64>; 16]> = SmallVec::from_elem(Rates::zero(), local.equations.len() * n);
     local.form.moving_rows(node, &mut gradients);
+    rows_of(&gradients, n, equations)
+}
+
+/// The same from the rows A (equations by `n` coordinates, row-major) along the motion.
+pub(super) fn rows_of(gradients: &[Rates<f64>], n: usize, equations: &Equations) -> LocalVec<f64> {
+    let (count, stabilized) = (gradients.len() / n, equations.level == Level::Stabilized);
+    let columns = if stabilized { 2 * n } else { n };
     let mut rows: LocalVec<f64> = SmallVec::from_elem(0.0, columns * if stabilized { 2 * count } else { count });
     for (place, &gradient) in gradients.iter().enumerate() {
         let (row, dof) = (place / n, place % n);

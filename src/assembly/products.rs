@@ -5,9 +5,11 @@ use super::numbering::{DofMap, System};
 use super::residual::LocalVec;
 use super::{Equations, Level, Rates, Unknowns, VectorsAvq};
 use crate::elements::State;
-use crate::program::ProgramCache;
+use crate::program::Program;
+use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Adjoint variables of one system: one number for each row of F, Y, G, and of the equations inside nodes.
 #[derive(Clone, Debug, Default)]
@@ -27,13 +29,20 @@ pub struct Adjoints {
 impl Adjoints {
     /// Zeros for a system.
     pub fn zeros(system: &System) -> Self {
-        let second = |n: usize| vec![0.0; if system.options.stabilized { n } else { 0 }];
-        Adjoints {
-            f: vec![0.0; system.model.dofs],
-            y: second(system.model.dofs),
-            g: vec![0.0; system.multipliers()],
-            g_second: second(system.multipliers()),
-            local: vec![0.0; system.local_equations * if system.options.stabilized { 2 } else { 1 }],
+        let mut adjoints = Adjoints::default();
+        adjoints.set_zeros(system);
+        adjoints
+    }
+
+    /// Zeros for a system, in the memory that is there.
+    pub fn set_zeros(&mut self, system: &System) {
+        let copies = if system.options.stabilized { 2 } else { 1 };
+        let (dofs, rows) = (system.model.dofs, system.multipliers());
+        let Adjoints { f, y, g, g_second, local } = self;
+        let lengths = [dofs, (copies - 1) * dofs, rows, (copies - 1) * rows, copies * system.local_equations];
+        for (values, length) in [f, y, g, g_second, local].into_iter().zip(lengths) {
+            values.clear();
+            values.resize(length, 0.0);
         }
     }
 }
@@ -51,8 +60,8 @@ pub struct ProductPoint<'p> {
 
 /// Where products go, for one functional.
 pub struct ProductBars<'b> {
-    /// Adjoint of (a, v, q).
-    pub at: &'b mut VectorsAvq<f64>,
+    /// Adjoint of a, v and q, one behind the other.
+    pub avq: &'b mut [f64],
     /// Adjoint of the parameters.
     pub p: &'b mut [f64],
 }
@@ -65,7 +74,7 @@ struct Selection {
     asked: Vec<bool>,
     /// Parts.
     parts: Vec<usize>,
-    programs: ProgramCache,
+    programs: HashMap<u32, ProductProgram>,
 }
 
 fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: &[bool]) -> Vec<Selection> {
@@ -75,12 +84,7 @@ fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: 
         for &part in parts {
             let asked = &active[all[part].parameters.clone()];
             let place = *places.entry(asked).or_insert_with(|| {
-                selections.push(Selection {
-                    batch,
-                    asked: asked.to_vec(),
-                    parts: Vec::new(),
-                    programs: ProgramCache::default(),
-                });
+                selections.push(Selection { batch, asked: asked.to_vec(), parts: Vec::new(), programs: HashMap::new() });
                 selections.len() - 1
             });
             selections[place].parts.push(part);
@@ -89,67 +93,73 @@ fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: 
     selections
 }
 
-/// Where a result of a program goes: the vector (a, v, q or p), the node (behind the last one: the parameters), and the place there.
-#[derive(Clone, Copy)]
-struct Target {
-    vector: usize,
-    node: usize,
-    place: usize,
-}
-
-impl Target {
-    /// Of a coordinate of parts whose nodes are like those of this one.
-    fn coordinate(vector: usize, like: &DofMap, mut place: usize) -> Self {
-        let mut node = 0;
-        while place >= like.segments[node].len() {
-            place -= like.segments[node].len();
-            node += 1;
-        }
-        Target { vector, node, place }
-    }
-
-    fn parameter(like: &DofMap, place: usize) -> Self {
-        Target { vector: 3, node: like.segments.len(), place }
-    }
-}
-
-impl ProductBars<'_> {
-    /// Adds the results for one part, times a factor.
-    #[inline(always)]
-    fn add(&mut self, part: &DofMap, targets: &[Target], results: &[f64], factor: f64) {
-        let vectors: [&mut [f64]; 4] = [&mut self.at.a, &mut self.at.v, &mut self.at.q, self.p];
-        for (target, &own) in targets.iter().zip(results) {
-            let start = part.segments.get(target.node).map_or(part.parameters.start, |dofs| dofs.start);
-            vectors[target.vector][start + target.place] += factor * own;
-        }
-    }
+/// What a result of a program is the derivative towards.
+enum ProductArgument {
+    /// A coordinate of the part, of a (0), v (1) or q (2).
+    Coordinate(usize, usize),
+    /// A parameter of the part.
+    Parameter(usize),
 }
 
 /// Functionals whose products share what depends on the state alone.
 const TOGETHER: usize = 2;
 
-/// Where the results of a program go, for one functional after the other.
-#[derive(Default)]
-struct Targets {
-    all: Vec<Target>,
-    /// Where those of each functional begin, and their end.
-    starts: [usize; TOGETHER + 1],
+/// A program for some functionals, and where its results go.
+struct ProductProgram {
+    program: Arc<Program>,
+    /// Results for one functional.
+    count: usize,
+    /// Which of them belong to parameters.
+    of_parameters: Range<usize>,
+    /// Places of the results of one functional in (a, v, q) or p, part by part.
+    places: Vec<u32>,
 }
 
-impl Targets {
-    /// Of the labels of a program: `size` times the number of the functional, and the place of an argument, which `target` finds.
-    fn set(&mut self, labels: &[u32], size: usize, target: impl Fn(usize) -> Target) {
-        self.all.clear();
-        self.all.extend(labels.iter().map(|&label| target(label as usize % size)));
-        self.starts = std::array::from_fn(|k| labels.partition_point(|&label| (label as usize) < k * size));
+impl ProductProgram {
+    /// For some parts of a model with so many coordinates. Results are labelled by `size` times the number of the functional, and the number of
+    /// an argument, of which `argument` tells what it is; those of parameters stand together.
+    fn new<'s>(
+        program: Arc<Program>,
+        size: usize,
+        dofs: usize,
+        parts: impl Iterator<Item = &'s DofMap>,
+        argument: impl Fn(usize) -> ProductArgument,
+    ) -> Self {
+        let labels = program.labels();
+        let count = labels.partition_point(|&label| (label as usize) < size);
+        let (own, others) = labels.split_at(count);
+        let shifted = others.chunks(count.max(1)).zip(1..);
+        let alike = |(labels, k): (&[u32], u32)| labels.iter().map(|label| label - k * size as u32).eq(own.iter().copied());
+        assert!(shifted.into_iter().all(alike), "products for further functionals have the places of those for the first");
+        let arguments: Vec<ProductArgument> = own.iter().map(|&label| argument(label as usize)).collect();
+        let is_parameter = |argument: &ProductArgument| matches!(argument, ProductArgument::Parameter(_));
+        let first = arguments.iter().position(is_parameter).unwrap_or(count);
+        let of_parameters = first..first + arguments[first..].iter().take_while(|own| is_parameter(own)).count();
+        assert!(!arguments[of_parameters.end..].iter().any(is_parameter), "parameters stand together");
+        let mut places = Vec::new();
+        for part in parts {
+            let coordinates: SmallVec<[usize; 64]> = part.segments.iter().cloned().flatten().collect();
+            places.extend(arguments.iter().map(|argument| match *argument {
+                ProductArgument::Coordinate(vector, place) => (vector * dofs + coordinates[place]) as u32,
+                ProductArgument::Parameter(place) => (part.parameters.start + place) as u32,
+            }));
+        }
+        ProductProgram { program, count, of_parameters, places }
     }
 
-    /// Adds the results for one part, times a factor.
+    /// Adds the results for a part of the selection, times a factor.
     #[inline(always)]
-    fn add(&self, bars: &mut [ProductBars], part: &DofMap, results: &[f64], factor: f64) {
-        for (bar, range) in bars.iter_mut().zip(self.starts.windows(2)) {
-            let own = range[0]..range[1];
-            bar.add(part, &self.all[own.clone()], &results[own], factor);
+    fn add(&self, part: usize, results: &[f64], factor: f64, bars: &mut [ProductBars]) {
+        let places = &self.places[part * self.count..][..self.count];
+        let Range { start, end } = self.of_parameters;
+        let add = |values: &mut [f64], own: Range<usize>, results: &[f64]| {
+            let places = places[own.clone()].iter().zip(&results[own]);
+            places.for_each(|(&place, result)| values[place as usize] += factor * result);
+        };
+        for (bar, results) in bars.iter_mut().zip(results.chunks_exact(self.count.max(1))) {
+            add(bar.avq, 0..start, results);
+            add(bar.p, start..end, results);
+            add(bar.avq, end..self.count, results);
         }
     }
 }
@@ -161,8 +171,8 @@ pub struct Products {
     constraints: Option<Vec<Selection>>,
     active: Vec<bool>,
     work: BatchWork<f64>,
+    /// Places in a selection of the parts whose adjoint variables are not all zero.
     chosen: Vec<usize>,
-    targets: Targets,
 }
 
 impl Products {
@@ -174,7 +184,6 @@ impl Products {
             active: active.to_vec(),
             work: BatchWork::default(),
             chosen: Vec::new(),
-            targets: Targets::default(),
         }
     }
 
@@ -188,37 +197,37 @@ impl Products {
         bars: &mut [ProductBars],
     ) {
         let batches = system.element_batches(force);
-        let Products { elements, active, work, chosen, targets, .. } = self;
+        let Products { elements, active, work, chosen, .. } = self;
         let selections = elements[force.kind()].get_or_insert_with(|| {
             select(batches.iter().map(|batch| batch.parts.as_slice()), &system.element_parts, active)
         });
         for Selection { batch, asked, parts, programs } in selections {
-            let (batch, n) = (&batches[*batch], batches[*batch].layout.n);
-            let layout = batch.layout;
-            let like = &system.element_parts[parts[0]];
+            let batch = &batches[*batch];
+            let (layout, n) = (batch.layout, batch.layout.n);
             for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
-                let count = adjoints.len();
-                let program =
-                    programs.get(count as u32, || element_programs::products(&batch.formula, layout, asked, count));
-                targets.set(program.labels(), layout.t(), |place| match place {
-                    place if place < 3 * n => Target::coordinate(place / n, like, place % n),
-                    place => Target::parameter(like, place - layout.p()),
+                let own = programs.entry(adjoints.len() as u32).or_insert_with(|| {
+                    let program = element_programs::products(&batch.formula, layout, asked, adjoints.len());
+                    let all = parts.iter().map(|&part| &system.element_parts[part]);
+                    ProductProgram::new(program, layout.t(), system.model.dofs, all, |place| match place {
+                        place if place < 3 * n => ProductArgument::Coordinate(place / n, place % n),
+                        place => ProductArgument::Parameter(place - layout.p()),
+                    })
                 });
+                let part = |place: usize| &system.element_parts[parts[place]];
                 chosen.clear();
-                let weighs = |part: &&usize| adjoints.iter().any(|own| any(&system.element_parts[**part], &own.f));
-                chosen.extend(parts.iter().filter(weighs));
-                let part = |index: usize| &system.element_parts[chosen[index]];
+                chosen.extend((0..parts.len()).filter(|&place| adjoints.iter().any(|own| any(part(place), &own.f))));
                 run_parts(
-                    &program,
+                    &own.program,
                     chosen.len(),
                     work,
                     |index, lane| {
-                        let mut place = layout.write(lane, part(index), (at, p, t), force);
+                        let part = part(chosen[index]);
+                        let mut place = layout.write(lane, part, (at, p, t), force);
                         for adjoint in adjoints {
-                            place = lane.copy_segments(place, part(index), &adjoint.f);
+                            place = lane.copy_segments(place, part, &adjoint.f);
                         }
                     },
-                    |index, results| targets.add(bars, part(index), results, sign),
+                    |index, results| own.add(chosen[index], results, sign, bars),
                 );
             }
         }
@@ -235,7 +244,7 @@ impl Products {
         bars: &mut [ProductBars],
     ) {
         let batches = system.constraint_batches();
-        let Products { constraints, active, work, chosen, targets, .. } = self;
+        let Products { constraints, active, work, chosen, .. } = self;
         let selections = constraints.get_or_insert_with(|| {
             select(batches.iter().map(|batch| batch.parts.as_slice()), &system.constraint_parts, active)
         });
@@ -243,17 +252,19 @@ impl Products {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
-            let (like, n) = (&system.constraint_parts[parts[0]], layout.n);
+            let n = layout.n;
             for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
                 let count = adjoints.len();
                 let code = asked.short_code([false; 3]) * (TOGETHER + 1) as u32 + count as u32;
-                let program = programs.get(code, || constraint_programs::products(physics, asked, parameters, count));
-                targets.set(program.labels(), layout.mu(), |place| match place {
-                    place if place < 2 * n => Target::coordinate(1 + place / n, like, place % n),
-                    place if place < layout.t() => Target::parameter(like, place - layout.p()),
-                    place => Target::coordinate(0, like, place - layout.a()),
+                let own = programs.entry(code).or_insert_with(|| {
+                    let program = constraint_programs::products(physics, asked, parameters, count);
+                    let all = parts.iter().map(|&part| &system.constraint_parts[part]);
+                    ProductProgram::new(program, layout.mu(), system.model.dofs, all, |place| match place {
+                        place if place < 2 * n => ProductArgument::Coordinate(1 + place / n, place % n),
+                        place if place < layout.t() => ProductArgument::Parameter(place - layout.p()),
+                        place => ProductArgument::Coordinate(0, place - layout.a()),
+                    })
                 });
-                chosen.clear();
                 let weighs = |adjoint: &Adjoints, index: usize| {
                     let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
                     let nonzero = |values: &[f64]| values.iter().any(|&value| value != 0.0);
@@ -261,15 +272,16 @@ impl Products {
                     (asked.reactions && (any(part, &adjoint.f) || any(part, &adjoint.y)))
                         || (asked.equations[0].is_some() && equations)
                 };
-                chosen.extend(parts.iter().filter(|&&index| adjoints.iter().any(|adjoint| weighs(adjoint, index))));
-                let part = |index: usize| &system.constraint_parts[chosen[index]];
+                chosen.clear();
+                let places = 0..parts.len();
+                chosen.extend(places.filter(|&place| adjoints.iter().any(|adjoint| weighs(adjoint, parts[place]))));
                 run_parts(
-                    &program,
+                    &own.program,
                     chosen.len(),
                     work,
                     |index, lane| {
-                        let part = part(index);
-                        let rows = system.equations_of(chosen[index]);
+                        let index = parts[chosen[index]];
+                        let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
                         let multipliers = asked.multipliers(unknowns, rows.clone());
                         let mut place = layout.write(lane, part, (at, p, t), multipliers, scales);
                         for adjoint in adjoints {
@@ -287,7 +299,7 @@ impl Products {
                             }
                         }
                     },
-                    |index, results| targets.add(bars, part(index), results, factor),
+                    |index, results| own.add(chosen[index], results, factor, bars),
                 );
             }
         }
@@ -299,98 +311,110 @@ fn any(part: &DofMap, values: &[f64]) -> bool {
     part.segments.iter().any(|dofs| values.get(dofs.clone()).is_some_and(|own| own.iter().any(|&value| value != 0.0)))
 }
 
+/// What goes through the constraints inside nodes, for one functional.
+pub struct NodeBars<'b> {
+    /// Adjoint of the solution x of the system.
+    pub x: &'b [f64],
+    /// Adjoint of y; empty unless stabilized.
+    pub y: &'b [f64],
+    /// Adjoint variables; those of the equations inside nodes are set.
+    pub adjoints: &'b mut Adjoints,
+    /// Products with the derivatives of elements towards a, v and q.
+    pub elements: &'b [f64],
+    /// The same of constraints, to which those inside nodes are added.
+    pub constraints: &'b mut [f64],
+    /// Where reactions add, if they act at another point than the equations hold.
+    pub reactions: Option<&'b mut [f64]>,
+}
+
 impl System<'_> {
-    /// Adds the gradient of what the adjoints of constraints inside nodes weigh, in closed form: reactions, or with `with_equations` their
-    /// equations.
-    pub fn add_local_products(
+    /// Adds the products with the reactions inside nodes, sets the adjoints of the equations there so that the gradient with respect to each
+    /// node's unknowns vanishes along the directions that were eliminated, x_bar + J^T lambda + C^T lambda_local = 0, and adds the products
+    /// of these equations; in closed form.
+    pub fn add_node_products(
         &self,
-        with_equations: bool,
         equations: &Equations,
-        adjoint: &Adjoints,
         unknowns: &Unknowns<f64>,
         at: &VectorsAvq<f64>,
-        bar: &mut VectorsAvq<f64>,
+        functionals: &mut [NodeBars],
     ) {
-        let (scales, mut rows) = (equations.row_scales(), Vec::new());
+        let all = self.model.dofs;
+        let (scales, outer, inner) = (equations.row_scales(), equations.residual, equations.constraint);
+        let mut gradients: SmallVec<[Rates<f64>; 16]> = SmallVec::new();
+        let mut unbalanced: LocalVec<f64> = SmallVec::new();
         for local in self.eliminated() {
             let dofs = self.model.nodes[local.node].dofs.clone();
-            let own = local.equations.clone();
-            if !with_equations {
-                let target = &mut bar.q[dofs.clone()];
-                local.form.add_curvature(&unknowns.local_mu[own.clone()], &adjoint.f[dofs.clone()], 1.0, target);
-                if let (Some(eta), Some(lambda)) = (unknowns.local_eta.get(own), adjoint.y.get(dofs)) {
+            let (own, n) = (local.equations.clone(), dofs.len());
+            let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
+            gradients.clear();
+            gradients.resize(own.len() * n, Rates::zero());
+            local.form.moving_rows(state, &mut gradients);
+            let rows = super::local::rows_of(&gradients, n, equations);
+            let places = [0, 1, 2].map(|vector| vector * all + dofs.start..vector * all + dofs.end);
+            for NodeBars { x, y, adjoints, elements, constraints, reactions } in &mut *functionals {
+                let target = &mut reactions.as_deref_mut().unwrap_or(&mut **constraints)[places[2].clone()];
+                local.form.add_curvature(&unknowns.local_mu[own.clone()], &adjoints.f[dofs.clone()], 1.0, target);
+                if let (Some(eta), Some(lambda)) = (unknowns.local_eta.get(own.clone()), adjoints.y.get(dofs.clone())) {
                     local.form.add_curvature(eta, lambda, -1.0, target);
                 }
-                continue;
-            }
-            rows.clear();
-            rows.resize(own.len() * dofs.len(), Rates::zero());
-            let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
-            local.form.moving_rows(state, &mut rows);
-            for (row, equation) in rows.chunks_exact(dofs.len()).zip(own) {
-                let second = adjoint.local.get(equation + self.local_equations).copied().unwrap_or(0.0);
-                let weights = [adjoint.local[equation] * scales[0], second * scales[1]];
-                add_row(equations.level, row, weights, std::slice::from_ref(&dofs), bar);
-            }
-        }
-    }
-
-    /// Sets the adjoints of the equations inside nodes so that the gradient with respect to each node's unknowns vanishes along
-    /// the directions that were eliminated: x_bar + (J^T lambda) + C^T lambda_local = 0, given the left part in (x, y).
-    pub fn set_local_adjoints(
-        &self,
-        equations: &Equations,
-        at: &VectorsAvq<f64>,
-        unbalanced_x: &[f64],
-        unbalanced_y: &[f64],
-        adjoints: &mut Adjoints,
-    ) {
-        for local in self.eliminated() {
-            let dofs = self.model.nodes[local.node].dofs.clone();
-            let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
-            let rows = super::local::equation_rows(local, equations, state);
-            let mut unbalanced: LocalVec<f64> = unbalanced_x[dofs.clone()].into();
-            if let Some(y) = unbalanced_y.get(dofs) {
-                unbalanced.extend_from_slice(y);
-            }
-            let count = rows.len() / unbalanced.len();
-            let multipliers = super::local::least_squares(&rows, count, &unbalanced);
-            let own = local.equations.len();
-            adjoints.local[local.equations.clone()].copy_from_slice(&multipliers[..own]);
-            if count > own {
-                let start = self.local_equations + local.equations.start;
-                adjoints.local[start..start + own].copy_from_slice(&multipliers[own..]);
+                // what is left of x_bar + J^T lambda along the eliminated directions belongs to the equations inside the node
+                let part = |values: &[f64], vector: usize, i: usize| values[places[vector].start + i];
+                let along_q = |i: usize| outer.alpha * part(elements, 2, i) + inner.alpha * part(constraints, 2, i);
+                unbalanced.clear();
+                unbalanced.extend((0..n).map(|i| {
+                    let rates = outer.gamma * part(elements, 0, i) + outer.beta * part(elements, 1, i);
+                    let inner_rates = inner.gamma * part(constraints, 0, i) + inner.beta * part(constraints, 1, i);
+                    x[dofs.start + i] + rates + inner_rates + along_q(i)
+                }));
+                if let Some(y) = y.get(dofs.clone()) {
+                    let lambda = &adjoints.y[dofs.clone()];
+                    unbalanced.extend(y.iter().zip(lambda).enumerate().map(|(i, (y, lambda))| y + lambda + along_q(i)));
+                }
+                let count = rows.len() / unbalanced.len();
+                let multipliers = super::local::least_squares(&rows, count, &unbalanced);
+                adjoints.local[own.clone()].copy_from_slice(&multipliers[..own.len()]);
+                if count > own.len() {
+                    let start = self.local_equations + own.start;
+                    adjoints.local[start..start + own.len()].copy_from_slice(&multipliers[own.len()..]);
+                }
+                for (row, equation) in gradients.chunks_exact(n).zip(0..) {
+                    let second = multipliers.get(equation + own.len()).copied().unwrap_or(0.0);
+                    let weights = [multipliers[equation] * scales[0], second * scales[1]];
+                    add_row(equations.level, row, weights, &places, constraints);
+                }
             }
         }
     }
 }
 
-/// Adds the scaled weights of the one or two equations of a level times their gradients, given the row A along the motion.
+/// Adds the scaled weights of the one or two equations of a level times their gradients, given the row A along the motion, to the places of
+/// the node's a, v and q.
 fn add_row(
     level: Level,
     row: &[Rates<f64>],
     [first, second]: [f64; 2],
-    segments: &[Range<usize>],
-    bar: &mut VectorsAvq<f64>,
+    [at_a, at_v, at_q]: &[Range<usize>; 3],
+    bar: &mut [f64],
 ) {
     if [first, second] == [0.0; 2] {
         return;
     }
-    for (dof, a) in segments.iter().cloned().flatten().zip(row) {
+    let places = at_a.clone().zip(at_v.clone().zip(at_q.clone()));
+    for (a, (in_a, (in_v, in_q))) in row.iter().zip(places) {
         match level {
-            Level::Position => bar.q[dof] += first * a.value,
+            Level::Position => bar[in_q] += first * a.value,
             Level::Velocity => {
-                bar.v[dof] += first * a.value;
-                bar.q[dof] += first * a.first;
+                bar[in_v] += first * a.value;
+                bar[in_q] += first * a.first;
             }
             Level::Acceleration => {
-                bar.a[dof] += first * a.value;
-                bar.v[dof] += 2.0 * first * a.first;
-                bar.q[dof] += first * a.second;
+                bar[in_a] += first * a.value;
+                bar[in_v] += 2.0 * first * a.first;
+                bar[in_q] += first * a.second;
             }
             Level::Stabilized => {
-                bar.v[dof] += second * a.value;
-                bar.q[dof] += first * a.value + second * a.first;
+                bar[in_v] += second * a.value;
+                bar[in_q] += first * a.value + second * a.first;
             }
         }
     }

@@ -1,9 +1,9 @@
 use super::{Pause, RunError, Scheme};
-use crate::assembly::{Equations, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Unknowns, VectorsAvq, cloned_in_place};
 use crate::scalar::Scalar;
 
 /// One solved system: all that the adjoint needs to go back through it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct SolveRecord<S> {
     /// Time \[s\].
     pub t: f64,
@@ -36,7 +36,7 @@ impl<S: Scalar> SolveRecord<S> {
 }
 
 /// One stage of a step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct StageRecord<S> {
     /// The stage's system; for a known stage the point alone, with its acceleration as x.
     pub solve: SolveRecord<S>,
@@ -47,7 +47,7 @@ pub struct StageRecord<S> {
 }
 
 /// One step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct StepRecord<S> {
     /// Start of the step \[s\].
     pub t: f64,
@@ -70,6 +70,10 @@ pub struct StepRecord<S> {
     /// Velocities at the end.
     pub v: Vec<S>,
 }
+
+cloned_in_place!(SolveRecord { t, equations, base, unknowns });
+cloned_in_place!(StageRecord { solve, known, rate });
+cloned_in_place!(StepRecord { t, h, scheme, dropped, restart, stages, position_projection, velocity_projection, q, v });
 
 impl<S: Scalar> StepRecord<S> {
     /// Room for a record.

@@ -59,11 +59,23 @@ pub struct Work {
 /// Largest number of unknowns of a small system: above, what the tree of fronts saves is more than it costs.
 const SMALL: usize = 8;
 
-/// Largest difference of scaled values that are the same but for round-off: of the sizes of steps, where all else is constant.
-const SAME_VALUES: f64 = 1e-11;
-
 /// Right-hand sides that meet an entry of the matrix at a time.
 const TOGETHER: usize = 4;
+
+/// Largest change of a transposed solution by its one refinement, as a share of the solution: about what round-off makes of the condition of
+/// the matrix.
+const SETTLED: f64 = 1e-4;
+
+/// Componentwise backward error at which a solution with the factors of other values is as good as one with its own.
+///
+/// Source: Arioli, Demmel, Duff, SIAM J. Matrix Anal. Appl. 10 (1989), "Solving sparse linear systems with sparse backward error".
+const BACKWARD_ERROR: f64 = 2.0 * f64::EPSILON;
+
+/// Share of the largest unknown below which a sum of terms is measured by it.
+const NEXT_TO_NOTHING: f64 = 1e-10;
+
+/// Multiplications of a factorization for each entry of L and U that take as long as a refinement.
+const MULTIPLICATIONS_PER_ENTRY: f64 = 20.0;
 
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
@@ -94,10 +106,12 @@ pub struct Factorization {
     given: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
-    /// Scaled values of the factors, where they may serve equal ones.
-    reusable: Vec<f64>,
-    /// Refinements of a transposed solution.
-    refinements: usize,
+    /// Sums of absolute values beside the residuals of these.
+    sizes: Vec<f64>,
+    /// Whether there are factors.
+    has_factors: bool,
+    /// Whether the factors are those of other values than the scaled ones.
+    is_stale: bool,
 }
 
 impl Factorization {
@@ -147,8 +161,9 @@ impl Factorization {
             given: Vec::new(),
             correction: Vec::new(),
             checked: false,
-            reusable: Vec::new(),
-            refinements: 1,
+            sizes: Vec::new(),
+            has_factors: false,
+            is_stale: false,
         }
     }
 
@@ -171,15 +186,16 @@ impl Factorization {
     }
 
     fn factor_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
-        self.reusable.clear();
-        self.refinements = 1;
+        (self.is_stale, self.has_factors) = (false, false);
         let factored = self.factor_scaled(values);
         if factored.is_ok() || self.is_careful {
+            self.has_factors = factored.is_ok();
             return factored;
         }
         self.is_careful = true;
         let again = self.factor_scaled(values);
         self.is_careful = again.is_ok();
+        self.has_factors = again.is_ok();
         again.or(factored)
     }
 
@@ -194,28 +210,18 @@ impl Factorization {
         Ok(())
     }
 
-    /// As [`Factorization::factor`], for transposed solutions, unless the values are those of the factors but for round-off: then one more
-    /// refinement makes solutions as exact as with new factors. Returns whether it was factored.
+    /// Keeps the factors of other values for those given now, if there are any: [`Factorization::solve_transposed`] refines solutions by these
+    /// values, or factors them where that takes too many refinements. Returns whether there are.
     ///
     /// # Errors
-    /// As for [`Factorization::factor`].
-    pub fn factor_or_reuse(&mut self, values: &[f64]) -> Result<bool, Singular> {
+    /// [`Singular`] with the column of a value that is not a number.
+    pub fn keep_factors(&mut self, values: &[f64]) -> Result<bool, Singular> {
         self.check_finite(values)?;
-        let near = |column: usize| {
-            let scale = self.column_scale[column];
-            self.entries(column).all(|place| {
-                let scaled = values[place] * (self.row_scale[self.pattern.rows[place]] * scale);
-                (scaled - self.reusable[place]).abs() <= SAME_VALUES
-            })
-        };
-        if self.reusable.len() == values.len() && (0..self.pattern.size).all(near) {
-            self.refinements = 2;
+        if self.has_factors {
+            self.is_stale = true;
             self.set_scaled(values);
-            return Ok(false);
         }
-        self.factor_finite(values)?;
-        self.reusable.clone_from(&self.scaled);
-        Ok(true)
+        Ok(self.has_factors)
     }
 
     /// # Errors
@@ -277,37 +283,126 @@ impl Factorization {
         }
     }
 
-    /// Replaces right-hand sides, one after the other, by the columns of A^-T B with the factors of A, refined against the matrix:
-    /// adjoint variables are not corrected by a later iteration.
-    pub fn solve_transposed(&mut self, rhs: &mut [f64]) {
+    /// Replaces right-hand sides, one after the other, by the columns of A^-T B, where A has the values given last, to the factorization or to
+    /// [`Factorization::keep_factors`]: adjoint variables are not corrected by a later iteration, so they are refined against the matrix.
+    /// Returns whether the values had to be factored for it.
+    ///
+    /// # Errors
+    /// [`Singular`] where refinement still changes leading digits; the solutions are there all the same.
+    pub fn solve_transposed(&mut self, values: &[f64], rhs: &mut [f64]) -> Result<bool, Singular> {
         let n = self.pattern.size.max(1);
-        for rhs in rhs.chunks_exact_mut(n) {
-            rhs.iter_mut().zip(&self.column_scale).for_each(|(b, scale)| *b *= scale);
-        }
         let (mut given, mut correction) = (std::mem::take(&mut self.given), std::mem::take(&mut self.correction));
         given.clear();
         given.extend_from_slice(rhs);
-        self.solver.solve_transposed(rhs);
-        for _ in 0..self.refinements {
-            correction.clone_from(&given);
-            for (left, x) in correction.chunks_mut(TOGETHER * n).zip(rhs.chunks(TOGETHER * n)) {
-                match x.len() / n {
-                    1 => self.subtract_transposed::<1>(x, left),
-                    2 => self.subtract_transposed::<2>(x, left),
-                    3 => self.subtract_transposed::<3>(x, left),
-                    _ => self.subtract_transposed::<TOGETHER>(x, left),
-                }
+        correction.resize(rhs.len(), 0.0);
+        let is_enough = self.is_stale && self.refine_stale(&given, rhs, &mut correction);
+        let mut factored = Ok(false);
+        if !is_enough {
+            if self.is_stale {
+                factored = self.factor_finite(values).map(|()| true);
             }
+            self.set_scaled_rhs(&given, rhs);
+            self.solver.solve_transposed(rhs);
+            self.set_scaled_rhs(&given, &mut correction);
+            self.subtract_all_transposed(rhs, &mut correction);
             self.solver.solve_transposed(&mut correction);
             rhs.iter_mut().zip(&correction).for_each(|(x, correction)| *x += correction);
+            let mut columns = rhs.chunks_exact(n).zip(correction.chunks_exact(n));
+            factored = factored.and_then(|factored| {
+                columns.try_for_each(|(x, change)| settled(x, change))?;
+                Ok(factored)
+            });
         }
         (self.given, self.correction) = (given, correction);
         for rhs in rhs.chunks_exact_mut(n) {
             rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
         }
+        factored
     }
 
-    /// B <- B - A^T X for `W` columns with the scaled matrix.
+    /// Writes right-hand sides of transposed solutions in the scales of now.
+    fn set_scaled_rhs(&self, given: &[f64], scaled: &mut [f64]) {
+        let n = self.pattern.size.max(1);
+        for (given, scaled) in given.chunks_exact(n).zip(scaled.chunks_exact_mut(n)) {
+            let all = scaled.iter_mut().zip(given.iter().zip(&self.column_scale));
+            all.for_each(|(scaled, (b, scale))| *scaled = b * scale);
+        }
+    }
+
+    /// Solves with the factors of other values and refines until the backward error is that of own factors; false where that is not near.
+    fn refine_stale(&mut self, given: &[f64], x: &mut [f64], correction: &mut [f64]) -> bool {
+        let n = self.pattern.size.max(1);
+        // right-hand sides are refined each, and factored for once
+        let count = (given.len() / n).max(1) as f64;
+        let by_work = |work: Work| work.multiplications / work.fill.max(1) as f64 / MULTIPLICATIONS_PER_ENTRY;
+        let most = 2.0 + self.plan.work.map_or(0.0, by_work) / count;
+        self.set_scaled_rhs(given, x);
+        self.solver.solve_transposed(x);
+        let (mut refinements, mut previous) = (0.0, 1.0);
+        loop {
+            self.set_scaled_rhs(given, correction);
+            let error = self.subtract_with_error(x, correction);
+            if error <= BACKWARD_ERROR {
+                return true;
+            }
+            let rate: f64 = error / previous;
+            let further = if rate < 1.0 { (BACKWARD_ERROR / error).ln() / rate.ln() } else { f64::INFINITY };
+            if !(refinements + further <= most) {
+                return false;
+            }
+            self.solver.solve_transposed(correction);
+            x.iter_mut().zip(&*correction).for_each(|(x, correction)| *x += correction);
+            (refinements, previous) = (refinements + 1.0, error);
+        }
+    }
+
+    /// B <- B - A^T X with the scaled matrix; returns the largest componentwise backward error |r| / (|A^T| |x| + |b|), where what is next to
+    /// nothing beside the largest unknown counts by that one: in a motion in a plane, all that leaves it is round-off.
+    fn subtract_with_error(&mut self, x: &[f64], b: &mut [f64]) -> f64 {
+        let n = self.pattern.size.max(1);
+        let mut sizes = std::mem::take(&mut self.sizes);
+        sizes.clear();
+        sizes.extend(b.iter().map(|b| b.abs()));
+        for (x, (b, sizes)) in x.chunks_exact(n).zip(b.chunks_exact_mut(n).zip(sizes.chunks_exact_mut(n))) {
+            for column in 0..n {
+                let own = self.entries(column);
+                let (mut sum, mut size) = (0.0, 0.0);
+                for (entry, &row) in self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]) {
+                    let term: f64 = entry * x[row];
+                    sum += term;
+                    size += term.abs();
+                }
+                b[column] -= sum;
+                sizes[column] += size;
+            }
+        }
+        let columns = x.chunks_exact(n).zip(b.chunks_exact(n).zip(sizes.chunks_exact(n)));
+        let error = columns.fold(0.0, |most: f64, (x, (b, sizes))| {
+            let least = NEXT_TO_NOTHING * largest(x);
+            // what is no number is no solution
+            b.iter().zip(sizes).fold(most, |most, (r, size)| {
+                let own = if *r == 0.0 { 0.0 } else { r.abs() / size.max(least) };
+                if own <= most { most } else { own }
+            })
+        });
+        self.sizes = sizes;
+        if error.is_nan() { f64::INFINITY } else { error }
+    }
+
+    /// B <- B - A^T X with the scaled matrix.
+    fn subtract_all_transposed(&self, x: &[f64], b: &mut [f64]) {
+        let n = self.pattern.size.max(1);
+        for (b, x) in b.chunks_mut(TOGETHER * n).zip(x.chunks(TOGETHER * n)) {
+            match x.len() / n {
+                1 => self.subtract_transposed::<1>(x, b),
+                2 => self.subtract_transposed::<2>(x, b),
+                3 => self.subtract_transposed::<3>(x, b),
+                _ => self.subtract_transposed::<TOGETHER>(x, b),
+            }
+        }
+    }
+
+    /// The same for `W` columns.
     fn subtract_transposed<const W: usize>(&self, x: &[f64], b: &mut [f64]) {
         let n = self.pattern.size;
         for column in 0..n {
@@ -449,6 +544,16 @@ impl Factorization {
         self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len()]));
         self.listed = entries;
         self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.column_scale[column] == 0.0);
+    }
+}
+
+/// # Errors
+/// [`Singular`] with the first unknown of a solution that its refinement changes too much, or that is no number.
+fn settled(x: &[f64], change: &[f64]) -> Result<(), Singular> {
+    let most = SETTLED * largest(x);
+    match change.iter().position(|change| !(change.abs() <= most)) {
+        Some(unknown) => Err(Singular { unknown }),
+        None => Ok(()),
     }
 }
 

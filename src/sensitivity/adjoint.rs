@@ -28,7 +28,8 @@ fn add(target: &mut [f64], factor: f64, values: &[f64]) {
     }
 }
 
-/// Transposed linear combination: distributes the adjoint of a vector of `order` time derivatives.
+/// Transposed linear combination: distributes the adjoint of a vector of `order` time derivatives, for functional `k`.
+#[allow(clippy::too_many_arguments)]
 fn distribute(
     table: &Table,
     order: i32,
@@ -36,13 +37,14 @@ fn distribute(
     h: f64,
     bar: &[f64],
     carried: &mut [Vec<f64>],
-    stages: &mut [SolutionBar],
+    stages: &mut [Vec<SolutionBar>],
+    k: usize,
 ) {
     for ((target, kind), coefficient) in carried.iter_mut().zip(&table.carried).zip(&combination.carried) {
         add(target, coefficient * h.powi(kind.order() - order), bar);
     }
     for (target, coefficient) in stages.iter_mut().zip(&combination.stages) {
-        add(&mut target.x, coefficient * h.powi(2 - order), bar);
+        add(&mut target[k].x, coefficient * h.powi(2 - order), bar);
     }
 }
 
@@ -71,6 +73,11 @@ pub fn adjoint(
         active,
         systems: Systems { plain: systems.plain.clone(), stage: systems.stage.clone() },
         counters: Counters::default(),
+        stages: Vec::new(),
+        projected: Vec::new(),
+        base_bars: Vec::new(),
+        updated: Vec::new(),
+        sample: Sample::empty(),
     };
     sweep.run(rerun, history)
 }
@@ -82,6 +89,13 @@ struct Sweep<'m> {
     active: &'m [bool],
     systems: Systems<'m>,
     counters: Counters,
+    /// Workspace of a step: adjoints of the solutions of each stage and of a projection, and of the base of a stage, for one functional after
+    /// the other; adjoints of what was carried out of the step.
+    stages: Vec<Vec<SolutionBar>>,
+    projected: Vec<SolutionBar>,
+    base_bars: Vec<VectorsAvq<f64>>,
+    updated: Vec<Vec<f64>>,
+    sample: Sample<f64>,
 }
 
 impl<'m> Sweep<'m> {
@@ -128,10 +142,7 @@ impl<'m> Sweep<'m> {
                     .collect();
                 let solver = solvers.plain();
                 let bases = solver.through(record, &self.problem.p, &bars, &mut back, &mut self.counters)?;
-                for (back, base) in back.iter_mut().zip(bases) {
-                    add(&mut back.carried[0], 1.0, &base.q);
-                    add(&mut back.carried[1], 1.0, &base.v);
-                }
+                carry(bases, &mut back);
             }
         }
         let gradients = back
@@ -158,20 +169,23 @@ impl<'m> Sweep<'m> {
         let mut steps = history.backward(rerun)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
-        let mut next = steps.next()?.cloned();
-        while let Some(step) = next {
-            next = steps.next()?.cloned();
+        let (mut step, mut next) = (None, None);
+        keep(&mut next, steps.next()?);
+        while next.is_some() {
+            std::mem::swap(&mut step, &mut next);
+            keep(&mut next, steps.next()?);
+            let Some(step) = &step else { break };
             self.select(&step.dropped, solvers, ahead.as_mut())?;
-            let weights = weights.back_through(&step);
+            let weights = weights.back_through(step);
             if let Some(ahead) = &mut ahead {
                 // the same on one thread, so that every number is the same
                 let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
-                let step_back = || self.step(&step, last, &weights, back, solvers);
+                let step_back = || self.step(step, last, &weights, back, solvers);
                 rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
                 solvers.forget(&mut self.counters);
                 std::mem::swap(solvers, ahead);
             } else {
-                self.step(&step, last, &weights, back, solvers)?;
+                self.step(step, last, &weights, back, solvers)?;
             }
             last = false;
         }
@@ -248,10 +262,7 @@ impl<'m> Sweep<'m> {
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let bases = solvers.plain().through(record, &self.problem.p, &bars, back, &mut self.counters)?;
-        for (back, base) in back.iter_mut().zip(bases) {
-            add(&mut back.carried[0], 1.0, &base.q);
-            add(&mut back.carried[1], 1.0, &base.v);
-        }
+        carry(bases, back);
         Ok(())
     }
 
@@ -266,42 +277,48 @@ impl<'m> Sweep<'m> {
     ) -> Result<(), RunError> {
         back.iter_mut().for_each(Backward::drop_negligible);
         let table = self.method.table.scheme(step.scheme);
-        let dofs = self.problem.model.dofs;
+        let mut stages = std::mem::take(&mut self.stages);
         let (multipliers, rates) = (self.systems.plain.multipliers(), self.systems.stage.options.stabilized);
-        let last = table.stages.len() - 1;
-        let mut stages: Vec<Vec<SolutionBar>> =
-            back.iter().map(|_| vec![SolutionBar::zeros(dofs, multipliers, rates); table.stages.len()]).collect();
-        // what the next step's explicit first stage took over from this step's last one
-        for (stages, back) in stages.iter_mut().zip(back.iter_mut()) {
-            add(&mut stages[last].mu, 1.0, &std::mem::replace(&mut back.mu, vec![0.0; multipliers]));
-            let length = back.rate.len();
-            add(&mut stages[last].rate, 1.0, &std::mem::replace(&mut back.rate, vec![0.0; length]));
+        stages.resize_with(table.stages.len(), Vec::new);
+        for stage in &mut stages {
+            set_zeros(stage, back.len(), (self.problem.model.dofs, multipliers, rates));
         }
-        if last_step {
+        let last = table.stages.len() - 1;
+        // what the next step's explicit first stage took over from this step's last one
+        for (stage, back) in stages[last].iter_mut().zip(back.iter_mut()) {
+            for (bar, carried) in [(&mut stage.mu, &mut back.mu), (&mut stage.rate, &mut back.rate)] {
+                add(bar, 1.0, carried);
+                carried.fill(0.0);
+            }
+        }
+        if last_step && (0..back.len()).any(|k| self.times(k) == Times::End) {
             let mut sample = Sample::empty();
             sample.set_terminal(step);
             self.share(&mut sample);
-            for (k, (stages, back)) in stages.iter_mut().zip(back.iter_mut()).enumerate() {
+            for (k, (stage, back)) in stages[last].iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.times(k) == Times::End {
                     let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
                     add(&mut back.carried[0], 1.0, &at.q);
                     add(&mut back.carried[1], 1.0, &at.v);
-                    add(&mut stages[last].x, step.stages[last].solve.equations.residual.gamma, &at.a);
-                    add(&mut stages[last].mu, 1.0, &mu);
+                    add(&mut stage.x, step.stages[last].solve.equations.residual.gamma, &at.a);
+                    add(&mut stage.mu, 1.0, &mu);
                 }
             }
         }
-        self.projections(step, back, &mut stages, solvers)?;
+        self.projections(step, back, &mut stages[last], solvers)?;
 
         // the update
-        for (stages, back) in stages.iter_mut().zip(back.iter_mut()) {
+        for (k, back) in back.iter_mut().enumerate() {
             for (stage, weight) in stages.iter_mut().zip(&table.rates[table.stages.len()]) {
-                add(&mut stage.rate, step.h * weight, &back.carried[0]);
+                add(&mut stage[k].rate, step.h * weight, &back.carried[0]);
             }
-            let updated: Vec<Vec<f64>> =
-                back.carried.iter_mut().map(|bar| std::mem::replace(bar, vec![0.0; dofs])).collect();
-            for ((bar, kind), combination) in updated.iter().zip(&table.carried).zip(&table.update) {
-                distribute(table, kind.order(), combination, step.h, bar, &mut back.carried, stages);
+            self.updated.resize_with(back.carried.len(), Vec::new);
+            for (updated, bar) in self.updated.iter_mut().zip(&mut back.carried) {
+                updated.clone_from(bar);
+                bar.fill(0.0);
+            }
+            for ((bar, kind), combination) in self.updated.iter().zip(&table.carried).zip(&table.update) {
+                distribute(table, kind.order(), combination, step.h, bar, &mut back.carried, &mut stages, k);
             }
         }
         for (stage, &weight) in weights.iter().enumerate().rev() {
@@ -311,14 +328,16 @@ impl<'m> Sweep<'m> {
             let bars = take_carried_acceleration(table, back);
             self.acceleration(restart, bars, back, solvers)?;
         }
+        self.stages = stages;
         Ok(())
     }
 
+    /// Back through the projections at the end of a step, whose last stage has these adjoints.
     fn projections(
         &mut self,
         step: &StepRecord<f64>,
         back: &mut [Backward],
-        stages: &mut [Vec<SolutionBar>],
+        last: &mut [SolutionBar],
         solvers: &mut StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let multipliers = self.systems.plain.multipliers();
@@ -326,21 +345,15 @@ impl<'m> Sweep<'m> {
             let Some(record) = solve else { continue };
             let shift = record.equations.constraint;
             let factor = if carried == 1 { shift.beta } else { shift.alpha };
-            let bars: Vec<SolutionBar> = back
-                .iter()
-                .map(|back| {
-                    let x = back.carried[carried].iter().map(|bar| factor * bar).collect();
-                    SolutionBar { x, rate: Vec::new(), mu: vec![0.0; multipliers] }
-                })
-                .collect();
+            set_zeros(&mut self.projected, back.len(), (self.problem.model.dofs, multipliers, false));
+            for (bar, back) in self.projected.iter_mut().zip(&*back) {
+                add(&mut bar.x, factor, &back.carried[carried]);
+            }
             let solver = solvers.plain();
-            let bases = solver.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
-            for ((back, base), stages) in back.iter_mut().zip(bases).zip(stages.iter_mut()) {
-                add(&mut back.carried[0], 1.0, &base.q);
-                add(&mut back.carried[1], 1.0, &base.v);
-                if let Some(last) = stages.last_mut() {
-                    add(&mut last.x, 1.0, &base.a);
-                }
+            let bases = solver.through(record, &self.problem.p, &self.projected, back, &mut self.counters)?;
+            carry(bases, back);
+            for (last, base) in last.iter_mut().zip(bases) {
+                add(&mut last.x, 1.0, &base.a);
             }
         }
         Ok(())
@@ -357,40 +370,47 @@ impl<'m> Sweep<'m> {
         let table = self.method.table.scheme(step.scheme);
         let record = &step.stages[stage];
         let shift = record.solve.equations.residual;
-        let mut sample = Sample::empty();
-        sample.set_stage(step, stage, weight);
-        self.share(&mut sample);
-        let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
+        let (earlier, own) = stages.split_at_mut(stage);
+        let own = &mut own[0];
+        let dofs = self.problem.model.dofs;
+        let mut base_bars = std::mem::take(&mut self.base_bars);
+        base_bars.resize_with(back.len(), VectorsAvq::default);
+        for VectorsAvq { a, v, q } in &mut base_bars {
+            for values in [a, v, q] {
+                values.clear();
+                values.resize(dofs, 0.0);
+            }
+        }
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
-        let mut base_bars = Vec::with_capacity(back.len());
-        for (k, (back, stages)) in back.iter_mut().zip(stages.iter_mut()).enumerate() {
-            let weight = if self.times(k) == Times::Run { sample.weight } else { 0.0 };
-            let (at, mu) = self.measure(k, &sample, weight, &mut back.p);
-            let own = &mut stages[stage];
-            add(&mut own.mu, 1.0, &mu);
-            add(&mut own.x, shift.gamma, &at.a);
-            add(&mut own.x, shift.beta, &at.v);
-            add(&mut own.x, shift.alpha, &at.q);
-            add(&mut own.rate, step.h * own_rate, &at.q);
-            base_bars.push(at);
+        if weight != 0.0 && (0..back.len()).any(|k| self.times(k) == Times::Run) {
+            let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
+            sample.set_stage(step, stage, weight);
+            self.share(&mut sample);
+            let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
+            for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate() {
+                if self.times(k) == Times::Run {
+                    let (at, mu) = self.measure(k, &sample, sample.weight, &mut back.p);
+                    add(&mut own.mu, 1.0, &mu);
+                    add(&mut own.x, shift.gamma, &at.a);
+                    add(&mut own.x, shift.beta, &at.v);
+                    add(&mut own.x, shift.alpha, &at.q);
+                    add(&mut own.rate, step.h * own_rate, &at.q);
+                    base_bars[k] = at;
+                }
+            }
+            self.sample = sample;
         }
         if let Some(place) = record.known {
-            for (back, stages) in back.iter_mut().zip(stages.iter_mut()) {
-                let own = std::mem::replace(&mut stages[stage], SolutionBar::zeros(0, 0, false));
+            for (back, own) in back.iter_mut().zip(own) {
                 add(&mut back.carried[place], 1.0, &own.x);
                 add(&mut back.mu, 1.0, &own.mu);
                 add(&mut back.rate, 1.0, &own.rate);
             }
         } else {
             let factor = table.rate_factor(stage, step.h);
-            let solution_bar = |stages: &mut Vec<SolutionBar>| {
-                let mut own = std::mem::replace(&mut stages[stage], SolutionBar::zeros(0, 0, false));
-                own.rate.iter_mut().for_each(|rate| *rate *= factor);
-                own
-            };
-            let bars: Vec<SolutionBar> = stages.iter_mut().map(solution_bar).collect();
+            own.iter_mut().flat_map(|own| &mut own.rate).for_each(|rate| *rate *= factor);
             let solver = solvers.stage(stage);
-            let solved = solver.through(&record.solve, &self.problem.p, &bars, back, &mut self.counters)?;
+            let solved = solver.through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
             for (total, base) in base_bars.iter_mut().zip(solved) {
                 add(&mut total.a, 1.0, &base.a);
                 add(&mut total.v, 1.0, &base.v);
@@ -398,20 +418,47 @@ impl<'m> Sweep<'m> {
             }
         }
         let relation = &table.stages[stage];
-        for ((base, back), stages) in base_bars.iter().zip(back).zip(stages) {
-            let (earlier, _) = stages.split_at_mut(stage);
+        for (k, (base, back)) in base_bars.iter().zip(back).enumerate() {
             for (order, combination, bar) in [
                 (Carried::A.order(), &relation.a, &base.a),
                 (Carried::V.order(), &relation.v, &base.v),
                 (Carried::Q.order(), &relation.q, &base.q),
             ] {
-                distribute(table, order, combination, step.h, bar, &mut back.carried, earlier);
+                distribute(table, order, combination, step.h, bar, &mut back.carried, earlier, k);
             }
             for (earlier, weight) in earlier.iter_mut().zip(&table.rates[stage]) {
-                add(&mut earlier.rate, step.h * weight, &base.q);
+                add(&mut earlier[k].rate, step.h * weight, &base.q);
             }
         }
+        self.base_bars = base_bars;
         Ok(())
+    }
+}
+
+/// Takes over a step, into the memory of the one that was there.
+fn keep(own: &mut Option<StepRecord<f64>>, step: Option<&StepRecord<f64>>) {
+    match (own.as_mut(), step) {
+        (Some(own), Some(step)) => own.clone_from(step),
+        (_, step) => *own = step.cloned(),
+    }
+}
+
+/// So many adjoints of solutions, all zero, in the memory that is there.
+fn set_zeros(bars: &mut Vec<SolutionBar>, count: usize, (dofs, multipliers, rates): (usize, usize, bool)) {
+    bars.resize_with(count, || SolutionBar::zeros(0, 0, false));
+    for SolutionBar { x, rate, mu } in bars {
+        for (values, length) in [(x, dofs), (rate, if rates { dofs } else { 0 }), (mu, multipliers)] {
+            values.clear();
+            values.resize(length, 0.0);
+        }
+    }
+}
+
+/// Adds the adjoints of a state (q, v) to those that are carried on.
+fn carry(bases: &[VectorsAvq<f64>], back: &mut [Backward]) {
+    for (back, base) in back.iter_mut().zip(bases) {
+        add(&mut back.carried[0], 1.0, &base.q);
+        add(&mut back.carried[1], 1.0, &base.v);
     }
 }
 

@@ -1,14 +1,12 @@
 //! One system of the sweep back.
 
-// indices carry meaning in matrix code
-#![allow(clippy::needless_range_loop)]
-
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Jacobian, ProductBars, ProductPoint, Products, Residual, StageSystem,
-    System, Unknowns, Variational, VectorsAvq,
+    Adjoints, ConstraintPart, Equations, Force, Jacobian, Level, NodeBars, ProductBars, ProductPoint, Products, Residual,
+    StageSystem, System, Unknowns, Variational, VectorsAvq,
 };
 use crate::integrators::{Counters, Method, RunError, SolveRecord};
 use crate::linalg::{Factorization, Singular, SolverPlan};
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Adjoint of the solution of one system, for one functional.
@@ -53,6 +51,34 @@ impl Backward {
     }
 }
 
+/// Whether the factors of an earlier matrix are tried for the systems of one kind: the more often they were of no use, the more systems go by
+/// before they are tried again.
+#[derive(Clone, Copy, Default)]
+struct Trial {
+    /// Systems to go by.
+    left: usize,
+    /// How many went by last.
+    waited: usize,
+}
+
+/// Most systems that go by.
+const LONGEST_WAIT: usize = 64;
+
+impl Trial {
+    /// Whether they are tried now.
+    fn is_due(&mut self) -> bool {
+        let due = self.left == 0;
+        self.left = self.left.saturating_sub(1);
+        due
+    }
+
+    /// Takes note of whether they were of use.
+    fn learn(&mut self, was_of_use: bool) {
+        self.waited = if was_of_use { 0 } else { (2 * self.waited + 1).min(LONGEST_WAIT) };
+        self.left = self.waited;
+    }
+}
+
 /// Solves transposed systems of one numbering; several functionals share each factorization.
 pub(super) struct TransposedSolver<'m> {
     pub system: Arc<System<'m>>,
@@ -68,17 +94,44 @@ pub(super) struct TransposedSolver<'m> {
     factored: Option<Factored>,
     /// The equations of the factored matrix, and whether it is the same for all states and times.
     constant: Option<(Equations, bool)>,
+    /// Of stages, and of projections of coordinates and of velocities.
+    trials: [Trial; 3],
     /// Whether an adjoint of the last system was not zero.
     needed: bool,
     /// Work that is not counted yet.
     work: Counters,
+    /// Right-hand sides, then solutions, in the unknowns of the matrix.
+    reduced: Vec<f64>,
+    sweep: Sweep,
+    /// Adjoints of the base point.
+    bases: Vec<VectorsAvq<f64>>,
+}
+
+/// What one system takes on the way back, for one functional after the other.
+#[derive(Default)]
+struct Sweep {
+    adjoints: Vec<Adjoints>,
+    /// Products with the derivatives of elements towards (a, v, q).
+    elements: Vec<f64>,
+    /// Of constraints.
+    constraints: Vec<f64>,
+    /// Of reactions at another point, and of what the step before left: for a variational integrator.
+    reactions: Vec<f64>,
+    before: Vec<f64>,
+    /// Of elements at the base point, and those towards parameters: for a metric that is a difference.
+    own: Vec<f64>,
+    own_p: Vec<f64>,
+    /// The point of the step before.
+    moved: VectorsAvq<f64>,
 }
 
 /// A system that was factored.
 struct Factored {
     t: f64,
     equations: Equations,
-    outcome: Result<bool, Singular>,
+    outcome: Result<(), Singular>,
+    /// Whether the factors are those of an earlier matrix, on trial.
+    on_trial: bool,
 }
 
 impl<'m> TransposedSolver<'m> {
@@ -105,8 +158,12 @@ impl<'m> TransposedSolver<'m> {
             products: Products::new(active),
             factored: None,
             constant: None,
+            trials: [Trial::default(); 3],
             needed: false,
             work: Counters::default(),
+            reduced: Vec::new(),
+            sweep: Sweep::default(),
+            bases: Vec::new(),
         }
     }
 
@@ -126,15 +183,22 @@ impl<'m> TransposedSolver<'m> {
         self.residual.evaluate(system, stage, &mut self.unknowns);
         self.work.residuals += 1;
         if self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
-            self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(false) });
+            self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(()), on_trial: false });
             return;
         }
         let before = self.jacobian.evaluated;
         self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
-        let outcome = self.factorization.factor_or_reuse(&self.jacobian.values);
         self.work.blocks += self.jacobian.evaluated - before;
-        self.work.factorizations += usize::from(outcome == Ok(true));
-        self.factored = Some(Factored { t: *t, equations: *equations, outcome });
+        let values = &self.jacobian.values;
+        let kept = if self.trials[kind(equations)].is_due() { self.factorization.keep_factors(values) } else { Ok(false) };
+        let outcome = match kept {
+            Ok(false) => {
+                self.work.factorizations += 1;
+                self.factorization.factor(values)
+            }
+            _ => kept.map(|_| ()),
+        };
+        self.factored = Some(Factored { t: *t, equations: *equations, outcome, on_trial: kept == Ok(true) });
         if self.constant.is_none_or(|(of, _)| !of.is_nearly(equations)) || outcome.is_err() {
             self.constant = Some((*equations, outcome.is_ok() && Jacobian::is_constant(system, equations)));
         }
@@ -160,134 +224,151 @@ impl<'m> TransposedSolver<'m> {
         bars: &[SolutionBar],
         back: &mut [Backward],
         counters: &mut Counters,
-    ) -> Result<Vec<VectorsAvq<f64>>, RunError> {
+    ) -> Result<&[VectorsAvq<f64>], RunError> {
         let system = &*self.system.clone();
         let dofs = system.model.dofs;
-        let mut base_bars = vec![VectorsAvq::zeros(dofs); bars.len()];
-        let asked: Vec<usize> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
+        self.bases.resize_with(bars.len(), VectorsAvq::default);
+        for VectorsAvq { a, v, q } in &mut self.bases {
+            [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
+        }
+        let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
         self.needed = !asked.is_empty();
         if asked.is_empty() {
             self.forget(counters);
-            return Ok(base_bars);
+            return Ok(&self.bases);
         }
         let SolveRecord { t, equations, base, .. } = record;
         if self.factored.is_none() {
             self.factor(record, p);
         }
+        let mut on_trial = false;
         if let Some(factored) = &self.factored {
             assert!(
                 factored.t == *t && factored.equations == *equations,
                 "the system at {t} s was not the one factored ahead"
             );
             factored.outcome.map_err(|singular| self.singular_at(singular, *t))?;
+            on_trial = factored.on_trial;
         }
         self.forget(counters);
         counters.systems += 1;
-        let unknowns = std::mem::take(&mut self.unknowns);
-
-        let mut all = self.solve(asked.iter().map(|&k| &bars[k]));
         counters.solves += asked.len();
         counters.products += asked.len();
-
-        let mut at_bars = vec![VectorsAvq::zeros(dofs); asked.len()];
-        let mut constraint_bars = at_bars.clone();
-        let mut before = VectorsAvq::default();
+        let factored = self.solve(&asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
+        if on_trial {
+            self.trials[kind(equations)].learn(!factored);
+            counters.factorizations += usize::from(factored);
+        }
+        let unknowns = std::mem::take(&mut self.unknowns);
+        let mut work = std::mem::take(&mut self.sweep);
+        let Sweep { adjoints, elements, constraints, reactions, before, own, own_p, moved } = &mut work;
+        let adjoints = &mut adjoints[..asked.len()];
+        for bars in [&mut *elements, constraints] {
+            set_zeros(bars, asked.len() * 3 * dofs);
+        }
         // in a metric that is a difference what stiff elements give at both points cancels, and would take other digits along: gathered on its own
-        let mut own_p = vec![vec![0.0; if equations.is_difference() { p.len() } else { 0 }]; asked.len()];
-        let mut p_bars: Vec<&mut Vec<f64>> = if equations.is_difference() {
-            own_p.iter_mut().collect()
+        set_zeros(own_p, if equations.is_difference() { asked.len() * p.len() } else { 0 });
+        let mut p_bars: Parameters = if equations.is_difference() {
+            own_p
+                .chunks_exact_mut(p.len().max(1))
+                .chain(std::iter::repeat_with(Default::default))
+                .take(asked.len())
+                .collect()
         } else {
-            back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k)).map(|(_, back)| &mut back.p).collect()
+            let needed = back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k));
+            needed.map(|(_, back)| back.p.as_mut_slice()).collect()
         };
         let point = |at, t| ProductPoint { at, p, t };
         let (constraint_at, products) = (&self.residual.constraint_at, &mut self.products);
         // where reactions act, and what the step before left: other points in a step of a variational integrator
-        let [mut reaction_bars, mut before_bars] = [Vec::new(), Vec::new()];
         if let Some(step) = equations.variational {
-            reaction_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
-            before_bars.resize(asked.len(), VectorsAvq::zeros(dofs));
-            let mut into = product_bars(&mut at_bars, &mut p_bars);
-            products.add_elements(system, &all, (Force::Impulse(step.now()), 1.0), point(&self.residual.at, *t), &mut into);
-            Variational::write_moved(base, step.to_before(), &mut before);
-            let mut into = product_bars(&mut before_bars, &mut p_bars);
-            let there = point(&before, t + step.to_before());
-            products.add_elements(system, &all, (Force::Impulse(step.before()), -1.0), there, &mut into);
-            let mut into = product_bars(&mut constraint_bars, &mut p_bars);
+            for bars in [&mut *reactions, before] {
+                set_zeros(bars, asked.len() * 3 * dofs);
+            }
+            let mut into = product_bars(elements, &mut p_bars, dofs);
+            products.add_elements(
+                system,
+                adjoints,
+                (Force::Impulse(step.now()), 1.0),
+                point(&self.residual.at, *t),
+                &mut into,
+            );
+            Variational::write_moved(base, step.to_before(), moved);
+            let mut into = product_bars(before, &mut p_bars, dofs);
+            let there = point(moved, t + step.to_before());
+            products.add_elements(system, adjoints, (Force::Impulse(step.before()), -1.0), there, &mut into);
+            let mut into = product_bars(constraints, &mut p_bars, dofs);
             let there = point(constraint_at, equations.constraint_time(*t));
-            products.add_constraints(system, (equations, ConstraintPart::Equations), &all, &unknowns, there, &mut into);
-            let mut into = product_bars(&mut reaction_bars, &mut p_bars);
+            let which = ConstraintPart::Equations;
+            products.add_constraints(system, (equations, which), adjoints, &unknowns, there, &mut into);
+            let mut into = product_bars(reactions, &mut p_bars, dofs);
             let there = point(&self.residual.reaction_at, equations.reaction_time(*t));
             let which = ConstraintPart::Reactions(step.reaction());
-            products.add_constraints(system, (equations, which), &all, &unknowns, there, &mut into);
+            products.add_constraints(system, (equations, which), adjoints, &unknowns, there, &mut into);
         } else {
-            let mut into = product_bars(&mut at_bars, &mut p_bars);
-            products.add_elements(system, &all, (Force::of(equations), 1.0), point(&self.residual.at, *t), &mut into);
-            let mut into = product_bars(&mut constraint_bars, &mut p_bars);
-            let there = point(constraint_at, *t);
-            products.add_constraints(system, (equations, ConstraintPart::Both), &all, &unknowns, there, &mut into);
+            let mut into = product_bars(elements, &mut p_bars, dofs);
+            products.add_elements(system, adjoints, (Force::of(equations), 1.0), point(&self.residual.at, *t), &mut into);
+            let mut into = product_bars(constraints, &mut p_bars, dofs);
+            let which = ConstraintPart::Both;
+            products.add_constraints(system, (equations, which), adjoints, &unknowns, point(constraint_at, *t), &mut into);
         }
+        set_zeros(own, if equations.is_difference() { asked.len() * 3 * dofs } else { 0 });
         if equations.is_difference() {
-            let mut own: Vec<VectorsAvq<f64>> = vec![VectorsAvq::zeros(dofs); asked.len()];
-            let mut into = product_bars(&mut own, &mut p_bars);
-            products.add_elements(system, &all, (Force::Residual, -1.0), point(base, *t), &mut into);
-            for (&k, own) in asked.iter().zip(own) {
-                base_bars[k] = own;
-            }
+            let mut into = product_bars(own, &mut p_bars, dofs);
+            products.add_elements(system, adjoints, (Force::Residual, -1.0), point(base, *t), &mut into);
         }
-        for (&k, own) in asked.iter().zip(&own_p) {
-            back[k].p.iter_mut().zip(own).for_each(|(bar, own)| *bar += own);
+        for (&k, own) in asked.iter().zip(own_p.chunks_exact(p.len().max(1))) {
+            add(&mut back[k].p, own);
         }
-        for (place, ((&k, adjoints), (at_bar, constraint_bar))) in
-            asked.iter().zip(&mut all).zip(at_bars.iter().zip(&mut constraint_bars)).enumerate()
-        {
-            let (bar, base_bar) = (&bars[k], &mut base_bars[k]);
-            let reaction_bar = reaction_bars.get_mut(place).unwrap_or(&mut *constraint_bar);
-            system.add_local_products(false, equations, adjoints, &unknowns, constraint_at, reaction_bar);
-            // what is left of x_bar + J^T lambda along the eliminated directions belongs to the equations inside nodes
-            let (shift, inner) = (equations.residual, equations.constraint);
-            let alpha_part = |i: usize| shift.alpha * at_bar.q[i] + inner.alpha * constraint_bar.q[i];
-            let unbalanced_x: Vec<f64> = (0..dofs)
-                .map(|i| {
-                    let rates = shift.gamma * at_bar.a[i] + shift.beta * at_bar.v[i];
-                    let inner_rates = inner.gamma * constraint_bar.a[i] + inner.beta * constraint_bar.v[i];
-                    bar.x[i] + rates + inner_rates + alpha_part(i)
-                })
-                .collect();
-            let rate_bars = bar.rate.iter().enumerate();
-            let unbalanced_y: Vec<f64> = rate_bars.map(|(i, y)| y + adjoints.y[i] + alpha_part(i)).collect();
-            system.set_local_adjoints(equations, constraint_at, &unbalanced_x, &unbalanced_y, adjoints);
-            system.add_local_products(true, equations, adjoints, &unknowns, constraint_at, constraint_bar);
+        let mut reactions_of = reactions.chunks_exact_mut(3 * dofs);
+        let each = asked.iter().zip(&mut *adjoints);
+        let parts = elements.chunks_exact(3 * dofs).zip(constraints.chunks_exact_mut(3 * dofs));
+        let at_nodes = each.zip(parts).map(|((&k, adjoints), (elements, constraints))| NodeBars {
+            x: &bars[k].x,
+            y: &bars[k].rate,
+            adjoints,
+            elements,
+            constraints,
+            reactions: equations.variational.and_then(|_| reactions_of.next()),
+        });
+        system.add_node_products(equations, &unknowns, constraint_at, &mut at_nodes.collect::<SmallVec<[_; 8]>>());
+        for (place, &k) in asked.iter().enumerate() {
+            let here = place * 3 * dofs..(place + 1) * 3 * dofs;
+            let base_bar = &mut self.bases[k];
+            let (elements, constraints) = (&elements[here.clone()], &constraints[here.clone()]);
             if let Some(step) = equations.variational {
-                let (reaction, before) = (&reaction_bars[place].q, &before_bars[place]);
+                let (reactions, before) = (&reactions[here.clone()][2 * dofs..], &before[here]);
                 for i in 0..dofs {
-                    let of_constraint = constraint_bar.q[i];
-                    base_bar.q[i] = at_bar.q[i] + before.q[i] + of_constraint + reaction[i];
-                    let moved = step.to_end() * of_constraint + step.to_start() * reaction[i];
-                    base_bar.v[i] = at_bar.v[i] + before.v[i] + step.to_before() * before.q[i] + moved;
+                    let of_constraint = constraints[2 * dofs + i];
+                    base_bar.q[i] = elements[2 * dofs + i] + before[2 * dofs + i] + of_constraint + reactions[i];
+                    let moved = step.to_end() * of_constraint + step.to_start() * reactions[i];
+                    base_bar.v[i] = elements[dofs + i] + before[dofs + i] + step.to_before() * before[2 * dofs + i] + moved;
                 }
                 continue;
             }
-            for i in 0..dofs {
+            for (vector, bar) in [&mut base_bar.a, &mut base_bar.v, &mut base_bar.q].into_iter().enumerate() {
+                let range = vector * dofs..(vector + 1) * dofs;
                 // first what cancels
-                let of_elements = if equations.is_of_inertia() { 0.0 } else { at_bar.a[i] };
-                base_bar.a[i] = (base_bar.a[i] + of_elements) + constraint_bar.a[i];
-                base_bar.v[i] = (base_bar.v[i] + at_bar.v[i]) + constraint_bar.v[i];
-                base_bar.q[i] = (base_bar.q[i] + at_bar.q[i]) + constraint_bar.q[i];
+                if !own.is_empty() {
+                    bar.copy_from_slice(&own[here.clone()][range.clone()]);
+                }
+                if vector > 0 || !equations.is_of_inertia() {
+                    add(bar, &elements[range.clone()]);
+                }
+                add(bar, &constraints[range]);
             }
         }
-        self.unknowns = unknowns;
-        Ok(base_bars)
+        (self.unknowns, self.sweep) = (unknowns, work);
+        Ok(&self.bases)
     }
 
-    /// lambda with J^T lambda = -x_bar for each x_bar, with the matrix factored last.
-    fn solve<'b>(&mut self, bars: impl Iterator<Item = &'b SolutionBar>) -> Vec<Adjoints> {
+    /// Solves J^T lambda = -x_bar for each x_bar that is not zero; returns whether the matrix had to be factored for it.
+    fn solve(&mut self, asked: &[usize], bars: &[SolutionBar]) -> Result<bool, Singular> {
         let system = &*self.system.clone();
-        let (mut all, mut count) = (Vec::new(), 0);
-        for bar in bars {
-            count += 1;
-            let first = all.len();
-            all.resize(first + system.size(), 0.0);
-            let reduced = &mut all[first..];
+        let size = system.size();
+        set_zeros(&mut self.reduced, asked.len() * size);
+        for (&k, reduced) in asked.iter().zip(self.reduced.chunks_exact_mut(size.max(1))) {
+            let bar = &bars[k];
             self.jacobian.restrict_right(system, &bar.x, &bar.rate, reduced);
             for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {
                 if let Some(place) = *place {
@@ -296,9 +377,11 @@ impl<'m> TransposedSolver<'m> {
             }
             reduced.iter_mut().for_each(|value| *value = -*value);
         }
-        self.factorization.solve_transposed(&mut all);
-        let adjoints = |reduced: &[f64]| {
-            let mut adjoints = Adjoints::zeros(system);
+        let factored = self.factorization.solve_transposed(&self.jacobian.values, &mut self.reduced)?;
+        let all = &mut self.sweep.adjoints;
+        all.resize_with(all.len().max(asked.len()), Adjoints::default);
+        all.iter_mut().for_each(|adjoints| adjoints.set_zeros(system));
+        for (adjoints, reduced) in all.iter_mut().zip(self.reduced.chunks_exact(size.max(1))) {
             self.jacobian.prolong_left(system, reduced, &mut adjoints.f, &mut adjoints.y);
             let places = system.multiplier_places().iter().zip(&mut adjoints.g);
             for (place, g) in places.chain(system.stabilizer_places().iter().zip(&mut adjoints.g_second)) {
@@ -306,9 +389,8 @@ impl<'m> TransposedSolver<'m> {
                     *g = reduced[place];
                 }
             }
-            adjoints
-        };
-        (0..count).map(|k| adjoints(&all[k * system.size()..][..system.size()])).collect()
+        }
+        Ok(factored)
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
@@ -316,8 +398,30 @@ impl<'m> TransposedSolver<'m> {
     }
 }
 
-fn product_bars<'b>(at: &'b mut [VectorsAvq<f64>], p: &'b mut [&mut Vec<f64>]) -> Vec<ProductBars<'b>> {
-    at.iter_mut().zip(p).map(|(at, p)| ProductBars { at, p: p.as_mut_slice() }).collect()
+/// Stages, projections of coordinates, projections of velocities.
+fn kind(equations: &Equations) -> usize {
+    match (equations.metric, equations.level) {
+        (false, _) => 0,
+        (true, Level::Position) => 1,
+        (true, _) => 2,
+    }
+}
+
+/// Adjoints of the parameters, for one functional after the other.
+type Parameters<'p> = Vec<&'p mut [f64]>;
+
+fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) -> Vec<ProductBars<'b>> {
+    avq.chunks_exact_mut(3 * dofs).zip(p).map(|(avq, p)| ProductBars { avq, p: &mut **p }).collect()
+}
+
+/// So many zeros, in the memory that is there.
+fn set_zeros(values: &mut Vec<f64>, count: usize) {
+    values.clear();
+    values.resize(count, 0.0);
+}
+
+fn add(target: &mut [f64], values: &[f64]) {
+    target.iter_mut().zip(values).for_each(|(target, value)| *target += value);
 }
 
 fn singular(unknown: usize, place: &str) -> RunError {
