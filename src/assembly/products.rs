@@ -1,6 +1,7 @@
 use super::batches::{BatchWork, run_parts};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
+use super::local::dot4;
 use super::numbering::{DofMap, System};
 use super::residual::LocalVec;
 use super::{Equations, Level, Rates, Unknowns, VectorsAvq};
@@ -345,6 +346,12 @@ impl System<'_> {
         for local in self.eliminated() {
             let dofs = self.model.nodes[local.node].dofs.clone();
             let (own, n) = (local.equations.clone(), dofs.len());
+            if let Some(unit) = local.form.unit_length().filter(|_| equations.level != Level::Stabilized) {
+                let four = dofs.start + unit.first..dofs.start + unit.first + 4;
+                let node = UnitNode { all, dofs: four, equation: own.start, second: unit.second };
+                node.add_products(equations, unknowns.local_mu[own.start], at, functionals);
+                continue;
+            }
             let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
             gradients.clear();
             gradients.resize(own.len() * n, Rates::zero());
@@ -381,6 +388,57 @@ impl System<'_> {
                     let second = multipliers.get(equation + own.len()).copied().unwrap_or(0.0);
                     let weights = [multipliers[equation] * scales[0], second * scales[1]];
                     add_row(equations.level, row, weights, &places, constraints);
+                }
+            }
+        }
+    }
+}
+
+/// Four coordinates of unit length: (x . x) h / 2 + c = 0.
+struct UnitNode {
+    /// Number of coordinates of the model.
+    all: usize,
+    dofs: Range<usize>,
+    /// Their equation.
+    equation: usize,
+    /// h.
+    second: f64,
+}
+
+impl UnitNode {
+    /// What [`System::add_node_products`] does, in a few multiplications.
+    fn add_products(&self, equations: &Equations, mu: f64, at: &VectorsAvq<f64>, functionals: &mut [NodeBars]) {
+        let UnitNode { all, dofs, equation, second } = self;
+        let four = |values: &[f64]| -> [f64; 4] { std::array::from_fn(|i| values[dofs.start + i]) };
+        let (a, v, q) = (four(&at.a), four(&at.v), four(&at.q));
+        let (outer, inner, weights) = (equations.residual, equations.constraint, equations.row_weights());
+        let row: [f64; 4] = std::array::from_fn(|i| (weights[0] * q[i] + weights[1] * v[i] + weights[2] * a[i]) * second);
+        let along = 1.0 / dot4(&row, &row);
+        for NodeBars { x, adjoints, elements, constraints, reactions, .. } in functionals {
+            let places = [0, 1, 2].map(|vector| vector * all + dofs.start);
+            let target = &mut reactions.as_deref_mut().unwrap_or(&mut **constraints)[places[2]..][..4];
+            target.iter_mut().zip(four(&adjoints.f)).for_each(|(target, lambda)| *target += mu * second * lambda);
+            let unbalanced: [f64; 4] = std::array::from_fn(|i| {
+                let [of_a, of_v, of_q] = places.map(|place| (elements[place + i], constraints[place + i]));
+                let rates = outer.gamma * of_a.0 + outer.beta * of_v.0 + (inner.gamma * of_a.1 + inner.beta * of_v.1);
+                x[dofs.start + i] + rates + (outer.alpha * of_q.0 + inner.alpha * of_q.1)
+            });
+            let multiplier = -dot4(&row, &unbalanced) * along;
+            adjoints.local[*equation] = multiplier;
+            let weight = multiplier * equations.row_scales()[0] * second;
+            for i in 0..4 {
+                let [in_a, in_v, in_q] = places.map(|place| place + i);
+                match equations.level {
+                    Level::Position => constraints[in_q] += weight * q[i],
+                    Level::Velocity => {
+                        constraints[in_v] += weight * q[i];
+                        constraints[in_q] += weight * v[i];
+                    }
+                    _ => {
+                        constraints[in_a] += weight * q[i];
+                        constraints[in_v] += 2.0 * weight * v[i];
+                        constraints[in_q] += weight * a[i];
+                    }
                 }
             }
         }

@@ -106,8 +106,9 @@ pub struct Factorization {
     given: Vec<f64>,
     correction: Vec<f64>,
     checked: bool,
-    /// Sums of absolute values beside the residuals of these.
-    sizes: Vec<f64>,
+    /// Backward errors of solutions, and their numbers side by side.
+    errors: Vec<f64>,
+    beside: Vec<f64>,
     /// Whether there are factors.
     has_factors: bool,
     /// Whether the factors are those of other values than the scaled ones.
@@ -161,7 +162,8 @@ impl Factorization {
             given: Vec::new(),
             correction: Vec::new(),
             checked: false,
-            sizes: Vec::new(),
+            errors: Vec::new(),
+            beside: Vec::new(),
             has_factors: false,
             is_stale: false,
         }
@@ -304,14 +306,12 @@ impl Factorization {
             self.set_scaled_rhs(&given, rhs);
             self.solver.solve_transposed(rhs);
             self.set_scaled_rhs(&given, &mut correction);
-            self.subtract_all_transposed(rhs, &mut correction);
+            self.subtract_product::<false>(rhs, &mut correction);
             self.solver.solve_transposed(&mut correction);
-            rhs.iter_mut().zip(&correction).for_each(|(x, correction)| *x += correction);
-            let mut columns = rhs.chunks_exact(n).zip(correction.chunks_exact(n));
-            factored = factored.and_then(|factored| {
-                columns.try_for_each(|(x, change)| settled(x, change))?;
-                Ok(factored)
-            });
+            for (x, change) in rhs.chunks_exact_mut(n).zip(correction.chunks_exact(n)) {
+                x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
+                factored = factored.and_then(|factored| settled(x, change).map(|()| factored));
+            }
         }
         (self.given, self.correction) = (given, correction);
         for rhs in rhs.chunks_exact_mut(n) {
@@ -341,7 +341,8 @@ impl Factorization {
         let (mut refinements, mut previous) = (0.0, 1.0);
         loop {
             self.set_scaled_rhs(given, correction);
-            let error = self.subtract_with_error(x, correction);
+            self.subtract_product::<true>(x, correction);
+            let error = self.errors.iter().copied().fold(0.0, larger);
             if error <= BACKWARD_ERROR {
                 return true;
             }
@@ -356,65 +357,66 @@ impl Factorization {
         }
     }
 
-    /// B <- B - A^T X with the scaled matrix; returns the largest componentwise backward error |r| / (|A^T| |x| + |b|), where what is next to
-    /// nothing beside the largest unknown counts by that one: in a motion in a plane, all that leaves it is round-off.
-    fn subtract_with_error(&mut self, x: &[f64], b: &mut [f64]) -> f64 {
+    /// B <- B - A^T X with the scaled matrix; if they are `MEASURED` sets the errors, the largest componentwise backward error
+    /// |r| / (|A^T| |x| + |b|) of each column, where what is next to nothing beside the largest unknown counts by that one: in a motion in a
+    /// plane, all that leaves it is round-off.
+    fn subtract_product<const MEASURED: bool>(&mut self, x: &[f64], b: &mut [f64]) {
         let n = self.pattern.size.max(1);
-        let mut sizes = std::mem::take(&mut self.sizes);
-        sizes.clear();
-        sizes.extend(b.iter().map(|b| b.abs()));
-        for (x, (b, sizes)) in x.chunks_exact(n).zip(b.chunks_exact_mut(n).zip(sizes.chunks_exact_mut(n))) {
-            for column in 0..n {
-                let own = self.entries(column);
-                let (mut sum, mut size) = (0.0, 0.0);
-                for (entry, &row) in self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]) {
-                    let term: f64 = entry * x[row];
-                    sum += term;
-                    size += term.abs();
-                }
-                b[column] -= sum;
-                sizes[column] += size;
-            }
-        }
-        let columns = x.chunks_exact(n).zip(b.chunks_exact(n).zip(sizes.chunks_exact(n)));
-        let error = columns.fold(0.0, |most: f64, (x, (b, sizes))| {
-            let least = NEXT_TO_NOTHING * largest(x);
-            // what is no number is no solution
-            b.iter().zip(sizes).fold(most, |most, (r, size)| {
-                let own = if *r == 0.0 { 0.0 } else { r.abs() / size.max(least) };
-                if own <= most { most } else { own }
-            })
-        });
-        self.sizes = sizes;
-        if error.is_nan() { f64::INFINITY } else { error }
-    }
-
-    /// B <- B - A^T X with the scaled matrix.
-    fn subtract_all_transposed(&self, x: &[f64], b: &mut [f64]) {
-        let n = self.pattern.size.max(1);
+        let (mut errors, mut beside) = (std::mem::take(&mut self.errors), std::mem::take(&mut self.beside));
+        errors.clear();
         for (b, x) in b.chunks_mut(TOGETHER * n).zip(x.chunks(TOGETHER * n)) {
             match x.len() / n {
-                1 => self.subtract_transposed::<1>(x, b),
-                2 => self.subtract_transposed::<2>(x, b),
-                3 => self.subtract_transposed::<3>(x, b),
-                _ => self.subtract_transposed::<TOGETHER>(x, b),
+                1 => self.subtract_columns::<MEASURED, 1>(x, b, &mut beside, &mut errors),
+                2 => self.subtract_columns::<MEASURED, 2>(x, b, &mut beside, &mut errors),
+                3 => self.subtract_columns::<MEASURED, 3>(x, b, &mut beside, &mut errors),
+                _ => self.subtract_columns::<MEASURED, TOGETHER>(x, b, &mut beside, &mut errors),
             }
         }
+        (self.errors, self.beside) = (errors, beside);
     }
 
-    /// The same for `W` columns.
-    fn subtract_transposed<const W: usize>(&self, x: &[f64], b: &mut [f64]) {
+    /// The same for `W` columns, whose numbers are laid side by side.
+    fn subtract_columns<const MEASURED: bool, const W: usize>(
+        &self,
+        x: &[f64],
+        b: &mut [f64],
+        beside: &mut Vec<f64>,
+        errors: &mut Vec<f64>,
+    ) {
         let n = self.pattern.size;
+        beside.clear();
+        beside.extend((0..n).flat_map(|row| (0..W).map(move |w| x[row + w * n])));
+        let (beside, _) = beside.as_chunks::<W>();
+        let least: [f64; W] = std::array::from_fn(|w| NEXT_TO_NOTHING * largest(&x[w * n..(w + 1) * n]));
+        let mut worst = [0.0_f64; W];
         for column in 0..n {
             let own = self.entries(column);
-            let mut sums = [0.0; W];
-            for (entry, &row) in self.scaled[own.clone()].iter().zip(&self.pattern.rows[own]) {
+            // sums of every other entry do not wait for each other
+            let [mut sums, mut sizes] = [[[0.0_f64; W]; 2]; 2];
+            let mut add = |which: usize, entry: f64, row: usize| {
                 for w in 0..W {
-                    sums[w] += entry * x[row + w * n];
+                    let term = entry * beside[row][w];
+                    sums[which][w] += term;
+                    if MEASURED {
+                        sizes[which][w] += term.abs();
+                    }
                 }
+            };
+            let (pairs, last) = self.scaled[own.clone()].as_chunks::<2>();
+            let (rows, last_row) = self.pattern.rows[own].as_chunks::<2>();
+            for (entries, rows) in pairs.iter().zip(rows) {
+                (0..2).for_each(|which| add(which, entries[which], rows[which]));
             }
-            (0..W).for_each(|w| b[column + w * n] -= sums[w]);
+            last.iter().zip(last_row).for_each(|(&entry, &row)| add(0, entry, row));
+            for w in 0..W {
+                let b = &mut b[column + w * n];
+                let size = sizes[0][w] + sizes[1][w] + b.abs();
+                *b -= sums[0][w] + sums[1][w];
+                let error = if *b == 0.0 { 0.0 } else { b.abs() / size.max(least[w]) };
+                worst[w] = larger(worst[w], error);
+            }
         }
+        errors.extend(worst);
     }
 
     /// An unknown in the scale of the matrix factored last.
@@ -545,6 +547,11 @@ impl Factorization {
         self.listed = entries;
         self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.column_scale[column] == 0.0);
     }
+}
+
+/// The larger one, or what is no number: that is no solution.
+fn larger(a: f64, b: f64) -> f64 {
+    if b <= a || a.is_nan() { a } else { b }
 }
 
 /// # Errors
