@@ -4,6 +4,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::multifrontal::{MultifrontalLu, largest};
+use super::scaling::{Scaling, largest_finite};
 use super::{DenseLu, LinearSolver, Singular};
 use crate::linalg::SparsePattern;
 use std::sync::Arc;
@@ -86,20 +87,9 @@ pub struct Factorization {
     plan: SolverPlan,
     solver: Box<dyn LinearSolver>,
     scaled: Vec<f64>,
-    row_scale: Vec<f64>,
-    column_scale: Vec<f64>,
-    /// Place of each diagonal entry.
-    diagonal: Vec<Option<usize>>,
-    /// Unknowns without a diagonal entry to be scaled by, as multipliers.
-    weak: Vec<usize>,
-    /// Places and columns of the entries in their rows, and where those of each begin.
-    weak_entries: Vec<(usize, usize)>,
-    weak_starts: Vec<usize>,
-    /// Workspace: rows, places and columns while they are sorted, and strengths of ties with the numbers of weak unknowns.
-    listed: Vec<(usize, usize, usize)>,
-    order: Vec<(f64, usize)>,
-    /// Whether some of them are tied to each other.
-    is_mixed: bool,
+    scaling: Scaling,
+    /// Largest of the values given last.
+    largest: f64,
     /// Whether unknowns that multipliers tie to far stiffer ones count as weak.
     is_careful: bool,
     /// Right-hand sides of a transposed solution, and corrections of it.
@@ -143,20 +133,12 @@ impl Factorization {
     }
 
     fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>) -> Self {
-        let n = pattern.size;
         Factorization {
             plan,
             solver,
             scaled: vec![0.0; pattern.rows.len()],
-            row_scale: vec![1.0; n],
-            column_scale: vec![1.0; n],
-            diagonal: (0..n).map(|i| pattern.position(i, i)).collect(),
-            weak: Vec::new(),
-            weak_entries: Vec::new(),
-            weak_starts: vec![0],
-            listed: Vec::new(),
-            order: Vec::new(),
-            is_mixed: false,
+            scaling: Scaling::new(pattern.clone()),
+            largest: 0.0,
             is_careful: false,
             pattern,
             given: Vec::new(),
@@ -202,8 +184,8 @@ impl Factorization {
     }
 
     fn factor_scaled(&mut self, values: &[f64]) -> Result<(), Singular> {
-        self.set_scales(values);
-        self.set_scaled(values);
+        self.scaling.set(values, self.largest, self.is_careful);
+        self.scaling.apply(values, &mut self.scaled);
         self.solver.factor(&self.scaled)?;
         if !self.checked {
             self.examine()?;
@@ -221,31 +203,20 @@ impl Factorization {
         self.check_finite(values)?;
         if self.has_factors {
             self.is_stale = true;
-            self.set_scaled(values);
+            self.scaling.apply(values, &mut self.scaled);
         }
         Ok(self.has_factors)
     }
 
     /// # Errors
     /// [`Singular`] with the column of a value that is not a number.
-    fn check_finite(&self, values: &[f64]) -> Result<(), Singular> {
-        // all are looked at, several at a time
-        if values.iter().fold(true, |all, value| all & value.is_finite()) {
+    fn check_finite(&mut self, values: &[f64]) -> Result<(), Singular> {
+        if let Some(largest) = largest_finite(values) {
+            self.largest = largest;
             return Ok(());
         }
         let finite = |column: &usize| values[self.entries(*column)].iter().all(|value| value.is_finite());
         Err(Singular { unknown: (0..self.pattern.size).take_while(finite).count() })
-    }
-
-    /// Sets the values in the scales of now.
-    fn set_scaled(&mut self, values: &[f64]) {
-        for column in 0..self.pattern.size {
-            let (own, scale) = (self.entries(column), self.column_scale[column]);
-            let scaled = self.scaled[own.clone()].iter_mut().zip(&values[own.clone()]);
-            for ((scaled, value), &row) in scaled.zip(&self.pattern.rows[own]) {
-                *scaled = value * (self.row_scale[row] * scale);
-            }
-        }
     }
 
     /// The solver and what a factorization takes.
@@ -276,11 +247,11 @@ impl Factorization {
 
     /// Replaces b by A^-1 b.
     pub fn solve(&mut self, rhs: &mut [f64]) {
-        for (b, scale) in rhs.iter_mut().zip(&self.row_scale) {
+        for (b, scale) in rhs.iter_mut().zip(&self.scaling.rows) {
             *b *= scale;
         }
         self.solver.solve(rhs);
-        for (x, scale) in rhs.iter_mut().zip(&self.column_scale) {
+        for (x, scale) in rhs.iter_mut().zip(&self.scaling.columns) {
             *x *= scale;
         }
     }
@@ -315,7 +286,7 @@ impl Factorization {
         }
         (self.given, self.correction) = (given, correction);
         for rhs in rhs.chunks_exact_mut(n) {
-            rhs.iter_mut().zip(&self.row_scale).for_each(|(x, scale)| *x *= scale);
+            rhs.iter_mut().zip(&self.scaling.rows).for_each(|(x, scale)| *x *= scale);
         }
         factored
     }
@@ -324,7 +295,7 @@ impl Factorization {
     fn set_scaled_rhs(&self, given: &[f64], scaled: &mut [f64]) {
         let n = self.pattern.size.max(1);
         for (given, scaled) in given.chunks_exact(n).zip(scaled.chunks_exact_mut(n)) {
-            let all = scaled.iter_mut().zip(given.iter().zip(&self.column_scale));
+            let all = scaled.iter_mut().zip(given.iter().zip(&self.scaling.columns));
             all.for_each(|(scaled, (b, scale))| *scaled = b * scale);
         }
     }
@@ -421,131 +392,11 @@ impl Factorization {
 
     /// An unknown in the scale of the matrix factored last.
     pub fn scaled(&self, unknown: usize, value: f64) -> f64 {
-        value / self.column_scale[unknown]
+        value / self.scaling.columns[unknown]
     }
 
     fn entries(&self, column: usize) -> std::ops::Range<usize> {
         self.pattern.column_starts[column]..self.pattern.column_starts[column + 1]
-    }
-
-    /// Powers of two that bring the diagonal near 1 where there is one, and the rows and columns of multipliers to its scale.
-    ///
-    /// A light body then has pivots as good as those of a heavy one, and none has to be looked for among the constraints.
-    fn set_scales(&mut self, values: &[f64]) {
-        let mut weak = 0;
-        let mut same = true;
-        for unknown in 0..self.pattern.size {
-            let diagonal = self.diagonal[unknown].map_or(0.0, |place| values[place].abs());
-            let scale = if diagonal > SMALL_DIAGONAL * largest(&values[self.entries(unknown)]) {
-                inverse_power(diagonal.sqrt())
-            } else {
-                same &= self.weak.get(weak) == Some(&unknown);
-                weak += 1;
-                0.0
-            };
-            (self.row_scale[unknown], self.column_scale[unknown]) = (scale, scale);
-        }
-        if !same || weak != self.weak.len() {
-            self.find_weak();
-        }
-        if self.is_careful && self.release(values) {
-            self.find_weak();
-        }
-        if self.is_mixed {
-            self.scale_mixed(values);
-            return;
-        }
-        // rows of multipliers against the scaled unknowns of nodes, then their columns
-        for number in 0..self.weak.len() {
-            self.row_scale[self.weak[number]] = inverse_power(self.row_size(number, values));
-        }
-        for &unknown in &self.weak {
-            self.column_scale[unknown] = inverse_power(self.column_size(unknown, values));
-        }
-    }
-
-    /// Largest entry of a row of a weak unknown in the columns scaled by now.
-    fn row_size(&self, number: usize, values: &[f64]) -> f64 {
-        let own = &self.weak_entries[self.weak_starts[number]..self.weak_starts[number + 1]];
-        own.iter().map(|&(place, column)| values[place].abs() * self.column_scale[column]).fold(0.0, f64::max)
-    }
-
-    /// Largest entry of a column in the rows scaled by now.
-    fn column_size(&self, column: usize, values: &[f64]) -> f64 {
-        let scaled = |place: usize| values[place].abs() * self.row_scale[self.pattern.rows[place]];
-        self.entries(column).map(scaled).fold(0.0, f64::max)
-    }
-
-    /// Scales weak unknowns that are tied to each other, as multipliers to a body that nothing else holds: those first that are tied most to
-    /// scaled ones, each against all that are scaled by then. By its unscaled entries such a body would hide those of the soft or light
-    /// neighbours of its links.
-    fn scale_mixed(&mut self, values: &[f64]) {
-        let mut order = std::mem::take(&mut self.order);
-        let strength = |number: usize| self.row_size(number, values) * self.column_size(self.weak[number], values);
-        order.clear();
-        order.extend((0..self.weak.len()).map(|number| (strength(number), number)));
-        order.sort_unstable_by(|(a, first), (b, second)| b.total_cmp(a).then(first.cmp(second)));
-        let mut left = usize::MAX;
-        while order.len() < left {
-            left = order.len();
-            order.retain(|&(_, number)| {
-                let unknown = self.weak[number];
-                let (row, column) = (self.row_size(number, values), self.column_size(unknown, values));
-                let is_tied = row > 0.0 && column > 0.0;
-                if is_tied {
-                    let (row, column) = (inverse_power(row), inverse_power(column));
-                    let own = self.diagonal[unknown].map_or(0.0, |place| values[place].abs() * row * column);
-                    // what is left of a diagonal does not outgrow the rest
-                    let shrunk = if own > 1.0 { inverse_power(own.sqrt()) } else { 1.0 };
-                    (self.row_scale[unknown], self.column_scale[unknown]) = (row * shrunk, column * shrunk);
-                }
-                !is_tied
-            });
-        }
-        for &(_, number) in &order {
-            (self.row_scale[self.weak[number]], self.column_scale[self.weak[number]]) = (1.0, 1.0);
-        }
-        self.order = order;
-    }
-
-    /// Takes their scales from unknowns whose diagonal is nothing beside that of others in the equation of a multiplier: of a body without
-    /// stiffness it is what its reactions turn it by, and pivots of that size would take the digits of all its links.
-    fn release(&mut self, values: &[f64]) -> bool {
-        let mut released = false;
-        for rows in self.weak_starts.windows(2) {
-            let own = &self.weak_entries[rows[0]..rows[1]];
-            let largest = own.iter().fold(0.0, |most: f64, &(place, _)| most.max(values[place].abs()));
-            let is_large = |&&(place, _): &&(usize, usize)| values[place].abs() > SMALL_DIAGONAL * largest;
-            let sizes = own.iter().filter(is_large).map(|&(place, column)| values[place].abs() * self.column_scale[column]);
-            let stiffest = sizes.filter(|&size| size > 0.0).fold(f64::INFINITY, f64::min);
-            for &(place, column) in own {
-                if values[place].abs() * self.column_scale[column] * SOFT > stiffest {
-                    (self.row_scale[column], self.column_scale[column]) = (0.0, 0.0);
-                    released = true;
-                }
-            }
-        }
-        released
-    }
-
-    /// Lists the unknowns whose scale is still zero, and the entries in their rows.
-    fn find_weak(&mut self) {
-        self.weak.clear();
-        self.weak.extend((0..self.pattern.size).filter(|&unknown| self.column_scale[unknown] == 0.0));
-        let mut entries = std::mem::take(&mut self.listed);
-        entries.clear();
-        for column in 0..self.pattern.size {
-            let own = self.entries(column).map(|place| (self.pattern.rows[place], place, column));
-            entries.extend(own.filter(|&(row, ..)| self.column_scale[row] == 0.0));
-        }
-        entries.sort_unstable();
-        self.weak_entries.clear();
-        self.weak_entries.extend(entries.iter().map(|&(_, place, column)| (place, column)));
-        let start = |&row: &usize| entries.partition_point(|entry| entry.0 < row);
-        self.weak_starts.clear();
-        self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len()]));
-        self.listed = entries;
-        self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.column_scale[column] == 0.0);
     }
 }
 
@@ -562,16 +413,4 @@ fn settled(x: &[f64], change: &[f64]) -> Result<(), Singular> {
         Some(unknown) => Err(Singular { unknown }),
         None => Ok(()),
     }
-}
-
-/// Smallest diagonal entry, as a share of its column, by which an unknown is scaled: rows and columns of our matrices have like sizes.
-const SMALL_DIAGONAL: f64 = 1e-10;
-
-/// Scaled entry of a stiff unknown in the equation of a multiplier, as a share of that of one to be called soft.
-const SOFT: f64 = 1e-5;
-
-/// The inverse of the power of two near a normal number, by its exponent; 1 for zero.
-fn inverse_power(size: f64) -> f64 {
-    let exponent = size.to_bits() >> 52;
-    if (1..2046).contains(&exponent) { f64::from_bits((2046 - exponent) << 52) } else { 1.0 }
 }

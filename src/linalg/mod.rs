@@ -3,13 +3,16 @@
 //! Only `f64` is factored; derivative parts are solved with the same factors. [`Factorization`] scales rows and columns,
 //! chooses the backend by size, refines solutions, and names the unknown of a singular system.
 
+mod column_groups;
 mod dense;
 mod eigen;
 mod factorization;
 pub mod multifrontal;
 mod rank;
+mod scaling;
 mod simd;
 mod sparse_pattern;
+mod vectors;
 
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};

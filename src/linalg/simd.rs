@@ -17,12 +17,25 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
             // SAFETY: the processor has all instructions that the function is compiled for.
             return unsafe { with_avx512(kernel) };
         }
-        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+        if has_avx2() {
             // SAFETY: as above.
             return unsafe { with_avx2(kernel) };
         }
     }
     kernel.run::<false>()
+}
+
+/// Whether kernels have registers of four numbers.
+#[inline]
+pub fn has_avx2() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        false
+    }
 }
 
 /// Whether kernels have 32 registers of eight numbers.

@@ -1,15 +1,34 @@
-//! Storage of the factors: one array for all fronts, and own ones for fronts that took up delayed pivots.
+//! Storage of the factors: one array for all large fronts and one for all small ones, and own ones for fronts that took
+//! up delayed pivots.
 
 use super::matrix_view::MatrixView;
+use super::small_front::{Elimination, LANES, Lines, Shape};
+use super::small_substitution::{SmallFactors, transpose_small};
 use super::symbolic::{Front, Symbolic};
+use crate::linalg::vectors::{Instructions, VectorKernel, dispatch_vectors};
 
 /// What a factorization found in a front.
 #[derive(Default)]
 pub struct Outcome {
     /// Number of pivots that were found.
-    pub eliminated: usize,
-    /// Storage of a front that is larger than planned.
+    eliminated: usize,
+    form: Form,
+    /// Storage of a front that is larger than planned, or small and not factored as such; kept for the next time.
     grown: Option<Box<Grown>>,
+}
+
+/// How the factors of a front are stored.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum Form {
+    /// As planned for a large front.
+    #[default]
+    Planned,
+    /// As those of a small front.
+    Small,
+    /// The same, with rows in another order than that of the places.
+    SmallExchanged,
+    /// In its own storage.
+    Grown,
 }
 
 #[derive(Default)]
@@ -23,6 +42,10 @@ struct Grown {
 #[derive(Default)]
 pub struct Factors {
     values: Vec<f64>,
+    small: Lines,
+    /// Those of small fronts in A^T, where a transposed system was solved.
+    transposed: Lines,
+    is_transposed: bool,
     rows: Vec<u32>,
     columns: Vec<u32>,
     outcomes: Vec<Outcome>,
@@ -60,7 +83,9 @@ pub struct Part<'f> {
     first_front: usize,
     first_place: usize,
     first_value: usize,
+    first_small: usize,
     values: &'f mut [f64],
+    small: &'f mut [f64],
     rows: &'f mut [u32],
     columns: &'f mut [u32],
     outcomes: &'f mut [Outcome],
@@ -73,26 +98,32 @@ impl Factors {
         let eliminated = symbolic.fronts.iter().map(|front| front.pivots).sum();
         Factors {
             values: vec![0.0; symbolic.factor_storage()],
+            small: Lines::new(symbolic.small_storage() + LANES),
+            transposed: Lines::default(),
+            is_transposed: false,
             rows: vec![0; eliminated],
             columns: vec![0; eliminated],
             outcomes,
         }
     }
 
-    /// All fronts.
+    /// All fronts, to be factored anew.
     pub fn part(&mut self) -> Part<'_> {
+        self.is_transposed = false;
         Part {
             first_front: 0,
             first_place: 0,
             first_value: 0,
+            first_small: 0,
             values: &mut self.values,
+            small: &mut self.small,
             rows: &mut self.rows,
             columns: &mut self.columns,
             outcomes: &mut self.outcomes,
         }
     }
 
-    /// The factors of a front.
+    /// The factors of a front that is not stored as a small one.
     pub fn front(&self, symbolic: &Symbolic, front: usize) -> FrontFactors<'_> {
         let planned = &symbolic.fronts[front];
         let values = &self.values[planned.factors..][..planned.storage()];
@@ -100,9 +131,60 @@ impl Factors {
         view(planned, &self.outcomes[front], values, &self.rows[places.clone()], &self.columns[places])
     }
 
+    /// Whether the factors of a front are stored as those of a small one.
+    #[inline(always)]
+    pub fn is_small(&self, front: usize) -> bool {
+        matches!(self.outcomes[front].form, Form::Small | Form::SmallExchanged)
+    }
+
+    /// The factors of a front that is stored as a small one, in A, or in A^T after [`Factors::transpose`].
+    #[inline(always)]
+    pub fn small<'f>(&'f self, symbolic: &'f Symbolic, front: usize, is_transposed: bool) -> SmallFactors<'f> {
+        let values = if is_transposed { &self.transposed } else { &self.small };
+        SmallFactors::new(&symbolic.small_plans[front], values, &symbolic.rows)
+    }
+
+    /// The places of the rows of a front that is stored as a small one, where these were exchanged.
+    #[inline(always)]
+    pub fn exchanged(&self, symbolic: &Symbolic, front: usize) -> Option<&[u32]> {
+        (self.outcomes[front].form == Form::SmallExchanged).then(|| {
+            let planned = &symbolic.fronts[front];
+            &self.rows[planned.first..][..planned.pivots]
+        })
+    }
+
+    /// Numbers of fronts that are stored as small ones, of those among them whose rows were exchanged, and of small
+    /// ones that are not.
+    #[cfg(test)]
+    pub fn forms(&self, symbolic: &Symbolic) -> [usize; 3] {
+        let count = |is: &dyn Fn(Form, &Front) -> bool| {
+            self.outcomes.iter().zip(&symbolic.fronts).filter(|(outcome, front)| is(outcome.form, front)).count()
+        };
+        [
+            count(&|form, _| matches!(form, Form::Small | Form::SmallExchanged)),
+            count(&|form, _| form == Form::SmallExchanged),
+            count(&|form, front| front.is_small() && form == Form::Grown),
+        ]
+    }
+
+    /// Transposes the factors of small fronts, if that has not been done since they were made.
+    pub fn transpose(&mut self, symbolic: &Symbolic) {
+        if !self.is_transposed {
+            if self.transposed.is_empty() {
+                self.transposed = Lines::new(self.small.len());
+            }
+            dispatch_vectors(Transpose { symbolic, factors: self });
+            self.is_transposed = true;
+        }
+    }
+
     /// Number of pivots that had to wait for a front above, counted in every front that they left.
     pub fn delayed(&self, symbolic: &Symbolic) -> usize {
-        (0..self.outcomes.len()).map(|front| self.front(symbolic, front)).map(|f| f.rows.len() - f.eliminated).sum()
+        let delayed = |(outcome, front): (&Outcome, &Front)| match (outcome.form, &outcome.grown) {
+            (Form::Grown, Some(grown)) => grown.rows.len() - outcome.eliminated,
+            _ => front.pivots - outcome.eliminated,
+        };
+        self.outcomes.iter().zip(&symbolic.fronts).map(delayed).sum()
     }
 
     /// Bytes beyond the planned ones.
@@ -120,8 +202,8 @@ fn view<'f>(
     columns: &'f [u32],
 ) -> FrontFactors<'f> {
     let (values, rows, columns) = match &outcome.grown {
-        Some(grown) => (&grown.values[..], &grown.rows[..], &grown.columns[..]),
-        None => (values, rows, columns),
+        Some(grown) if outcome.form == Form::Grown => (&grown.values[..], &grown.rows[..], &grown.columns[..]),
+        _ => (values, rows, columns),
     };
     let (others, summed) = (planned.others(), rows.len());
     let (lower, upper) = values.split_at((summed + others) * summed);
@@ -134,68 +216,125 @@ fn view<'f>(
     }
 }
 
+/// Transposes the factors of all small fronts.
+struct Transpose<'j> {
+    symbolic: &'j Symbolic,
+    factors: &'j mut Factors,
+}
+
+impl VectorKernel for Transpose<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Factors { small, transposed, outcomes, .. } = self.factors;
+        for (front, outcome) in self.symbolic.fronts.iter().zip(outcomes) {
+            if matches!(outcome.form, Form::Small | Form::SmallExchanged) {
+                let shape = Shape::of(front);
+                let own = front.small..front.small + shape.storage();
+                transpose_small::<I>(shape, &small[own.clone()], &mut transposed[own]);
+            }
+        }
+    }
+}
+
 impl<'f> Part<'f> {
     /// The fronts before one of them, and the others.
+    #[inline]
     pub fn split_at(self, symbolic: &Symbolic, front: usize) -> (Part<'f>, Part<'f>) {
-        let (place, value) = symbolic.fronts.get(front).map_or_else(
-            || (self.first_place + self.rows.len(), self.first_value + self.values.len()),
-            |front| (front.first, front.factors),
+        let (place, value, small) = symbolic.fronts.get(front).map_or_else(
+            || {
+                let small = self.first_small + self.small.len();
+                (self.first_place + self.rows.len(), self.first_value + self.values.len(), small)
+            },
+            |front| (front.first, front.factors, front.small),
         );
         let (values, later_values) = self.values.split_at_mut(value - self.first_value);
+        let (smalls, later_smalls) = self.small.split_at_mut(small - self.first_small);
         let (rows, later_rows) = self.rows.split_at_mut(place - self.first_place);
         let (columns, later_columns) = self.columns.split_at_mut(place - self.first_place);
         let (outcomes, later_outcomes) = self.outcomes.split_at_mut(front - self.first_front);
-        let (first_front, first_place, first_value) = (self.first_front, self.first_place, self.first_value);
-        (
-            Part { first_front, first_place, first_value, values, rows, columns, outcomes },
-            Part {
-                first_front: front,
-                first_place: place,
-                first_value: value,
-                values: later_values,
-                rows: later_rows,
-                columns: later_columns,
-                outcomes: later_outcomes,
-            },
-        )
+        let before = Part { values, small: smalls, rows, columns, outcomes, ..self };
+        let after = Part {
+            first_front: front,
+            first_place: place,
+            first_value: value,
+            first_small: small,
+            values: later_values,
+            small: later_smalls,
+            rows: later_rows,
+            columns: later_columns,
+            outcomes: later_outcomes,
+        };
+        (before, after)
     }
 
     /// The same for a shorter time.
+    #[inline]
     pub fn reborrow(&mut self) -> Part<'_> {
         Part {
             first_front: self.first_front,
             first_place: self.first_place,
             first_value: self.first_value,
+            first_small: self.first_small,
             values: self.values,
+            small: self.small,
             rows: self.rows,
             columns: self.columns,
             outcomes: self.outcomes,
         }
     }
 
-    /// The factors of one of the fronts.
-    pub fn front(&self, symbolic: &Symbolic, front: usize) -> FrontFactors<'_> {
-        let planned = &symbolic.fronts[front];
-        let values = &self.values[planned.factors - self.first_value..][..planned.storage()];
-        let first = planned.first - self.first_place;
-        let places = first..first + planned.pivots;
+    /// Places of the rows and of the columns of a front whose pivots are delayed.
+    #[inline]
+    pub fn delayed(&self, symbolic: &Symbolic, front: usize) -> [&[u32]; 2] {
         let outcome = &self.outcomes[front - self.first_front];
-        view(planned, outcome, values, &self.rows[places.clone()], &self.columns[places])
+        match (outcome.form, &outcome.grown) {
+            (Form::Small | Form::SmallExchanged, _) => [&[]; 2],
+            (Form::Grown, Some(grown)) => [&grown.rows[outcome.eliminated..], &grown.columns[outcome.eliminated..]],
+            _ => {
+                let planned = &symbolic.fronts[front];
+                let first = planned.first - self.first_place;
+                [&*self.rows, &*self.columns].map(|list| &list[first..first + planned.pivots][outcome.eliminated..])
+            }
+        }
     }
 
-    /// Space for the factors of a front with a number of delayed pivots on top of its own; all values zero, places those of its
-    /// own pivots.
+    /// Space for the factors of a small front, and for the places of its rows.
+    #[inline]
+    pub fn prepare_small(&mut self, symbolic: &Symbolic, front: usize) -> (&mut [f64], &mut [u32]) {
+        let planned = &symbolic.fronts[front];
+        let first = planned.first - self.first_place;
+        let values = &mut self.small[planned.small - self.first_small..][..planned.small_storage()];
+        (values, &mut self.rows[first..first + planned.pivots])
+    }
+
+    /// Notes how the elimination of a small front ended; returns whether it is done.
+    #[inline]
+    pub fn set_small(&mut self, symbolic: &Symbolic, front: usize, elimination: Elimination) -> bool {
+        let outcome = &mut self.outcomes[front - self.first_front];
+        outcome.form = match elimination {
+            Elimination::InOrder => Form::Small,
+            Elimination::Exchanged => Form::SmallExchanged,
+            Elimination::Refused => return false,
+        };
+        outcome.eliminated = symbolic.fronts[front].pivots;
+        true
+    }
+
+    /// Space for the factors of a front with a number of delayed pivots on top of its own; all values zero, places
+    /// those of its own pivots.
     pub fn prepare(&mut self, symbolic: &Symbolic, front: usize, delayed: usize) -> FrontStorage<'_> {
         let planned = &symbolic.fronts[front];
         let outcome = &mut self.outcomes[front - self.first_front];
         let first = planned.first - self.first_place;
         let places = first..first + planned.pivots;
-        let (values, rows, columns) = if delayed == 0 {
-            outcome.grown = None;
+        let (values, rows, columns) = if delayed == 0 && !planned.is_small() {
+            outcome.form = Form::Planned;
             let values = &mut self.values[planned.factors - self.first_value..][..planned.storage()];
             values.fill(0.0);
             (values, &mut self.rows[places.clone()], &mut self.columns[places])
         } else {
+            outcome.form = Form::Grown;
             let grown = outcome.grown.get_or_insert_default();
             let summed = planned.pivots + delayed;
             grown.values.clear();

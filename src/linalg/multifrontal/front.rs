@@ -8,9 +8,11 @@ use super::factors::{FrontStorage, Part};
 use super::kernels::{Target, solve_unit_lower, subtract_product};
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::pivots::PivotBlock;
+use super::small_front::{Scratch, SmallFront};
 use super::symbolic::{Run, Symbolic};
 use crate::linalg::Singular;
 use crate::linalg::simd::{Kernel, dispatch};
+use crate::linalg::vectors::dispatch_vectors;
 
 /// What a front leaves to the one above: a square matrix, the rows of delayed pivots first, column by column.
 #[derive(Clone, Copy)]
@@ -32,19 +34,15 @@ pub struct Workspace {
     /// First run of each child, first that does not belong to rows whose pivots are looked for, and end.
     bounds: Vec<[usize; 3]>,
     exchanges: Vec<(u32, u32)>,
+    scratch: Scratch,
 }
 
 /// Where contributions go.
 pub trait Output {
-    /// A place for some numbers, whatever they are.
+    /// A place for some numbers, whatever they are, and for up to `LANES` more that may be written over.
     fn space(&mut self, length: usize) -> &mut [f64];
-}
-
-impl Output for Vec<f64> {
-    fn space(&mut self, length: usize) -> &mut [f64] {
-        self.resize(length.max(self.len()), 0.0);
-        &mut self[..length]
-    }
+    /// Gives back the last place.
+    fn take_back(&mut self, length: usize);
 }
 
 /// Assembles and factors a front, and writes its contribution.
@@ -62,6 +60,16 @@ pub fn factor_front(
     threads: usize,
 ) -> Result<(), Singular> {
     let front = &symbolic.fronts[number];
+    if front.is_small() && children.iter().all(|child| child.delayed_rows.is_empty()) {
+        let (storage, rows) = part.prepare_small(symbolic, number);
+        let (contribution, scratch) = (output.space(front.others().pow(2)), &mut workspace.scratch);
+        let elimination =
+            dispatch_vectors(SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch });
+        if part.set_small(symbolic, number, elimination) {
+            return Ok(());
+        }
+        output.take_back(front.others().pow(2));
+    }
     let delayed: usize = children.iter().map(|child| child.delayed_rows.len()).sum();
     let FrontStorage { lower, upper, rows, columns } = part.prepare(symbolic, number, delayed);
     let (summed, others) = (rows.len(), front.others());
@@ -69,7 +77,7 @@ pub fn factor_front(
     let blocks = &symbolic.entries[front.entries.clone()];
     dispatch(AddEntries { blocks, values, pivots: front.pivots, delayed, lower, upper, size });
 
-    let Workspace { runs, bounds, exchanges } = workspace;
+    let Workspace { runs, bounds, exchanges, .. } = workspace;
     runs.clear();
     bounds.clear();
     let mut next = front.pivots;
@@ -118,7 +126,7 @@ pub fn factor_front(
 
     let left = summed - found;
     let order = left + others;
-    let contribution = output.space(order * order);
+    let contribution = &mut output.space(order * order)[..order * order];
     let (mut delayed, matrix) = MatrixViewMut::new(&mut *contribution, order, order).split_columns(left);
     delayed.copy_from(lower.block(found..size, found..summed));
     let (mut top, bottom) = matrix.split_rows(left);

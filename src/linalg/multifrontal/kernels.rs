@@ -506,21 +506,35 @@ pub fn subtract_columns<const FUSED: bool>(a: &[f64], stride: usize, x: &[f64], 
 #[inline(always)]
 pub fn largest(values: &[f64]) -> f64 {
     const LANES: usize = 8;
+    const HALF: usize = LANES / 2;
     let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let length = values.len();
+    if length < HALF {
+        let mut most = 0.0;
+        for value in values {
+            most = larger(most, value.abs());
+        }
+        return most;
+    }
     let mut lanes = [0.0; LANES];
-    let chunks = values.chunks_exact(LANES);
-    let rest = chunks.remainder().iter().fold(0.0, |most, value| larger(most, value.abs()));
+    let (chunks, rest) = values.as_chunks::<LANES>();
     for chunk in chunks {
         for lane in 0..LANES {
             lanes[lane] = larger(lanes[lane], chunk[lane].abs());
         }
     }
-    for width in [4, 2, 1] {
-        for lane in 0..width {
-            lanes[lane] = larger(lanes[lane], lanes[lane + width]);
+    let mut half = [0.0; HALF];
+    for lane in 0..HALF {
+        half[lane] = larger(lanes[lane], lanes[lane + HALF]);
+    }
+    // the last ones again with those before them
+    let firsts = [rest.first_chunk::<HALF>(), values.last_chunk::<HALF>()];
+    for part in firsts.into_iter().flatten() {
+        for lane in 0..HALF {
+            half[lane] = larger(half[lane], part[lane].abs());
         }
     }
-    larger(rest, lanes[0])
+    larger(larger(half[0], half[2]), larger(half[1], half[3]))
 }
 
 #[cfg(test)]

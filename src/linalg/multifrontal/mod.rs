@@ -1,12 +1,17 @@
-//! Multifrontal LU with nested dissection: for large meshes, where dense matrices of neighbouring unknowns carry the arithmetic.
+//! Multifrontal LU with nested dissection: for large meshes, where dense matrices of neighbouring unknowns carry the
+//! arithmetic.
 //!
 //! ```text
 //! pattern -> graph -> dissection -> elimination tree -> supernodes -> symbolic        (once)
 //! values  -> fronts in the order of the tree, pivots in each -> factors -> substitution
 //! ```
 //!
-//! The pattern of A + A^T is eliminated, the values are unsymmetric. Pivots are searched among the unknowns of a front; those
-//! without an acceptable one are delayed to the front above.
+//! The pattern of A + A^T is eliminated, the values are unsymmetric. Pivots are searched among the unknowns of a front;
+//! those without an acceptable one are delayed to the front above.
+//!
+//! Fronts of up to 32 rows, of which chains have no others, are stored and factored in a way of their own: in columns
+//! of whole vector registers, by one program for each number of them. Where such a front has to delay a pivot, or takes
+//! one up, it is one like the large ones.
 //!
 //! Source: Duff & Reid (1983, 1984); Liu (1992), The multifrontal method for sparse matrix solution.
 
@@ -21,6 +26,8 @@ mod matrix_view;
 mod multifrontal_lu;
 mod pivots;
 mod product;
+mod small_front;
+mod small_substitution;
 mod substitution;
 mod supernodes;
 mod symbolic;

@@ -77,17 +77,18 @@ impl LinearSolver for MultifrontalLu {
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &self.factors, Side::Plain, rhs);
+        self.substitution.solve(&self.symbolic, &mut self.factors, Side::Plain, rhs);
     }
 
     fn solve_transposed(&mut self, rhs: &mut [f64]) {
-        self.substitution.solve(&self.symbolic, &self.factors, Side::Transposed, rhs);
+        self.substitution.solve(&self.symbolic, &mut self.factors, Side::Transposed, rhs);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::multifrontal::small_front::SMALL_FRONT;
     use crate::linalg::multifrontal::test_matrices::*;
 
     #[test]
@@ -160,6 +161,107 @@ mod tests {
                 let (error, allowed) = (difference(&together, &apart), if count == 3 { 0.0 } else { 1e-13 * condition });
                 assert!(error <= allowed, "case {case}, {side:?}, {count}: {error:e}, condition {condition:e}");
             }
+        }
+    }
+
+    /// Values of a chain: bodies of size 2, unsymmetric, and multipliers whose forces act along the rows of their equations.
+    fn chain_values(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
+        let mut values = noise.vector(pattern.rows.len());
+        for column in 0..pattern.size {
+            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                let row = pattern.rows[place];
+                if row.max(column) < 6 * pattern.size / 9 {
+                    values[place] = if row == column { 2.0 } else { 0.1 * values[place] };
+                } else if row < column {
+                    values[place] = values[pattern.position(column, row).expect("an entry on each side")];
+                }
+            }
+        }
+        values
+    }
+
+    /// Largest errors of solutions of a few right-hand sides, plain and transposed, as shares of the condition.
+    fn errors(noise: &mut Noise, lu: &mut MultifrontalLu, pattern: &SparsePattern, values: &[f64]) -> f64 {
+        let (other, other_values) = transposed(pattern, values);
+        let references = [Reference::new(pattern, values), Reference::new(&other, &other_values)];
+        let b = noise.vector(pattern.size * 5);
+        let mut most: f64 = 0.0;
+        for (reference, is_transposed) in references.iter().zip([false, true]) {
+            let mut x = b.clone();
+            if is_transposed {
+                lu.solve_transposed(&mut x)
+            } else {
+                lu.solve(&mut x)
+            }
+            for (x, b) in x.chunks_exact(pattern.size).zip(b.chunks_exact(pattern.size)) {
+                most = most.max(difference(x, &reference.solve(b)) * reference.distance_from_singular());
+            }
+        }
+        most
+    }
+
+    #[test]
+    fn small_fronts_exchange_rows_and_leave_columns_without_a_pivot_to_others() {
+        let mut noise = Noise(12);
+        let pattern = chain(12);
+        let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+        let mut values = chain_values(&mut noise, &pattern);
+        lu.factor(&values).expect("regular");
+        assert_eq!(lu.factors.forms(&lu.symbolic)[0], lu.analysis().fronts);
+        assert!(errors(&mut noise, &mut lu, &pattern, &values) < 1e-15);
+        // the diagonals of bodies vanish: other rows have their pivots
+        for unknown in 0..72 {
+            values[pattern.position(unknown, unknown).expect("a diagonal")] = 1e-5;
+        }
+        lu.factor(&values).expect("regular");
+        let [small, exchanged, _] = lu.factors.forms(&lu.symbolic);
+        assert!(small > 0 && exchanged > 3, "{:?}", lu.factors.forms(&lu.symbolic));
+        assert!(errors(&mut noise, &mut lu, &pattern, &values) < 1e-14);
+        // some bodies have nothing but their multipliers: their pivots are those of fronts above
+        for body in (0..12).step_by(3) {
+            for (row, column) in (0..36).map(|k| (6 * body + k / 6, 6 * body + k % 6)) {
+                values[pattern.position(row, column).expect("a block of a body")] = 0.0;
+            }
+        }
+        match lu.factor(&values) {
+            Ok(()) => {
+                let [small, _, refused] = lu.factors.forms(&lu.symbolic);
+                assert!(small > 0 && refused > 0, "{:?}", lu.factors.forms(&lu.symbolic));
+                assert!(errors(&mut noise, &mut lu, &pattern, &values) < 1e-13);
+            }
+            Err(singular) => panic!("{singular:?}"),
+        }
+    }
+
+    #[test]
+    fn processors_without_wide_vectors_solve_the_same_systems() {
+        let mut noise = Noise(13);
+        let pattern = random_pattern(&mut noise, 30, 3);
+        let values = dominant(&mut noise, &pattern);
+        crate::linalg::vectors::ONLY_PORTABLE.set(true);
+        let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+        lu.factor(&values).expect("regular");
+        let error = errors(&mut noise, &mut lu, &pattern, &values);
+        crate::linalg::vectors::ONLY_PORTABLE.set(false);
+        assert!(lu.factors.forms(&lu.symbolic)[0] > 5 && error < 1e-14, "{error:e}");
+    }
+
+    /// Numbers that do not depend on clocks: of a longer chain as many for each body.
+    #[test]
+    fn a_chain_takes_the_same_work_for_each_body() {
+        let mut noise = Noise(14);
+        for bodies in [10, 100, 1000] {
+            let pattern = chain(bodies);
+            let mut lu = MultifrontalLu::new(&pattern, &[], 1);
+            let analysis = lu.analysis();
+            let per_body = |count: f64| count / bodies as f64;
+            assert!(per_body(0.5 * analysis.flops) < 1_300.0, "{analysis:?}");
+            assert!(per_body(analysis.entries as f64) < 210.0, "{analysis:?}");
+            assert!(per_body(analysis.bytes as f64) < 5_000.0, "{analysis:?}");
+            assert!(analysis.largest_front <= SMALL_FRONT, "{analysis:?}");
+            lu.factor(&chain_values(&mut noise, &pattern)).expect("regular");
+            let [small, exchanged, refused] = lu.factors.forms(&lu.symbolic);
+            assert!(small == analysis.fronts && exchanged < bodies / 10 + 1 && refused == 0, "{exchanged}, {refused}");
         }
     }
 

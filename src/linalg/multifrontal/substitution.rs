@@ -1,13 +1,18 @@
 //! Solutions with the factors, front by front, for any number of right-hand sides.
 
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
     Target, dots, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
     subtract_product, subtract_transposed_product,
 };
 use super::matrix_view::MatrixViewMut;
+use super::small_front::{LANES, SMALL_FRONT};
 use super::symbolic::Symbolic;
 use crate::linalg::simd::{Kernel, dispatch, multiply_add};
+use crate::linalg::vectors::{Instructions, VectorKernel, dispatch_vectors};
 use std::ops::Range;
 
 /// Which of the two systems is solved.
@@ -32,45 +37,95 @@ pub struct Substitution {
     front: Vec<f64>,
 }
 
+/// Numbers from one vector to the next: small fronts read and write behind their last row.
+fn stride(symbolic: &Symbolic) -> usize {
+    symbolic.size + LANES
+}
+
 impl Substitution {
     /// Replaces right-hand sides, column by column, by solutions.
-    pub fn solve(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, rhs: &mut [f64]) {
-        let all = 0..symbolic.fronts.len();
+    pub fn solve(&mut self, symbolic: &Symbolic, factors: &mut Factors, side: Side, rhs: &mut [f64]) {
+        if side == Side::Transposed {
+            factors.transpose(symbolic);
+        }
         for block in rhs.chunks_mut(BLOCK * symbolic.size.max(1)) {
             self.load(symbolic, block);
-            self.forward(symbolic, factors, side, all.clone());
-            self.backward(symbolic, factors, side, all.clone());
+            self.forward(symbolic, factors, side);
+            self.backward(symbolic, factors, side);
             self.store(symbolic, block);
         }
     }
 
     /// Takes right-hand sides over.
-    pub fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
-        self.residual.resize(rhs.len(), 0.0);
-        self.solution.resize(rhs.len(), 0.0);
-        let columns = self.residual.chunks_exact_mut(symbolic.size.max(1)).zip(rhs.chunks_exact(symbolic.size.max(1)));
+    fn load(&mut self, symbolic: &Symbolic, rhs: &[f64]) {
+        let size = symbolic.size.max(1);
+        let length = rhs.len() / size * stride(symbolic);
+        self.residual.resize(length, 0.0);
+        self.solution.resize(length, 0.0);
+        let columns = self.residual.chunks_exact_mut(stride(symbolic)).zip(rhs.chunks_exact(size));
         for (residual, rhs) in columns {
-            residual.iter_mut().zip(&symbolic.order).for_each(|(own, &unknown)| *own = rhs[unknown as usize]);
+            for (own, &unknown) in residual.iter_mut().zip(&symbolic.order) {
+                // SAFETY: the order is one of all `size` unknowns, as many as numbers of a right-hand side.
+                *own = unsafe { *rhs.get_unchecked(unknown as usize) };
+            }
         }
     }
 
     /// Gives solutions out.
-    pub fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
-        let columns = self.solution.chunks_exact(symbolic.size.max(1)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
+    fn store(&self, symbolic: &Symbolic, rhs: &mut [f64]) {
+        let columns = self.solution.chunks_exact(stride(symbolic)).zip(rhs.chunks_exact_mut(symbolic.size.max(1)));
         for (solution, rhs) in columns {
-            solution.iter().zip(&symbolic.order).for_each(|(own, &unknown)| rhs[unknown as usize] = *own);
+            for (own, &unknown) in solution.iter().zip(&symbolic.order) {
+                // SAFETY: as above.
+                unsafe { *rhs.get_unchecked_mut(unknown as usize) = *own };
+            }
         }
     }
 
-    /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows).
-    pub fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+    /// L y = b, or U^T y = b; y stands among the solutions, at the places of its columns (or rows). In small fronts U has ones on its
+    /// diagonal, and the way back divides by the pivots.
+    fn forward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side) {
+        let mut first = 0;
+        while first < symbolic.fronts.len() {
+            let is_small = factors.is_small(first);
+            let end = (first + 1..symbolic.fronts.len()).find(|&front| factors.is_small(front) != is_small);
+            let fronts = first..end.unwrap_or(symbolic.fronts.len());
+            first = fronts.end;
+            if is_small {
+                let Substitution { residual, solution, .. } = self;
+                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: Some(residual), solution });
+            } else {
+                self.forward_large(symbolic, factors, side, fronts);
+            }
+        }
+    }
+
+    /// U x = y, or L^T x = y, in place of y.
+    fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side) {
+        let mut end = symbolic.fronts.len();
+        while end > 0 {
+            let is_small = factors.is_small(end - 1);
+            let before = (0..end - 1).rev().find(|&front| factors.is_small(front) != is_small);
+            let fronts = before.map_or(0, |front| front + 1)..end;
+            end = fronts.start;
+            if is_small {
+                let solution = &mut self.solution;
+                dispatch_vectors(SmallFronts { symbolic, factors, side, fronts, residual: None, solution });
+            } else {
+                self.backward_large(symbolic, factors, side, fronts);
+            }
+        }
+    }
+
+    fn forward_large(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { residual, solution, front } = self;
-        if residual.len() <= FEW * symbolic.size {
+        let stride = stride(symbolic);
+        if residual.len() <= FEW * stride {
             return dispatch(ForwardFew { symbolic, factors, side, fronts, residual, solution, front });
         }
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
-            let columns = lists.gather(residual, symbolic.size, front);
+            let columns = lists.gather(residual, stride, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
             let order = lists.len();
             let (mut own, mut rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
@@ -91,9 +146,8 @@ impl Substitution {
                     subtract_transposed_product(others, beside, own.as_view());
                 }
             }
-            for (values, (residual, solution)) in front
-                .chunks_exact(order.max(1))
-                .zip(residual.chunks_mut(symbolic.size).zip(solution.chunks_mut(symbolic.size)))
+            for (values, (residual, solution)) in
+                front.chunks_exact(order.max(1)).zip(residual.chunks_mut(stride).zip(solution.chunks_mut(stride)))
             {
                 lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
                 lists.scatter_rest(&values[eliminated..], residual);
@@ -101,15 +155,15 @@ impl Substitution {
         }
     }
 
-    /// U x = y, or L^T x = y, in place of y.
-    pub fn backward(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
+    fn backward_large(&mut self, symbolic: &Symbolic, factors: &Factors, side: Side, fronts: Range<usize>) {
         let Substitution { solution, front, .. } = self;
-        if solution.len() <= FEW * symbolic.size {
+        let stride = stride(symbolic);
+        if solution.len() <= FEW * stride {
             return dispatch(BackwardFew { symbolic, factors, side, fronts, solution, front });
         }
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
-            let columns = lists.gather(solution, symbolic.size, front);
+            let columns = lists.gather(solution, stride, front);
             let FrontFactors { eliminated, lower, upper, rows, .. } = lists.factors;
             let order = lists.len();
             let (mut own, rest) = MatrixViewMut::new(front, order, columns).split_rows(eliminated);
@@ -131,7 +185,7 @@ impl Substitution {
                     solve_unit_lower_transposed(square, own);
                 }
             }
-            for (values, solution) in front.chunks_exact(order.max(1)).zip(solution.chunks_mut(symbolic.size)) {
+            for (values, solution) in front.chunks_exact(order.max(1)).zip(solution.chunks_mut(stride)) {
                 lists.own.iter().zip(values).take(eliminated).for_each(|(&place, value)| solution[place as usize] = *value);
             }
         }
@@ -191,6 +245,108 @@ impl<'l> Lists<'l> {
     }
 }
 
+/// Small fronts that follow each other: forward with residuals, backward without.
+struct SmallFronts<'j> {
+    symbolic: &'j Symbolic,
+    factors: &'j Factors,
+    side: Side,
+    fronts: Range<usize>,
+    residual: Option<&'j mut [f64]>,
+    solution: &'j mut [f64],
+}
+
+impl VectorKernel for SmallFronts<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Instructions>(mut self) {
+        let (mut column, columns) = (0, self.solution.len() / stride(self.symbolic));
+        while column < columns {
+            match columns - column {
+                1 => self.columns::<I, 1>(column),
+                2 => self.columns::<I, 2>(column),
+                3 => self.columns::<I, 3>(column),
+                _ => self.columns::<I, FEW>(column),
+            }
+            column += FEW;
+        }
+    }
+}
+
+impl SmallFronts<'_> {
+    /// For `W` vectors from `column` on.
+    #[inline(always)]
+    fn columns<I: Instructions, const W: usize>(&mut self, column: usize) {
+        let SmallFronts { symbolic, factors, side, ref fronts, ref mut residual, ref mut solution } = *self;
+        let (stride, is_transposed) = (stride(symbolic), side == Side::Transposed);
+        let solution = &mut solution[column * stride..][..W * stride];
+        let mut solutions = [solution.as_mut_ptr(); W];
+        for w in 0..W {
+            solutions[w] = solutions[w].wrapping_add(w * stride);
+        }
+        if let Some(residual) = residual {
+            let residual = &mut residual[column * stride..][..W * stride];
+            let mut residuals = [residual.as_mut_ptr(); W];
+            for w in 0..W {
+                residuals[w] = residuals[w].wrapping_add(w * stride);
+            }
+            for number in fronts.clone() {
+                let small = factors.small(symbolic, number, is_transposed);
+                // SAFETY: `stride` numbers from each pointer on, all places and some more.
+                unsafe {
+                    if let (Some(rows), false) = (factors.exchanged(symbolic, number), is_transposed) {
+                        residuals.iter().for_each(|&vector| gather_rows(rows, small.first(), vector));
+                    }
+                    small.forward::<I, W>(residuals, solutions);
+                }
+            }
+        } else {
+            for number in fronts.clone().rev() {
+                let small = factors.small(symbolic, number, is_transposed);
+                // SAFETY: as above.
+                unsafe {
+                    small.backward::<I, W>(solutions);
+                    if let (Some(rows), true) = (factors.exchanged(symbolic, number), is_transposed) {
+                        solutions.iter().for_each(|&vector| scatter_rows(rows, small.first(), vector));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Brings the numbers of exchanged rows into the order of the pivots.
+///
+/// # Safety
+/// The vector has all these places.
+#[cold]
+#[inline(never)]
+unsafe fn gather_rows(rows: &[u32], first: usize, vector: *mut f64) {
+    let mut own = [0.0; SMALL_FRONT];
+    for (own, &place) in own.iter_mut().zip(rows) {
+        // SAFETY: promised by the caller.
+        *own = unsafe { *vector.add(place as usize) };
+    }
+    // SAFETY: as above.
+    unsafe { vector.add(first).copy_from(own.as_ptr(), rows.len()) }
+}
+
+/// Brings them back.
+///
+/// # Safety
+/// As for [`gather_rows`].
+#[cold]
+#[inline(never)]
+unsafe fn scatter_rows(rows: &[u32], first: usize, vector: *mut f64) {
+    let mut own = [0.0; SMALL_FRONT];
+    // SAFETY: promised by the caller.
+    unsafe {
+        vector.add(first).copy_to(own.as_mut_ptr(), rows.len());
+        for (own, &place) in own.iter().zip(rows) {
+            *vector.add(place as usize) = *own;
+        }
+    }
+}
+
 struct ForwardFew<'j> {
     symbolic: &'j Symbolic,
     factors: &'j Factors,
@@ -206,7 +362,7 @@ impl Kernel for ForwardFew<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let ForwardFew { symbolic, factors, side, fronts, residual, solution, front } = self;
-        let size = symbolic.size.max(1);
+        let size = stride(symbolic);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
             let FrontFactors { eliminated, lower, .. } = lists.factors;
@@ -355,7 +511,7 @@ impl Kernel for BackwardFew<'_> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
         let BackwardFew { symbolic, factors, side, fronts, solution, front } = self;
-        let size = symbolic.size.max(1);
+        let size = stride(symbolic);
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
             lists.gather(solution, size, front);
@@ -391,9 +547,6 @@ fn backward_plain<const FUSED: bool>(lists: &Lists, front: &mut [f64]) {
     }
     upper_triangle::<FUSED>(lower.entries(), lower.rows(), eliminated, front);
 }
-
-/// Rows of a triangle that are solved in a vector register.
-const LANES: usize = 8;
 
 /// x_1 <- L_11^-1 x_1, x_2 <- x_2 - L_21 x_1 with `count` columns of a unit lower triangle L_11 and the rows below.
 #[inline(always)]

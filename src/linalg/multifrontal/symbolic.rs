@@ -2,6 +2,7 @@ use super::dissection::dissect;
 use super::elimination_tree::EliminationTree;
 use super::entries::{EntryBlock, entry_blocks};
 use super::graph::{Graph, Role};
+use super::small_front::{SMALL_FRONT, Shape, SmallPlan};
 use super::supernodes::{elimination_flops, factor_entries, supernodes};
 use crate::linalg::SparsePattern;
 use std::ops::Range;
@@ -38,8 +39,10 @@ pub struct Front {
     pub parent: Option<usize>,
     /// First front of the subtree below; the subtree is all from there to this one.
     pub subtree: usize,
-    /// Where its factors start among all.
+    /// Where its factors start among those of all large fronts.
     pub factors: usize,
+    /// Where its factors start among those of all small fronts.
+    pub small: usize,
     /// Entries of the matrix that it is the first to use, in [`Symbolic::entries`].
     pub entries: Range<usize>,
     /// Where its rows stand in the parent, in [`Symbolic::extensions`].
@@ -57,9 +60,18 @@ impl Front {
     pub fn size(&self) -> usize {
         self.pivots + self.others()
     }
-    /// Numbers stored of its factors: L with all rows of the pivots' columns, U with the other columns.
+    /// Whether it is factored as a small front.
+    #[inline(always)]
+    pub fn is_small(&self) -> bool {
+        self.size() <= SMALL_FRONT
+    }
+    /// Numbers stored of the factors of a large front: L with all rows of the pivots' columns, U with the other columns.
     pub fn storage(&self) -> usize {
-        self.pivots * (self.size() + self.others())
+        if self.is_small() { 0 } else { self.pivots * (self.size() + self.others()) }
+    }
+    /// Numbers stored of the factors of a small front.
+    pub fn small_storage(&self) -> usize {
+        if self.is_small() { Shape::of(self).storage() } else { 0 }
     }
     /// Whether all of its pivots have to be found here.
     pub fn is_last(&self) -> bool {
@@ -88,6 +100,8 @@ pub struct Symbolic {
     pub order: Vec<u32>,
     /// Fronts, each after those that contribute to it.
     pub fronts: Vec<Front>,
+    /// The same of small fronts, each at the number of its front.
+    pub small_plans: Vec<SmallPlan>,
     /// Places of the rows of fronts.
     pub rows: Vec<u32>,
     /// Children of fronts.
@@ -121,6 +135,7 @@ impl Symbolic {
             pattern_entries: pattern.rows.len(),
             order,
             fronts: Vec::with_capacity(supernodes.len()),
+            small_plans: Vec::new(),
             rows: Vec::new(),
             children: Vec::new(),
             extensions: Vec::new(),
@@ -129,7 +144,7 @@ impl Symbolic {
         let mut structures: Vec<Vec<u32>> = Vec::with_capacity(supernodes.len());
         let mut child_lists = vec![Vec::new(); supernodes.len()];
         let mut seen_by = vec![usize::MAX; graph.len()];
-        let (mut next_vertex, mut factors) = (0, 0);
+        let (mut next_vertex, mut factors, mut small) = (0, 0, 0);
         for (s, supernode) in supernodes.iter().enumerate() {
             let own = next_vertex..next_vertex + supernode.vertices.len();
             next_vertex = own.end;
@@ -162,11 +177,13 @@ impl Symbolic {
                 parent: supernode.parent,
                 subtree,
                 factors,
+                small,
                 entries: 0..0,
                 extensions: 0..0,
                 depth: 0,
             };
             factors += front.storage();
+            small += front.small_storage();
             structures.push(structure);
             symbolic.fronts.push(front);
             if let Some(parent) = supernode.parent {
@@ -176,6 +193,7 @@ impl Symbolic {
         for s in (0..symbolic.fronts.len()).rev() {
             symbolic.fronts[s].depth = symbolic.fronts[s].parent.map_or(0, |parent| symbolic.fronts[parent].depth + 1);
         }
+        symbolic.small_plans = symbolic.fronts.iter().map(SmallPlan::of).collect();
         symbolic.find_extensions();
         symbolic.entries = entry_blocks(pattern, &mut symbolic);
         symbolic
@@ -222,9 +240,14 @@ impl Symbolic {
         flops
     }
 
-    /// Numbers of all factors as they are stored.
+    /// Numbers of the factors of all large fronts as they are stored.
     pub fn factor_storage(&self) -> usize {
         self.fronts.iter().map(Front::storage).sum()
+    }
+
+    /// The same of all small fronts.
+    pub fn small_storage(&self) -> usize {
+        self.fronts.iter().map(Front::small_storage).sum()
     }
 
     /// The most numbers that wait on each of the two stacks, contributions of even and of odd depth, while a subtree is factored.
@@ -246,6 +269,7 @@ impl Symbolic {
         let fronts = || self.fronts.iter();
         let indices = size_of_val(&self.order[..])
             + size_of_val(&self.fronts[..])
+            + size_of_val(&self.small_plans[..])
             + size_of_val(&self.rows[..])
             + size_of_val(&self.children[..])
             + size_of_val(&self.extensions[..])
@@ -254,7 +278,7 @@ impl Symbolic {
         Analysis {
             flops: fronts().map(|front| elimination_flops(front.pivots, front.size())).sum(),
             entries: fronts().map(|front| factor_entries(front.pivots, front.size())).sum(),
-            bytes: size_of::<f64>() * self.factor_storage() + waiting + indices,
+            bytes: size_of::<f64>() * (self.factor_storage() + self.small_storage()) + waiting + indices,
             fronts: self.fronts.len(),
             largest_front: fronts().map(Front::size).max().unwrap_or(0),
             largest_pivot_block: fronts().map(|front| front.pivots).max().unwrap_or(0),

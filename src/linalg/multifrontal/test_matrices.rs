@@ -133,6 +133,19 @@ pub fn random_pattern(noise: &mut Noise, nodes: usize, multipliers: usize) -> Sp
     SparsePattern::from_entries(unknowns + multipliers, entries)
 }
 
+/// A chain of rigid bodies with six unknowns, each tied to the one before by three multipliers behind all bodies, the first to the ground.
+pub fn chain(bodies: usize) -> SparsePattern {
+    let mut entries = Vec::new();
+    for body in 0..bodies {
+        entries.extend((0..36).map(|k| (6 * body + k / 6, 6 * body + k % 6)));
+        for multiplier in 3 * body..(3 * body + 6).min(3 * bodies) {
+            let own = (0..6).map(|k| (6 * bodies + multiplier, 6 * body + k));
+            entries.extend(own.flat_map(|(a, b)| [(a, b), (b, a)]));
+        }
+    }
+    SparsePattern::from_entries(9 * bodies, entries)
+}
+
 /// A square grid of elements with nine nodes of six unknowns; multipliers fix the first nodes.
 pub fn shell(side: usize, fixed: usize) -> SparsePattern {
     let node = |row: usize, column: usize| 6 * (row * side + column);

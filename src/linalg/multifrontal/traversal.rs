@@ -2,6 +2,7 @@
 
 use super::factors::{Factors, Part};
 use super::front::{Contribution, Output, Workspace, factor_front};
+use super::small_front::LANES;
 use super::symbolic::Symbolic;
 use crate::linalg::Singular;
 use rayon::prelude::*;
@@ -19,10 +20,13 @@ impl Output for Stack {
     fn space(&mut self, length: usize) -> &mut [f64] {
         let start = self.height;
         self.height += length;
-        if self.memory.len() < self.height {
-            self.memory.resize(self.height, 0.0);
+        if self.memory.len() < self.height + LANES {
+            self.memory.resize(self.height + LANES, 0.0);
         }
-        &mut self.memory[start..self.height]
+        &mut self.memory[start..self.height + LANES]
+    }
+    fn take_back(&mut self, length: usize) {
+        self.height -= length;
     }
 }
 
@@ -116,7 +120,7 @@ impl Task {
             peaks[front.depth % 2] = front.others().pow(2);
             peaks
         };
-        let stacks = peaks.map(|peak| Stack { memory: vec![0.0; peak], height: 0 });
+        let stacks = peaks.map(|peak| Stack { memory: vec![0.0; peak + LANES], height: 0 });
         Task { fronts, below, stacks, workspace: Workspace::default() }
     }
 
@@ -150,14 +154,9 @@ fn contribution<'c>(
     memory: &'c [f64],
     start: impl Fn(usize) -> usize,
 ) -> Contribution<'c> {
-    let factors = part.front(symbolic, front);
-    let order = factors.rows.len() - factors.eliminated + symbolic.fronts[front].others();
-    Contribution {
-        front,
-        delayed_rows: &factors.rows[factors.eliminated..],
-        delayed_columns: &factors.columns[factors.eliminated..],
-        values: &memory[start(order * order)..][..order * order],
-    }
+    let [delayed_rows, delayed_columns] = part.delayed(symbolic, front);
+    let order = delayed_rows.len() + symbolic.fronts[front].others();
+    Contribution { front, delayed_rows, delayed_columns, values: &memory[start(order * order)..][..order * order] }
 }
 
 struct Running<'r> {

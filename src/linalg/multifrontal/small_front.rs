@@ -1,0 +1,503 @@
+//! Factors of small fronts, for which calls, lists and searches would take longer than the arithmetic: columns are
+//! padded to whole vector registers, and one program of fixed sizes assembles, eliminates and stores.
+//!
+//! P A = L D U in a front: L and U have ones on their diagonals, which are not stored, and zeros in all padding.
+
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
+use super::entries::EntryBlock;
+use super::front::Contribution;
+use super::pivots::{PIVOT_SHARE, TINY_PIVOT};
+use super::symbolic::{Front, Run, Symbolic};
+use crate::linalg::vectors::{Instructions, Vector, VectorKernel};
+
+/// Most rows of a small front.
+pub const SMALL_FRONT: usize = 32;
+/// Numbers that solutions work on together.
+pub const LANES: usize = 8;
+/// Numbers to which columns are padded.
+const CHUNK: usize = 4;
+
+/// Where the factors of a small front stand in their storage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Number of pivots.
+    pub pivots: usize,
+    /// Number of rows that are not pivots.
+    pub others: usize,
+}
+
+impl Shape {
+    /// Of a front.
+    #[inline(always)]
+    pub fn of(front: &Front) -> Self {
+        Shape { pivots: front.pivots, others: front.others() }
+    }
+    /// Number of rows.
+    #[inline(always)]
+    pub fn size(self) -> usize {
+        self.pivots + self.others
+    }
+    /// Distance of the columns of L, all rows of the front each, from the first number on.
+    #[inline(always)]
+    pub fn lower_stride(self) -> usize {
+        self.size().next_multiple_of(CHUNK)
+    }
+    /// Distance of the columns of U, the rows of pivots each. The first has nothing above its pivot: the inverses of
+    /// all pivots stand there, and ones behind them.
+    #[inline(always)]
+    pub fn upper_stride(self) -> usize {
+        self.pivots.next_multiple_of(CHUNK)
+    }
+    /// Where U begins.
+    #[inline(always)]
+    pub fn upper(self) -> usize {
+        self.lower_stride() * self.pivots
+    }
+    /// Numbers of L and U.
+    #[inline(always)]
+    pub fn storage(self) -> usize {
+        (self.upper() + self.upper_stride() * self.size()).next_multiple_of(LANES)
+    }
+}
+
+/// Where a small front stands among all: what solutions need of it, close together.
+#[derive(Clone, Copy, Debug)]
+pub struct SmallPlan {
+    /// Place of the first pivot.
+    pub first: u32,
+    /// Where the places of the other rows begin in the list of all.
+    pub rows: u32,
+    /// Where the factors begin among those of all small fronts, in lines of `LANES` numbers.
+    pub line: u32,
+    /// Number of pivots.
+    pub pivots: u8,
+    /// Number of rows that are not pivots.
+    pub others: u8,
+    /// [`Shape::lower_stride`]
+    pub lower_stride: u8,
+    /// [`Shape::upper_stride`]
+    pub upper_stride: u8,
+}
+
+impl SmallPlan {
+    /// Of a front; without a meaning if that is not small.
+    pub fn of(front: &Front) -> Self {
+        let shape = if front.is_small() { Shape::of(front) } else { Shape { pivots: 0, others: 0 } };
+        SmallPlan {
+            first: front.first as u32,
+            rows: front.rows.start as u32,
+            line: u32::try_from(front.small / LANES).expect("fewer than 2^32 lines of factors of small fronts"),
+            pivots: shape.pivots as u8,
+            others: shape.others as u8,
+            lower_stride: shape.lower_stride() as u8,
+            upper_stride: shape.upper_stride() as u8,
+        }
+    }
+}
+
+/// All columns of a small front.
+pub struct Scratch(Lines);
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Scratch(Lines::new(SMALL_FRONT * SMALL_FRONT + LANES))
+    }
+}
+
+/// Numbers from the beginning of a line of the cache on: what lies in two lines is not passed on from a store to a
+/// load.
+#[derive(Default)]
+pub struct Lines(Vec<Line>);
+
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Line([f64; LANES]);
+
+impl Lines {
+    /// At least so many zeros.
+    pub fn new(length: usize) -> Self {
+        Lines(vec![Line([0.0; LANES]); length.div_ceil(LANES)])
+    }
+}
+
+impl std::ops::Deref for Lines {
+    type Target = [f64];
+    #[inline(always)]
+    fn deref(&self) -> &[f64] {
+        // SAFETY: a line is `LANES` numbers and no more.
+        unsafe { std::slice::from_raw_parts(self.0.as_ptr().cast(), self.0.len() * LANES) }
+    }
+}
+
+impl std::ops::DerefMut for Lines {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        // SAFETY: as above.
+        unsafe { std::slice::from_raw_parts_mut(self.0.as_mut_ptr().cast(), self.0.len() * LANES) }
+    }
+}
+
+/// Assembles and factors a small front none of whose children delayed a pivot.
+pub struct SmallFront<'j> {
+    /// The analysis.
+    pub symbolic: &'j Symbolic,
+    /// The front.
+    pub front: &'j Front,
+    /// Entries of the matrix.
+    pub values: &'j [f64],
+    /// What the fronts below leave.
+    pub children: &'j [Contribution<'j>],
+    /// Takes the places of the rows in the order of the pivots, where rows were exchanged.
+    pub rows: &'j mut [u32],
+    /// Takes the factors, as [`Shape`] says.
+    pub storage: &'j mut [f64],
+    /// Takes what is left to the front above, and up to `LANES` numbers without a meaning behind it.
+    pub contribution: &'j mut [f64],
+    /// Workspace.
+    pub scratch: &'j mut Scratch,
+}
+
+/// How the elimination of a small front ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Elimination {
+    /// Every row has the pivot of its own column.
+    InOrder,
+    /// Rows were exchanged.
+    Exchanged,
+    /// A column has no pivot that is large enough; what was written has no meaning.
+    Refused,
+}
+
+impl VectorKernel for SmallFront<'_> {
+    type Output = Elimination;
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> Elimination {
+        let shape = Shape::of(self.front);
+        let (others, size) = (shape.others, shape.size());
+        assert!(size <= SMALL_FRONT && self.storage.len() >= shape.storage() && self.rows.len() == shape.pivots);
+        assert!(others == 0 || self.contribution.len() >= others * others + LANES);
+        // SAFETY: sizes were compared above.
+        unsafe {
+            match shape.lower_stride() / CHUNK {
+                0 | 1 => self.factor::<I, 1>(shape),
+                2 => self.factor::<I, 2>(shape),
+                3 => self.factor::<I, 3>(shape),
+                4 => self.factor::<I, 4>(shape),
+                5 => self.factor::<I, 5>(shape),
+                6 => self.factor::<I, 6>(shape),
+                7 => self.factor::<I, 7>(shape),
+                _ => self.factor::<I, 8>(shape),
+            }
+        }
+    }
+}
+
+/// A column in registers.
+type Column<V, const CHUNKS: usize> = [V; CHUNKS];
+
+#[inline(always)]
+unsafe fn load<V: Vector, const CHUNKS: usize>(from: *const f64) -> Column<V, CHUNKS> {
+    // loops: a closure would not be compiled for the vectors
+    let mut x = [V::splat(0.0); CHUNKS];
+    for chunk in 0..CHUNKS {
+        // SAFETY: promised by the caller.
+        x[chunk] = unsafe { V::load(from.add(chunk * CHUNK)) };
+    }
+    x
+}
+
+#[inline(always)]
+unsafe fn store<V: Vector, const CHUNKS: usize>(x: Column<V, CHUNKS>, to: *mut f64) {
+    for chunk in 0..CHUNKS {
+        // SAFETY: promised by the caller.
+        unsafe { x[chunk].store(to.add(chunk * CHUNK)) }
+    }
+}
+
+impl SmallFront<'_> {
+    /// # Safety
+    /// The front has at most `CHUNKS` times `CHUNK` rows, and all lists the lengths that [`Kernel::run`] compares.
+    #[inline(always)]
+    unsafe fn factor<I: Instructions, const CHUNKS: usize>(self, shape: Shape) -> Elimination {
+        let SmallFront { symbolic, front, values, children, rows, storage, contribution, scratch } = self;
+        let Shape { pivots, others } = shape;
+        let (stride, size) = (CHUNKS * CHUNK, shape.size());
+        let all = scratch.0.as_mut_ptr();
+        let (lower, height) = (storage.as_mut_ptr(), shape.upper_stride());
+        // SAFETY: inside the storage, as are all columns below.
+        let upper = unsafe { lower.add(stride * pivots) };
+        // SAFETY: `size` columns of the scratch; entries and contributions lie in the front.
+        unsafe {
+            // hidden: a call that fills memory takes longer
+            let zero = std::hint::black_box(0.0);
+            for column in 0..size {
+                store([I::Four::splat(zero); CHUNKS], all.add(column * stride));
+            }
+            for block in &symbolic.entries[front.entries.clone()] {
+                add_entries(block, values, all, stride);
+            }
+            for child in children {
+                let from = &symbolic.fronts[child.front];
+                extend(&symbolic.extensions[from.extensions.clone()], child.values, from.others(), all, stride);
+            }
+        }
+        let mut inverses = [0.0; SMALL_FRONT];
+        let mut outcome = Elimination::InOrder;
+        // two pivots at a time: every column is loaded and stored half as often
+        for first in (0..pivots).step_by(2) {
+            let mut l = [[I::Four::splat(0.0); CHUNKS]; 2];
+            let end = pivots.min(first + 2);
+            for own in first..end {
+                // SAFETY: columns of the scratch and of L.
+                unsafe {
+                    let column = all.add(own * stride);
+                    let (mut x, mut pivot) = (load(column), *column.add(own));
+                    if own > first {
+                        let known = *column.add(first);
+                        // the pivot by itself: its inverse is what takes longest and what all others wait for
+                        let factor = *column.sub(stride).add(own) * inverses[first];
+                        pivot = I::minus_product(pivot, factor, known);
+                        x = subtract_column::<I, CHUNKS, 0>(x, &l[0], I::Four::splat(known));
+                        // numbers by their rows, through memory
+                        store(x, column);
+                    }
+                    inverses[own] = 1.0 / pivot;
+                    let mut below = scaled_below::<I, CHUNKS>(&x, own, inverses[own]);
+                    if !is_usable(pivot) || largest::<I, CHUNKS>(&below) > 1.0 / PIVOT_SHARE {
+                        let values = std::slice::from_raw_parts(column, stride);
+                        let Some(row) = other_pivot(values, own..pivots, front.is_last()) else {
+                            return Elimination::Refused;
+                        };
+                        if row != own {
+                            if outcome == Elimination::InOrder {
+                                rows.iter_mut().zip(front.first as u32..).for_each(|(row, place)| *row = place);
+                                outcome = Elimination::Exchanged;
+                            }
+                            rows.swap(own, row);
+                            (0..own).for_each(|k| lower.add(k * stride + own).swap(lower.add(k * stride + row)));
+                            (own..size).for_each(|k| all.add(k * stride + own).swap(all.add(k * stride + row)));
+                            l[0] = load(lower.add(first * stride));
+                        }
+                        inverses[own] = 1.0 / *column.add(own);
+                        below = scaled_below::<I, CHUNKS>(&load(column), own, inverses[own]);
+                    }
+                    store(below, lower.add(own * stride));
+                    l[own - first] = below;
+                }
+            }
+            // SAFETY: the columns behind, and two of L.
+            unsafe {
+                let l = (&l, lower.add(first * stride).cast_const());
+                match first / LANES {
+                    0 => subtract_pair::<I, CHUNKS, 0>(all, end..size, l, first),
+                    1 => subtract_pair::<I, CHUNKS, 2>(all, end..size, l, first),
+                    2 => subtract_pair::<I, CHUNKS, 4>(all, end..size, l, first),
+                    _ => subtract_pair::<I, CHUNKS, 6>(all, end..size, l, first),
+                }
+            }
+        }
+        // SAFETY: columns of U and of the scratch.
+        unsafe {
+            let mut first = [1.0; SMALL_FRONT];
+            first[..pivots].copy_from_slice(&inverses[..pivots]);
+            for row in (0..height).step_by(CHUNK) {
+                I::Four::load(first.as_ptr().add(row)).store(upper.add(row));
+                let inverses = I::Four::load(inverses.as_ptr().add(row));
+                for column in 1..size {
+                    let mask = MASK.as_ptr().add(2 * SMALL_FRONT - column + row);
+                    let x = I::Four::load(all.add(column * stride + row)).masked(mask);
+                    x.times(inverses).store(upper.add(column * height + row));
+                }
+            }
+            // columns that follow each other write over what the one before left behind itself
+            let to = contribution.as_mut_ptr();
+            for other in 0..others {
+                let from = all.add((pivots + other) * stride + pivots);
+                let mut row = 0;
+                while row < others {
+                    I::Eight::load(from.add(row)).store(to.add(other * others + row));
+                    row += LANES;
+                }
+            }
+        }
+        outcome
+    }
+}
+
+#[inline(always)]
+fn is_usable(pivot: f64) -> bool {
+    pivot.abs() > TINY_PIVOT && pivot.is_finite()
+}
+
+/// No bits of the first `SMALL_FRONT` numbers, all bits of as many more, and none of as many again.
+static MASK: [u64; 3 * SMALL_FRONT] = {
+    let mut bits = [0; 3 * SMALL_FRONT];
+    let mut place = SMALL_FRONT;
+    while place < 2 * SMALL_FRONT {
+        bits[place] = u64::MAX;
+        place += 1;
+    }
+    bits
+};
+
+/// The rows below the pivot times a factor, zero above.
+#[inline(always)]
+fn scaled_below<I: Instructions, const CHUNKS: usize>(
+    x: &Column<I::Four, CHUNKS>,
+    pivot: usize,
+    factor: f64,
+) -> Column<I::Four, CHUNKS> {
+    let mask = MASK[SMALL_FRONT - 1 - pivot..][..CHUNKS * CHUNK].as_ptr();
+    let factor = I::Four::splat(factor);
+    let mut scaled = *x;
+    for chunk in 0..CHUNKS {
+        // SAFETY: so many chunks were cut out above.
+        scaled[chunk] = unsafe { x[chunk].masked(mask.add(chunk * CHUNK)).times(factor) };
+    }
+    scaled
+}
+
+/// Largest absolute value, not counting what is not a number.
+#[inline(always)]
+fn largest<I: Instructions, const CHUNKS: usize>(x: &Column<I::Four, CHUNKS>) -> f64 {
+    let mut most = I::Four::splat(0.0);
+    for chunk in 0..CHUNKS {
+        most = x[chunk].absolute().larger(most);
+    }
+    most.largest()
+}
+
+/// Subtracts two pivots, or one and zeros, from columns: all but the chunks before `FROM`, where L is zero.
+///
+/// # Safety
+/// There are so many columns, and two of L where `lower` begins.
+#[inline(always)]
+unsafe fn subtract_pair<I: Instructions, const CHUNKS: usize, const FROM: usize>(
+    all: *mut f64,
+    columns: std::ops::Range<usize>,
+    (l, lower): (&[Column<I::Four, CHUNKS>; 2], *const f64),
+    first: usize,
+) {
+    // SAFETY: promised by the caller.
+    unsafe {
+        let factor = *lower.add(first + 1);
+        for column in columns {
+            let column = all.add(column * CHUNKS * CHUNK);
+            let known = *column.add(first);
+            let next = I::minus_product(*column.add(first + 1), factor, known);
+            let (known, next) = (I::Four::splat(known), I::Four::splat(next));
+            for chunk in FROM..CHUNKS {
+                let x = I::Four::load(column.add(chunk * CHUNK));
+                let x = x.minus_product(l[0][chunk], known).minus_product(l[1][chunk], next);
+                x.store(column.add(chunk * CHUNK));
+            }
+        }
+    }
+}
+
+/// x - l f, but for the first chunks.
+#[inline(always)]
+fn subtract_column<I: Instructions, const CHUNKS: usize, const FIRST: usize>(
+    mut x: Column<I::Four, CHUNKS>,
+    l: &Column<I::Four, CHUNKS>,
+    factor: I::Four,
+) -> Column<I::Four, CHUNKS> {
+    for chunk in FIRST..CHUNKS {
+        x[chunk] = x[chunk].minus_product(l[chunk], factor);
+    }
+    x
+}
+
+/// The row of the pivot of a column whose own row is too small for it.
+#[cold]
+#[inline(never)]
+fn other_pivot(column: &[f64], rows: std::ops::Range<usize>, is_last: bool) -> Option<usize> {
+    let size = |row: usize| if column[row].is_nan() { -1.0 } else { column[row].abs() };
+    let best = rows.clone().max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    let largest = (rows.start..column.len()).map(size).fold(0.0, f64::max);
+    let is_enough = is_usable(column[best]) && (is_last || column[best].abs() >= PIVOT_SHARE * largest);
+    is_enough.then_some(best)
+}
+
+/// Writes entries of the matrix to their places.
+///
+/// # Safety
+/// The block lies in the values and in the columns, `stride` numbers each.
+#[inline(always)]
+unsafe fn add_entries(block: &EntryBlock, values: &[f64], columns: *mut f64, stride: usize) {
+    #[inline(always)]
+    unsafe fn of<const H: usize>(source: *const f64, step: usize, target: *mut f64, stride: usize, width: usize) {
+        for column in 0..width {
+            // SAFETY: promised by the caller.
+            unsafe { *target.add(column * stride).cast::<[f64; H]>() = *source.add(column * step).cast::<[f64; H]>() };
+        }
+    }
+    let EntryBlock { source, stride: step, row, column, height, width } = *block;
+    let (step, width, height) = (step as usize, width as usize, height as usize);
+    debug_assert!(source as usize + (width - 1) * step + height <= values.len());
+    // SAFETY: promised by the caller.
+    unsafe {
+        let (source, target) = (values.as_ptr().add(source as usize), columns.add(row as usize + column as usize * stride));
+        match height {
+            1 => of::<1>(source, step, target, stride, width),
+            2 => of::<2>(source, step, target, stride, width),
+            3 => of::<3>(source, step, target, stride, width),
+            6 => of::<6>(source, step, target, stride, width),
+            12 => of::<12>(source, step, target, stride, width),
+            _ => {
+                for column in 0..width {
+                    for row in 0..height {
+                        *target.add(row + column * stride) = *source.add(row + column * step);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds a contribution of some rows.
+///
+/// # Safety
+/// The runs lie in the contribution and in the columns, `stride` numbers each.
+#[inline(always)]
+unsafe fn extend(runs: &[Run], contribution: &[f64], size: usize, columns: *mut f64, stride: usize) {
+    #[inline(always)]
+    unsafe fn of<const H: usize>(source: *const f64, step: usize, target: *mut f64, stride: usize, width: usize) {
+        for column in 0..width {
+            // SAFETY: promised by the caller.
+            let (source, target) = unsafe {
+                (&*source.add(column * step).cast::<[f64; H]>(), &mut *target.add(column * stride).cast::<[f64; H]>())
+            };
+            for row in 0..H {
+                target[row] += source[row];
+            }
+        }
+    }
+    debug_assert!(contribution.len() >= size * size);
+    for columns_of in runs {
+        let (from, to, width) = (columns_of.from as usize, columns_of.to as usize, columns_of.length as usize);
+        for rows in runs {
+            // SAFETY: promised by the caller.
+            unsafe {
+                let source = contribution.as_ptr().add(from * size + rows.from as usize);
+                let target = columns.add(to * stride + rows.to as usize);
+                match rows.length {
+                    1 => of::<1>(source, size, target, stride, width),
+                    2 => of::<2>(source, size, target, stride, width),
+                    3 => of::<3>(source, size, target, stride, width),
+                    6 => of::<6>(source, size, target, stride, width),
+                    12 => of::<12>(source, size, target, stride, width),
+                    length => {
+                        for column in 0..width {
+                            for row in 0..length as usize {
+                                *target.add(row + column * stride) += *source.add(row + column * size);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,467 @@
+//! Scales of rows and columns, by powers of two.
+
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
+use super::SparsePattern;
+use super::column_groups::{ColumnGroups, FETCHED, fetch};
+use super::vectors::{Instructions, Vector, VectorKernel, dispatch_vectors};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Smallest diagonal entry, as a share of its column, by which an unknown is scaled: rows and columns of our matrices
+/// have like sizes.
+const SMALL_DIAGONAL: f64 = 1e-10;
+
+/// Scaled entry of a stiff unknown in the equation of a multiplier, as a share of that of one to be called soft.
+const SOFT: f64 = 1e-5;
+
+/// Place of a diagonal entry that is not in the pattern.
+const NO_PLACE: u32 = u32::MAX;
+
+/// Rows of weak unknowns that are looked at together.
+const ROWS: usize = 4;
+
+/// Powers of two that bring the diagonal near 1 where there is one, and the rows and columns of multipliers to its
+/// scale.
+///
+/// A light body then has pivots as good as those of a heavy one, and none has to be looked for among the constraints.
+pub struct Scaling {
+    pattern: Arc<SparsePattern>,
+    /// Scales of rows.
+    pub rows: Vec<f64>,
+    /// Scales of columns.
+    pub columns: Vec<f64>,
+    groups: ColumnGroups,
+    /// Place of each diagonal entry.
+    diagonal: Vec<u32>,
+    /// Unknowns without a diagonal entry to be scaled by, as multipliers.
+    weak: Vec<u32>,
+    /// Places and columns of the entries in their rows, and where those of each begin.
+    weak_entries: Vec<(u32, u32)>,
+    weak_starts: Vec<u32>,
+    /// Numbers of weak unknowns each of whose rows has the entries of the first one, one place further for each row:
+    /// first and end.
+    weak_rows: Vec<[u32; 2]>,
+    /// Numbers of weak unknowns whose columns have the same rows: first and end.
+    weak_columns: Vec<[u32; 2]>,
+    /// Workspace: rows, places and columns while they are sorted, and strengths of ties with the numbers of weak
+    /// unknowns.
+    listed: Vec<(u32, u32, u32)>,
+    order: Vec<(f64, usize)>,
+    /// Whether some of them are tied to each other.
+    is_mixed: bool,
+}
+
+impl Scaling {
+    /// Of a pattern; all scales are 1.
+    pub fn new(pattern: Arc<SparsePattern>) -> Self {
+        let n = pattern.size;
+        assert!(pattern.rows.len() < NO_PLACE as usize, "{} entries are more than 2^32", pattern.rows.len());
+        Scaling {
+            rows: vec![1.0; n],
+            columns: vec![1.0; n],
+            groups: ColumnGroups::new(pattern.clone()),
+            diagonal: (0..n).map(|i| pattern.position(i, i).map_or(NO_PLACE, |place| place as u32)).collect(),
+            weak: Vec::new(),
+            weak_entries: Vec::new(),
+            weak_starts: vec![0],
+            weak_rows: Vec::new(),
+            weak_columns: Vec::new(),
+            listed: Vec::new(),
+            order: Vec::new(),
+            is_mixed: false,
+            pattern,
+        }
+    }
+
+    fn entries(&self, column: usize) -> Range<usize> {
+        self.pattern.column_starts[column]..self.pattern.column_starts[column + 1]
+    }
+
+    /// Sets the scales for values.
+    ///
+    /// * `largest`    of the values
+    /// * `is_careful` whether unknowns that multipliers tie to far stiffer ones count as weak
+    pub fn set(&mut self, values: &[f64], largest: f64, is_careful: bool) {
+        let found = dispatch_vectors(ByDiagonals { scaling: self, values, largest });
+        if !found {
+            self.find_weak();
+        }
+        if is_careful && self.release(values) {
+            self.find_weak();
+        }
+        if self.is_mixed {
+            self.scale_mixed(values);
+        } else {
+            dispatch_vectors(ByNeighbours { scaling: self, values });
+        }
+    }
+
+    /// The values in the scales of now.
+    pub fn apply(&self, values: &[f64], scaled: &mut [f64]) {
+        self.groups.scale(values, &self.rows, &self.columns, scaled);
+    }
+
+    /// Largest entry of a row of a weak unknown in the columns scaled by now.
+    #[inline(always)]
+    fn row_size(&self, number: usize, values: &[f64]) -> f64 {
+        let own = &self.weak_entries[self.weak_starts[number] as usize..self.weak_starts[number + 1] as usize];
+        let mut most = 0.0;
+        for &(place, column) in own {
+            let size = values[place as usize].abs() * self.columns[column as usize];
+            most = if size > most { size } else { most };
+        }
+        most
+    }
+
+    /// Largest entry of a column in the rows scaled by now.
+    #[inline(always)]
+    fn column_size(&self, column: usize, values: &[f64]) -> f64 {
+        let own = self.entries(column);
+        let mut most = 0.0;
+        for (value, &row) in values[own.clone()].iter().zip(&self.pattern.rows[own]) {
+            let size = value.abs() * self.rows[row];
+            most = if size > most { size } else { most };
+        }
+        most
+    }
+
+    /// Scales weak unknowns that are tied to each other, as multipliers to a body that nothing else holds: those first
+    /// that are tied most to scaled ones, each against all that are scaled by then. By its unscaled entries such a body
+    /// would hide those of the soft or light neighbours of its links.
+    fn scale_mixed(&mut self, values: &[f64]) {
+        let mut order = std::mem::take(&mut self.order);
+        let strength = |number: usize| self.row_size(number, values) * self.column_size(self.weak[number] as usize, values);
+        order.clear();
+        order.extend((0..self.weak.len()).map(|number| (strength(number), number)));
+        order.sort_unstable_by(|(a, first), (b, second)| b.total_cmp(a).then(first.cmp(second)));
+        let mut left = usize::MAX;
+        while order.len() < left {
+            left = order.len();
+            order.retain(|&(_, number)| {
+                let unknown = self.weak[number] as usize;
+                let (row, column) = (self.row_size(number, values), self.column_size(unknown, values));
+                let is_tied = row > 0.0 && column > 0.0;
+                if is_tied {
+                    let (row, column) = (inverse_power(row), inverse_power(column));
+                    let diagonal = values.get(self.diagonal[unknown] as usize).map_or(0.0, |value| value.abs());
+                    let own = diagonal * row * column;
+                    // what is left of a diagonal does not outgrow the rest
+                    let shrunk = if own > 1.0 { inverse_power(own.sqrt()) } else { 1.0 };
+                    (self.rows[unknown], self.columns[unknown]) = (row * shrunk, column * shrunk);
+                }
+                !is_tied
+            });
+        }
+        for &(_, number) in &order {
+            let unknown = self.weak[number] as usize;
+            (self.rows[unknown], self.columns[unknown]) = (1.0, 1.0);
+        }
+        self.order = order;
+    }
+
+    /// Takes their scales from unknowns whose diagonal is nothing beside that of others in the equation of a
+    /// multiplier: of a body without stiffness it is what its reactions turn it by, and pivots of that size would take
+    /// the digits of all its links.
+    fn release(&mut self, values: &[f64]) -> bool {
+        let mut released = false;
+        for rows in self.weak_starts.windows(2) {
+            let own = &self.weak_entries[rows[0] as usize..rows[1] as usize];
+            let value = |place: u32| values[place as usize].abs();
+            let largest = own.iter().fold(0.0, |most: f64, &(place, _)| most.max(value(place)));
+            let is_large = |&&(place, _): &&(u32, u32)| value(place) > SMALL_DIAGONAL * largest;
+            let sizes = own.iter().filter(is_large).map(|&(place, column)| value(place) * self.columns[column as usize]);
+            let stiffest = sizes.filter(|&size| size > 0.0).fold(f64::INFINITY, f64::min);
+            for &(place, column) in own {
+                let column = column as usize;
+                if value(place) * self.columns[column] * SOFT > stiffest {
+                    (self.rows[column], self.columns[column]) = (0.0, 0.0);
+                    released = true;
+                }
+            }
+        }
+        released
+    }
+
+    /// Lists the unknowns whose scale is still zero, and the entries in their rows.
+    fn find_weak(&mut self) {
+        self.weak.clear();
+        self.weak.extend((0..self.pattern.size as u32).filter(|&unknown| self.columns[unknown as usize] == 0.0));
+        let mut entries = std::mem::take(&mut self.listed);
+        entries.clear();
+        for column in 0..self.pattern.size {
+            let own = self.entries(column).map(|place| (self.pattern.rows[place] as u32, place as u32, column as u32));
+            entries.extend(own.filter(|&(row, ..)| self.columns[row as usize] == 0.0));
+        }
+        entries.sort_unstable();
+        self.weak_entries.clear();
+        self.weak_entries.extend(entries.iter().map(|&(_, place, column)| (place, column)));
+        let start = |&row: &u32| entries.partition_point(|entry| entry.0 < row) as u32;
+        self.weak_starts.clear();
+        self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len() as u32]));
+        self.listed = entries;
+        self.group_weak();
+        self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.columns[column as usize] == 0.0);
+    }
+}
+
+impl Scaling {
+    /// Finds weak unknowns whose rows, or columns, are looked at together.
+    fn group_weak(&mut self) {
+        let Scaling { pattern, groups, weak, weak_entries, weak_starts, weak_rows, weak_columns, .. } = self;
+        let entries = |number: u32| {
+            let number = number as usize;
+            &weak_entries[weak_starts[number] as usize..weak_starts[number + 1] as usize]
+        };
+        let group = |number: u32| groups.of(weak[number as usize]);
+        weak_rows.clear();
+        weak_columns.clear();
+        for number in 0..weak.len() as u32 {
+            let same_rows = |&[first, end]: &[u32; 2]| {
+                let distance = end - first;
+                let shifted = |(a, b): (&(u32, u32), &(u32, u32))| b.0 == a.0 + distance && b.1 == a.1;
+                let (former, own) = (entries(first), entries(number));
+                (distance as usize) < ROWS && former.len() == own.len() && former.iter().zip(own).all(shifted)
+            };
+            match weak_rows.last_mut().filter(|former| same_rows(former)) {
+                Some(former) => former[1] += 1,
+                None => weak_rows.push([number, number + 1]),
+            }
+            match weak_columns.last_mut().filter(|former| group(former[0]) == group(number)) {
+                Some(former) => former[1] += 1,
+                None => weak_columns.push([number, number + 1]),
+            }
+        }
+        assert!(
+            weak_entries
+                .iter()
+                .all(|&(place, column)| { (place as usize) < pattern.rows.len() && (column as usize) < pattern.size })
+        );
+    }
+}
+
+/// The largest absolute value, if all are numbers.
+pub fn largest_finite(values: &[f64]) -> Option<f64> {
+    dispatch_vectors(LargestFinite(values))
+}
+
+struct LargestFinite<'v>(&'v [f64]);
+
+impl VectorKernel for LargestFinite<'_> {
+    type Output = Option<f64>;
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> Option<f64> {
+        // all are looked at, several at a time: 0 times each is zero, or not a number
+        let zero = I::Eight::splat(0.0);
+        let (mut zeros, mut most) = (zero, zero);
+        let (chunks, rest) = self.0.as_chunks::<8>();
+        for chunk in chunks {
+            // SAFETY: so many numbers.
+            let chunk = unsafe { I::Eight::load(chunk.as_ptr()) };
+            zeros = zeros.minus_product(chunk, zero);
+            most = chunk.absolute().larger(most);
+        }
+        let (mut zeros, mut most) = (zeros.sum(), most.largest());
+        for value in rest {
+            zeros += 0.0 * value;
+            most = larger(most, value.abs());
+        }
+        (zeros == 0.0).then_some(most)
+    }
+}
+
+/// Scales unknowns by their diagonal entries, those without with zero; returns whether these are the ones that are
+/// listed.
+struct ByDiagonals<'s> {
+    scaling: &'s mut Scaling,
+    values: &'s [f64],
+    largest: f64,
+}
+
+impl VectorKernel for ByDiagonals<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> bool {
+        let Scaling { pattern, rows, columns, diagonal, weak, .. } = self.scaling;
+        let values = self.values;
+        assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
+        // what is large enough beside all values is so beside those of its column
+        let surely_large = SMALL_DIAGONAL * self.largest;
+        let (mut next, mut same) = (0, true);
+        for (unknown, (&place, (row, column))) in diagonal.iter().zip(rows.iter_mut().zip(columns)).enumerate() {
+            let diagonal = if let Some(value) = values.get(place as usize) { value.abs() } else { 0.0 };
+            let is_large = diagonal > surely_large
+                || diagonal > 0.0 && {
+                    let (start, end) = (pattern.column_starts[unknown], pattern.column_starts[unknown + 1]);
+                    // SAFETY: entries of a column, as many as values.
+                    let largest =
+                        unsafe { largest_product::<I, false>(values.as_ptr().add(start), values.as_ptr(), end - start) };
+                    diagonal > SMALL_DIAGONAL * largest
+                };
+            let scale = if is_large {
+                inverse_power_of_root(diagonal)
+            } else {
+                same &= weak.get(next) == Some(&(unknown as u32));
+                next += 1;
+                0.0
+            };
+            (*row, *column) = (scale, scale);
+        }
+        same && next == weak.len()
+    }
+}
+
+/// Scales the rows of weak unknowns against the unknowns that are scaled, then their columns.
+struct ByNeighbours<'s> {
+    scaling: &'s mut Scaling,
+    values: &'s [f64],
+}
+
+impl VectorKernel for ByNeighbours<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let ByNeighbours { scaling, values } = self;
+        let Scaling { pattern, rows, columns, weak, weak_entries, weak_starts, weak_rows, weak_columns, .. } = scaling;
+        assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
+        assert!(rows.len() == pattern.size && columns.len() == pattern.size, "scales of a matrix");
+        for &[first, end] in &*weak_rows {
+            let own = &weak_entries[weak_starts[first as usize] as usize..weak_starts[first as usize + 1] as usize];
+            let mut most = I::Four::splat(0.0);
+            for &(place, column) in own {
+                // SAFETY: places and columns of the pattern, as was asserted of the list; the numbers that are loaded
+                // are there.
+                unsafe {
+                    // those that do not belong to these rows are not used
+                    let four = if place as usize + ROWS <= values.len() {
+                        I::Four::load(values.as_ptr().add(place as usize))
+                    } else {
+                        I::Four::load(last_ones(&values[place as usize..]).as_ptr())
+                    };
+                    let scale = I::Four::splat(*columns.get_unchecked(column as usize));
+                    most = four.absolute().times(scale).larger(most);
+                }
+            }
+            let mut sizes = [0.0; ROWS];
+            // SAFETY: so many numbers.
+            unsafe { most.store(sizes.as_mut_ptr()) };
+            for (number, &unknown) in weak[first as usize..end as usize].iter().enumerate() {
+                rows[unknown as usize] = inverse_power(sizes[number]);
+            }
+        }
+        let mut scales = [0.0; FETCHED];
+        for &[first, end] in &*weak_columns {
+            let numbers = first as usize..end as usize;
+            let column = weak[first as usize] as usize;
+            let own = &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
+            if own.len() <= FETCHED {
+                // SAFETY: a scale for each row; rows of the pattern are below its size.
+                unsafe { fetch(rows, own, &mut scales) };
+            }
+            for &unknown in &weak[numbers] {
+                let unknown = unknown as usize;
+                let values = &values[pattern.column_starts[unknown]..pattern.column_starts[unknown + 1]];
+                let size = if own.len() <= FETCHED {
+                    assert_eq!(values.len(), own.len(), "entries of columns with the same rows");
+                    // SAFETY: as many scales as values.
+                    unsafe { largest_product::<I, true>(values.as_ptr(), scales.as_ptr(), values.len()) }
+                } else {
+                    let mut most = 0.0;
+                    for (value, &row) in values.iter().zip(own) {
+                        most = larger(most, value.abs() * rows[row]);
+                    }
+                    most
+                };
+                columns[unknown] = inverse_power(size);
+            }
+        }
+    }
+}
+
+/// Fewer numbers than `ROWS`, and zeros.
+#[cold]
+#[inline(never)]
+fn last_ones(values: &[f64]) -> [f64; ROWS] {
+    std::array::from_fn(|row| values.get(row).copied().unwrap_or(0.0))
+}
+
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// Largest of absolute values, or of their products with factors, not counting what is not a number.
+///
+/// # Safety
+/// There are `length` values, and as many factors if they are used.
+#[inline(always)]
+unsafe fn largest_product<I: Instructions, const FACTORS: bool>(
+    values: *const f64,
+    factors: *const f64,
+    length: usize,
+) -> f64 {
+    #[inline(always)]
+    unsafe fn part<V: Vector, const FACTORS: bool>(values: *const f64, factors: *const f64, most: V) -> V {
+        // SAFETY: promised by the caller.
+        unsafe {
+            let sizes = V::load(values).absolute();
+            if FACTORS { sizes.times(V::load(factors)).larger(most) } else { sizes.larger(most) }
+        }
+    }
+    let (eight, four) = (I::Eight::LANES, I::Four::LANES);
+    // SAFETY: the last parts begin so many numbers before the end.
+    unsafe {
+        if length >= eight {
+            let mut most = I::Eight::splat(0.0);
+            let mut first = 0;
+            while first + eight < length {
+                most = part::<I::Eight, FACTORS>(values.add(first), factors.add(first), most);
+                first += eight;
+            }
+            let last = length - eight;
+            part::<I::Eight, FACTORS>(values.add(last), factors.add(last), most).largest()
+        } else if length >= four {
+            let most = part::<I::Four, FACTORS>(values, factors, I::Four::splat(0.0));
+            let last = length - four;
+            part::<I::Four, FACTORS>(values.add(last), factors.add(last), most).largest()
+        } else {
+            let mut most = 0.0;
+            for place in 0..length {
+                let factor = if FACTORS { *factors.add(place) } else { 1.0 };
+                most = larger(most, (*values.add(place)).abs() * factor);
+            }
+            most
+        }
+    }
+}
+
+/// The inverse of the power of two near a normal number, by its exponent; 1 for zero.
+#[inline(always)]
+fn inverse_power(size: f64) -> f64 {
+    let exponent = size.to_bits() >> 52;
+    if (1..2046).contains(&exponent) { f64::from_bits((2046 - exponent) << 52) } else { 1.0 }
+}
+
+/// The same for the root of a number.
+#[inline(always)]
+fn inverse_power_of_root(size: f64) -> f64 {
+    let exponent = size.to_bits() >> 52;
+    // half of it, counted from the exponent of 1
+    let exponent = (exponent + 1023) >> 1;
+    f64::from_bits((2046 - exponent) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_are_those_below_a_number_and_below_its_root() {
+        for size in [1.0, 2.0, 3.9, 4.0, 0.5, 0.26, 0.25, 1e-300, 7e300] {
+            let (power, root) = (1.0 / inverse_power(size), 1.0 / inverse_power_of_root(size));
+            assert!(power <= size && size < 2.0 * power, "{size:e}: {power:e}");
+            assert!(root * root <= size && size < 4.0 * root * root, "{size:e}: {root:e}");
+        }
+    }
+}
