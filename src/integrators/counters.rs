@@ -5,6 +5,8 @@ pub struct Counters {
     pub systems: usize,
     /// Newton iterations.
     pub iterations: usize,
+    /// Those of projections of coordinates and of velocities among them.
+    pub projecting: [usize; 2],
     /// Evaluations of the residual of the whole model.
     pub residuals: usize,
     /// Jacobians assembled and factored.
@@ -23,6 +25,7 @@ impl std::ops::AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         self.systems += other.systems;
         self.iterations += other.iterations;
+        self.projecting.iter_mut().zip(other.projecting).for_each(|(own, other)| *own += other);
         self.residuals += other.residuals;
         self.factorizations += other.factorizations;
         self.solves += other.solves;

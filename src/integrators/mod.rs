@@ -40,7 +40,7 @@ pub use dividing::march_dividing;
 pub use error::RunError;
 pub use grid::{MOST_STEPS, TimeGrid};
 pub use march::{Method, Problem, Run, march, march_along};
-pub use newton::{Newton, NewtonTolerance};
+pub use newton::{Contraction, Contractions, Newton, NewtonTolerance, Renewal};
 pub use pause::{Pace, Pause};
 pub(crate) use prediction::MOST as MOST_TRACKED;
 pub use prediction::{Prediction, Track};

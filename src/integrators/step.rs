@@ -505,6 +505,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         let (h, step) = (end - t, state.step);
+        if guided.is_none() && !table.is_static() {
+            self.stage.begin_step();
+        }
         self.stage.trusted.clear();
         self.stage.trusted.extend(state.carried[0].iter().map(|q| q.value()));
         let room = || StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() };

@@ -1,15 +1,19 @@
 //! Newton's method for the nonlinear systems of a run, whose values and derivative parts it takes to round-off.
 
 mod accelerations;
+mod contraction;
 mod derivative_parts;
 mod failure;
 mod linearized;
 mod relieved;
+mod renewal;
 mod round_off;
 mod sizes;
 mod values;
 
+pub use contraction::{Contraction, Contractions};
 pub use failure::Failure;
+pub use renewal::Renewal;
 
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
@@ -77,6 +81,10 @@ pub struct Newton<'m, S> {
     /// Equations for which floors were measured, and factorizations since then.
     measured: Option<Equations>,
     measured_for: usize,
+    /// Rates of convergence.
+    contractions: Contractions,
+    /// Whether steps begin with a new matrix.
+    renewal: Renewal,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
     /// State and row of a look at redundant equations.
@@ -152,6 +160,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             floors: [None; 3],
             measured: None,
             measured_for: 0,
+            contractions: Contractions::default(),
+            renewal: Renewal::default(),
             work: Unknowns::default(),
             state: VectorsAvq::default(),
             row: Vec::new(),
@@ -159,6 +169,13 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             system,
             factorization,
             tolerance,
+        }
+    }
+
+    /// Another step of a motion begins: with a new matrix, where that is cheaper.
+    pub(in crate::integrators) fn begin_step(&mut self) {
+        if self.renewal.begin_step() {
+            self.factored = None;
         }
     }
 
@@ -172,7 +189,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     fn search(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
-        let equations = stage.equations;
+        let (equations, before) = (stage.equations, self.counters);
         self.counters.systems += 1;
         self.residual.start(&self.system, stage);
         self.set_coordinate_scales(stage.base, stage.p);
@@ -183,6 +200,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.guess.clone_from(unknowns);
         let searched =
             if equations.is_static() { self.solve_balanced(stage, unknowns) } else { self.solve_value(stage, unknowns) };
+        self.contractions.age += 1;
+        self.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
             if !self.can_relieve(equations) {
                 return Err(failure);
@@ -230,6 +249,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.factorization.factor(&self.jacobian.values)?;
         let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
         self.measured_for += 1;
+        self.contractions.age = 0;
+        if !resembles_last {
+            self.contractions = Contractions::default();
+        }
         if !resembles_last || self.measured_for > MEASURED_FOR {
             (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
         }
@@ -265,6 +288,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             kept.at.clear();
         }
         (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
+        (kept.contractions, kept.renewal) = (self.contractions, self.renewal);
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
@@ -279,6 +303,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.factorize(stage, &unknowns)?;
         }
         (self.floors, self.measured, self.measured_for) = (kept.floors, kept.measured, kept.measured_for);
+        (self.contractions, self.renewal) = (kept.contractions, kept.renewal);
         Ok(())
     }
 }
