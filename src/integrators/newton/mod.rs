@@ -91,6 +91,8 @@ pub struct Newton<'m, S> {
     state: VectorsAvq<S>,
     row: Vec<f64>,
     formula_work: FormulaWork<f64>,
+    /// Whether the matrix of stages is the same in all states; looked up when a step begins with one.
+    is_constant: Option<bool>,
     /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Whether elements have stresses that a search can relieve; looked up when a search first fails.
@@ -152,6 +154,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: None,
             coordinate_scales: vec![1.0; system.model.dofs],
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
+            is_constant: None,
             relievable: None,
             trusted: Vec::new(),
             length: 1.0,
@@ -172,9 +175,12 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         }
     }
 
-    /// Another step of a motion begins: with a new matrix, where that is cheaper.
-    pub(in crate::integrators) fn begin_step(&mut self) {
-        if self.renewal.begin_step() {
+    /// Another step of a motion begins, with a stage of these equations: with a new matrix, where that is cheaper.
+    pub(in crate::integrators) fn begin_step(&mut self, equations: &Equations) {
+        // a matrix that never changes is new at all times
+        let Newton { system, is_constant, .. } = &mut *self;
+        let is_constant = *is_constant.get_or_insert_with(|| Jacobian::is_constant(system, equations));
+        if !is_constant && self.renewal.begin_step() {
             self.factored = None;
         }
     }

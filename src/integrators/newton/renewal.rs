@@ -4,8 +4,10 @@ use crate::integrators::Counters;
 
 /// Cost of a matrix with its factorization, in corrections with the evaluations that they take: three to six for chains and shells.
 const FACTORIZATION: f64 = 4.0;
+/// Corrections that a system takes at least with a new matrix, as a rule.
+const CORRECTIONS: f64 = 2.0;
 /// Steps before a new matrix is tried: first guesses become better with each of them.
-const FIRST_STEPS: usize = 10;
+const FIRST_STEPS: usize = 12;
 /// Steps for which the other way is tried; the first one still has what the last way left.
 const TRIED: usize = 4;
 /// Steps until the other way is tried again, at first; twice as many each time that it is no better.
@@ -26,7 +28,7 @@ pub struct Renewal {
     pub left: usize,
     /// Steps for which a better way is kept.
     pub kept_for: usize,
-    /// Sum of the costs of steps that count for this way, and their number.
+    /// Sum of the costs of the last steps on this way, which count, and their number.
     pub cost: f64,
     /// See [`Renewal::cost`].
     pub steps: usize,
@@ -62,9 +64,8 @@ impl Renewal {
     /// Takes note of the step that has ended, if there was one; returns whether the next one begins with a new matrix.
     pub(super) fn begin_step(&mut self) -> bool {
         let [systems, iterations, factorizations] = std::mem::take(&mut self.step).map(|count| count as f64);
-        // a step that left what the last way makes of it, or the very first one
-        let counts = if self.trying { self.left < TRIED - 1 } else { self.left < self.kept_for };
-        if counts {
+        // not the first one of a way
+        if self.left < TRIED {
             self.cost += iterations + FACTORIZATION * factorizations;
             self.steps += 1;
         }
@@ -78,7 +79,7 @@ impl Renewal {
             let better = own < self.other;
             self.kept_for = if better { KEPT } else { (2 * self.kept_for).min(MOST_KEPT) };
             (self.trying, self.left, self.renews) = (false, self.kept_for, self.renews == better);
-        } else if self.renews || own > FACTORIZATION + systems {
+        } else if self.renews || own > FACTORIZATION + CORRECTIONS * systems {
             (self.trying, self.left, self.other, self.renews) = (true, TRIED, own, !self.renews);
         } else {
             // no step with a new matrix could cost less
