@@ -171,7 +171,7 @@ flat! {
     Pace { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
     StepErrors { worst, sizes, acceleration, fresh, orientation, leap }
-    Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices }
+    Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
     Pause<f64> { checkpoint, t, pace, errors, counters }
 }
 

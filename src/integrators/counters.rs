@@ -1,3 +1,6 @@
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
 /// Work done so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
@@ -19,6 +22,40 @@ pub struct Counters {
     pub blocks: usize,
     /// Times from which on other redundant constraint equations were left out.
     pub choices: usize,
+    /// Time spent on evaluations of the residual, on matrices, their factorization, and solutions [ns]; zero unless
+    /// [`measure_phases`] asks for it.
+    pub nanoseconds: [usize; 4],
+}
+
+static MEASURING: AtomicBool = AtomicBool::new(false);
+
+/// Whether runs of this process measure from now on what the parts of their steps take: [`Counters::nanoseconds`]. Looking at the clock
+/// takes a share of the steps of small systems.
+pub fn measure_phases(measuring: bool) {
+    MEASURING.store(measuring, Ordering::Relaxed);
+}
+
+/// A part of a step whose time is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    Residual,
+    Matrix,
+    Factorization,
+    Solution,
+}
+
+impl Counters {
+    /// What `work` returns; its time counts for a phase.
+    #[inline]
+    pub(super) fn timed<T>(&mut self, phase: Phase, work: impl FnOnce() -> T) -> T {
+        if !MEASURING.load(Ordering::Relaxed) {
+            return work();
+        }
+        let begun = Instant::now();
+        let done = work();
+        self.nanoseconds[phase as usize] += begun.elapsed().as_nanos() as usize;
+        done
+    }
 }
 
 impl std::ops::AddAssign for Counters {
@@ -32,5 +69,6 @@ impl std::ops::AddAssign for Counters {
         self.products += other.products;
         self.blocks += other.blocks;
         self.choices += other.choices;
+        self.nanoseconds.iter_mut().zip(other.nanoseconds).for_each(|(own, other)| *own += other);
     }
 }

@@ -35,7 +35,7 @@ pub use adaptive::{StepControl, Tolerance, march_adaptive};
 pub use arc_length::{ArcLength, Path, PathEnd, PathPoint, follow_path};
 pub use butcher::Butcher;
 pub use checkpoint::{Checkpoint, FactoredAt, KeptFactorization, StepState};
-pub use counters::Counters;
+pub use counters::{Counters, measure_phases};
 pub use dividing::march_dividing;
 pub use error::RunError;
 pub use grid::{MOST_STEPS, TimeGrid};

@@ -16,6 +16,7 @@ pub use failure::Failure;
 pub use renewal::Renewal;
 
 use super::Counters;
+use super::counters::Phase;
 use super::checkpoint::{FactoredAt, KeptFactorization};
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
@@ -238,7 +239,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.factored_at.base.clone_from(stage.base);
             self.factored_at.unknowns.clone_from(unknowns);
         }
-        self.residual.evaluate(&self.system, stage, unknowns);
+        let Newton { counters, residual, system, .. } = self;
+        counters.timed(Phase::Residual, || residual.evaluate(system, stage, unknowns));
     }
 
     pub(in crate::integrators) fn factorize(
@@ -250,9 +252,10 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.factorizations += 1;
         let before = self.jacobian.evaluated;
         self.keep_numbers(p, t);
-        self.jacobian.assemble(&self.system, equations, &self.residual, unknowns, &self.p, t);
-        self.counters.blocks += self.jacobian.evaluated - before;
-        self.factorization.factor(&self.jacobian.values)?;
+        let Newton { counters, residual, jacobian, factorization, system, p, .. } = &mut *self;
+        counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
+        counters.blocks += jacobian.evaluated - before;
+        counters.timed(Phase::Factorization, || factorization.factor(&jacobian.values))?;
         let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
         self.measured_for += 1;
         self.contractions.age = 0;
@@ -269,7 +272,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     fn step(&mut self, part: Option<usize>, unknowns: &mut Unknowns<S>) -> f64 {
         self.counters.solves += 1;
         self.jacobian.reduce(&self.system, &self.residual, part, &mut self.rhs);
-        self.factorization.solve(&mut self.rhs);
+        let Newton { counters, factorization, rhs, .. } = &mut *self;
+        counters.timed(Phase::Solution, || factorization.solve(rhs));
         self.jacobian.add_step(&self.system, &self.rhs, part, unknowns, &self.coordinate_scales)
     }
 
