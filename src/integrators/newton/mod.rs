@@ -16,8 +16,8 @@ pub use failure::Failure;
 pub use renewal::Renewal;
 
 use super::Counters;
-use super::counters::Phase;
 use super::checkpoint::{FactoredAt, KeptFactorization};
+use super::counters::Phase;
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
