@@ -632,6 +632,36 @@ mod tests {
     }
 
     #[test]
+    fn numbers_are_gathered_into_lanes_and_results_added_from_them() {
+        let values: Vec<f64> = (0..400).map(f64::from).collect();
+        for width in [1, 4, 8] {
+            for length in 1..24 {
+                // three parts, the last of which fills the lanes that are left
+                let starts = Starts::of_parts([7, 100, 250].into_iter().map(|start| start..start + length));
+                let parts = 0..width.min(3);
+                let mut numbers = vec![-1.0; width * (length + 1)];
+                let mut lanes = Lanes { numbers: &mut numbers, width, parts: parts.clone(), place: 0 };
+                lanes.gather(&starts, &values);
+                lanes.spread(0.5);
+                for lane in 0..width {
+                    let own = starts.of(lane.min(2));
+                    assert!((0..length).all(|place| numbers[place * width + lane] == values[own.start + place]));
+                    assert_eq!(numbers[length * width + lane], 0.5);
+                }
+                for factor in [1.0, -2.0] {
+                    let mut sums = vec![1.0; 400];
+                    let results = LaneResults { numbers: &numbers, width, parts: parts.clone() };
+                    let segments = std::slice::from_ref(&starts);
+                    assert_eq!(results.add_to_nodes(0, segments, factor, &mut sums), length);
+                    let added: Vec<usize> = parts.clone().flat_map(|part| starts.of(part)).collect();
+                    let expected = |place| if added.contains(&place) { 1.0 + factor * values[place] } else { 1.0 };
+                    assert!(sums.iter().enumerate().all(|(place, &sum)| sum == expected(place)), "{width} {length}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn numbers_of_lanes_are_told_apart_and_laid_side_by_side() {
         let count = 13;
         for width in [4, 8] {

@@ -45,3 +45,27 @@ impl Contractions {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rate_is_known_for_its_kind_and_age_and_for_some_searches() {
+        let mut rates = Contractions::default();
+        assert_eq!(rates.expected(0), None);
+        rates.note(0, Some(1e-3));
+        assert_eq!(rates.expected(0), Some(SAFETY * 1e-3));
+        assert_eq!(rates.expected(1), None);
+        rates.age = 1;
+        assert_eq!(rates.expected(0), None);
+        rates.age = 0;
+        (0..MOST_UNSEEN).for_each(|_| rates.note(0, None));
+        assert_eq!(rates.expected(0), None, "it is time to look again");
+        rates.note(0, Some(1e-6));
+        assert_eq!(rates.expected(0), Some(SAFETY * 0.5e-3), "one lucky search");
+        rates.age = AGES;
+        rates.note(0, Some(0.1));
+        assert_eq!(rates.expected(0), None, "too old to be known");
+    }
+}
