@@ -318,7 +318,7 @@ fn the_motion_between_steps_is_the_same_wherever_they_are_kept() {
     let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
     let times: Vec<f64> = (0..40).map(|i| 0.05 * f64::from(i)).collect();
     let mut motions = Vec::new();
-    for keep in [Keep::Memory, Keep::Checkpoints(5000)] {
+    for keep in [Keep::Memory, Keep::Checkpoints(7000)] {
         let mut prepared = prepared(&scene, "bdf3", scene.settings()).expect("sound");
         prepared.keep = keep;
         let analysis = prepared.analysis();

@@ -29,15 +29,15 @@ fn newton_needs_few_iterations_and_few_factorizations() {
     let counters = forward.counters;
     // five stages and two projections a step, and the first acceleration
     assert_eq!(counters.systems, 7 * 50 + 1);
-    assert!(counters.iterations <= 4 * counters.systems, "{counters:?}");
-    // a look at its redundant equations every five steps is one of them
-    assert!(counters.factorizations <= 30 + 10, "{counters:?}");
+    assert!(2 * counters.iterations <= 5 * counters.systems, "{counters:?}");
+    // one a step at most, where that saves corrections, and a look at its redundant equations every five steps
+    assert!(counters.factorizations <= 50 + 10, "{counters:?}");
 }
 
 #[test]
 fn a_step_of_cables_takes_few_iterations_and_one_block_an_element() {
     let steps = 200;
-    for (elements, most_iterations, most_factorizations) in [(5, 6.0, 0.06), (20, 5.5, 0.2)] {
+    for (elements, most_iterations, most_factorizations) in [(5, 5.0, 0.07), (20, 5.5, 0.2)] {
         let scene = FlexiblePendulum { elements };
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.settings() };

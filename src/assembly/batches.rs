@@ -7,7 +7,9 @@ use super::reduction::NodeReduction;
 use crate::elements::{ConstraintPhysics, RunScalar};
 use crate::program::{Formula, Program, ProgramCache, ProgramWork};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Parts whose formulas are the same and whose nodes are of the same kinds.
@@ -20,8 +22,45 @@ pub(super) struct Batch<L> {
     pub formula: Arc<Formula>,
     /// Places of arguments.
     pub layout: L,
+    /// Where the coordinates of each node begin.
+    pub segments: SmallVec<[Starts; 3]>,
+    /// Where the parameters begin.
+    pub parameters: Starts,
+    /// Where the multipliers begin; none for elements.
+    pub multipliers: Starts,
     /// Its programs.
     pub programs: ProgramCache,
+}
+
+/// Where the numbers of each part of a batch begin in a list, and how many they are.
+#[derive(Debug, Default)]
+pub(super) struct Starts {
+    /// Behind the last part some more that are like it, so that each group has one for each lane.
+    places: Vec<u32>,
+    length: usize,
+}
+
+/// Most parts that are evaluated side by side.
+const MOST_LANES: usize = 8;
+
+impl Starts {
+    fn of_parts(numbers: impl Iterator<Item = Range<usize>>) -> Self {
+        let mut starts = Starts::default();
+        for own in numbers {
+            starts.length = own.len();
+            starts.places.push(own.start as u32);
+        }
+        let last = starts.places.last().copied().unwrap_or(0);
+        starts.places.resize(starts.places.len() + MOST_LANES, last);
+        starts
+    }
+
+    /// The numbers of a part.
+    #[inline(always)]
+    pub fn of(&self, part: usize) -> Range<usize> {
+        let start = self.places[part] as usize;
+        start..start + self.length
+    }
 }
 
 /// Elements.
@@ -30,10 +69,11 @@ pub(super) type ElementBatch = Batch<ElementLayout>;
 pub(super) type ConstraintBatch = Batch<ConstraintLayout>;
 
 /// Sorts parts that have a formula into batches, in the order in which their kinds first come.
-fn sorted<L>(
+fn sorted<'p, L>(
     count: usize,
     kind: impl Fn(usize) -> Option<(Arc<Formula>, Box<[NodeReduction]>, bool)>,
     layout: impl Fn(usize) -> L,
+    numbers: impl Fn(usize) -> (&'p DofMap, Range<usize>),
 ) -> Vec<Batch<L>> {
     let mut batches: Vec<Batch<L>> = Vec::new();
     let mut places: HashMap<(*const Formula, Box<[NodeReduction]>, bool), usize> = HashMap::new();
@@ -45,11 +85,23 @@ fn sorted<L>(
                 nodes,
                 formula,
                 layout: layout(part),
+                segments: SmallVec::new(),
+                parameters: Starts::default(),
+                multipliers: Starts::default(),
                 programs: ProgramCache::default(),
             });
             batches.len() - 1
         });
         batches[place].parts.push(part);
+    }
+    for batch in &mut batches {
+        let own = |part: &usize| numbers(*part).0;
+        let nodes = 0..own(&batch.parts[0]).segments.len();
+        let coordinates =
+            nodes.map(|node| Starts::of_parts(batch.parts.iter().map(|part| own(part).segments[node].clone())));
+        batch.segments = coordinates.collect();
+        batch.parameters = Starts::of_parts(batch.parts.iter().map(|part| own(part).parameters.clone()));
+        batch.multipliers = Starts::of_parts(batch.parts.iter().map(|part| numbers(*part).1));
     }
     batches
 }
@@ -82,7 +134,8 @@ impl System<'_> {
             Some((formula, self.reductions(&self.element_parts[part]), false))
         };
         let layout = |part: usize| ElementLayout::new(&self.model.elements[part].physics, force);
-        sorted(self.model.elements.len(), kind, layout)
+        let numbers = |part: usize| (&self.element_parts[part], 0..0);
+        sorted(self.model.elements.len(), kind, layout, numbers)
     }
 
     /// Constraints whose multipliers are unknowns.
@@ -98,7 +151,8 @@ impl System<'_> {
             Some(own) => ConstraintLayout::of(own),
             None => unreachable!("each part has a constraint"),
         };
-        sorted(self.constraint_parts.len(), kind, layout)
+        let numbers = |part: usize| (&self.constraint_parts[part], self.equations_of(part));
+        sorted(self.constraint_parts.len(), kind, layout, numbers)
     }
 
     /// The constraint of a batch: its first one stands for all.
@@ -131,6 +185,198 @@ impl<S: Copy> Lane<'_, S> {
     #[inline(always)]
     pub(super) fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
         part.segments.iter().fold(first, |place, segment| self.copy(place, &values[segment.clone()]))
+    }
+}
+
+/// Arguments of parts that are evaluated side by side, written one after the other: number i of lane l stands at i times their width + l.
+pub(super) struct Lanes<'i, S> {
+    numbers: &'i mut [S],
+    width: usize,
+    /// The parts, one for each lane; further lanes have the numbers of the last one.
+    pub parts: Range<usize>,
+    place: usize,
+}
+
+impl<S: RunScalar> Lanes<'_, S> {
+    /// The next numbers of each part come from a list.
+    #[inline(always)]
+    pub fn gather(&mut self, starts: &Starts, values: &[S]) {
+        self.gather_at(self.place, starts, values);
+        self.place += starts.length;
+    }
+
+    #[inline(always)]
+    fn gather_at(&mut self, place: usize, starts: &Starts, values: &[S]) {
+        let target = &mut self.numbers[place * self.width..(place + starts.length) * self.width];
+        let places = &starts.places[self.parts.start..];
+        match self.width {
+            1 => target.copy_from_slice(&values[starts.of(self.parts.start)]),
+            4 => gather::<S, 4>(starts.length, places, values, target),
+            8 => gather::<S, 8>(starts.length, places, values, target),
+            _ => unreachable!("programs have 4 or 8 lanes"),
+        }
+    }
+
+    /// The next numbers of each part are those of its nodes in one list after the other.
+    #[inline(always)]
+    pub fn gather_nodes<const LISTS: usize>(&mut self, segments: &[Starts], lists: [&[S]; LISTS]) {
+        let count: usize = segments.iter().map(|starts| starts.length).sum();
+        let mut first = self.place;
+        for starts in segments {
+            for (list, values) in lists.iter().enumerate() {
+                self.gather_at(first + list * count, starts, values);
+            }
+            first += starts.length;
+        }
+        self.place += LISTS * count;
+    }
+    /// The next number is the same for all parts.
+    #[inline(always)]
+    pub fn spread(&mut self, value: S) {
+        self.numbers[self.place * self.width..(self.place + 1) * self.width].fill(value);
+        self.place += 1;
+    }
+    /// The next numbers of each part are those that `push` appends to a list.
+    #[inline(always)]
+    pub fn each(&mut self, list: &mut Vec<S>, push: impl Fn(usize, &mut Vec<S>)) {
+        list.clear();
+        self.parts.clone().for_each(|part| push(part, list));
+        let (last, length) = (self.parts.len() - 1, list.len() / self.parts.len());
+        let starts: [u32; MOST_LANES] = std::array::from_fn(|lane| (lane.min(last) * length) as u32);
+        let target = &mut self.numbers[self.place * self.width..(self.place + length) * self.width];
+        match self.width {
+            1 => target.copy_from_slice(list),
+            4 => gather::<S, 4>(length, &starts, list, target),
+            8 => gather::<S, 8>(length, &starts, list, target),
+            _ => unreachable!("programs have 4 or 8 lanes"),
+        }
+        self.place += length;
+    }
+    /// Leaves so many numbers what they are.
+    pub fn skip(&mut self, count: usize) {
+        self.place += count;
+    }
+}
+
+/// Numbers of parts, one after the other in a list, moved to lie side by side.
+#[inline(always)]
+fn gather<S: Copy, const WIDTH: usize>(length: usize, starts: &[u32], values: &[S], target: &mut [S]) {
+    #[inline(always)]
+    fn block<S: Copy, const WIDTH: usize, const LENGTH: usize>(
+        starts: &[u32; WIDTH],
+        first: usize,
+        values: &[S],
+        rows: &mut [[S; WIDTH]],
+    ) {
+        let rows: &mut [[S; WIDTH]; LENGTH] = (&mut rows[first..first + LENGTH]).try_into().expect("its own length");
+        for lane in 0..WIDTH {
+            let start = starts[lane] as usize + first;
+            let own: &[S; LENGTH] = values[start..start + LENGTH].try_into().expect("its own length");
+            (0..LENGTH).for_each(|place| rows[place][lane] = own[place]);
+        }
+    }
+    let starts: &[u32; WIDTH] = starts.first_chunk().expect("one for each lane");
+    let rows = target.as_chunks_mut::<WIDTH>().0;
+    if length == 7 {
+        return block::<S, WIDTH, 7>(starts, 0, values, rows);
+    }
+    let mut first = 0;
+    while first + 8 <= length {
+        block::<S, WIDTH, 8>(starts, first, values, rows);
+        first += 8;
+    }
+    if first + 4 <= length {
+        block::<S, WIDTH, 4>(starts, first, values, rows);
+        first += 4;
+    }
+    if first + 2 <= length {
+        block::<S, WIDTH, 2>(starts, first, values, rows);
+        first += 2;
+    }
+    if first < length {
+        block::<S, WIDTH, 1>(starts, first, values, rows);
+    }
+}
+
+/// Results of parts that were evaluated side by side.
+pub(super) struct LaneResults<'r, S> {
+    numbers: &'r [S],
+    width: usize,
+    /// The parts, one for each lane.
+    pub parts: Range<usize>,
+}
+
+impl<S: RunScalar> LaneResults<'_, S> {
+    /// Adds results from a place on, times a factor, to the coordinates of the parts' nodes, part by part; returns the place behind them.
+    #[inline(always)]
+    pub fn add_to_nodes(&self, first: usize, segments: &[Starts], factor: f64, values: &mut [S]) -> usize {
+        match self.width {
+            1 => self.add_rows::<1>(first, segments, factor, values),
+            4 => self.add_rows::<4>(first, segments, factor, values),
+            8 => self.add_rows::<8>(first, segments, factor, values),
+            _ => unreachable!("programs have 4 or 8 lanes"),
+        }
+    }
+
+    #[inline(always)]
+    fn add_rows<const WIDTH: usize>(&self, first: usize, segments: &[Starts], factor: f64, values: &mut [S]) -> usize {
+        let rows = self.numbers.as_chunks::<WIDTH>().0;
+        let mut behind = first;
+        for lane in 0..self.parts.len().min(WIDTH) {
+            behind = first;
+            for starts in segments {
+                let own = &rows[behind..behind + starts.length];
+                behind += starts.length;
+                let values = &mut values[starts.of(self.parts.start + lane)];
+                match (<&[[S; WIDTH]; 7]>::try_from(own), <&mut [S; 7]>::try_from(&mut *values)) {
+                    (Ok(own), Ok(values)) if factor == 1.0 => {
+                        (0..7).for_each(|place| values[place] += own[place][lane]);
+                    }
+                    _ => values.iter_mut().zip(own).for_each(|(value, row)| *value += row[lane] * factor),
+                }
+            }
+        }
+        behind
+    }
+
+    /// Writes results from a place on to a list where `wanted` says so; returns the place behind them.
+    #[inline(always)]
+    pub fn write(&self, first: usize, starts: &Starts, wanted: &[Option<usize>], values: &mut [S]) -> usize {
+        let behind = first + starts.length;
+        for (lane, part) in self.parts.clone().enumerate() {
+            let own = starts.of(part);
+            let rows = self.numbers[first * self.width..behind * self.width].chunks_exact(self.width);
+            for ((value, wanted), row) in values[own.clone()].iter_mut().zip(&wanted[own]).zip(rows) {
+                if wanted.is_some() {
+                    *value = row[lane];
+                }
+            }
+        }
+        behind
+    }
+
+    /// Results of each part, one part after the other.
+    #[inline(always)]
+    pub fn for_each_part(&self, mut f: impl FnMut(usize, Strided<S>)) {
+        for (lane, part) in self.parts.clone().enumerate() {
+            f(part, Strided { numbers: &self.numbers[lane..], width: self.width });
+        }
+    }
+}
+
+/// Numbers that stand some places apart.
+pub(super) struct Strided<'r, S> {
+    numbers: &'r [S],
+    width: usize,
+}
+
+impl<S: Copy> Iterator for Strided<'_, S> {
+    type Item = S;
+    #[inline(always)]
+    fn next(&mut self) -> Option<S> {
+        let own = *self.numbers.first()?;
+        self.numbers = self.numbers.get(self.width..).unwrap_or_default();
+        Some(own)
     }
 }
 
@@ -170,8 +416,8 @@ pub(crate) struct BatchWork<S> {
 struct Group<S> {
     /// Its first one, while it waits.
     first: usize,
-    /// Arguments, one element after the other.
-    arguments: Vec<S>,
+    /// Arguments, one element after the other, where they are written so.
+    apart: Vec<S>,
     inputs: Aligned<S>,
     outputs: Aligned<S>,
     work: ProgramWork<S>,
@@ -181,7 +427,7 @@ impl<S> Default for Group<S> {
     fn default() -> Self {
         Group {
             first: 0,
-            arguments: Vec::new(),
+            apart: Vec::new(),
             inputs: Aligned::default(),
             outputs: Aligned::default(),
             work: ProgramWork::default(),
@@ -222,20 +468,48 @@ pub(crate) fn run_parts<S: RunScalar>(
     write: impl Fn(usize, &mut Lane<S>) + Sync,
     mut read: impl FnMut(usize, &[S]) + Send,
 ) {
+    let (inputs, outputs) = (program.inputs().max(1), program.outputs().max(1));
+    let mut results = std::mem::take(&mut work.results);
+    let write_lanes = |lanes: Lanes<S>, apart: &mut Vec<S>| {
+        let Lanes { numbers, width, parts, .. } = lanes;
+        if width == 1 {
+            return write(parts.start, &mut Lane(numbers));
+        }
+        apart.resize(numbers.len(), S::zero());
+        for (lane, own) in apart.chunks_exact_mut(inputs).enumerate() {
+            // in lanes without a part those of the last one
+            write((parts.start + lane).min(parts.end - 1), &mut Lane(own));
+        }
+        side_by_side(apart, numbers, width);
+    };
+    let read_lanes = |lanes: LaneResults<S>| {
+        let LaneResults { numbers, width, parts } = lanes;
+        if width == 1 {
+            return read(parts.start, numbers);
+        }
+        results.resize(numbers.len(), S::zero());
+        one_by_one(numbers, &mut results, width);
+        parts.zip(results.chunks_exact(outputs)).for_each(|(part, own)| read(part, own));
+    };
+    run_lanes(program, count, work, write_lanes, read_lanes);
+    work.results = results;
+}
+
+/// Executes a program for `count` parts: `write` sets the arguments of those that are evaluated side by side, with a list to use as it likes;
+/// `read` takes their results, in the order of the parts.
+pub(super) fn run_lanes<S: RunScalar>(
+    program: &Program,
+    count: usize,
+    work: &mut BatchWork<S>,
+    write: impl Fn(Lanes<S>, &mut Vec<S>) + Sync,
+    mut read: impl FnMut(LaneResults<S>) + Send,
+) {
     let lanes = S::lanes();
     let (inputs, outputs) = (program.inputs(), program.outputs());
     let fill = |group: &mut Group<S>| {
         let (parts, width) = next_group(count - group.first, lanes);
         let numbers = group.inputs.first(inputs * width);
-        if width == 1 {
-            return write(group.first, &mut Lane(numbers));
-        }
-        group.arguments.resize(inputs * width, S::zero());
-        for (lane, own) in group.arguments.chunks_exact_mut(inputs.max(1)).enumerate() {
-            // in lanes without a part those of the last one
-            write(group.first + lane.min(parts - 1), &mut Lane(own));
-        }
-        side_by_side(&group.arguments, numbers, width);
+        write(Lanes { numbers, width, parts: group.first..group.first + parts, place: 0 }, &mut group.apart);
     };
     let run = |section: usize, group: &mut Group<S>| {
         let width = next_group(count - group.first, lanes).1;
@@ -253,17 +527,11 @@ pub(crate) fn run_parts<S: RunScalar>(
             groups.iter_mut().for_each(|group| run(section, group));
         }
     };
-    let BatchWork { pieces, results } = work;
+    let pieces = &mut work.pieces;
     let mut take = |group: &mut Group<S>| {
         let (parts, width) = next_group(count - group.first, lanes);
         let numbers = &*group.outputs.first(outputs * width);
-        if width == 1 {
-            return read(group.first, numbers);
-        }
-        results.resize(numbers.len(), S::zero());
-        one_by_one(numbers, results, width);
-        let own = results.chunks_exact(outputs.max(1));
-        own.take(parts).enumerate().for_each(|(lane, own)| read(group.first + lane, own));
+        read(LaneResults { numbers, width, parts: group.first..group.first + parts });
     };
     let together = if sections > 1 { TOGETHER } else { 1 };
     let mut firsts = groups(count, lanes);
@@ -359,6 +627,36 @@ mod tests {
                     first += next_group(count - first, lanes).0;
                 }
                 assert_eq!(first, count);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_gathered_into_lanes_and_results_added_from_them() {
+        let values: Vec<f64> = (0..400).map(f64::from).collect();
+        for width in [1, 4, 8] {
+            for length in 1..24 {
+                // three parts, the last of which fills the lanes that are left
+                let starts = Starts::of_parts([7, 100, 250].into_iter().map(|start| start..start + length));
+                let parts = 0..width.min(3);
+                let mut numbers = vec![-1.0; width * (length + 1)];
+                let mut lanes = Lanes { numbers: &mut numbers, width, parts: parts.clone(), place: 0 };
+                lanes.gather(&starts, &values);
+                lanes.spread(0.5);
+                for lane in 0..width {
+                    let own = starts.of(lane.min(2));
+                    assert!((0..length).all(|place| numbers[place * width + lane] == values[own.start + place]));
+                    assert_eq!(numbers[length * width + lane], 0.5);
+                }
+                for factor in [1.0, -2.0] {
+                    let mut sums = vec![1.0; 400];
+                    let results = LaneResults { numbers: &numbers, width, parts: parts.clone() };
+                    let segments = std::slice::from_ref(&starts);
+                    assert_eq!(results.add_to_nodes(0, segments, factor, &mut sums), length);
+                    let added: Vec<usize> = parts.clone().flat_map(|part| starts.of(part)).collect();
+                    let expected = |place| if added.contains(&place) { 1.0 + factor * values[place] } else { 1.0 };
+                    assert!(sums.iter().enumerate().all(|(place, &sum)| sum == expected(place)), "{width} {length}");
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 //! All of them come from g(q, p, t) or h(v, q, p, t) alone: the reaction A^T mu is the gradient of mu . g with respect to q (of mu . h with
 //! respect to v), and time derivatives follow along the motion.
 
-use super::batches::Lane;
+use super::batches::{ConstraintBatch, Lane, Lanes};
 use super::element_programs::gradient;
 use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
@@ -87,6 +87,30 @@ impl ConstraintLayout {
         place = lane.copy(place, mu);
         lane.copy(place, eta);
         lane.copy(self.scales(), &scales.map(S::from))
+    }
+}
+
+impl ConstraintBatch {
+    /// Writes the arguments for constraints side by side; those of rate corrections stay what they are where there are none.
+    #[inline(always)]
+    pub fn write<S: RunScalar>(
+        &self,
+        lanes: &mut Lanes<S>,
+        (at, p, t): (&VectorsAvq<S>, &[S], f64),
+        (unknowns, stabilized): (&Unknowns<S>, bool),
+        scales: [f64; 2],
+    ) {
+        lanes.gather_nodes(&self.segments, [&at.v, &at.q]);
+        lanes.gather(&self.parameters, p);
+        lanes.spread(S::from(t));
+        lanes.gather_nodes(&self.segments, [&at.a]);
+        lanes.gather(&self.multipliers, &unknowns.mu);
+        if stabilized {
+            lanes.gather(&self.multipliers, &unknowns.eta);
+        } else {
+            lanes.skip(self.layout.equations);
+        }
+        scales.into_iter().for_each(|scale| lanes.spread(S::from(scale)));
     }
 }
 

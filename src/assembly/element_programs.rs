@@ -1,6 +1,6 @@
 //! Programs of elements: residual or impulse, its matrix along reduced columns, and products with adjoint variables.
 
-use super::batches::Lane;
+use super::batches::{ElementBatch, Lane, Lanes};
 use super::numbering::DofMap;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};
@@ -75,6 +75,19 @@ impl ElementLayout {
             lane.copy(self.weights(), &impulse.weights().map(S::from));
         }
         self.extra()
+    }
+}
+
+impl ElementBatch {
+    /// Writes the arguments of the formula for elements side by side.
+    #[inline(always)]
+    pub fn write<S: RunScalar>(&self, lanes: &mut Lanes<S>, (at, p, t): (&VectorsAvq<S>, &[S], f64), force: Force) {
+        lanes.gather_nodes(&self.segments, [&at.a, &at.v, &at.q]);
+        lanes.gather(&self.parameters, p);
+        lanes.spread(S::from(t));
+        if let Force::Impulse(impulse) = force {
+            impulse.weights().into_iter().for_each(|weight| lanes.spread(S::from(weight)));
+        }
     }
 }
 

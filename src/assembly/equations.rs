@@ -261,6 +261,10 @@ impl<S: Scalar> VectorsAvq<S> {
         let lists =
             [(&mut self.a, &base.a, shift.gamma), (&mut self.v, &base.v, shift.beta), (&mut self.q, &base.q, shift.alpha)];
         for (own, base, factor) in lists {
+            if factor == 0.0 {
+                own.iter_mut().zip(base).for_each(|(own, &base)| *own = base);
+                continue;
+            }
             own.iter_mut().zip(base).zip(&unknowns.x).for_each(|((own, &base), &x)| *own = base + x * factor);
         }
         for (q, &y) in self.q.iter_mut().zip(&unknowns.y) {
@@ -341,10 +345,17 @@ impl<S: Scalar> Unknowns<S> {
         self.eta.clone_from(&other.eta);
     }
 
-    /// self *= factor, without multipliers inside nodes.
-    pub fn scale(&mut self, factor: f64) {
-        for own in [&mut self.x, &mut self.y, &mut self.mu, &mut self.eta] {
-            own.iter_mut().for_each(|own| *own = *own * factor);
+    /// Takes over (end - start) factor, without multipliers inside nodes; from zero where there is no start.
+    pub fn set_increment(&mut self, start: Option<&Self>, end: &Self, factor: f64) {
+        let Unknowns { x, y, mu, eta, .. } = self;
+        let ends = [(x, &end.x), (y, &end.y), (mu, &end.mu), (eta, &end.eta)];
+        let starts = start.map(|start| [&start.x, &start.y, &start.mu, &start.eta]);
+        for (i, (own, end)) in ends.into_iter().enumerate() {
+            own.clear();
+            match starts {
+                Some(starts) => own.extend(end.iter().zip(starts[i]).map(|(&end, &start)| (end - start) * factor)),
+                None => own.extend(end.iter().map(|&end| end * factor)),
+            }
         }
     }
 

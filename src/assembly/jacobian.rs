@@ -1,7 +1,7 @@
-use super::batches::{BatchWork, ElementBatch, Lane, run_parts};
+use super::batches::{BatchWork, ElementBatch, LaneResults, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
-use super::numbering::{DofMap, ScatterMap, System};
+use super::numbering::{ScatterMap, System};
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar, State};
@@ -90,15 +90,15 @@ pub(super) struct NullSpaces {
 }
 
 impl NullSpaces {
-    /// Writes the numbers that a program makes the bases of.
-    fn write(&self, reduction: NodeReduction, place: usize, lane: &mut Lane<f64>) -> usize {
+    /// Appends the numbers that a program makes the bases of.
+    fn push(&self, reduction: NodeReduction, numbers: &mut Vec<f64>) {
         let [left, right] = match reduction {
-            NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => return place,
+            NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => return,
             NodeReduction::RotationCoordinates { .. } => [&self.scaled[0][..], &self.scaled[1]],
             NodeReduction::Dense { .. } => [&self.left[..], &self.right],
         };
-        let place = lane.copy(place, left);
-        lane.copy(place, right)
+        numbers.extend_from_slice(left);
+        numbers.extend_from_slice(right);
     }
 }
 
@@ -137,6 +137,9 @@ impl NodeSeeds<'_> {
         }
     }
 }
+
+/// Unknowns of a node of three lengths and coordinates that turn rigidly.
+const TURNING: usize = 6;
 
 impl Jacobian {
     /// Storage for a system.
@@ -263,24 +266,24 @@ impl Jacobian {
                 continue;
             }
             let Jacobian { values, bases, work, relief, .. } = self;
-            let part = |index: usize| &system.element_parts[batch.parts[index]];
-            run_parts(
+            let weights = layout.extra() - layout.weights();
+            run_lanes(
                 &program,
                 batch.parts.len(),
                 work,
-                |index, lane| {
-                    let part = part(index);
-                    let place = layout.write(lane, part, (&point.at, p, t), force);
+                |mut lanes, numbers| {
+                    batch.write(&mut lanes, (&point.at, p, t), force);
                     if force == Force::Stresses {
-                        let first = relief.starts[batch.parts[index]];
-                        lane.copy(layout.weights(), &relief.stresses[first..][..place - layout.weights()]);
+                        let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
+                        lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
                     }
-                    let place = lane.copy(place, &shift);
-                    write_bases(bases, part, &batch.nodes, place, lane);
+                    shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
+                    let nodes = |part: usize| &system.element_parts[batch.parts[part]].nodes;
+                    lanes.each(numbers, |part, own| push_bases(bases, nodes(part), &batch.nodes, own));
                 },
-                |index, results| {
-                    let places = &system.element_blocks[batch.parts[index]];
-                    add_entries(places, program.labels(), results.iter().copied(), values);
+                |results| {
+                    let blocks = |part: usize| &system.element_blocks[batch.parts[part]];
+                    add_entries(&results, blocks, program.labels(), 1.0, values);
                 },
             );
         }
@@ -321,22 +324,20 @@ impl Jacobian {
                 continue;
             }
             let Jacobian { values, bases, work, .. } = self;
-            let (layout, unknowns) = (batch.layout, &point.unknowns);
-            let part = |index: usize| &system.constraint_parts[batch.parts[index]];
-            run_parts(
+            let unknowns = (&point.unknowns, asked.stabilized());
+            run_lanes(
                 &program,
                 batch.parts.len(),
                 work,
-                |index, lane| {
-                    let part = part(index);
-                    let multipliers = asked.multipliers(unknowns, system.equations_of(batch.parts[index]));
-                    let place = layout.write(lane, part, (at, p, t), multipliers, scales);
-                    let place = lane.copy(place, &shift);
-                    write_bases(bases, part, &batch.nodes, place, lane);
+                |mut lanes, numbers| {
+                    batch.write(&mut lanes, (at, p, t), unknowns, scales);
+                    shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
+                    let nodes = |part: usize| &system.constraint_parts[batch.parts[part]].nodes;
+                    lanes.each(numbers, |part, own| push_bases(bases, nodes(part), &batch.nodes, own));
                 },
-                |index, results| {
-                    let places = &system.constraint_blocks[batch.parts[index]];
-                    add_entries(places, program.labels(), results.iter().map(|entry| entry * factor), values);
+                |results| {
+                    let blocks = |part: usize| &system.constraint_blocks[batch.parts[part]];
+                    add_entries(&results, blocks, program.labels(), factor, values);
                 },
             );
         }
@@ -365,6 +366,19 @@ impl Jacobian {
             }
         };
         let local = system.nodes[node].local.map(|index| &system.locals[index]);
+        if let (Some(local), 3, TURNING, false) = (local, seeds.plain, size, stabilized)
+            && let (Some(unit), None) = (local.form.unit_length(), equations.variational)
+        {
+            let weight = equations.constraint.alpha * unknowns.local_mu[local.equations.start] * unit.second;
+            let [left, right] = [&bases[node].left, &bases[node].right].map(|basis| basis.as_chunks::<TURNING>().0);
+            for column in 3..TURNING {
+                for row in 3..TURNING {
+                    let sum = left[3..].iter().zip(&right[3..]).fold(0.0, |sum, (l, r)| sum + l[row] * r[column]);
+                    add(row, column, weight * sum);
+                }
+            }
+            return;
+        }
         // a reaction at the start of a step does not move
         if let Some(local) = local.filter(|_| equations.variational.is_none()) {
             let alpha = equations.constraint.alpha;
@@ -465,6 +479,17 @@ impl Jacobian {
             let dofs = system.model.nodes[node].dofs.clone();
             let half = unknowns.columns.len() / if stabilized { 2 } else { 1 };
             let left = &self.bases[node].left;
+            if let (TURNING, 3, false) = (half, self.bases[node].plain, stabilized)
+                && let Some(own) = reduced[unknowns.columns.clone()].first_chunk_mut()
+            {
+                let mut sums = [f(dofs.start), f(dofs.start + 1), f(dofs.start + 2), 0.0, 0.0, 0.0];
+                for (weights, dof) in left.as_chunks::<TURNING>().0[3..].iter().zip(dofs.start + 3..) {
+                    let value = f(dof);
+                    (3..TURNING).for_each(|column| sums[column] += weights[column] * value);
+                }
+                *own = sums;
+                continue;
+            }
             let (own, second) = reduced[unknowns.columns.clone()].split_at_mut(half);
             own.fill(0.0);
             second.fill(0.0);
@@ -547,6 +572,25 @@ impl Jacobian {
                 }
                 continue;
             }
+            if let (Some(z), 3, TURNING, false) = (z.first_chunk(), seeds.plain, seeds.columns, seeds.stabilized) {
+                let [z0, z1, z2, z3, z4, z5]: [f64; TURNING] = *z;
+                let dofs = system.model.nodes[node].dofs.clone();
+                let rows = &seeds.right.as_chunks::<TURNING>().0[3..];
+                let (lengths, turning) = unknowns.x[dofs.clone()].split_at_mut(3);
+                let (scales, turning_scales) = coordinate_scales[dofs].split_at(3);
+                let mut add_one = |x: &mut S, dx: f64, scale: f64| {
+                    add(x, dx);
+                    let size = dx.abs() * scale;
+                    largest = if size <= largest { largest } else { size };
+                };
+                for ((x, dx), scale) in lengths.iter_mut().zip([z0, z1, z2]).zip(scales) {
+                    add_one(x, dx, *scale);
+                }
+                for ((x, row), scale) in turning.iter_mut().zip(rows).zip(turning_scales) {
+                    add_one(x, row[3] * z3 + row[4] * z4 + row[5] * z5, *scale);
+                }
+                continue;
+            }
             if !seeds.stabilized {
                 let (dofs, plain) = (system.model.nodes[node].dofs.clone(), seeds.plain);
                 let places = unknowns.x[dofs.clone()].iter_mut().zip(&coordinate_scales[dofs]);
@@ -622,18 +666,23 @@ pub(super) fn numbers_of(StageCoefficients { gamma, beta, alpha }: StageCoeffici
     (all, all.map(|coefficient| coefficient != 0.0))
 }
 
-/// Writes the numbers of the bases of a part's nodes.
-fn write_bases(bases: &[NullSpaces], part: &DofMap, nodes: &[NodeReduction], mut place: usize, lane: &mut Lane<f64>) {
-    for (&node, &reduction) in part.nodes.iter().zip(nodes) {
-        place = bases[node].write(reduction, place, lane);
-    }
+/// Appends the numbers of the bases of a part's nodes.
+fn push_bases(bases: &[NullSpaces], nodes: &[usize], reductions: &[NodeReduction], numbers: &mut Vec<f64>) {
+    nodes.iter().zip(reductions).for_each(|(&node, &reduction)| bases[node].push(reduction, numbers));
 }
 
-/// Adds entries of a block to their places in the matrix.
+/// Adds the entries of blocks, times a factor, to their places in the matrix.
 #[inline(always)]
-fn add_entries(places: &ScatterMap, labels: &[u32], entries: impl Iterator<Item = f64>, values: &mut [f64]) {
-    for (&label, entry) in labels.iter().zip(entries) {
+fn add_entries<'b>(
+    results: &LaneResults<f64>,
+    blocks: impl Fn(usize) -> &'b ScatterMap,
+    labels: &[u32],
+    factor: f64,
+    values: &mut [f64],
+) {
+    results.for_each_part(|part, entries| {
+        let places = blocks(part);
         // equations that are left out have none
-        places.add(label as usize, entry, values);
-    }
+        labels.iter().zip(entries).for_each(|(&label, entry)| places.add(label as usize, entry * factor, values));
+    });
 }

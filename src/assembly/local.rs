@@ -108,6 +108,12 @@ pub(super) fn restore<S: RunScalar>(
     }
     for local in system.eliminated() {
         let dofs = system.model.nodes[local.node].dofs.clone();
+        if let (Some(unit), true) = (local.form.unit_length(), S::PARTS == 0 && equations.level != Level::Stabilized) {
+            if !keep_values {
+                restore_unit_length(unit, dofs.start, equations, base, unknowns, corrections);
+            }
+            continue;
+        }
         let n = dofs.len();
         let count = local.equations.len();
         let scales = equations.row_scales();
@@ -217,7 +223,27 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
     }
 }
 
-/// The same for Euler parameters of a node that starts at a coordinate.
+/// Corrects Euler parameters of a node until they have unit length to round-off.
+fn restore_unit_length<S: RunScalar>(
+    unit: UnitLength,
+    start: usize,
+    equations: &Equations,
+    base: &VectorsAvq<S>,
+    unknowns: &mut Unknowns<S>,
+    corrections: usize,
+) {
+    let mut previous = f64::INFINITY;
+    for _ in 0..corrections {
+        let gap = correct_unit_length(unit, start, equations, equations.row_weights(), base, unknowns);
+        // below a quarter of the last one: still converging
+        if gap == 0.0 || gap >= 0.25 * previous {
+            return;
+        }
+        previous = gap;
+    }
+}
+
+/// One correction of Euler parameters of a node that starts at a coordinate. Returns what was corrected, 0 for round-off.
 fn correct_unit_length<S: RunScalar>(
     unit: UnitLength,
     start: usize,
@@ -225,7 +251,7 @@ fn correct_unit_length<S: RunScalar>(
     weights: [f64; 3],
     base: &VectorsAvq<S>,
     unknowns: &mut Unknowns<S>,
-) {
+) -> f64 {
     let StageCoefficients { gamma, beta, alpha } = equations.constraint;
     let places = start + unit.first..start + unit.first + 4;
     let x = &mut unknowns.x[places.clone()];
@@ -238,11 +264,12 @@ fn correct_unit_length<S: RunScalar>(
         _ => ((dot4(&q, &a) + dot4(&v, &v)) * unit.second, size(&q, &a) + size(&v, &v)),
     };
     if gap.value().abs() <= f64::EPSILON * terms * unit.second {
-        return;
+        return 0.0;
     }
     let row: [S; 4] = std::array::from_fn(|i| (q[i] * weights[0] + v[i] * weights[1] + a[i] * weights[2]) * unit.second);
     let multiplier = gap * equations.row_scales()[0] / dot4(&row, &row);
     x.iter_mut().zip(row).for_each(|(x, row)| *x -= multiplier * row);
+    gap.value().abs()
 }
 
 /// Product of four numbers with four.

@@ -1,4 +1,6 @@
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
+use std::any::TypeId;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -65,6 +67,8 @@ pub struct Model {
     pub equations: usize,
     /// Length of p.
     pub parameters: usize,
+    /// Elements of types that have no options.
+    without_options: HashMap<TypeId, ElementPhysics>,
     identity: ModelIdentity,
 }
 
@@ -129,7 +133,13 @@ impl Model {
 
     /// Adds an element; the caller has checked the number of coordinates.
     pub fn add_element(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyElement>) -> ElementId {
-        let physics = ElementPhysics::new(physics);
+        // types without options have the same formulas everywhere: they are recorded once
+        let physics = if std::mem::size_of_val(&*physics) == 0 {
+            let kind = physics.as_any().type_id();
+            self.without_options.entry(kind).or_insert_with(|| ElementPhysics::new(physics)).clone()
+        } else {
+            ElementPhysics::new(physics)
+        };
         let parameters = self.add_parameters(physics.parameter_count());
         self.elements.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
         ElementId(self.elements.len() - 1, self.identity)

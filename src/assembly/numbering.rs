@@ -3,9 +3,11 @@ use super::batches::{ConstraintBatch, ElementBatch};
 use super::element_programs::Force;
 use super::model::{Model, NodeId};
 use super::quadratic::Quadratic;
-use crate::elements::ConstraintPhysics;
+use crate::elements::{ConstraintPhysics, NodeKind};
 use crate::linalg::SparsePattern;
+use crate::program::Formula;
 use smallvec::SmallVec;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -26,7 +28,7 @@ pub(super) struct NodeConstraint {
     pub equations: Range<usize>,
     pub physics: ConstraintPhysics,
     /// Its closed form.
-    pub form: Quadratic,
+    pub form: Arc<Quadratic>,
 }
 
 /// A constraint whose multipliers are unknowns of the matrix.
@@ -111,6 +113,8 @@ impl<'m> System<'m> {
     pub fn new(model: &'m Model, options: SystemOptions) -> Self {
         let copies = if options.stabilized { 2 } else { 1 };
         let mut locals = Vec::new();
+        // one closed form for all nodes of a kind
+        let mut forms: Vec<(NodeKind, Arc<Quadratic>)> = Vec::new();
         let (mut local_equations, mut columns) = (0, 0);
         let mut nodes = Vec::with_capacity(model.nodes.len());
         for (index, node) in model.nodes.iter().enumerate() {
@@ -124,7 +128,12 @@ impl<'m> System<'m> {
                         free -= equations.len();
                         unknowns.local = Some(locals.len());
                     }
-                    locals.push(NodeConstraint { node: index, equations, form: Quadratic::of(&physics), physics });
+                    let known = forms.iter().find(|(kind, _)| *kind == node.kind).map(|(_, form)| Arc::clone(form));
+                    let form = known.unwrap_or_else(|| {
+                        forms.push((node.kind, Arc::new(Quadratic::of(&physics))));
+                        Arc::clone(&forms[forms.len() - 1].1)
+                    });
+                    locals.push(NodeConstraint { node: index, equations, form, physics });
                 }
                 columns += copies * free;
                 unknowns.columns.end = columns;
@@ -162,12 +171,22 @@ impl<'m> System<'m> {
             .map(|e| Coupled { unknowns: node_columns(&e.nodes), nodes: Vec::new(), diagonal: false })
             .collect();
         let mut constraints = Vec::new();
+        // the same for all with one formula and nodes of the same kinds
+        let mut separable: HashMap<(*const Formula, bool, Vec<usize>), bool> = HashMap::new();
         for constraint in &model.constraints {
             let own = node_columns(&constraint.nodes);
-            let nodes = match constraint
-                .physics
-                .is_separable(&constraint.nodes.iter().map(|id| model.nodes[id.0].dofs.len()).collect::<Vec<_>>())
-            {
+            let physics = &constraint.physics;
+            let sizes: Vec<usize> = constraint.nodes.iter().map(|id| model.nodes[id.0].dofs.len()).collect();
+            let kind = (Arc::as_ptr(physics.formula()), physics.is_nonholonomic(), sizes);
+            let is_separable = match separable.get(&kind) {
+                Some(known) => *known,
+                None => {
+                    let found = physics.is_separable(&kind.2);
+                    separable.insert(kind, found);
+                    found
+                }
+            };
+            let nodes = match is_separable {
                 true => constraint.nodes.iter().flat_map(|id| nodes[id.0].columns.clone().map(|_| Some(id.0))).collect(),
                 false => vec![None; own.len()],
             };

@@ -1,4 +1,4 @@
-use super::batches::{BatchWork, run_parts};
+use super::batches::{BatchWork, run_lanes};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
 use super::numbering::{NodeConstraint, System};
@@ -6,7 +6,6 @@ use super::{Equations, Level, Rates, StageSystem, Unknowns, Variational, Vectors
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
-use std::ops::Range;
 
 /// Values of one element or constraint: on the stack for up to two bodies.
 pub(super) type LocalVec<S> = SmallVec<[S; 32]>;
@@ -23,16 +22,6 @@ const RESTORATIONS: usize = 8;
 fn neighbour<S: Scalar>(value: S, place: usize) -> S {
     let up = (place as u32).wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15) >> 31 == 0;
     value * (1.0 + if up { f64::EPSILON } else { -f64::EPSILON })
-}
-
-/// Adds local values, times a factor, to the places of some nodes' coordinates.
-#[inline(always)]
-fn add_segments<S: Scalar>(segments: &[Range<usize>], mut local: &[S], factor: f64, values: &mut [S]) {
-    for dofs in segments {
-        let (own, others) = local.split_at(dofs.len());
-        values[dofs.clone()].iter_mut().zip(own).for_each(|(value, &own)| *value += own * factor);
-        local = others;
-    }
 }
 
 /// Residuals of one system at one point, with the workspace to evaluate them.
@@ -255,17 +244,16 @@ impl<S: RunScalar> Residual<S> {
     fn add_elements(&mut self, system: &System, force: Force, at: &VectorsAvq<S>, p: &[S], t: f64) {
         self.f.fill(S::zero());
         for batch in system.element_batches(force) {
-            let (program, layout) = (batch.formula.values(), batch.layout);
-            let part = |index: usize| &system.element_parts[batch.parts[index]];
+            let program = batch.formula.values();
             let f = &mut self.f;
-            run_parts(
+            run_lanes(
                 program,
                 batch.parts.len(),
                 &mut self.work,
-                |index, lane| {
-                    layout.write(lane, part(index), (at, p, t), force);
+                |mut lanes, _| batch.write(&mut lanes, (at, p, t), force),
+                |results| {
+                    results.add_to_nodes(0, &batch.segments, 1.0, f);
                 },
-                |index, results| add_segments(&part(index).segments, results, 1.0, f),
             );
         }
     }
@@ -295,39 +283,25 @@ impl<S: RunScalar> Residual<S> {
         for batch in system.constraint_batches() {
             let physics = system.constraint_of(batch);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
-            let (program, layout) =
-                (batch.programs.get(asked.short_code([false; 3]), || values(physics, asked)), batch.layout);
-            let part = |index: usize| &system.constraint_parts[batch.parts[index]];
-            let rows = |index: usize| system.equations_of(batch.parts[index]);
+            let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
             let Residual { f, y, g, g_second, constraint_at: at, work, .. } = self;
-            run_parts(
+            let stabilized = asked.stabilized();
+            run_lanes(
                 &program,
                 batch.parts.len(),
                 work,
-                |index, lane| {
-                    let multipliers = asked.multipliers(unknowns, rows(index));
-                    layout.write(lane, part(index), (at, p, t), multipliers, scales);
-                },
-                |index, results| {
-                    let mut left = results;
+                |mut lanes, _| batch.write(&mut lanes, (at, p, t), (unknowns, stabilized), scales),
+                |results| {
+                    let mut place = 0;
                     if asked.reactions {
-                        for (target, factor) in
-                            [(&mut *f, factor), (&mut *y, 1.0)].into_iter().take(1 + usize::from(asked.stabilized()))
-                        {
-                            let (own, others) = left.split_at(layout.n);
-                            add_segments(&part(index).segments, own, factor, target);
-                            left = others;
+                        let sets = [(&mut *f, factor), (&mut *y, 1.0)].into_iter().take(1 + usize::from(stabilized));
+                        for (target, factor) in sets {
+                            place = results.add_to_nodes(place, &batch.segments, factor, target);
                         }
                     }
                     let sets = [&mut *g, &mut *g_second].into_iter().zip(asked.equations);
                     for (target, _) in sets.filter(|(_, order)| order.is_some()) {
-                        let (own, others) = left.split_at(layout.equations);
-                        for (row, &value) in rows(index).zip(own) {
-                            if system.multiplier_columns[row].is_some() {
-                                target[row] = value;
-                            }
-                        }
-                        left = others;
+                        place = results.write(place, &batch.multipliers, &system.multiplier_columns, target);
                     }
                 },
             );

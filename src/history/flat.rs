@@ -2,8 +2,8 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, Counters, FactoredAt, KeptFactorization, Pace, Pause, Prediction, Scheme, SolveRecord, StageRecord,
-    StartRecord, StepError, StepErrors, StepRecord, StepState, Track,
+    Checkpoint, Contraction, Contractions, Counters, FactoredAt, KeptFactorization, Pace, Pause, Prediction, Renewal,
+    Scheme, SolveRecord, StageRecord, StartRecord, StepError, StepErrors, StepRecord, StepState, Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -159,16 +159,19 @@ flat! {
     StageRecord<f64> { solve, known, rate }
     StepRecord<f64> { t, h, scheme, dropped, restart, stages, position_projection, velocity_projection, q, v }
     StartRecord<f64> { dropped, position_projection, velocity_projection, acceleration }
-    Track<f64> { times, rates, used }
+    Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
     StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction }
     FactoredAt<f64> { t, base, unknowns }
-    KeptFactorization<f64> { factored, at, floors, measured, measured_for }
+    Contraction { rate, unseen }
+    Contractions { known, age }
+    Renewal { renews, trying, left, kept_for, cost, steps, other, step }
+    KeptFactorization<f64> { factored, at, floors, measured, measured_for, contractions, renewal }
     Checkpoint<f64> { between, kept }
     Pace { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
     StepErrors { worst, sizes, acceleration, fresh, orientation, leap }
-    Counters { systems, iterations, residuals, factorizations, solves, products, blocks, choices }
+    Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
     Pause<f64> { checkpoint, t, pace, errors, counters }
 }
 

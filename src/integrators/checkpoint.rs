@@ -1,3 +1,4 @@
+use super::newton::{Contractions, Renewal};
 use super::record::SolveRecord;
 use super::table::SAME_SIZE;
 use super::{Carried, Prediction, Scheme};
@@ -103,9 +104,13 @@ pub struct KeptFactorization<S> {
     pub measured: Option<Equations>,
     /// See [`KeptFactorization::measured`].
     pub measured_for: usize,
+    /// Rates of convergence.
+    pub contractions: Contractions,
+    /// Whether steps begin with a new matrix.
+    pub renewal: Renewal,
 }
 
-crate::assembly::empty_fields!(KeptFactorization { factored, at, floors, measured, measured_for });
+crate::assembly::empty_fields!(KeptFactorization { factored, at, floors, measured, measured_for, contractions, renewal });
 
 /// A run between two steps: all that later steps depend on.
 ///

@@ -5,7 +5,7 @@ use super::newton::Newton;
 use super::not_finite::not_finite;
 use super::redundancy::{constraint_rows, dependent_equations};
 use super::{NewtonTolerance, Problem, RunError, Table};
-use crate::assembly::{Equations, Model, NodeId, Residual, StageSystem, System, SystemOptions, VectorsAvq};
+use crate::assembly::{Equations, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::design::shortest;
 use crate::elements::bodies::OrthonormalAxes;
 use crate::elements::{ConstraintPhysics, NodeKind, State};
@@ -131,11 +131,12 @@ fn check_lagrangian(model: &Model, method: &str) -> Result<(), RunError> {
 }
 
 fn check_nodes(model: &Model) -> Result<(), RunError> {
-    for (index, node) in model.nodes.iter().enumerate().filter(|(_, node)| !node.fixed) {
+    let mut connected = vec![false; model.nodes.len()];
+    let of_joints = model.constraints.iter().flat_map(|joint| &joint.nodes);
+    of_joints.chain(model.elements.iter().flat_map(|element| &element.nodes)).for_each(|id| connected[id.0] = true);
+    for (node, connected) in model.nodes.iter().zip(connected).filter(|(node, _)| !node.fixed) {
         // without inertia, constraints may determine it still: the first accelerations tell
-        let has = |nodes: &[NodeId]| nodes.iter().any(|id| id.0 == index);
-        let held = model.constraints.iter().any(|joint| has(&joint.nodes));
-        if !held && !model.elements.iter().any(|element| has(&element.nodes)) {
+        if !connected {
             return Err(RunError::Input(format!(
                 "node \"{}\" is not connected: no element acts on it, so it has no inertia, and no joint holds it; \
                  add a body or mass to it, or remove it",

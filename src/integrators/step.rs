@@ -505,6 +505,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         let (h, step) = (end - t, state.step);
+        let first = table.stages.iter().position(|stage| stage.known.is_none());
+        if let Some(first) = first.filter(|_| guided.is_none() && !table.is_static()) {
+            self.stage.begin_step(&self.method.stage_equations(table, first, h, self.constrained));
+        }
         self.stage.trusted.clear();
         self.stage.trusted.extend(state.carried[0].iter().map(|q| q.value()));
         let room = || StageRecord { solve: SolveRecord::empty(), known: None, rate: Vec::new() };

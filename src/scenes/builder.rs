@@ -32,6 +32,7 @@ use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, 
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
+use std::collections::HashSet;
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +81,16 @@ pub struct MechanismBuilder<S> {
     heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.
     angles: Vec<(NodeId, [NodeId; 2], Vector3<S>)>,
+    names_of_nodes: NamesOfNodes,
     mistakes: Vec<String>,
+}
+
+/// Names that nodes have already.
+#[derive(Default)]
+struct NamesOfNodes {
+    names: HashSet<String>,
+    /// Nodes whose names are among them.
+    count: usize,
 }
 
 crate::assembly::empty_fields!(MechanismBuilder {
@@ -98,6 +108,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     shells,
     heavy_shells,
     angles,
+    names_of_nodes,
     mistakes
 });
 
@@ -108,7 +119,10 @@ fn no_vector<S: Scalar>() -> Vector3<S> {
 
 impl<S: Scalar> MechanismBuilder<S> {
     fn add_node(&mut self, name: &str, kind: NodeKind, fixed: bool, q: &[S]) -> NodeId {
-        if self.model.nodes.iter().any(|node| node.name == name) {
+        let NamesOfNodes { names, count } = &mut self.names_of_nodes;
+        names.extend(self.model.nodes[*count..].iter().map(|node| node.name.clone()));
+        *count = self.model.nodes.len();
+        if names.contains(name) {
             self.mistakes.push(format!("two nodes are named \"{name}\""));
         }
         self.numbers.q.extend_from_slice(q);

@@ -1,29 +1,47 @@
-//! Cost of a step on chains of 10, 100 and 1000 rigid bodies, one thread.
+//! Cost of a step on chains of 10 to 10,000 rigid bodies, one thread.
 
 use crate::allocations;
 use crate::verification::{Clock, Form, Report, Study, on_one_thread};
-use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, Table, tables};
+use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, measure_phases, table_by_name};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings};
+use std::time::Instant;
 
 /// The study.
 pub struct ChainCost;
 
 /// Numbers of bodies, with the steps that are taken.
-const SIZES: [(usize, usize); 3] = [(10, 200), (100, 100), (1000, 20)];
+const SIZES: [(usize, usize); 3] = [(10, 200), (100, 100), (1000, 60)];
+/// The longest one, with its steps.
+const LONG: (usize, usize) = (10_000, 24);
 /// Size of a step [s].
 const STEP: f64 = 1e-3;
 /// Runs of each chain; the fastest counts, since anything else on the machine only adds time.
 const REPEATS: usize = 3;
 /// Exudyn 1.13 (generalized-alpha, sparse, one thread of a like machine) on the same kind of chain [us per step].
 const EXUDYN: [f64; 3] = [141.0, 1321.0, 70_131.0];
-/// The methods that are measured, at acceleration level.
-const METHODS: [&str; 3] = ["esdirk4", "sdirk2", "generalized-alpha"];
+/// The methods that are measured, with the level of their constraints.
+const METHODS: [(&str, ConstraintLevel); 4] = [
+    ("esdirk4", ConstraintLevel::Acceleration),
+    ("sdirk2", ConstraintLevel::Acceleration),
+    ("generalized-alpha", ConstraintLevel::Acceleration),
+    ("generalized-alpha", ConstraintLevel::Position),
+];
+/// What the times of a step are spent on, in the order of [`Counters::nanoseconds`].
+const PHASES: [&str; 4] = ["residuals", "matrices", "factorizations", "solutions"];
+/// Steps of 0.5 s in the comparison of errors, and the bars of its chain.
+const LADDER: [usize; 3] = [250, 500, 1000];
+const LADDER_BODIES: usize = 10;
+/// Steps of the solution that they are compared with.
+const REFERENCE_STEPS: usize = 8000;
 
 /// What one chain showed.
 struct Cost {
     forward_us: f64,
     adjoint_us: f64,
+    prepare_s: f64,
+    /// Shares of a step's time.
+    shares: [f64; 4],
     counters: Counters,
     allocations: u64,
     value: f64,
@@ -34,7 +52,7 @@ impl Study for ChainCost {
         "chain"
     }
     fn summary(&self) -> &'static str {
-        "microseconds, Newton iterations, factorizations and allocations of a step on chains of 10, 100 and 1000 bodies"
+        "microseconds, Newton iterations, factorizations and allocations of a step on chains of 10 to 10,000 bodies"
     }
     fn forms(&self) -> &'static [Form] {
         &[Form::Short]
@@ -46,30 +64,73 @@ impl Study for ChainCost {
 
 fn measure_all(report: &mut Report) -> Result<(), String> {
     let short = report.is_short();
-    for table in tables().into_iter().filter(|table| METHODS.contains(&table.name.as_str())) {
-        if short && table.name != METHODS[0] {
+    for (name, level) in METHODS {
+        let table = table_by_name(name).ok_or("a method is not listed")?;
+        if short && (name, level) != METHODS[0] {
             continue;
         }
         for tolerance in NewtonTolerance::ALL {
+            let method = Method { tolerance, ..Method::new(table.clone(), level) };
             let mut costs = Vec::new();
-            for (bodies, steps) in SIZES {
-                costs.push(measure(&table, tolerance, (bodies, steps), if short { 1 } else { REPEATS })?);
+            for size in SIZES {
+                costs.push(measure(&method, size, if short { 1 } else { REPEATS })?);
             }
-            write(report, &format!("{}/{}", table.name, tolerance.name()), tolerance, &costs);
+            let label = format!("{name}/{}/{}", level.name(), tolerance.name());
+            write(report, &label, tolerance, &costs);
+            if tolerance == NewtonTolerance::RoundOff && !short {
+                let long = measure(&method, LONG, REPEATS)?;
+                write_one(report, &label, LONG, &long);
+                report.inform(format!("{label}/{} bodies/preparation [s]", LONG.0), long.prepare_s);
+                let per_body = |cost: &Cost, (bodies, _): (usize, usize)| cost.forward_us / bodies as f64;
+                let growth = per_body(&long, LONG) / per_body(&costs[1], SIZES[1]);
+                report.inform(format!("{label}/time per body at 10,000 bodies against 100"), growth);
+                let corrections = |cost: &Cost, (_, steps): (usize, usize)| cost.counters.iterations as f64 / steps as f64;
+                let more = corrections(&long, LONG) / corrections(&costs[1], SIZES[1]);
+                report.inform(format!("{label}/the same by correction"), growth / more);
+            }
+        }
+    }
+    if short { Ok(()) } else { compare_errors(report) }
+}
+
+/// Error of the tip against the time that it takes, for all methods.
+fn compare_errors(report: &mut Report) -> Result<(), String> {
+    let tip = |name: &str, level: ConstraintLevel, steps: usize| -> Result<([f64; 3], f64), String> {
+        let scene = Chain { bodies: LADDER_BODIES, variables: ChainVariables::Common };
+        let scene: &dyn AnyScene = scene.as_ref();
+        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let method = Method::new(table_by_name(name).ok_or("a method is not listed")?, level);
+        let settings = Settings { steps, ..scene.default_settings().without_method() };
+        let prepared = Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())?;
+        let (analysis, start) = (prepared.analysis(), Clock::start());
+        let forward = analysis.forward(&x).map_err(|error| error.to_string())?;
+        let seconds = start.seconds();
+        let end = analysis.motion(&forward, &[prepared.grid.times[steps]]).map_err(|error| error.to_string())?;
+        let last = end.first().ok_or("no state at the end")?;
+        let place = last.q.len() - 7;
+        Ok(([last.q[place], last.q[place + 1], last.q[place + 2]], 1e6 * seconds / (1e3 * prepared.grid.times[steps])))
+    };
+    let (exact, _) = tip("esdirk5", ConstraintLevel::Acceleration, REFERENCE_STEPS)?;
+    let mut all = METHODS.to_vec();
+    all.push(("esdirk5", ConstraintLevel::Acceleration));
+    all.push(("bdf2", ConstraintLevel::Acceleration));
+    for (name, level) in all {
+        for steps in LADDER {
+            let (found, us) = tip(name, level, steps)?;
+            let error = found.iter().zip(exact).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+            let label = format!("{name}/{}/{LADDER_BODIES} bodies, {steps} steps of 0.5 s", level.name());
+            report.inform(format!("{label}/error of the last bar's middle [m]"), error);
+            report.inform(format!("{label}/[us per ms]"), us);
         }
     }
     Ok(())
 }
 
 fn write(report: &mut Report, method: &str, tolerance: NewtonTolerance, costs: &[Cost]) {
-    for (((bodies, steps), cost), exudyn) in SIZES.into_iter().zip(costs).zip(EXUDYN) {
-        let per_step = |count: usize| count as f64 / steps as f64;
-        let figure = |what: &str| format!("{method}/{bodies} bodies/{what}");
-        report.inform(figure("forward [us/step]"), cost.forward_us);
+    for ((size, cost), exudyn) in SIZES.into_iter().zip(costs).zip(EXUDYN) {
+        write_one(report, method, size, cost);
+        let figure = |what: &str| format!("{method}/{} bodies/{what}", size.0);
         report.inform(figure("share of Exudyn's time"), cost.forward_us / exudyn);
-        report.inform(figure("Newton iterations/step"), per_step(cost.counters.iterations));
-        report.inform(figure("factorizations/step"), per_step(cost.counters.factorizations));
-        report.inform(figure("allocations/step"), cost.allocations as f64 / steps as f64);
         if tolerance == NewtonTolerance::RoundOff {
             report.inform(figure("adjoint [us/step]"), cost.adjoint_us);
             report.inform(figure("adjoint / forward"), cost.adjoint_us / cost.forward_us);
@@ -85,26 +146,42 @@ fn write(report: &mut Report, method: &str, tolerance: NewtonTolerance, costs: &
     }
 }
 
+/// What a step of one chain costs.
+fn write_one(report: &mut Report, method: &str, (bodies, steps): (usize, usize), cost: &Cost) {
+    let per_step = |count: usize| count as f64 / steps as f64;
+    let figure = |what: &str| format!("{method}/{bodies} bodies/{what}");
+    let Counters { iterations, projecting: [of_coordinates, of_velocities], factorizations, .. } = cost.counters;
+    report.inform(figure("forward [us/step]"), cost.forward_us);
+    report.inform(figure("Newton iterations/step"), per_step(iterations));
+    report.inform(figure("those of stages"), per_step(iterations - of_coordinates - of_velocities));
+    report.inform(figure("those of projections of coordinates"), per_step(of_coordinates));
+    report.inform(figure("those of projections of velocities"), per_step(of_velocities));
+    report.inform(figure("factorizations/step"), per_step(factorizations));
+    report.inform(figure("allocations/step"), cost.allocations as f64 / steps as f64);
+    for (phase, share) in PHASES.into_iter().zip(cost.shares) {
+        report.inform(figure(&format!("share of {phase}")), share);
+    }
+    report.inform(figure("share of the rest"), 1.0 - cost.shares.iter().sum::<f64>());
+}
+
 /// Steps of one chain without a history, and with one the adjoint of its two functionals.
-fn measure(
-    table: &Table,
-    tolerance: NewtonTolerance,
-    (bodies, steps): (usize, usize),
-    repeats: usize,
-) -> Result<Cost, String> {
+fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> Result<Cost, String> {
     let scene = Chain { bodies, variables: ChainVariables::Common };
     let scene: &dyn AnyScene = scene.as_ref();
     let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let method = Method { tolerance, ..Method::new(table.clone(), ConstraintLevel::Acceleration) };
     let prepare = |steps: usize| {
         let settings = Settings { end: STEP * steps as f64, steps, ..scene.default_settings().without_method() };
         Prepared::with(scene, &x, method.clone(), settings).map_err(|error| error.to_string())
     };
     // a first step alone costs what is set up once: it is subtracted
-    let (one, all) = (prepare(1)?, prepare(steps + 1)?);
+    let one = prepare(1)?;
+    let begun = Clock::start();
+    let all = prepare(steps + 1)?;
     let mut cost = Cost {
         forward_us: f64::INFINITY,
         adjoint_us: f64::INFINITY,
+        prepare_s: begun.seconds(),
+        shares: [0.0; 4],
         counters: Counters::default(),
         allocations: 0,
         value: 0.0,
@@ -123,7 +200,18 @@ fn measure(
     let analysis = all.analysis();
     let forward = analysis.forward(&x).map_err(|error| error.to_string())?;
     cost.counters = forward.counters;
-    if tolerance == NewtonTolerance::RoundOff {
+    // runs of their own, since looking at the clock takes its time; without what is set up before the first step
+    let phases = |prepared: &Prepared| -> Result<([f64; 4], f64), String> {
+        measure_phases(true);
+        let begun = Instant::now();
+        let run = prepared.analysis().forward(&x);
+        let total = begun.elapsed().as_secs_f64();
+        measure_phases(false);
+        Ok((run.map_err(|error| error.to_string())?.counters.nanoseconds.map(|own| 1e-9 * own as f64), total))
+    };
+    let ((first, first_total), (whole, total)) = (phases(&one)?, phases(&all)?);
+    cost.shares = std::array::from_fn(|phase| (whole[phase] - first[phase]) / (total - first_total));
+    if method.tolerance == NewtonTolerance::RoundOff && bodies < LONG.0 {
         let start = Clock::start();
         analysis.adjoint(&x, &forward).map_err(|error| error.to_string())?;
         cost.adjoint_us = start.seconds() * 1e6 / (steps + 1) as f64;

@@ -1,18 +1,23 @@
 //! Newton's method for the nonlinear systems of a run, whose values and derivative parts it takes to round-off.
 
 mod accelerations;
+mod contraction;
 mod derivative_parts;
 mod failure;
 mod linearized;
 mod relieved;
+mod renewal;
 mod round_off;
 mod sizes;
 mod values;
 
+pub use contraction::{Contraction, Contractions};
 pub use failure::Failure;
+pub use renewal::Renewal;
 
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
+use super::counters::Phase;
 use crate::assembly::{Equations, Jacobian, Level, Residual, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::linalg::{Backend, Factorization, Singular};
@@ -77,12 +82,18 @@ pub struct Newton<'m, S> {
     /// Equations for which floors were measured, and factorizations since then.
     measured: Option<Equations>,
     measured_for: usize,
+    /// Rates of convergence.
+    contractions: Contractions,
+    /// Whether steps begin with a new matrix.
+    renewal: Renewal,
     /// Solution at the start of an estimate.
     work: Unknowns<S>,
     /// State and row of a look at redundant equations.
     state: VectorsAvq<S>,
     row: Vec<f64>,
     formula_work: FormulaWork<f64>,
+    /// Whether the matrix of stages is the same in all states; looked up when a step begins with one.
+    is_constant: Option<bool>,
     /// Whether any constraint restricts velocities only.
     nonholonomic: bool,
     /// Whether elements have stresses that a search can relieve; looked up when a search first fails.
@@ -144,6 +155,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             factored: None,
             coordinate_scales: vec![1.0; system.model.dofs],
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
+            is_constant: None,
             relievable: None,
             trusted: Vec::new(),
             length: 1.0,
@@ -152,6 +164,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             floors: [None; 3],
             measured: None,
             measured_for: 0,
+            contractions: Contractions::default(),
+            renewal: Renewal::default(),
             work: Unknowns::default(),
             state: VectorsAvq::default(),
             row: Vec::new(),
@@ -159,6 +173,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             system,
             factorization,
             tolerance,
+        }
+    }
+
+    /// Another step of a motion begins, with a stage of these equations: with a new matrix, where that is cheaper.
+    pub(in crate::integrators) fn begin_step(&mut self, equations: &Equations) {
+        // a matrix that never changes is new at all times
+        let Newton { system, is_constant, .. } = &mut *self;
+        let is_constant = *is_constant.get_or_insert_with(|| Jacobian::is_constant(system, equations));
+        if !is_constant && self.renewal.begin_step() {
+            self.factored = None;
         }
     }
 
@@ -172,7 +196,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     }
 
     fn search(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
-        let equations = stage.equations;
+        let (equations, before) = (stage.equations, self.counters);
         self.counters.systems += 1;
         self.residual.start(&self.system, stage);
         self.set_coordinate_scales(stage.base, stage.p);
@@ -183,6 +207,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.guess.clone_from(unknowns);
         let searched =
             if equations.is_static() { self.solve_balanced(stage, unknowns) } else { self.solve_value(stage, unknowns) };
+        self.contractions.age += 1;
+        self.renewal.note(&before, &self.counters);
         if let Err(failure) = searched {
             if !self.can_relieve(equations) {
                 return Err(failure);
@@ -213,7 +239,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.factored_at.base.clone_from(stage.base);
             self.factored_at.unknowns.clone_from(unknowns);
         }
-        self.residual.evaluate(&self.system, stage, unknowns);
+        let Newton { counters, residual, system, .. } = self;
+        counters.timed(Phase::Residual, || residual.evaluate(system, stage, unknowns));
     }
 
     pub(in crate::integrators) fn factorize(
@@ -225,11 +252,16 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         self.counters.factorizations += 1;
         let before = self.jacobian.evaluated;
         self.keep_numbers(p, t);
-        self.jacobian.assemble(&self.system, equations, &self.residual, unknowns, &self.p, t);
-        self.counters.blocks += self.jacobian.evaluated - before;
-        self.factorization.factor(&self.jacobian.values)?;
+        let Newton { counters, residual, jacobian, factorization, system, p, .. } = &mut *self;
+        counters.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, unknowns, p, t));
+        counters.blocks += jacobian.evaluated - before;
+        counters.timed(Phase::Factorization, || factorization.factor(&jacobian.values))?;
         let resembles_last = self.measured.is_some_and(|old| self.resembles(&old, equations));
         self.measured_for += 1;
+        self.contractions.age = 0;
+        if !resembles_last {
+            self.contractions = Contractions::default();
+        }
         if !resembles_last || self.measured_for > MEASURED_FOR {
             (self.measured, self.measured_for, self.floors) = (Some(*equations), 0, [None; 3]);
         }
@@ -240,7 +272,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     fn step(&mut self, part: Option<usize>, unknowns: &mut Unknowns<S>) -> f64 {
         self.counters.solves += 1;
         self.jacobian.reduce(&self.system, &self.residual, part, &mut self.rhs);
-        self.factorization.solve(&mut self.rhs);
+        let Newton { counters, factorization, rhs, .. } = &mut *self;
+        counters.timed(Phase::Solution, || factorization.solve(rhs));
         self.jacobian.add_step(&self.system, &self.rhs, part, unknowns, &self.coordinate_scales)
     }
 
@@ -265,6 +298,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             kept.at.clear();
         }
         (kept.floors, kept.measured, kept.measured_for) = (self.floors, self.measured, self.measured_for);
+        (kept.contractions, kept.renewal) = (self.contractions, self.renewal);
     }
 
     /// Goes on as after the systems that left `kept`; the matrix is factored where it was then.
@@ -279,6 +313,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             self.factorize(stage, &unknowns)?;
         }
         (self.floors, self.measured, self.measured_for) = (kept.floors, kept.measured, kept.measured_for);
+        (self.contractions, self.renewal) = (kept.contractions, kept.renewal);
         Ok(())
     }
 }

@@ -33,6 +33,28 @@ const MOST_GROWN_STRESSED: usize = 1;
 /// Growth of a correction after which stresses are relieved at once.
 const WILD: f64 = 100.0;
 
+/// The larger one, or what is no number.
+fn larger(a: f64, b: f64) -> f64 {
+    if b <= a || a.is_nan() { a } else { b }
+}
+
+/// The largest absolute value, or what is no number.
+fn largest<S: RunScalar>(list: &[S]) -> f64 {
+    // numbers that are compared side by side
+    const ABREAST: usize = 4;
+    let (groups, others) = list.as_chunks::<ABREAST>();
+    let (mut largest, mut sums) = ([0.0_f64; ABREAST], [0.0_f64; ABREAST]);
+    for group in groups {
+        for (i, own) in group.iter().map(|x| x.value().abs()).enumerate() {
+            largest[i] = if own > largest[i] { own } else { largest[i] };
+            // no number where one of them is none
+            sums[i] += own * 0.0;
+        }
+    }
+    let all = others.iter().map(|x| x.value().abs()).chain(largest).fold(0.0, larger);
+    sums.into_iter().fold(all, |all, sum| if sum == 0.0 { all } else { all.max(f64::INFINITY) * sum })
+}
+
 impl<S: RunScalar> Newton<'_, S> {
     pub(super) fn solve_value(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
         let equations = stage.equations;
@@ -63,6 +85,7 @@ impl<S: RunScalar> Newton<'_, S> {
             }
             let kind = kind(equations);
             self.counters.iterations += 1;
+            self.counters.projecting.get_mut(kind).into_iter().for_each(|count| *count += 1);
             let step = self.step(None, unknowns);
             let scale = self.size(&unknowns.x).max(self.size(&unknowns.y));
             // reactions with an old matrix converge by themselves; those of projections are read by nobody
@@ -100,7 +123,13 @@ impl<S: RunScalar> Newton<'_, S> {
             // a matrix from amid a search may be stiff with stresses that the first correction took away: the second one is then too small
             let is_vouched_for = !(fresh && is_first_rate && self.can_relieve(equations));
             is_first_rate &= previous.is_infinite();
-            let share = if rate > 0.0 && rate < STALLED && is_vouched_for { trusted / (1.0 - trusted) } else { 1.0 };
+            let share = if rate > 0.0 && rate < STALLED && is_vouched_for {
+                trusted / (1.0 - trusted)
+            } else if iteration == 1 {
+                self.contractions.expected(kind).unwrap_or(1.0)
+            } else {
+                1.0
+            };
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(stage).map(|(unit, size)| unit * step / size);
             let settled = match moved {
@@ -110,6 +139,7 @@ impl<S: RunScalar> Newton<'_, S> {
             if step == 0.0 || settled || step * share <= floor || step <= 2.0 * floor {
                 let stalled = reaction_rate >= STALLED && previous_reaction.is_finite();
                 if reactions_settled || (stalled && (fresh || reaction_step <= NEARLY * reactions)) {
+                    self.contractions.note(kind, (worst_rate > 0.0).then_some(worst_rate));
                     if !fresh && worst_rate.max(worst_reaction_rate) > AGED {
                         self.factored = None;
                     }
@@ -202,13 +232,6 @@ impl<S: RunScalar> Newton<'_, S> {
 
     pub(super) fn residual_size(&self) -> f64 {
         let Residual { f, y, g, g_second, .. } = &self.residual;
-        let mut size = 0.0_f64;
-        for list in [f, y, g, g_second] {
-            for own in list.iter().map(|f| f.value().abs()) {
-                // max() of floats would lose a NaN
-                size = if own <= size || size.is_nan() { size } else { own };
-            }
-        }
-        size
+        [f, y, g, g_second].into_iter().fold(0.0, |size: f64, list| larger(size, largest(list)))
     }
 }
