@@ -61,8 +61,8 @@ fn the_adjoint_takes_one_factorization_a_system_and_shares_it_between_functional
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).expect("runs");
     let counters = analysis.adjoint(&prepared.x, &forward).expect("has a gradient").counters;
-    // but where the matrix is still the same: it starts at rest
-    assert!((330..=counters.systems).contains(&counters.factorizations), "{counters:?}");
+    // but where the matrix is nearly the same, as in the second projection of each step
+    assert!((295..=305).contains(&counters.factorizations), "{counters:?}");
     let functionals = prepared.functionals().len();
     assert!(functionals > 1 && counters.solves > counters.systems && counters.solves <= functionals * counters.systems);
     assert_eq!(counters.products, counters.solves);

@@ -63,9 +63,12 @@ const SMALL: usize = 8;
 /// Right-hand sides that meet an entry of the matrix at a time.
 const TOGETHER: usize = 4;
 
-/// Largest change of a transposed solution by its one refinement, as a share of the solution: about what round-off makes of the condition of
-/// the matrix.
+/// Largest change of a transposed solution by its last refinement, as a share of the solution: that of the first is about what round-off makes
+/// of the condition of the matrix, and each further one is smaller by as much.
 const SETTLED: f64 = 1e-4;
+
+/// Refinements with own factors: one unless it changes too much.
+const MOST_REFINEMENTS: usize = 4;
 
 /// Componentwise backward error at which a solution with the factors of other values is as good as one with its own.
 ///
@@ -276,13 +279,19 @@ impl Factorization {
             }
             self.set_scaled_rhs(&given, rhs);
             self.solver.solve_transposed(rhs);
-            self.set_scaled_rhs(&given, &mut correction);
-            self.subtract_product::<false>(rhs, &mut correction);
-            self.solver.solve_transposed(&mut correction);
-            for (x, change) in rhs.chunks_exact_mut(n).zip(correction.chunks_exact(n)) {
-                x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
-                factored = factored.and_then(|factored| settled(x, change).map(|()| factored));
+            let mut unsettled = None;
+            for _ in 0..MOST_REFINEMENTS {
+                self.set_scaled_rhs(&given, &mut correction);
+                self.subtract_product::<false>(rhs, &mut correction);
+                self.solver.solve_transposed(&mut correction);
+                rhs.iter_mut().zip(&correction).for_each(|(x, change)| *x += change);
+                let mut columns = rhs.chunks_exact(n).zip(correction.chunks_exact(n));
+                unsettled = columns.find_map(|(x, change)| unsettled_unknown(x, change));
+                if unsettled.is_none() {
+                    break;
+                }
             }
+            factored = factored.and(unsettled.map_or(factored, |unknown| Err(Singular { unknown })));
         }
         (self.given, self.correction) = (given, correction);
         for rhs in rhs.chunks_exact_mut(n) {
@@ -405,12 +414,8 @@ fn larger(a: f64, b: f64) -> f64 {
     if b <= a || a.is_nan() { a } else { b }
 }
 
-/// # Errors
-/// [`Singular`] with the first unknown of a solution that its refinement changes too much, or that is no number.
-fn settled(x: &[f64], change: &[f64]) -> Result<(), Singular> {
+/// The first unknown of a solution that its refinement changes too much. What is no number comes with the right-hand side.
+fn unsettled_unknown(x: &[f64], change: &[f64]) -> Option<usize> {
     let most = SETTLED * largest(x);
-    match change.iter().position(|change| !(change.abs() <= most)) {
-        Some(unknown) => Err(Singular { unknown }),
-        None => Ok(()),
-    }
+    change.iter().position(|change| change.abs() > most)
 }

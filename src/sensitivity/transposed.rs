@@ -411,7 +411,7 @@ fn kind(equations: &Equations) -> usize {
 type Parameters<'p> = Vec<&'p mut [f64]>;
 
 fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) -> Vec<ProductBars<'b>> {
-    avq.chunks_exact_mut(3 * dofs).zip(p).map(|(avq, p)| ProductBars { avq, p: &mut **p }).collect()
+    avq.chunks_exact_mut(3 * dofs).zip(p).map(|(avq, p)| ProductBars { avq, p }).collect()
 }
 
 /// So many zeros, in the memory that is there.
