@@ -46,8 +46,8 @@ impl Scene for Arm {
         let ground = m.ground();
         let arm = m.beam("arm", BeamLine::straight([Vector3::zeros(), along], ELEMENTS, lateral), &section);
         m.revolute("hinge", [ground, arm.start()], Vector3::zeros(), hinge);
-        let angle = [0.0, std::f64::consts::FRAC_PI_3, 0.0, 0.8].map(S::from);
-        m.prescribed_rotation("drive", [ground, arm.start()], hinge, TimeFunction::SmoothRamp, &angle);
+        let [from, to, start, duration] = [0.0, std::f64::consts::FRAC_PI_3, 0.0, 0.8].map(S::from);
+        m.prescribed_rotation("drive", [ground, arm.start()], hinge, Signal::SmoothRamp { from, to, start, duration });
         // the last node of a beam is a body like any other
         let radius = *tip_mass * (0.02 * 0.02 * 0.4);
         let zero = S::zero();

@@ -30,7 +30,7 @@ impl Scene for Springs {
     fn settings(&self) -> Settings {
         Settings::new(2.0, 400)
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         Some(OptimizationProblem::minimize("distance from the target").varying(&["stiffness", "rest length"]))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {

@@ -73,15 +73,23 @@ pub mod guide;
 
 /// What a file with a user's own element or scene needs.
 pub mod prelude {
+    pub use crate::assembly::{ConstraintId, ElementId, NodeId};
     pub use crate::design::DesignVariable;
+    pub use crate::elements::flexible::section::Shape;
+    pub use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
+    pub use crate::elements::forces::LoadFrame;
     pub use crate::elements::{
-        Admissible, Constraint, Element, NodeKind, NonholonomicConstraint, Parameter, State, TimeFunction,
+        Admissible, Constraint, Element, NodeKind, NonholonomicConstraint, Parameter, State, TimeFormula, TimeFunction,
     };
     pub use crate::functionals::{
-        Aggregate, AggregateKind, ElementGroup, Over, PointParameters, PointQuantity, PointValue, Quantity, Times,
+        Aggregate, AggregateKind, ElementGroup, LoadKind, Over, PointParameters, PointQuantity, PointValue, Quantity, Times,
     };
-    pub use crate::integrators::{ConstraintLevel, Method, RunError, table_by_name};
+    pub use crate::history::{Keep, Observer, Watch};
+    pub use crate::integrators::{ConstraintLevel, Method, RunError, StartRecord, StepControl, StepRecord, table_by_name};
     pub use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
-    pub use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Prepared, Scene, Settings};
+    pub use crate::scenes::{
+        BeamLine, BushingRates, CableLine, Force, Limit, MechanismBuilder, OptimizationProblem, Prepared, Scene, Settings,
+        ShellMesh, Signal, SpringDamper, Torque,
+    };
     pub use crate::sensitivity::largest_difference;
 }

@@ -67,12 +67,11 @@ fn steps_allocate_nothing() {
         "duffing",
         "flexible-pendulum",
     ] {
-        let Some(scene) = built_in::all().into_iter().find(|scene| scene.scene_name() == name) else { continue };
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let Some(scene) = built_in::all().into_iter().find(|scene| scene.name() == name) else { continue };
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         for table in tables() {
             for level in ConstraintLevel::ALL {
-                let settings =
-                    Settings { end: 1e-3 * STEPS as f64, steps: STEPS, ..scene.default_settings().without_method() };
+                let settings = Settings { end: 1e-3 * STEPS as f64, steps: STEPS, ..scene.settings().without_method() };
                 let prepared =
                     Prepared::with(&*scene, &x, Method::new(table.clone(), level), settings).expect("a sound scene");
                 let what = format!("{name}, {} at {} level", table.name, level.name());
@@ -87,8 +86,8 @@ fn steps_allocate_nothing() {
 
 /// All that a run without a history asks for, functionals included.
 fn of_values(scene: &dyn AnyScene, steps: usize) -> u64 {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.default_settings().without_method() };
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.settings().without_method() };
     let prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");
     let before = COUNT.get();
     prepared.analysis().values(&x).expect("runs");
@@ -105,7 +104,7 @@ fn functionals_and_long_chains_allocate_nothing() {
         for scene in scenes {
             of_values(scene, 2 * STEPS);
             let [short, long] = [STEPS, 2 * STEPS].map(|steps| of_values(scene, steps));
-            assert_eq!(long, short, "{}", scene.scene_name());
+            assert_eq!(long, short, "{}", scene.name());
         }
     });
 }
@@ -113,8 +112,8 @@ fn functionals_and_long_chains_allocate_nothing() {
 #[test]
 fn chosen_steps_allocate_for_their_list_alone() {
     let scene = HeavyTop;
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let settings = scene.default_settings().without_method().choosing_steps(StepControl::new(1e-7));
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let settings = scene.settings().without_method().choosing_steps(StepControl::new(1e-7));
     let prepared = Prepared::with(&scene, &x, Prepared::default_method(), settings).expect("a sound scene");
     let control = prepared.control.expect("chosen steps");
     // the thread's tapes grow once

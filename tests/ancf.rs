@@ -296,7 +296,7 @@ fn structural_damping_takes_half_eta_omega_squared() {
     let period = 2.0 * PI / (omega * omega - decay * decay).sqrt();
     // whole periods: the velocity in the middle is at its peak again
     let (steps, periods) = (400, 2.0);
-    let settings = Settings { end: periods * period, steps, ..bar.settings() };
+    let settings = Settings { end: periods * period, steps, ..Scene::settings(&bar) };
     let prepared = Prepared::with(&bar, &[], prepared.method.clone(), settings).expect("a sound bar");
     let model = prepared.model();
     let middle =
@@ -390,10 +390,10 @@ impl Scene for Everything {
 fn gradients_equal_complex_steps() {
     for stretch in [HeldSlope::Direction, HeldSlope::Vector] {
         let scene = Everything { stretch };
-        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = Scene::variables(&scene).iter().map(|variable| variable.initial).collect();
         for level in ConstraintLevel::ALL {
             let method = Method::new(Prepared::default_method().table, level);
-            let prepared = Prepared::with(&scene, &x, method, scene.settings()).expect("a sound scene");
+            let prepared = Prepared::with(&scene, &x, method, Scene::settings(&scene)).expect("a sound scene");
             let analysis = prepared.analysis();
             let forward = analysis.forward(&x).unwrap_or_else(|error| panic!("{}: {error}", level.name()));
             let exact = analysis.complex_step(&x, &forward).expect("it runs");
@@ -454,7 +454,7 @@ impl Scene for Corner {
 fn cables_meet_in_a_corner_without_inertia() {
     let runs = [None, Some(0.0), Some(1e-9)].map(|body| {
         let scene = Corner { body };
-        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = Scene::variables(&scene).iter().map(|variable| variable.initial).collect();
         let prepared = Prepared::new(&scene).expect("a sound scene");
         let analysis = prepared.analysis();
         let forward = analysis.forward(&x).expect("it runs");
@@ -572,9 +572,9 @@ fn the_scenes_of_the_paper_run_and_have_exact_gradients() {
     use costate::scenes::built_in::{FlexiblePendulum, RigidSpringBeam, Suspension};
     let suspension = Suspension { elements: 1 };
     for scene in [FlexiblePendulum::default().as_ref() as &dyn AnyScene, RigidSpringBeam.as_ref(), suspension.as_ref()] {
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let steps = if x.len() > 10 { 20 } else { 100 };
-        let settings = Settings { end: 0.2, steps, ..scene.default_settings().without_method() };
+        let settings = Settings { end: 0.2, steps, ..scene.settings().without_method() };
         let mut prepared = Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene");
         // stresses of steel are E = 2e11 N/m2 times strains that end in 1e-16: no twelve digits of them exist
         prepared.mechanism.functionals.retain(|functional| !functional.name.contains("stress in beam"));
@@ -586,8 +586,8 @@ fn the_scenes_of_the_paper_run_and_have_exact_gradients() {
         let limits = prepared.gradient_limits(1e-12).expect("complex steps nearby");
         for ((own, exact), limit) in adjoint.rows.iter().zip(&exact.rows).zip(limits) {
             let difference = largest_difference(exact, own);
-            println!("{}: {difference:.1e}", scene.scene_name());
-            assert!(difference < limit, "{}: {difference:.1e}\n{own:?}\n{exact:?}", scene.scene_name());
+            println!("{}: {difference:.1e}", scene.name());
+            assert!(difference < limit, "{}: {difference:.1e}\n{own:?}\n{exact:?}", scene.name());
         }
     }
 }

@@ -123,7 +123,7 @@ impl Scene for Bar {
                 let moment = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::World, size: TimeFunction::Constant };
                 m.element("moment", &[beam.end()], moment, &[&TIP[1].map(S::from)[..], &[S::one()]].concat());
                 let direction = (LoadFrame::World, Vector3::from_f64(ALONG));
-                m.distributed_load("load", &beam, direction, TimeFunction::Constant, &[S::one()]);
+                m.distributed_load("load", &beam, direction, Signal::Constant(S::one()));
                 SHARES.iter().for_each(|&share| section_forces(m, &beam, share));
             }
             What::Bent(elements) => {
@@ -202,8 +202,8 @@ impl Scene for Bar {
                         growing_force(m, &format!("force {i}"), node, (frame, force), place);
                     }
                 } else {
-                    let (size, values) = (TimeFunction::ConstantRate, [S::zero(), S::one()]);
-                    m.distributed_load("load", &beam, (frame, Vector3::from_f64(direction)), size, &values);
+                    let size = Signal::ConstantRate { offset: S::zero(), rate: S::one() };
+                    m.distributed_load("load", &beam, (frame, Vector3::from_f64(direction)), size);
                 }
                 for i in 0..3 {
                     m.position_functional(&format!("{i} of the tip"), Over::Terminal, beam.end(), along(1.0), axis(i));
@@ -272,7 +272,7 @@ fn invariants(prepared: &Prepared, q: &[f64], v: &[f64]) -> [f64; 7] {
 #[test]
 fn a_free_rod_keeps_the_momentum_that_its_load_gave_it() {
     let settings = Settings::new(7.0, 700);
-    let x: Vec<f64> = FlyingRod.variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = Scene::variables(&FlyingRod).iter().map(|variable| variable.initial).collect();
     let prepared = Prepared::with(FlyingRod.as_ref(), &x, Prepared::default_method(), settings).expect("a sound scene");
     let mut course = Vec::new();
     let mut watch = Watch(|step: &StepRecord<f64>| {
@@ -333,8 +333,8 @@ fn at_tying_points_the_section_force_of_a_bent_cantilever_has_the_size_of_the_lo
 
 #[test]
 fn a_beam_in_steady_rotation_is_longer_by_its_centrifugal_force() {
-    let settings = Settings { steps: 1000, ..SpinUpBeam.settings() };
-    let x: Vec<f64> = SpinUpBeam.variables().iter().map(|variable| variable.initial).collect();
+    let settings = Settings { steps: 1000, ..Scene::settings(&SpinUpBeam) };
+    let x: Vec<f64> = Scene::variables(&SpinUpBeam).iter().map(|variable| variable.initial).collect();
     let prepared = Prepared::with(SpinUpBeam.as_ref(), &x, Prepared::default_method(), settings).expect("a sound scene");
     let found = prepared.analysis().values(&x).expect("it runs");
     let (stiffness, mass, length, rate) = (2.8e7, 1.2, 10.0, 6.0_f64);
@@ -612,7 +612,7 @@ impl Scene for Mistaken {
         let tip = beam.end();
         growing_force(m, "force", tip, (LoadFrame::World, [0.0, 0.1, 0.0]), ends[1]);
         m.gravity(axis(2));
-        m.distributed_load("load", &beam, (LoadFrame::Body, axis(1)), TimeFunction::Constant, &[S::one()]);
+        m.distributed_load("load", &beam, (LoadFrame::Body, axis(1)), Signal::Constant(S::one()));
         m.set_rigid_motion(&beam.nodes, ends[0], Vector3::zeros(), Vector3::zeros());
         let (share, measure) = match self.0 {
             Some(FibreWithoutPlace) => (0.5, SectionMeasure::FibreStress),
@@ -641,11 +641,11 @@ fn adjoint_tangent_and_complex_step_agree_for_every_scene_with_beams() {
     ];
     for (scene, end, steps) in few {
         for table in ["esdirk4", "bdf2"] {
-            let mut settings = scene.default_settings();
+            let mut settings = scene.settings();
             (settings.end, settings.steps) = (end, steps);
-            let name = settings.method.unwrap_or(table);
-            let method = Method::new(table_named(name).expect("no mistake").expect("listed"), ConstraintLevel::default());
-            let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+            let name = settings.method.clone().unwrap_or_else(|| table.into());
+            let method = Method::new(table_named(&name).expect("no mistake").expect("listed"), ConstraintLevel::default());
+            let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
             let prepared = Prepared::with(scene, &x, method, settings).expect("prepared");
             let analysis = prepared.analysis();
             let forward = analysis.forward(&x).expect("runs");
@@ -658,7 +658,7 @@ fn adjoint_tangent_and_complex_step_agree_for_every_scene_with_beams() {
                 let expected = &complex_step.rows[k];
                 let worst =
                     largest_difference(&adjoint.rows[k], expected).max(largest_difference(&tangent.rows[k], expected));
-                assert!(worst < limit, "{}, {name}, {}: {worst:e}", scene.scene_name(), functional.name);
+                assert!(worst < limit, "{}, {name}, {}: {worst:e}", scene.name(), functional.name);
             }
         }
     }

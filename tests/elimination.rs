@@ -74,7 +74,7 @@ fn assert_reduction_is_exact(tumbler: &Tumbler) {
             let mut results = Vec::new();
             for unreduced in [false, true] {
                 method.unreduced = unreduced;
-                let scene = Prepared::with(tumbler, &x, method.clone(), settings).expect(&place);
+                let scene = Prepared::with(tumbler, &x, method.clone(), settings.clone()).expect(&place);
                 let analysis = scene.analysis();
                 let mut last = None;
                 let mut watch = Watch(|step: &StepRecord<f64>| {

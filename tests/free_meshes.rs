@@ -296,7 +296,7 @@ fn pressure_in_a_closed_sphere_of_triangles_has_no_resultant_and_presses_outward
     let mut m = MechanismBuilder::default();
     let shell = m.shell("sphere", sphere(0.5, 3), &STEEL, THICKNESS);
     assert_eq!((shell.elements.len(), shell.nodes.len()), (72, 146));
-    m.pressure("pressure", &shell, LoadFrame::Body, TimeFunction::Constant, &[7.0]);
+    m.pressure("pressure", &shell, LoadFrame::Body, Signal::Constant(7.0));
     let m = m.finish().expect("sound");
     let q = moved(&m, deformed);
     let (mut total, mut work) = (Vector3::zeros(), 0.0);
@@ -543,8 +543,8 @@ impl Scene for Swinging {
         };
         m.strain_energy_functional("energy", Over::Integral, &shell.group_named("right")?);
         m.gravity(Vector3::from_f64([0.0, 1.0, -9.81]));
-        m.pressure("blow", &shell, LoadFrame::Body, TimeFunction::Constant, &[S::from(300.0)]);
-        m.pressure("push", &shell, LoadFrame::World, TimeFunction::Constant, &[S::from(-100.0)]);
+        m.pressure("blow", &shell, LoadFrame::Body, Signal::Constant(S::from(300.0)));
+        m.pressure("push", &shell, LoadFrame::World, Signal::Constant(S::from(-100.0)));
         let tip = shell.node(9).ok_or("a node")?;
         let at = m.position(tip);
         m.position_functional("tip", Over::Terminal, tip, at, Vector3::from_f64([0.1, 0.2, 1.0]));

@@ -113,11 +113,17 @@ impl Scene for Small {
                     m.rigid_body(name, node, S::from(MASS), Vector3::zeros(), tensor);
                     node
                 });
-                let coefficients = [[100.0, 200.0, 300.0, 40.0, 50.0, 60.0].map(S::from), [S::zero(); 6]];
-                m.bushing("bushing", nodes, at(0.5, 0.0), Quaternion::identity(), coefficients);
+                let rates = BushingRates {
+                    stiffness_along: [100.0, 200.0, 300.0].map(S::from),
+                    stiffness_about: [40.0, 50.0, 60.0].map(S::from),
+                    damping_along: [S::zero(); 3],
+                    damping_about: [S::zero(); 3],
+                };
+                m.bushing("bushing", nodes, at(0.5, 0.0), Quaternion::identity(), rates);
             }
             What::Ziegler { load: size } => {
                 let mut last = (ground, 0.0);
+                let spring = SpringDamper { stiffness: S::one(), damping: S::zero(), rest: S::zero() };
                 for i in 1..=2 {
                     let (foot, top) = (f64::from(i - 1), f64::from(i));
                     // its mass is at the upper end
@@ -125,7 +131,7 @@ impl Scene for Small {
                     let mass = if i == 1 { 2.0 } else { 1.0 };
                     m.rigid_body(&format!("link {i}"), link, S::from(mass), Vector3::zeros(), [S::zero(); 6]);
                     m.revolute(&format!("hinge {i}"), [last.0, link], at(0.0, foot), axis);
-                    m.torsion_spring_damper(&format!("spring {i}"), [last.0, link], axis, [S::one(), S::zero(), S::zero()]);
+                    m.torsion_spring_damper(&format!("spring {i}"), [last.0, link], axis, spring);
                     last = (link, top);
                 }
                 load(m, (last.0, NodeKind::Body), [0.0, 0.0, -1.0], at(0.0, 2.0), LoadFrame::Body, size);

@@ -64,7 +64,7 @@ impl Scene for Chain {
         let omega = along * *spin;
         m.set_rigid_motion(&bodies, Vector3::zeros(), Vector3::zeros(), omega);
         let pair = |i: usize| [if i == 0 { ground } else { bodies[i - 1] }, bodies[i]];
-        let damped = [*stiffness * 0.1, S::from(0.2), S::from(0.1)];
+        let damped = SpringDamper { stiffness: *stiffness * 0.1, damping: S::from(0.2), rest: S::from(0.1) };
         let first: ConstraintId = match self.joints {
             Joints::Hinges => {
                 // the whole chain turns about `along`, so that the first hinge does
@@ -82,16 +82,20 @@ impl Scene for Chain {
                 m.planar("plane", pair(2), point(2), across);
                 m.spherical("ball", pair(3), point(3));
                 // along its axes only: what it measures about them differs between coordinates, but for small angles
-                let six = std::array::from_fn(|i| if i < 3 { *stiffness } else { S::zero() });
-                let little = std::array::from_fn(|i| S::from(if i < 3 { 0.4 } else { 0.0 }));
-                m.bushing("bushing", pair(2), point(2), Quaternion::about(z, S::from(0.7)), [six, little]);
+                let rates = BushingRates {
+                    stiffness_along: [*stiffness; 3],
+                    stiffness_about: [S::zero(); 3],
+                    damping_along: [S::from(0.4); 3],
+                    damping_about: [S::zero(); 3],
+                };
+                m.bushing("bushing", pair(2), point(2), Quaternion::about(z, S::from(0.7)), rates);
                 first
             }
             Joints::Driven => {
                 let first = m.cylindrical("cylinder", pair(0), point(0), along);
                 // at the start as fast as the chain turns
-                m.prescribed_rotation("turn", pair(0), along, TimeFunction::ConstantRate, &[S::zero(), *spin]);
-                m.prescribed_translation("push", pair(0), [point(0); 2], along, TimeFunction::Constant, &[S::zero()]);
+                m.prescribed_rotation("turn", pair(0), along, Signal::ConstantRate { offset: S::zero(), rate: *spin });
+                m.prescribed_translation("push", pair(0), [point(0); 2], along, Signal::Constant(S::zero()));
                 m.rigid_link("link", pair(1));
                 m.point_on_line("line", pair(2), point(2), across);
                 m.point_in_plane("face", pair(3), point(3), across);
@@ -142,7 +146,7 @@ fn apart(exact: &[f64], own: &[f64]) -> f64 {
 }
 
 fn start(scene: &dyn costate::scenes::AnyScene) -> Vec<f64> {
-    scene.design_variables().iter().map(|variable| variable.initial).collect()
+    scene.variables().iter().map(|variable| variable.initial).collect()
 }
 
 const JOINTS: [Joints; 3] = [Joints::Hinges, Joints::Slides, Joints::Driven];

@@ -4,11 +4,11 @@ mod support;
 
 use costate::design::DesignVariable;
 use costate::elements::joints::{RollingDisc, RollingSphere};
-use costate::elements::{ConstraintPhysics, NodeKind, Nonholonomic, State, TimeFunction};
+use costate::elements::{ConstraintPhysics, NodeKind, Nonholonomic, State};
 use costate::functionals::Over;
 use costate::integrators::{ConstraintLevel, Method, table_by_name};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings};
+use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings, Signal};
 use costate::sensitivity::largest_difference;
 use support::Random;
 
@@ -44,7 +44,7 @@ impl Scene for BallOnTurntable {
         m.set_velocity(table, Vector3::zeros(), z * *turn);
         m.rigid_body("table", table, S::from(2.0), Vector3::zeros(), [1.0, 1.0, 2.0, 0.0, 0.0, 0.0].map(S::from));
         m.revolute("bearing", [ground, table], Vector3::zeros(), z);
-        m.prescribed_rotation("drive", [ground, table], z, TimeFunction::ConstantRate, &[S::zero(), *turn]);
+        m.prescribed_rotation("drive", [ground, table], z, Signal::ConstantRate { offset: S::zero(), rate: *turn });
 
         let centre = at([START[0], START[1], 0.0]) + z * *radius;
         let velocity = at([SPEED[0], SPEED[1], 0.0]);

@@ -276,7 +276,7 @@ impl Scene for Stone {
     fn settings(&self) -> Settings {
         Settings::new(1.0, 4)
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         Some(self.problem.clone())
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
@@ -446,7 +446,7 @@ fn a_history_is_read_back_and_taken_up() {
     let end = &second.history.best().unwrap().design;
     assert!((end[0] - x * 3.0 / x.hypot(y)).abs() < 1e-4, "{end:?}");
 
-    let error = DesignHistory::best_of_table(&header[1..], &rows, &FiveBar.variables(), false, 1e-6).unwrap_err();
+    let error = DesignHistory::best_of_table(&header[1..], &rows, &Scene::variables(&FiveBar), false, 1e-6).unwrap_err();
     assert!(error.contains("design L01 [m]"), "{error}");
     let error = DesignHistory::best_of_table(&header, &[], optimization.variables(), false, 1e-6).unwrap_err();
     assert!(error.contains("no design"), "{error}");
@@ -494,7 +494,8 @@ fn mistakes_name_what_is_wrong_and_what_there_is() {
 /// Change of the objective, relative to its start, that a move of each variable over its whole range would bring, without moves
 /// that its bounds forbid.
 fn projected_gradient(optimization: &Optimization, design: &[f64], size: f64) -> Vec<f64> {
-    let prepared = Prepared::with(optimization.scene, design, optimization.method.clone(), optimization.settings).unwrap();
+    let prepared =
+        Prepared::with(optimization.scene, design, optimization.method.clone(), optimization.settings.clone()).unwrap();
     let analysis = prepared.analysis();
     let forward = analysis.forward(design).unwrap();
     let row = &analysis.adjoint(design, &forward).unwrap().rows[0];

@@ -7,10 +7,10 @@ use costate::scenes::AnyScene;
 use costate::scenes::built_in::{FiveBar, FlexiblePendulum};
 
 fn prepared<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Prepared<'s> {
-    let mut settings = scene.default_settings().without_method();
+    let mut settings = scene.settings().without_method();
     (settings.end, settings.steps) = (end, steps);
     let table = table_named(method).expect("no mistake").expect("listed");
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings).expect("prepared")
 }
 
@@ -34,11 +34,11 @@ fn derivatives_over_time_are_those_of_complex_step_and_of_the_adjoint_of_shorter
             // complex numbers divide by another formula: the last digits of functionals differ
             for (real, complex) in tangent.values.iter().zip(&complex.values) {
                 let apart = real.iter().zip(complex).map(|(a, b)| a - b).collect::<Vec<_>>();
-                assert!(largest(&apart) <= 1e-14 * largest(real), "{}, {method}: {:e}", scene.scene_name(), largest(&apart));
+                assert!(largest(&apart) <= 1e-14 * largest(real), "{}, {method}: {:e}", scene.name(), largest(&apart));
             }
             assert_eq!(tangent.times.len(), steps + 1);
             for (k, functional) in whole.functionals().iter().enumerate() {
-                let what = format!("{}, {method}, {}", scene.scene_name(), functional.name);
+                let what = format!("{}, {method}, {}", scene.name(), functional.name);
                 for variable in 0..x.len() {
                     let (own, exact) = (&tangent.derivatives[k][variable], &complex.derivatives[k][variable]);
                     let apart = own.iter().zip(exact).map(|(a, b)| a - b).collect::<Vec<_>>();
@@ -59,7 +59,7 @@ fn derivatives_over_time_are_those_of_complex_step_and_of_the_adjoint_of_shorter
                     for variable in 0..x.len() {
                         let course = &tangent.derivatives[k][variable];
                         let apart = (course[ends] - adjoint.rows[k][variable]).abs();
-                        let what = format!("{}, {method}, {}, {variable}", scene.scene_name(), functional.name);
+                        let what = format!("{}, {method}, {}, {variable}", scene.name(), functional.name);
                         // two runs of the same steps: times and with them last digits differ
                         assert!(apart <= 1e-10 * largest(course), "{what}: {apart:e}");
                     }

@@ -37,9 +37,9 @@ impl Scene for TopWithFrameAtTip {
 }
 
 fn worst_violation(scene: &dyn AnyScene, table: &str, end: f64, steps: usize) -> Violation {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = Method::new(table_by_name(table).expect("listed"), ConstraintLevel::Acceleration);
-    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
+    let settings = Settings { end, steps, ..scene.settings().without_method() };
     let prepared = Prepared::with(scene, &x, method, settings).expect("a sound scene");
     let mut worst = Violation::default();
     let mut watch = Watch(|step: &StepRecord<f64>| {
@@ -48,7 +48,7 @@ fn worst_violation(scene: &dyn AnyScene, table: &str, end: f64, steps: usize) ->
     });
     let run = march(&prepared.problem(), &prepared.method, &prepared.grid, &prepared.plan, &mut watch);
     if let Err(error) = run {
-        panic!("{} with {table}, {steps} steps: {error}", scene.scene_name());
+        panic!("{} with {table}, {steps} steps: {error}", scene.name());
     }
     worst
 }
@@ -112,7 +112,7 @@ impl Scene for AtRest {
 #[test]
 fn a_mechanism_at_rest_whose_load_comes_later_has_its_gradient_checked() {
     for steps in [20, 100, 1000] {
-        let settings = Settings { steps, ..AtRest.default_settings() };
+        let settings = Settings { steps, ..Scene::settings(&AtRest) };
         let prepared =
             Prepared::with(&AtRest, &[1.3, 0.7, 2.3], Prepared::default_method(), settings).expect("a sound scene");
         let analysis = prepared.analysis();

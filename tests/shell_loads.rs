@@ -66,7 +66,7 @@ fn follower_pressure_in_a_closed_surface_has_no_resultant_and_the_work_p_dv() {
     let mut m = MechanismBuilder::default();
     let sphere = m.sphere_shell("sphere", (Vector3::new(0.3, -0.2, 0.5), RADIUS), 2, &material(0.3), 0.02);
     for face in &sphere {
-        m.pressure("pressure", face, LoadFrame::Body, TimeFunction::Constant, &[7.0]);
+        m.pressure("pressure", face, LoadFrame::Body, Signal::Constant(7.0));
     }
     let m = m.finish().expect("sound");
     assert_eq!(m.model.nodes.len(), 6 * 16 + 2, "faces share their edges");
@@ -191,7 +191,7 @@ impl Scene for Vessel {
             }
         };
         for (number, shell) in shells.iter().enumerate() {
-            m.pressure(&format!("pressure {number}"), shell, self.frame, TimeFunction::ConstantRate, &values);
+            m.pressure(&format!("pressure {number}"), shell, self.frame, Signal::of(TimeFunction::ConstantRate, &values));
         }
         let (node, axis) = crown;
         let at = m.position(node);

@@ -7,7 +7,7 @@ use costate::scenes::built_in::{CarAxis, FiveBar, FlexibleFourBar, PlatePendulum
 
 /// Values and gradients of a scene, with the solver that was used.
 fn results(scene: &dyn AnyScene, settings: Settings, backend: Backend) -> (SolverPlan, Vec<Vec<f64>>) {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = Method { backend, ..Prepared::method_of(&settings).expect("a method") };
     let prepared = Prepared::with(scene, &x, method, settings).expect("a scene");
     let analysis = prepared.analysis();
@@ -20,11 +20,11 @@ fn results(scene: &dyn AnyScene, settings: Settings, backend: Backend) -> (Solve
 #[test]
 fn gradients_are_the_same_whatever_solves_the_systems() {
     let scene = FiveBar.as_ref();
-    let settings = scene.default_settings();
+    let settings = scene.settings();
     let settings = Settings { end: 20.0 * settings.end / settings.steps as f64, steps: 20, ..settings };
-    let (_, expected) = results(scene, settings, Backend::Automatic);
+    let (_, expected) = results(scene, settings.clone(), Backend::Automatic);
     for backend in Backend::ALL.into_iter().skip(1) {
-        let (plan, own) = results(scene, settings, backend);
+        let (plan, own) = results(scene, settings.clone(), backend);
         assert_eq!(plan.backend, backend);
         for (own, expected) in own.iter().zip(&expected) {
             let difference = largest_difference(expected, own);
@@ -56,20 +56,20 @@ fn gradients_have_the_same_bits_on_any_number_of_threads() {
     let four_bar = FlexibleFourBar { elements: [2, 4, 2], run: (0.2, 20) };
     let net = Net { side: 40 };
     let cases: [(&dyn AnyScene, Option<&'static str>, Settings); 7] = [
-        (four_bar.as_ref(), Some("esdirk4"), four_bar.settings()),
-        (four_bar.as_ref(), Some("bdf2"), four_bar.settings()),
-        (four_bar.as_ref(), Some("variational"), four_bar.settings()),
-        (FiveBar.as_ref(), None, Settings { end: 0.2, steps: 20, ..FiveBar.settings() }),
-        (CarAxis.as_ref(), None, Settings { end: 0.2, steps: 20, ..CarAxis.settings() }),
-        (SliderCrank.as_ref(), None, Settings { end: 0.2, steps: 20, ..SliderCrank.settings() }),
-        (&net, None, net.settings()),
+        (four_bar.as_ref(), Some("esdirk4"), Scene::settings(&four_bar)),
+        (four_bar.as_ref(), Some("bdf2"), Scene::settings(&four_bar)),
+        (four_bar.as_ref(), Some("variational"), Scene::settings(&four_bar)),
+        (FiveBar.as_ref(), None, Settings { end: 0.2, steps: 20, ..Scene::settings(&FiveBar) }),
+        (CarAxis.as_ref(), None, Settings { end: 0.2, steps: 20, ..Scene::settings(&CarAxis) }),
+        (SliderCrank.as_ref(), None, Settings { end: 0.2, steps: 20, ..Scene::settings(&SliderCrank) }),
+        (&net, None, Scene::settings(&net)),
     ];
     for (scene, method, settings) in cases {
         let gradient = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             pool.install(|| {
-                let settings = Settings { method, ..settings };
-                let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+                let settings = Settings { method: method.map(String::from), ..settings.clone() };
+                let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
                 let method = Prepared::method_of(&settings).expect("a method");
                 let prepared = Prepared::with(scene, &x, method, settings).expect("a scene");
                 let analysis = prepared.analysis();
@@ -80,7 +80,7 @@ fn gradients_have_the_same_bits_on_any_number_of_threads() {
         let alone = gradient(1);
         assert!(alone.rows.iter().flatten().all(|value| value.is_finite()));
         for threads in [2, 3] {
-            assert_eq!(gradient(threads), alone, "{}, {threads} threads", scene.scene_name());
+            assert_eq!(gradient(threads), alone, "{}, {threads} threads", scene.name());
         }
     }
 }
@@ -94,9 +94,9 @@ fn a_flexible_mechanism_has_the_same_gradient_whatever_solves_its_systems() {
     let scene = FlexibleFourBar { run: (0.2, 20), ..FlexibleFourBar::default() };
     let scene: &dyn AnyScene = scene.as_ref();
     let prepared = |backend: Backend| {
-        let settings = scene.default_settings();
+        let settings = scene.settings();
         let method = Method { backend, ..Prepared::method_of(&settings).expect("a method") };
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         Prepared::with(scene, &x, method, settings).expect("a scene")
     };
     let first = prepared(Backend::Dense);
@@ -126,7 +126,7 @@ fn a_flexible_mechanism_has_the_same_gradient_whatever_solves_its_systems() {
 fn short_steps_are_solved_to_their_round_off() {
     let scene = FlexibleFourBar { run: (0.25, 100), ..FlexibleFourBar::default() };
     let scene: &dyn AnyScene = scene.as_ref();
-    let of = |backend| results(scene, scene.default_settings(), backend).1;
+    let of = |backend| results(scene, scene.settings(), backend).1;
     let (expected, own) = (of(Backend::Dense), of(Backend::Multifrontal));
     // values first, then a gradient for each functional: that of the largest moment
     let difference = largest_difference(&expected[1], &own[1]);

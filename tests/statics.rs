@@ -51,7 +51,7 @@ impl Scene for Truss {
         ]
     }
     fn settings(&self) -> Settings {
-        self.settings
+        self.settings.clone()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [stiffness, rest, half, mass, load] = x else { return Err("5 variables".into()) };
@@ -168,10 +168,10 @@ fn adjoint_tangent_and_complex_step_agree_and_match_the_closed_form() {
             for (name, other) in [("tangent", &tangent), ("complex step", &complex)] {
                 let apart = costate::sensitivity::largest_difference(&other[k], &adjoint[k]);
                 // linear systems whose matrix has a condition of some hundreds
-                assert!(apart < 1e-12, "{}: \"{}\", {name}: {apart:e}", scene.scene_name(), functional.name);
+                assert!(apart < 1e-12, "{}: \"{}\", {name}: {apart:e}", scene.name(), functional.name);
             }
         }
-        if scene.scene_name() == "truss" {
+        if scene.name() == "truss" {
             // F(z, k) = k phi(z): dz/dk = -phi / (k phi'), and dz/dF = 1 / F'
             let z = forward.values[0];
             let slope = (holding_force(z + 1e-5) - holding_force(z - 1e-5)) / 2e-5;
@@ -228,7 +228,7 @@ impl Scene for TwoLinks {
         ]
     }
     fn settings(&self) -> Settings {
-        self.settings
+        self.settings.clone()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [upper_mass, lower_mass, upper_length, pull] = x else { return Err("4 variables".into()) };
@@ -330,7 +330,8 @@ impl Scene for Driven {
         m.gravity(Vector3::from_f64([0.0, 0.0, -GRAVITY]));
         let axis = Vector3::from_f64([0.0, 1.0, 0.0]);
         m.revolute("hinge", [ground, rod], Vector3::zeros(), axis);
-        let driver = m.prescribed_rotation("driver", [ground, rod], axis, TimeFunction::ConstantRate, &[S::zero(), *turn]);
+        let driver =
+            m.prescribed_rotation("driver", [ground, rod], axis, Signal::ConstantRate { offset: S::zero(), rate: *turn });
         m.position_functional("x", Over::Terminal, rod, centre, Vector3::from_f64([1.0, 0.0, 0.0]));
         let load = (LoadKind::Moment, LoadFrame::World);
         m.joint_load_functional("moment", Over::Terminal, (driver, rod), load, axis, Vector3::zeros());
@@ -425,7 +426,7 @@ fn mistakes_are_named() {
     let prepared = prepared(&scene);
     messages.push(prepared.analysis().forward(&prepared.x).expect_err("nothing holds the block").to_string());
     for (velocity, rolling) in [(0.5, false), (0.0, true)] {
-        let scene = TwoLinks { settings: still, velocity, rolling, redundant: false };
+        let scene = TwoLinks { settings: still.clone(), velocity, rolling, redundant: false };
         let Err(error) = Prepared::new(&scene) else { panic!("accepted") };
         assert!(matches!(error, RunError::Input(_)), "{error}");
         messages.push(error.to_string());

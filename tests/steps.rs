@@ -68,12 +68,12 @@ fn named(name: &str) -> Table {
 }
 
 fn prepared<'s>(scene: &'s dyn AnyScene, table: &str, settings: Settings) -> Result<Prepared<'s>, RunError> {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     Prepared::with(scene, &x, Method::new(named(table), ConstraintLevel::Acceleration), settings)
 }
 
 fn chosen(scene: &Swinging, table: &str, control: StepControl) -> costate::sensitivity::Forward {
-    let prepared = prepared(scene, table, scene.settings().choosing_steps(control)).expect("sound");
+    let prepared = prepared(scene, table, Scene::settings(scene).choosing_steps(control)).expect("sound");
     prepared.analysis().forward(&prepared.x).expect("runs")
 }
 
@@ -103,7 +103,7 @@ fn several_steps_of_one_size_without_a_breakpoint_lie_behind_a_multistep_step() 
 fn weights_of_an_integral_are_exact_for_the_powers_below_the_order() {
     for table in tables() {
         let scene = Swinging { jump: Some(1.03), ..Swinging::default() };
-        let prepared = prepared(&scene, &table.name, scene.settings()).expect("sound");
+        let prepared = prepared(&scene, &table.name, Scene::settings(&scene)).expect("sound");
         let steps = steps_over(&prepared, &prepared.grid);
         let mut from_the_end = QuadratureWeights::at_end(&table);
         let mut weights: Vec<Vec<f64>> = steps.iter().rev().map(|step| from_the_end.back_through(step)).collect();
@@ -122,7 +122,7 @@ fn weights_of_an_integral_are_exact_for_the_powers_below_the_order() {
 fn values_summed_on_the_way_and_weights_handed_out_from_the_end_agree() {
     for table in tables() {
         let scene = Swinging { jump: Some(1.03), ..Swinging::default() };
-        let prepared = prepared(&scene, &table.name, scene.settings()).expect("sound");
+        let prepared = prepared(&scene, &table.name, Scene::settings(&scene)).expect("sound");
         let analysis = prepared.analysis();
         let forward = analysis.forward(&prepared.x).expect("runs");
         let steps = steps_over(&prepared, &prepared.grid);
@@ -183,7 +183,7 @@ fn equal_steps_say_what_error_chosen_ones_would_have_been_held_to() {
         let scene = Swinging::default();
         let tolerance = 1e-4;
         let chosen = chosen(&scene, table, StepControl::new(tolerance));
-        let prepared = prepared(&scene, table, scene.settings()).expect("sound");
+        let prepared = prepared(&scene, table, Scene::settings(&scene)).expect("sound");
         let error = |forward: &costate::sensitivity::Forward| forward.error.expect("estimated");
         let same = prepared.analysis().on_steps_of(&chosen).forward(&prepared.x).expect("runs");
         // allowed was the tolerance of 1 and the size; what is said is a share of the largest size, of about 1
@@ -193,7 +193,7 @@ fn equal_steps_say_what_error_chosen_ones_would_have_been_held_to() {
         let halved = TimeGrid::uniform(2.0, 320, &[]).expect("steps");
         let whole = TimeGrid::uniform(2.0, 160, &[]).expect("steps");
         let [whole, halved] = [whole, halved].map(|grid| {
-            let prepared = Prepared { grid, ..crate::prepared(&scene, table, scene.settings()).expect("sound") };
+            let prepared = Prepared { grid, ..crate::prepared(&scene, table, Scene::settings(&scene)).expect("sound") };
             error(&prepared.analysis().forward(&prepared.x).expect("runs")).share
         });
         let order = f64::from(named(table).embedded.expect("has one").order as u32) + 1.0;
@@ -208,7 +208,7 @@ fn equal_steps_without_an_embedded_solution_say_the_error_of_the_trapezoidal_rul
         let scene = Swinging::default();
         let share = |steps: usize| {
             let grid = TimeGrid::uniform(2.0, steps, &[]).expect("steps");
-            let prepared = Prepared { grid, ..prepared(&scene, table, scene.settings()).expect("sound") };
+            let prepared = Prepared { grid, ..prepared(&scene, table, Scene::settings(&scene)).expect("sound") };
             let forward = prepared.analysis().forward(&prepared.x).expect("runs");
             forward.error.expect("estimated").share
         };
@@ -222,7 +222,7 @@ fn equal_steps_without_an_embedded_solution_say_the_error_of_the_trapezoidal_rul
 fn chosen_steps_end_at_breakpoints_stay_below_the_longest_and_are_taken_again_by_other_runs() {
     let scene = Swinging { jump: Some(0.77), ..Swinging::default() };
     let control = StepControl { longest: 0.13, ..StepControl::new(1e-5) };
-    let prepared = prepared(&scene, "esdirk4", scene.settings().choosing_steps(control)).expect("sound");
+    let prepared = prepared(&scene, "esdirk4", Scene::settings(&scene).choosing_steps(control)).expect("sound");
     let analysis = prepared.analysis();
     let forward = analysis.forward(&prepared.x).expect("runs");
     let breakpoint = forward.grid.times.iter().position(|&t| t == 0.77).expect("a step ends at the breakpoint");
@@ -260,7 +260,7 @@ fn steps_that_cannot_be_solved_are_halved_and_counted() {
 
     // this one runs into the wall, where no step is short enough
     let scene = Swinging { wall: 1.5, stiffness: -30.0, ..Swinging::default() };
-    let prepared = prepared(&scene, "esdirk3", scene.settings().choosing_steps(loose)).expect("sound");
+    let prepared = prepared(&scene, "esdirk3", Scene::settings(&scene).choosing_steps(loose)).expect("sound");
     let error = prepared.analysis().forward(&prepared.x).map(|forward| forward.rejected).expect_err("a wall");
     assert!(error.to_string().contains("of its formula is"), "{error}");
 }
@@ -280,7 +280,7 @@ fn a_jump_that_no_step_resolves_ends_the_run_with_its_time() {
 fn a_method_without_an_error_estimate_refuses_to_choose_steps() {
     for table in tables().into_iter().filter(|table| table.embedded.is_none()) {
         let scene = Swinging::default();
-        let refused = prepared(&scene, &table.name, scene.settings().choosing_steps(StepControl::new(1e-6)));
+        let refused = prepared(&scene, &table.name, Scene::settings(&scene).choosing_steps(StepControl::new(1e-6)));
         let message = refused.err().expect("refused").to_string();
         assert!(message.contains(&table.name) && message.contains("esdirk5"), "{message}");
     }
@@ -288,7 +288,7 @@ fn a_method_without_an_error_estimate_refuses_to_choose_steps() {
     for control in
         [StepControl::new(0.0), StepControl::new(f64::NAN), StepControl { longest: 0.0, ..StepControl::new(1e-6) }]
     {
-        assert!(prepared(&scene, "esdirk3", scene.settings().choosing_steps(control)).is_err(), "{control:?}");
+        assert!(prepared(&scene, "esdirk3", Scene::settings(&scene).choosing_steps(control)).is_err(), "{control:?}");
     }
 }
 
@@ -319,7 +319,7 @@ fn the_motion_between_steps_is_the_same_wherever_they_are_kept() {
     let times: Vec<f64> = (0..40).map(|i| 0.05 * f64::from(i)).collect();
     let mut motions = Vec::new();
     for keep in [Keep::Memory, Keep::Checkpoints(7000)] {
-        let mut prepared = prepared(&scene, "bdf3", scene.settings()).expect("sound");
+        let mut prepared = prepared(&scene, "bdf3", Scene::settings(&scene)).expect("sound");
         prepared.keep = keep;
         let analysis = prepared.analysis();
         let forward = analysis.forward(&prepared.x).expect("runs");

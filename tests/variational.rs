@@ -14,10 +14,10 @@ use costate::scenes::built_in::{
 use costate::sensitivity::largest_difference;
 
 fn prepared<'s>(scene: &'s dyn AnyScene, name: &str, end: f64, steps: usize) -> Prepared<'s> {
-    let mut settings = scene.default_settings().without_method();
+    let mut settings = scene.settings().without_method();
     (settings.end, settings.steps, settings.divide) = (end, steps, false);
     let table = table_named(name).expect("no mistake").expect("listed");
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings).expect("prepared")
 }
 
@@ -53,7 +53,7 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
             let forward = match analysis.forward(x) {
                 Ok(forward) => forward,
                 Err(error) => {
-                    wrong.push(format!("{} {alpha}: {error}", scene.scene_name()));
+                    wrong.push(format!("{} {alpha}: {error}", scene.name()));
                     continue;
                 }
             };
@@ -66,7 +66,7 @@ fn adjoint_direct_differentiation_and_complex_step_agree() {
                 // in 8 ms the tip has moved by 0.3 mm
                 let limit = if end == 0.008 { 1e-9 } else { 1e-11 };
                 if !(a.max(b) < limit) {
-                    wrong.push(format!("{} {alpha} {}: {a:e} {b:e}", scene.scene_name(), functional.name));
+                    wrong.push(format!("{} {alpha} {}: {a:e} {b:e}", scene.name(), functional.name));
                 }
             }
         }
@@ -89,7 +89,7 @@ fn the_order_is_two_with_the_point_in_the_middle_and_one_elsewhere() {
             });
             for i in 0..2 {
                 let observed = (errors[2][i] / errors[3][i]).log2();
-                let name = format!("{} {alpha} {}: {errors:?}", scene.scene_name(), ["q", "v"][i]);
+                let name = format!("{} {alpha} {}: {errors:?}", scene.name(), ["q", "v"][i]);
                 assert!((observed - order).abs() < 0.1, "{name}: {observed}");
             }
         }

@@ -12,12 +12,12 @@ use costate::scenes::{AnyScene, MechanismBuilder, Prepared, Scene, Settings, bui
 use costate::sensitivity::largest_difference;
 
 fn scene(name: &str) -> Box<dyn AnyScene> {
-    built_in::all().into_iter().find(|scene| scene.scene_name() == name).expect("a built-in scene")
+    built_in::all().into_iter().find(|scene| scene.name() == name).expect("a built-in scene")
 }
 
 fn prepared<'s>(scene: &'s dyn AnyScene, end: f64, steps: usize) -> Prepared<'s> {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable: &DesignVariable| variable.initial).collect();
-    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
+    let x: Vec<f64> = scene.variables().iter().map(|variable: &DesignVariable| variable.initial).collect();
+    let settings = Settings { end, steps, ..scene.settings().without_method() };
     Prepared::with(scene, &x, Prepared::default_method(), settings).expect("a sound scene")
 }
 
@@ -39,8 +39,8 @@ fn a_step_of_cables_takes_few_iterations_and_one_block_an_element() {
     let steps = 200;
     for (elements, most_iterations, most_factorizations) in [(5, 5.0, 0.07), (20, 5.5, 0.2)] {
         let scene = FlexiblePendulum { elements };
-        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-        let settings = Settings { end: 1e-3 * steps as f64, steps, ..scene.settings() };
+        let x: Vec<f64> = Scene::variables(&scene).iter().map(|variable| variable.initial).collect();
+        let settings = Settings { end: 1e-3 * steps as f64, steps, ..Scene::settings(&scene) };
         let table = table_named("variational").expect("no mistake").expect("listed");
         let method = Method::new(table, ConstraintLevel::default());
         let prepared = Prepared::with(&scene, &x, method, settings).expect("a sound scene");

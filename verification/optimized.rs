@@ -57,7 +57,7 @@ pub fn over_time(prepared: &Prepared, measured: &[&Measured]) -> Result<Vec<Vec<
 
 /// A scene's own settings and method at another design, with other steps.
 pub fn prepare<'s>(scene: &'s dyn AnyScene, design: &[f64], steps: usize) -> Result<Prepared<'s>, RunError> {
-    let mut settings = scene.default_settings();
+    let mut settings = scene.settings();
     settings.steps = steps;
     Prepared::with(scene, design, Prepared::method_of(&settings)?, settings)
 }

@@ -124,6 +124,21 @@ impl Model {
         self.constraints.get(id.0).filter(|_| id.1 == self.identity)
     }
 
+    /// The node with a name.
+    pub fn node_named(&self, name: &str) -> Option<NodeId> {
+        self.nodes.iter().position(|own| own.name == name).map(|place| NodeId(place, self.identity))
+    }
+
+    /// The first element with a name.
+    pub fn element_named(&self, name: &str) -> Option<ElementId> {
+        self.elements.iter().position(|own| own.name == name).map(|place| ElementId(place, self.identity))
+    }
+
+    /// The joint or other constraint with a name.
+    pub fn constraint_named(&self, name: &str) -> Option<ConstraintId> {
+        self.constraints.iter().position(|own| own.name == name).map(|place| ConstraintId(place, self.identity))
+    }
+
     /// Reserves `count` places in p.
     pub fn add_parameters(&mut self, count: usize) -> Range<usize> {
         let range = self.parameters..self.parameters + count;

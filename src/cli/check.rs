@@ -40,7 +40,7 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
         say(format_args!("{} left out", count(dropped, "redundant constraint equation")));
     }
     let object = json!({
-        "scene": scene.scene_name(),
+        "scene": scene.name(),
         "variables": parts[0].0,
         "nodes": parts[1].0,
         "elements": parts[2].0,

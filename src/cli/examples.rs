@@ -9,7 +9,7 @@ impl CommandLine<'_> {
     /// A scene with some property, else the first one, else a file.
     fn example_scene(&self, has: impl Fn(&dyn crate::scenes::AnyScene) -> bool) -> String {
         let found = self.scenes.iter().find(|scene| has(**scene)).or(self.scenes.first());
-        found.map_or_else(|| "arm.toml".into(), |scene| scene.scene_name())
+        found.map_or_else(|| "arm.toml".into(), |scene| scene.name())
     }
 
     /// What stands below the help of a command.
@@ -17,8 +17,8 @@ impl CommandLine<'_> {
         let first = self.example_scene(|_| true);
         let better = self.example_scene(|scene| scene.optimization_problem().is_some());
         let set = |scene: &str| {
-            let own = self.scenes.iter().find(|own| own.scene_name() == scene);
-            let variable = own.and_then(|own| own.design_variables().into_iter().next());
+            let own = self.scenes.iter().find(|own| own.name() == scene);
+            let variable = own.and_then(|own| own.variables().into_iter().next());
             variable.map_or_else(String::new, |variable| format!(" --set \"{}={}\"", variable.name, variable.initial))
         };
         let examples: Examples = match command {
@@ -39,7 +39,7 @@ impl CommandLine<'_> {
                 (format!("optimize {better} --iterations 20 --json"), "with one JSON object behind the tables"),
             ],
             "modes" => {
-                let still = self.example_scene(|scene| scene.default_settings().method == Some("static"));
+                let still = self.example_scene(|scene| scene.settings().method.as_deref() == Some("static"));
                 vec![
                     (format!("modes {still} --count 4"), "the four slowest"),
                     ("modes arm.toml --static".into(), "about the equilibrium under the scene's loads"),

@@ -32,9 +32,9 @@ pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> 
 fn all(program: &CommandLine, json: bool) {
     let mut table = Table::new(&["scene", "what it is", "variables", "to optimize"]);
     for scene in &program.scenes {
-        let variables = format!("{:>9}", scene.design_variables().len());
+        let variables = format!("{:>9}", scene.variables().len());
         let wanted = wanted(*scene).unwrap_or_default();
-        table.row([scene.scene_name().into(), scene.scene_summary().into(), variables.into(), wanted.into()]);
+        table.row([scene.name().into(), scene.summary().into(), variables.into(), wanted.into()]);
     }
     let name = &program.name;
     if program.scenes.is_empty() {
@@ -50,8 +50,8 @@ fn all(program: &CommandLine, json: bool) {
 
 fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
     let prepared = Prepared::new(scene).map_err(|error| named(name, error.into()))?;
-    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
-    let settings = scene.default_settings();
+    say(format_args!("{}: {}", scene.name(), scene.summary()));
+    let settings = scene.settings();
     let steps = match settings.control {
         Some(_) => "chosen steps".into(),
         None => count(settings.steps, "step"),
@@ -63,7 +63,7 @@ fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
         say(format_args!("to optimize: {wanted}"));
     }
     let mut table = Table::new(&["variable", "initial", "from", "to", "unit"]);
-    for DesignVariable { name, initial, lower, upper, unit } in scene.design_variables() {
+    for DesignVariable { name, initial, lower, upper, unit } in scene.variables() {
         table.row([name.into(), initial.into(), lower.into(), upper.into(), unit.into()]);
     }
     say(format_args!("\n{table}"));
@@ -86,14 +86,14 @@ fn wanted(scene: &dyn AnyScene) -> Option<String> {
 }
 
 fn object(scene: &dyn AnyScene) -> Value {
-    let settings = scene.default_settings();
-    let variables = scene.design_variables().into_iter().map(|variable| {
+    let settings = scene.settings();
+    let variables = scene.variables().into_iter().map(|variable| {
         let [initial, lower, upper] = [variable.initial, variable.lower, variable.upper].map(json_number);
         json!({"name": variable.name, "initial": initial, "lower": lower, "upper": upper, "unit": variable.unit})
     });
     json!({
-        "scene": scene.scene_name(),
-        "summary": scene.scene_summary(),
+        "scene": scene.name(),
+        "summary": scene.summary(),
         "end_s": json_number(settings.end),
         "steps": settings.steps,
         "variables": variables.collect::<Vec<_>>(),

@@ -160,7 +160,7 @@ impl<'p> CommandLine<'p> {
 
     /// Scenes are found by their names.
     fn checked(&self) -> Result<(), Failure> {
-        let names: Vec<String> = self.scenes.iter().map(|scene| scene.scene_name()).collect();
+        let names: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
         match repeated(names.iter().map(String::as_str)) {
             Some(name) => Err(Failure::input(format!("two scenes of this program are named \"{name}\""))),
             None => Ok(()),

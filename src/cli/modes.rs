@@ -54,8 +54,8 @@ fn mode_count(text: &str) -> Result<usize, String> {
 /// `costate modes`: frequencies and shapes of small undamped vibrations.
 pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure> {
     let scene = program.find_scene(&options.scene)?;
-    let x = changed_design(&scene.design_variables(), &options.set)?;
-    let settings = scene.default_settings();
+    let x = changed_design(&scene.variables(), &options.set)?;
+    let settings = scene.settings();
     let settings = if options.statics { settings.with_method(STATIC_TABLE) } else { settings };
     let method = Prepared::method_of(&settings)?;
     let named = |error| {
@@ -63,11 +63,11 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
         let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
         named_scene(&options.scene, Failure { message, ..failure })
     };
-    let prepared = Prepared::with(&*scene, &x, method, settings).map_err(named)?;
-    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.scene_name()));
+    let prepared = Prepared::with(&*scene, &x, method, settings.clone()).map_err(named)?;
+    let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
     let (q, modes) = prepared.modes_with_state(options.count).map_err(named)?;
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
-    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    say(format_args!("{}: {}", scene.name(), scene.summary()));
     match about {
         "start" => say("small undamped vibrations about the start\n"),
         _ => say(format_args!("small undamped vibrations about the equilibrium at the load factor {}\n", settings.end)),
@@ -85,7 +85,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
     let object = json!({
-        "scene": scene.scene_name(),
+        "scene": scene.name(),
         "about": about,
         "design": Value::from(design.collect::<Map<_, _>>()),
         "modes": modes.iter().map(|mode| json_of(prepared.model(), mode)).collect::<Vec<_>>(),
@@ -136,7 +136,7 @@ fn draw(prepared: &Prepared, q: &[f64], modes: &[Mode], folder: &Path) -> Result
     let mut files = Vec::new();
     for (number, mode) in (1..=MOST_PICTURES).zip(modes) {
         let Some(mut picture) = mode_picture(prepared, q, mode) else { continue };
-        picture.title = format!("{}: mode {number}, {}", prepared.scene.scene_name(), what(mode));
+        picture.title = format!("{}: mode {number}, {}", prepared.scene.name(), what(mode));
         let stem = folder.join(format!("mode-{number}"));
         picture.write(&stem)?;
         files.extend(["png", "svg"].map(|ending| stem.with_extension(ending)));

@@ -109,7 +109,7 @@ fn lapse(prepared: &Prepared, moments: &[Snapshot], surface: Option<ColouredSurf
     };
     let frames: Vec<Frame> = thinned(moments).map(frame).collect();
     let trails: Vec<Trail> = sketch.followed.iter().take(MOST_TRAILS).map(trail).collect();
-    let title = prepared.scene.scene_name();
+    let title = prepared.scene.name();
     let mut motion = MotionPicture { title, frames, trails, anchors: sketch.anchors, surface, view: View::Isometric };
     motion.view = view(&motion);
     Some(motion)

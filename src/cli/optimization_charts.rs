@@ -41,7 +41,7 @@ pub fn charts(optimization: &Optimization, history: &DesignHistory) -> [Vec<Char
     let units: Vec<&str> = history.functionals.iter().map(|functional| functional.1.as_str()).collect();
     let label = problem.objective_name();
     let objective = Chart {
-        title: format!("{}: {} {label}", optimization.scene.scene_name(), problem.sense.name()),
+        title: format!("{}: {} {label}", optimization.scene.name(), problem.sense.name()),
         x_label: "iteration".into(),
         y_label: if problem.objective.len() == 1 && units.len() == 1 {
             format!("objective [{}]", units[0])
@@ -81,7 +81,7 @@ pub fn charts(optimization: &Optimization, history: &DesignHistory) -> [Vec<Char
     }
     let series = places.iter().map(|&i| curve(&optimization.variables()[i].name, &|point| relative(i, point)));
     let design = Chart {
-        title: format!("{}: design variables between their bounds", optimization.scene.scene_name()),
+        title: format!("{}: design variables between their bounds", optimization.scene.name()),
         x_label: "iteration".into(),
         y_label: "0: lower bound, 1: upper bound".into(),
         series: series.collect(),

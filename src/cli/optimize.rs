@@ -17,7 +17,7 @@ use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, writ
 use crate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
-use crate::scenes::file::unknown;
+use crate::scenes::unknown;
 use crate::scenes::{AnyScene, Prepared, Sense};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -180,9 +180,9 @@ fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
 impl CommandLine<'_> {
     fn no_problem(&self, scene: &dyn AnyScene) -> Failure {
         let able = self.scenes.iter().filter(|scene| scene.optimization_problem().is_some());
-        let names: Vec<String> = able.map(|scene| scene.scene_name()).collect();
+        let names: Vec<String> = able.map(|scene| scene.name()).collect();
         let others = if names.is_empty() { String::new() } else { format!("; scenes that do: {}", names.join(", ")) };
-        Failure::input(format!("the scene \"{}\" states no optimization problem{others}", scene.scene_name()))
+        Failure::input(format!("the scene \"{}\" states no optimization problem{others}", scene.name()))
     }
 }
 
@@ -203,7 +203,7 @@ fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f
 
 fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
     let Optimization { scene, problem, method, settings, .. } = optimization;
-    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    say(format_args!("{}: {}", scene.name(), scene.summary()));
     let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
     say(format_args!("{} {}", problem.sense.name(), problem.objective_name()));
     let constraints = count(problem.constraints.len(), "nonlinear constraint");
@@ -390,7 +390,7 @@ impl<'r> Report<'r> {
     /// The best design once more.
     fn best_motion(&self) -> Result<(Prepared<'r>, Vec<Snapshot>), RunError> {
         let Optimization { scene, method, settings, .. } = self.optimization;
-        let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), *settings)?;
+        let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), settings.clone())?;
         prepared.keep = Keep::Nothing;
         let mut kept = KeptMoments::default();
         let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
@@ -432,7 +432,7 @@ impl<'r> Report<'r> {
         }
         let design = optimization.variables().iter().zip(&best.design).map(|(v, &x)| (v.name.clone(), json_number(x)));
         json!({
-            "scene": optimization.scene.scene_name(),
+            "scene": optimization.scene.name(),
             "method": optimization.method.table.name,
             "optimizer": optimizer.name(),
             "gradient": gradient_name(optimization.gradient),

@@ -6,7 +6,7 @@ use crate::integrators::{
 };
 use crate::linalg::Backend;
 use crate::program::{Execution, set_execution};
-use crate::scenes::file::unknown;
+use crate::scenes::unknown;
 use crate::scenes::{AnyScene, FileScene, Output, Prepared, Settings};
 use clap::Args;
 use std::ops::Deref;
@@ -121,8 +121,8 @@ impl<'p> CommandLine<'p> {
         if is_path(name) {
             return Ok(FoundScene::File(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?)));
         }
-        let known: Vec<String> = self.scenes.iter().map(|scene| scene.scene_name()).collect();
-        let found = self.scenes.iter().find(|scene| scene.scene_name() == name);
+        let known: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
+        let found = self.scenes.iter().find(|scene| scene.name() == name);
         found
             .map(|scene| FoundScene::Own(*scene))
             .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))
@@ -218,7 +218,7 @@ impl SceneOptions {
     /// # Errors
     /// A name or a value that makes no sense.
     pub fn design(&self, scene: &dyn AnyScene) -> Result<Vec<f64>, Failure> {
-        changed_design(&scene.design_variables(), &self.set)
+        changed_design(&scene.variables(), &self.set)
     }
 
     /// Whether `--set` was given.
@@ -231,8 +231,9 @@ impl SceneOptions {
     /// # Errors
     /// The option, its value and what is allowed.
     pub fn simulation(&self, scene: &dyn AnyScene) -> Result<(Method, Settings), Failure> {
-        let mut settings = scene.default_settings();
-        let name = self.method.as_deref().or(settings.method.take()).unwrap_or(DEFAULT_TABLE);
+        let mut settings = scene.settings();
+        let own = settings.method.take();
+        let name = self.method.as_deref().or(own.as_deref()).unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(|message| Failure::input(format!("--method: {message}")))?;
         let table = table.ok_or_else(|| Failure::input(unknown("--method", name, &table_names())))?;
         let level = chosen("--constraint-level", &self.constraint_level, ConstraintLevel::ALL, ConstraintLevel::name)?;
@@ -268,13 +269,13 @@ impl SceneOptions {
 
     /// What is written: by the options, else by the scene.
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
-        let own = scene.default_output();
+        let own = scene.output();
         Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes }
     }
 
     /// The folder for the results.
     pub fn folder(&self, scene: &dyn AnyScene) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.scene_name()))
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()))
     }
 }
 

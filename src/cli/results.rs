@@ -362,7 +362,7 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
     }
     if let Some(first) = charts.first_mut() {
         let kind = if first.title.is_empty() { String::new() } else { format!(", {}", first.title) };
-        first.title = format!("{}{kind}", prepared.scene.scene_name());
+        first.title = format!("{}{kind}", prepared.scene.name());
         if let [only] = &mut first.series[..] {
             first.title += &format!(": {}", std::mem::take(&mut only.name));
         }

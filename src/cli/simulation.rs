@@ -118,7 +118,7 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
 /// Says what will be simulated.
 fn announce(prepared: &Prepared) -> Result<(), RunError> {
     let Prepared { scene, method, grid, plan, .. } = prepared;
-    say(format_args!("{}: {}", scene.scene_name(), scene.scene_summary()));
+    say(format_args!("{}: {}", scene.name(), scene.summary()));
     let end = grid.times[grid.steps()];
     let is_static = method.table.is_static();
     let steps = match prepared.control {
@@ -298,7 +298,7 @@ impl Simulation {
             .map(|(f, &value)| json!({"name": f.name, "value": json_number(value), "unit": f.value_unit()}))
             .collect();
         let mut object = Map::new();
-        object.insert("scene".into(), json!(prepared.scene.scene_name()));
+        object.insert("scene".into(), json!(prepared.scene.name()));
         object.insert("method".into(), json!(prepared.method.table.name));
         object.insert("constraint_level".into(), json!(prepared.method.constraint_level().name()));
         match prepared.control {

@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::interrupt::Guard;
 use super::study::{Figure, Form, Report, Study};
 use crate::io::{Cell, Table, number, write_file, write_panels};
-use crate::scenes::file::unknown;
+use crate::scenes::unknown;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -17,6 +17,7 @@ mod lagrangian;
 mod node_kind;
 mod nonholonomic;
 mod parameter;
+mod time_formula;
 mod time_function;
 
 pub mod bodies;
@@ -35,4 +36,5 @@ pub use frame::Frame;
 pub use node_kind::NodeKind;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
+pub use time_formula::{RecordedFunction, TimeFormula};
 pub use time_function::TimeFunction;

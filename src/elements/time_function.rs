@@ -1,4 +1,4 @@
-use super::Parameter;
+use super::{Parameter, RecordedFunction, TimeFormula};
 use crate::scalar::{CurveId, Interpolant, Scalar};
 use std::sync::Arc;
 
@@ -28,6 +28,8 @@ pub enum TimeFunction {
     Lines(CurveId),
     /// Natural cubic spline through (t_i, f_i), constant slope outside. Parameters: the values f_i; the times are topology.
     Table(CurveId),
+    /// One's own. Parameters: its own.
+    Own(RecordedFunction),
 }
 
 impl TimeFunction {
@@ -47,6 +49,14 @@ impl TimeFunction {
         CurveId::new(&times, Interpolant::Lines).map(TimeFunction::Lines)
     }
 
+    /// A function of one's own.
+    ///
+    /// # Errors
+    /// If it branches on a value.
+    pub fn own(formula: impl TimeFormula) -> Result<TimeFunction, String> {
+        RecordedFunction::of(formula).map(TimeFunction::Own)
+    }
+
     /// The parameters, their unit being `unit` for values of f.
     pub fn parameters(&self, unit: &'static str) -> Vec<Parameter> {
         let new = Parameter::new;
@@ -64,6 +74,7 @@ impl TimeFunction {
                 inner.parameters(unit).into_iter().chain([Parameter::positive("start duration", "s")]).collect()
             }
             TimeFunction::Table(curve) | TimeFunction::Lines(curve) => knot_values(curve.curve().knots().len(), unit),
+            TimeFunction::Own(own) => own.parameters().to_vec(),
         }
     }
 
@@ -83,6 +94,7 @@ impl TimeFunction {
                 [] => unreachable!("the start duration is the last parameter"),
             },
             TimeFunction::Table(curve) | TimeFunction::Lines(curve) => t.on_curve(*curve, p),
+            TimeFunction::Own(own) => own.value(t, p),
         }
     }
 
@@ -99,11 +111,12 @@ impl TimeFunction {
                 }
                 [] => unreachable!("the start duration is the last parameter"),
             },
+            TimeFunction::Own(own) => own.breakpoints(p),
             _ => Vec::new(),
         }
     }
 
-    /// Time of a jump of the value, if there is one.
+    /// Time of a jump of the value, if there is one; functions of one's own do not tell.
     pub fn jump(&self) -> Option<f64> {
         match self {
             TimeFunction::Step { switch } => Some(*switch),
@@ -113,11 +126,12 @@ impl TimeFunction {
     }
 
     /// Time at which the value or its rate jumps, if there is one: no driven motion can follow.
-    pub fn rate_jump(&self) -> Option<f64> {
+    pub fn rate_jump(&self, p: &[f64]) -> Option<f64> {
         match self {
             TimeFunction::Step { switch } => Some(*switch),
             TimeFunction::Lines(curve) => Some(curve.curve().knots()[0]),
-            TimeFunction::SmoothStart(inner) => inner.rate_jump(),
+            TimeFunction::SmoothStart(inner) => inner.rate_jump(p.split_last().map_or(p, |(_, own)| own)),
+            TimeFunction::Own(own) => own.rate_jump(p),
             _ => None,
         }
     }

@@ -1,8 +1,9 @@
 use crate::linalg::Singular;
 use std::fmt;
 
-/// Why a simulation stopped: where, what, how much, what to try.
-#[derive(Clone, Debug, PartialEq)]
+/// Why a simulation stopped: where, what, how much, what to try. Both forms are the sentence, so that `main() -> Result<(), RunError>`
+/// prints it.
+#[derive(Clone, PartialEq)]
 pub enum RunError {
     /// Input that makes no sense, found before the first step.
     Input(String),
@@ -126,6 +127,13 @@ impl fmt::Display for RunError {
             RunError::History { place, cause, hint } => write!(f, "{place}: {cause}; {hint}"),
             RunError::Interrupted { steps } => write!(f, "interrupted after {steps} finished steps"),
         }
+    }
+}
+
+// what `main` prints of an error is its Debug form: the sentence, not the names of fields
+impl fmt::Debug for RunError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -134,7 +134,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
     /// Builds a design and simulates it.
     fn simulate(&self, design: &[f64]) -> Result<(Prepared<'o>, Forward), RunError> {
         let Optimization { scene, method, settings, functionals, keep, .. } = self.optimization;
-        let mut prepared = Prepared::with(*scene, design, method.clone(), *settings)?;
+        let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
         let known = |name: &str| functionals.iter().position(|functional| functional.0 == name);
         prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
         prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));

@@ -83,10 +83,9 @@ impl<'s> Optimization<'s> {
     /// A scene without a problem, and those of [`Optimization::new`].
     pub fn of(scene: &'s dyn AnyScene) -> Result<Self, RunError> {
         let problem = scene.optimization_problem();
-        let problem = problem.ok_or_else(|| {
-            RunError::Input(format!("the scene \"{}\" states no optimization problem", scene.scene_name()))
-        })?;
-        let settings = scene.default_settings();
+        let problem = problem
+            .ok_or_else(|| RunError::Input(format!("the scene \"{}\" states no optimization problem", scene.name())))?;
+        let settings = scene.settings();
         Self::new(scene, problem, Prepared::method_of(&settings)?, settings)
     }
 
@@ -100,7 +99,7 @@ impl<'s> Optimization<'s> {
         method: Method,
         settings: Settings,
     ) -> Result<Self, RunError> {
-        let variables = scene.design_variables();
+        let variables = scene.variables();
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
         let mechanism = scene.build_real(&initial).map_err(RunError::Input)?;
         let named = |name: &str| {
@@ -109,7 +108,7 @@ impl<'s> Optimization<'s> {
         };
         let all = mechanism.functionals.iter();
         let names: Vec<&str> = all.clone().map(|functional| functional.name.as_str()).collect();
-        let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.scene_name()));
+        let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.name()));
         problem.check(&variables, &names).map_err(problem_of)?;
         let functionals = all.filter(|f| named(&f.name)).map(|f| (f.name.clone(), f.value_unit())).collect();
         let (keep, gradient, stopping) = (Keep::default(), GradientBy::Adjoint, Stopping::default());

@@ -17,6 +17,7 @@ mod thin_walls;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
+pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
 pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};

@@ -8,18 +8,21 @@ mod joint_ends;
 mod mesh_data;
 mod optimization_problem;
 mod prepared;
+mod run;
 mod scene;
+mod signal;
 mod sketch;
 mod solids;
 mod statics;
 mod surfaces;
+mod unknown;
 mod violation;
 
 pub mod built_in;
 
 pub use builder::{
-    BeamLine, BeamMember, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, FreeMesh, MechanismBuilder,
-    MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SurfaceMesh, ThinWalls,
+    BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, Force, FreeMesh,
+    MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
 };
 #[cfg(feature = "files")]
 pub use file::FileScene;
@@ -28,9 +31,12 @@ pub use joint_ends::JointEnd;
 pub use mesh_data::{FilePlace, MeshData};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
+pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
 pub use scene::{AnyScene, Output, Scene};
+pub use signal::Signal;
 pub use sketch::{Drawn, NodePoint, Sketch};
 pub use solids::{Rod, Solids};
 pub use statics::Equilibrium;
 pub use surfaces::Surface;
+pub(crate) use unknown::unknown;
 pub use violation::Violation;

@@ -14,7 +14,7 @@ use crate::scalar::Scalar;
 use crate::sensitivity::{Analysis, largest_difference};
 
 /// Defaults of a scene's runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Duration \[s\]; in statics the last load factor.
     pub end: f64,
@@ -27,7 +27,7 @@ pub struct Settings {
     /// What to do about inconsistent starts and redundant constraints.
     pub policy: ConstraintPolicy,
     /// Name of the scene's own integrator, where it is not the default one: see [`Prepared::method_of`].
-    pub method: Option<&'static str>,
+    pub method: Option<String>,
     /// Time derivative on which constraints are kept.
     pub level: ConstraintLevel,
     /// When Newton's method stops.
@@ -59,8 +59,8 @@ impl Settings {
 
     /// An integrator of the scene's own.
     #[must_use]
-    pub fn with_method(mut self, name: &'static str) -> Self {
-        self.method = Some(name);
+    pub fn with_method(mut self, name: impl Into<String>) -> Self {
+        self.method = Some(name.into());
         self
     }
 
@@ -139,7 +139,7 @@ impl<'s> Prepared<'s> {
     /// # Errors
     /// [`RunError::Input`] for a name that is not listed.
     pub fn method_of(settings: &Settings) -> Result<Method, RunError> {
-        let name = settings.method.unwrap_or(DEFAULT_TABLE);
+        let name = settings.method.as_deref().unwrap_or(DEFAULT_TABLE);
         let table = table_named(name).map_err(RunError::Input)?;
         let table = table
             .ok_or_else(|| RunError::Input(format!("the scene asks for the method \"{name}\", which is not listed")))?;
@@ -153,8 +153,8 @@ impl<'s> Prepared<'s> {
     /// # Errors
     /// See [`Prepared::with`].
     pub fn new(scene: &'s dyn AnyScene) -> Result<Self, RunError> {
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-        let settings = scene.default_settings();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let settings = scene.settings();
         Self::with(scene, &x, Self::method_of(&settings)?, settings)
     }
 
@@ -164,12 +164,12 @@ impl<'s> Prepared<'s> {
     /// # Errors
     /// A design out of bounds, a mistake of the scene, or a start that cannot be simulated, with names and numbers.
     pub fn with(scene: &'s dyn AnyScene, x: &[f64], method: Method, settings: Settings) -> Result<Self, RunError> {
-        let variables = scene.design_variables();
+        let variables = scene.variables();
         if let Some(name) = repeated(variables.iter().map(|variable| &*variable.name)) {
             return Err(RunError::Input(format!("two design variables are named \"{name}\"")));
         }
         check_design(&variables, x).map_err(RunError::Input)?;
-        if let Some(own) = settings.method.filter(|own| *own != method.table.name) {
+        if let Some(own) = settings.method.as_deref().filter(|own| *own != method.table.name) {
             return Err(RunError::Input(format!(
                 "the settings name the method \"{own}\", but \"{}\" is given: take Prepared::method_of(&settings), or settings \
                  without_method()",
@@ -286,7 +286,7 @@ impl<'s> Prepared<'s> {
             let changed = a.iter().zip(&b).find(|(a, b)| a != b).map_or("nodes or parts", |(a, _)| &a.0);
             return Err(format!(
                 "scene \"{}\": its topology changes with the design ({changed}); only numbers may depend on design variables",
-                self.scene.scene_name()
+                self.scene.name()
             ));
         }
         Ok(built.numbers)

@@ -20,7 +20,7 @@ pub trait Scene {
     /// Duration, steps, and what to do about redundant constraints.
     fn settings(&self) -> Settings;
     /// What is to be optimized, if anything.
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         None
     }
     /// What its runs write, where the command line does not say otherwise.
@@ -43,20 +43,20 @@ pub struct Output {
     pub meshes: bool,
 }
 
-/// A scene with its type erased; every [`Scene`] is one.
+/// A scene with its type erased; every [`Scene`] is one, with the same names. Where both traits are in scope, take `&dyn AnyScene`.
 pub trait AnyScene: Sync {
     /// Name on the command line.
-    fn scene_name(&self) -> String;
+    fn name(&self) -> String;
     /// What it is.
-    fn scene_summary(&self) -> String;
+    fn summary(&self) -> String;
     /// Design variables.
-    fn design_variables(&self) -> Vec<DesignVariable>;
+    fn variables(&self) -> Vec<DesignVariable>;
     /// Defaults of its runs.
-    fn default_settings(&self) -> Settings;
+    fn settings(&self) -> Settings;
     /// What is to be optimized.
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
     /// What its runs write.
-    fn default_output(&self) -> Output;
+    fn output(&self) -> Output;
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// Recorded, with values.
@@ -70,23 +70,23 @@ fn built<T: Scene + ?Sized, S: Scalar>(scene: &T, x: &[S]) -> Result<MechanismBu
 }
 
 impl<T: Scene + Sync> AnyScene for T {
-    fn scene_name(&self) -> String {
-        self.name()
+    fn name(&self) -> String {
+        Scene::name(self)
     }
-    fn scene_summary(&self) -> String {
-        self.summary()
+    fn summary(&self) -> String {
+        Scene::summary(self)
     }
-    fn design_variables(&self) -> Vec<DesignVariable> {
-        self.variables()
+    fn variables(&self) -> Vec<DesignVariable> {
+        Scene::variables(self)
     }
-    fn default_settings(&self) -> Settings {
-        self.settings()
+    fn settings(&self) -> Settings {
+        Scene::settings(self)
     }
     fn optimization_problem(&self) -> Option<OptimizationProblem> {
-        self.problem()
+        Scene::optimization_problem(self)
     }
-    fn default_output(&self) -> Output {
-        self.output()
+    fn output(&self) -> Output {
+        Scene::output(self)
     }
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)

@@ -173,7 +173,7 @@ mod tests {
     use crate::scenes::built_in::{FiveBar, Pendulum, PlatePendulum};
 
     fn mechanism(scene: &dyn AnyScene) -> MechanismBuilder<f64> {
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         scene.build_real(&x).unwrap()
     }
 

@@ -426,7 +426,7 @@ mod tests {
     #[test]
     fn surfaces_of_shells_hold_the_volume_of_the_plate() {
         let scene = PlatePendulum::default();
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let mechanism = scene.build_real(&x).unwrap();
         let prepared = crate::scenes::Prepared::new(&scene).unwrap();
         let forward = prepared.analysis().forward(&prepared.x).unwrap();

@@ -5,7 +5,7 @@ use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
-use crate::functionals::{Functional, Over, Totals, Values};
+use crate::functionals::{Functional, Over, Sample, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
     Counters, Guide, InitialState, Method, Pause, Problem, Recorder, Replay, RunError, StartPlan, StartRecord, StepControl,
@@ -204,6 +204,27 @@ impl<'m> Analysis<'m> {
     pub fn motion(&self, forward: &Forward, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
         let problem = self.problem(&forward.numbers);
         moments(&*forward.history, &Rerun::new(&problem, self.method, &forward.grid, self.plan), times)
+    }
+
+    /// Calls `see` with the start of a run and with the end of each of its steps: coordinates, rates, accelerations, multipliers.
+    ///
+    /// # Errors
+    /// A run that kept no steps; what the history says where it can't give a step.
+    pub fn for_each_sample(&self, forward: &Forward, mut see: impl FnMut(&Sample<f64>)) -> Result<(), RunError> {
+        let problem = self.problem(&forward.numbers);
+        let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
+        let mut steps = forward.history.forward(&rerun)?;
+        let start = forward.history.start_record();
+        let start = start.ok_or_else(|| RunError::Input("a run that was not begun has no motion".into()))?;
+        let mut sample = Sample::initial(start);
+        sample.share(self.model, &forward.numbers.p);
+        see(&sample);
+        while let Some(step) = steps.next()? {
+            sample.set_terminal(step);
+            sample.share(self.model, &forward.numbers.p);
+            see(&sample);
+        }
+        Ok(())
     }
 
     /// Whether all functionals of a run are numbers.

@@ -28,12 +28,12 @@ impl Drop for Folder {
 }
 
 fn scene(name: &str) -> Box<dyn AnyScene> {
-    built_in::all().into_iter().find(|scene| scene.scene_name() == name).expect("a built-in scene")
+    built_in::all().into_iter().find(|scene| scene.name() == name).expect("a built-in scene")
 }
 
 fn prepared<'s>(scene: &'s dyn AnyScene, method: Method, end: f64, steps: usize) -> Prepared<'s> {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let mut settings = Settings { end, steps, ..scene.default_settings().without_method() };
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let mut settings = Settings { end, steps, ..scene.settings().without_method() };
     settings.policy.project_start = true;
     Prepared::with(scene, &x, method, settings).expect("a sound scene")
 }
@@ -100,7 +100,7 @@ fn steps_that_were_given_up_leave_no_trace() {
     use ConstraintLevel::{Acceleration, Position, Velocity};
     let folder = Folder::new("chosen");
     let scene = scene("five-bar");
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let mut rejected = 0;
     // each with fewer than 100 steps: one checkpoint means computing them again n^2 / 2 times
     let members = [
@@ -113,8 +113,7 @@ fn steps_that_were_given_up_leave_no_trace() {
     for (table, level) in members {
         let place = format!("{table}, {} level", level.name());
         let method = Method::new(table_by_name(table).expect("listed"), level);
-        let settings =
-            Settings { end: 2.5, ..scene.default_settings().without_method() }.choosing_steps(StepControl::new(1e-3));
+        let settings = Settings { end: 2.5, ..scene.settings().without_method() }.choosing_steps(StepControl::new(1e-3));
         let mut prepared = Prepared::with(&*scene, &x, method, settings).expect("a sound scene");
         let forward = prepared.analysis().forward(&x).expect(&place);
         rejected += forward.rejected;
@@ -200,8 +199,8 @@ fn a_run_within_a_memory_is_kept_there_or_as_checkpoints_or_ends_with_both_sizes
     }
     assert_eq!(results[0], results[1]);
     // how many steps there will be is not known
-    let given = Settings { end: 1.0, steps: 400, ..scene.default_settings() };
-    for settings in [given.choosing_steps(StepControl::new(1e-10)), given.dividing_steps()] {
+    let given = Settings { end: 1.0, steps: 400, ..scene.settings() };
+    for settings in [given.clone().choosing_steps(StepControl::new(1e-10)), given.dividing_steps()] {
         let mut prepared = Prepared::with(&*scene, &prepared.x, Prepared::default_method(), settings).expect("a scene");
         prepared.keep = Keep::Within(budget);
         let message = prepared.analysis().forward(&prepared.x).expect_err("no room").to_string();

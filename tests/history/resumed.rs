@@ -104,10 +104,10 @@ fn given_steps_go_on_bit_by_bit() {
 #[test]
 fn chosen_and_divided_steps_go_on_bit_by_bit() {
     let scene = scene("five-bar");
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = Method::new(table_by_name("esdirk4").expect("listed"), ConstraintLevel::Velocity);
-    let settings = Settings { end: 2.5, ..scene.default_settings().without_method() };
-    let chosen = settings.choosing_steps(StepControl::new(1e-3));
+    let settings = Settings { end: 2.5, ..scene.settings().without_method() };
+    let chosen = settings.clone().choosing_steps(StepControl::new(1e-3));
     let mut chosen = Prepared::with(&*scene, &x, method, chosen).expect("a sound scene");
     goes_on(&mut chosen, "chosen steps");
     let rejected = outcome(&chosen, "chosen steps").0.rejected;
@@ -124,10 +124,9 @@ fn chosen_and_divided_steps_go_on_bit_by_bit() {
 
     // load steps that grow and are given up
     let scene = super::scene("princeton-beam");
-    let settings =
-        scene.default_settings().without_method().choosing_steps(StepControl { longest: 0.1, ..StepControl::new(1e-3) });
+    let settings = scene.settings().without_method().choosing_steps(StepControl { longest: 0.1, ..StepControl::new(1e-3) });
     let method = Method::new(table_named("static").expect("listed").expect("listed"), ConstraintLevel::Velocity);
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     goes_on(&mut Prepared::with(&*scene, &x, method, settings).expect("a sound scene"), "load steps");
 }
 

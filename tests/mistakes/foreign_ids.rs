@@ -65,10 +65,12 @@ fn nodes_of_another_mechanism_are_refused_by_the_name_of_what_takes_hold_of_them
             m.line_spring("spring", [body, node], [Vector3::zeros(), Vector3::x()], 1.0, 1.0);
         }),
         ("bush", |m, body, node| {
-            m.bushing("bush", [body, node], Vector3::zeros(), Quaternion::identity(), [[1.0; 6]; 2]);
+            let [stiffness_along, stiffness_about, damping_along, damping_about] = [[1.0; 3]; 4];
+            let rates = BushingRates { stiffness_along, stiffness_about, damping_along, damping_about };
+            m.bushing("bush", [body, node], Vector3::zeros(), Quaternion::identity(), rates);
         }),
         ("coil", |m, _, node| {
-            m.coordinate_spring_damper("coil", node, 0, [1.0; 3]);
+            m.coordinate_spring_damper("coil", node, 0, SpringDamper { stiffness: 1.0, damping: 1.0, rest: 1.0 });
         }),
         ("arm", |m, _, node| {
             let line = BeamLine::straight([Vector3::zeros(), Vector3::x()], 1, Vector3::y()).from_node(node);
@@ -140,7 +142,7 @@ fn refusal(
     m.joint_load_functional("load", over, (joint, body), (LoadKind::Force, LoadFrame::World), x, zero);
     m.functional("own", "N", over, (&[], &[joint]), ReactionNorm, &[]);
     m.section_functional("moment", over, beam, 0.5, SectionMeasure::Force(4));
-    m.distributed_load("wind", beam, (LoadFrame::World, x), TimeFunction::Constant, &[1.0]);
+    m.distributed_load("wind", beam, (LoadFrame::World, x), Signal::Constant(1.0));
     m.cable_strain_functional("strain", over, cable, 0.5, CableMeasure::Strain);
     m.largest_cable_stress_functional("stress", cable, 1.0, 0.1, 1.0);
     m.finish().err().expect("the strangers went unnoticed")

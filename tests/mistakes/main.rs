@@ -135,8 +135,8 @@ impl Scene for Mistaken {
                 m.energy_functional("energy", Over::Terminal);
             }
             Some(JumpingDriver) => {
-                let jump = TimeFunction::Step { switch: 0.5 };
-                m.prescribed_rotation("motor", [ground, rod], hinge, jump, &[S::zero(), S::one()]);
+                let jump = Signal::Step { before: S::zero(), after: S::one(), switch: 0.5 };
+                m.prescribed_rotation("motor", [ground, rod], hinge, jump);
             }
             Some(ZeroPitch) => drop(m.helical("screw", [ground, rod], hinge, hinge, S::zero())),
             Some(SkewPins) => drop(m.universal("cross", [ground, rod], hinge, [axis, axis + hinge])),

@@ -131,7 +131,7 @@ fn gradients_of_everything_that_a_file_can_say_are_those_of_a_complex_step() {
     for (name, text) in FILES {
         let scene = FileScene::parse(&format!("{name}.toml"), text).unwrap_or_else(|why| panic!("{why}"));
         let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
-        assert!(!scene.design_variables().is_empty() && !prepared.functionals().is_empty(), "{name}");
+        assert!(!scene.variables().is_empty() && !prepared.functionals().is_empty(), "{name}");
         let analysis = prepared.analysis();
         let forward = analysis.forward(&prepared.x).unwrap_or_else(|why| panic!("{name}: {why}"));
         let adjoint = analysis.adjoint(&prepared.x, &forward).unwrap();

@@ -29,14 +29,14 @@ const STEPS: usize = 40;
 
 /// A scene at its initial design with the steps of its own settings, but not more than some.
 fn prepared(scene: &dyn AnyScene) -> Prepared<'_> {
-    let mut settings = scene.default_settings();
+    let mut settings = scene.settings();
     let method = Prepared::method_of(&settings).unwrap();
     if settings.steps > STEPS && !method.table.is_static() {
         settings.end *= STEPS as f64 / settings.steps as f64;
         settings.steps = STEPS;
     }
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    Prepared::with(scene, &x, method, settings).unwrap_or_else(|why| panic!("{}: {why}", scene.scene_name()))
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    Prepared::with(scene, &x, method, settings).unwrap_or_else(|why| panic!("{}: {why}", scene.name()))
 }
 
 /// Largest difference of two lists of numbers as a share of the largest number of `of`.
@@ -63,9 +63,9 @@ fn same_variables(a: &[DesignVariable], b: &[DesignVariable]) -> bool {
 /// Holds a file against its twin: parts and numbers, functionals and gradients.
 fn compare(path: &Path) {
     let scene = read(path);
-    let name = scene.scene_name();
+    let name = scene.name();
     assert_eq!(path.file_stem().unwrap().to_str().unwrap(), name, "the name of the file and of the scene");
-    let twin = built_in::all().into_iter().find(|twin| twin.scene_name() == name);
+    let twin = built_in::all().into_iter().find(|twin| twin.name() == name);
     let Some(twin) = twin else {
         // a file without a twin: its gradient is checked by complex step
         let prepared = prepared(&scene);
@@ -79,10 +79,10 @@ fn compare(path: &Path) {
         }
         return;
     };
-    assert_eq!(scene.scene_summary(), twin.scene_summary(), "{name}");
-    let (variables, others) = (scene.design_variables(), twin.design_variables());
+    assert_eq!(scene.summary(), twin.summary(), "{name}");
+    let (variables, others) = (scene.variables(), twin.variables());
     assert!(same_variables(&variables, &others), "{name}: {variables:?}\n{others:?}");
-    assert_eq!(scene.default_settings(), twin.default_settings(), "{name}");
+    assert_eq!(scene.settings(), twin.settings(), "{name}");
     assert_eq!(scene.optimization_problem(), twin.optimization_problem(), "{name}");
     let (own, other) = (prepared(&scene), prepared(&*twin));
 

@@ -148,7 +148,7 @@ fn derivatives_by_the_thicknesses_of_faces_and_of_nodes_add_up_to_that_by_one() 
     let (values, one) = values_and_gradients(&sheet("", &text, OF_MESH));
     for (key, count) in [("per_face = \"sheet\"", 2), ("per_node = \"sheet\"", 15)] {
         let scene = sheet(key, &text, OF_MESH);
-        let names: Vec<String> = scene.design_variables().iter().map(|own| own.name.clone()).collect();
+        let names: Vec<String> = scene.variables().iter().map(|own| own.name.clone()).collect();
         assert_eq!(names, (0..count).map(|number| format!("h[{number}]")).collect::<Vec<_>>());
         // one name stands for all where variables are chosen
         assert_eq!(scene.optimization_problem().unwrap().varying.unwrap(), names);

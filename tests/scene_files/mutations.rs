@@ -156,7 +156,7 @@ fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
         let text = mutated(texts[scatter.below(texts.len())], &mut scatter);
         let outcome = std::panic::catch_unwind(|| match FileScene::parse("scene.toml", &text) {
             Ok(scene) => {
-                let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+                let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
                 (true, scene.build_real(&x).is_ok())
             }
             Err(why) => {

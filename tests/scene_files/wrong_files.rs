@@ -192,7 +192,7 @@ pub fn refusal(text: &str) -> String {
         Ok(scene) => scene,
         Err(why) => return why,
     };
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     match scene.build_real(&x) {
         Ok(_) => Prepared::new(&scene).err().map_or_else(|| "nothing was found".into(), |error| error.to_string()),
         Err(why) => why,

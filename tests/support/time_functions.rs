@@ -1,9 +1,21 @@
 //! Every function of time, for the contract tests of all that holds one.
 
-use costate::elements::TimeFunction;
+use costate::elements::{Parameter, TimeFormula, TimeFunction};
+use costate::scalar::Scalar;
 use std::sync::Arc;
 
 use TimeFunction::SmoothStart;
+
+/// A function of somebody's own: A sin(w t + r t^2 / 2).
+struct Chirp;
+
+impl TimeFormula for Chirp {
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("amplitude", "-"), Parameter::new("w", "rad/s"), Parameter::new("r", "rad/s2")];
+    fn value<S: Scalar>(&self, t: S, p: &[S]) -> S {
+        p[0] * ((p[1] + p[2] * t * 0.5) * t).sin()
+    }
+}
 
 /// Name, function and sample parameters; nothing happens outside of times in [-1, 1].
 pub fn time_functions() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
@@ -16,6 +28,12 @@ pub fn time_functions() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
         ("smooth start of a sine", SmoothStart(Arc::new(TimeFunction::Sine)), vec![0.2, 1.4, 2.3, 0.6, 0.7]),
         ("smooth start of a ramp", SmoothStart(Arc::new(TimeFunction::SmoothRamp)), vec![0.3, 1.7, 0.1, 0.7, 0.3]),
         ("lines", TimeFunction::lines(vec![-0.6, 0.2, 0.7]).expect("increasing"), vec![0.5, -0.3, 0.9]),
+        ("own", TimeFunction::own(Chirp).expect("no branch"), vec![1.2, 1.9, 0.7]),
+        (
+            "smooth start of one's own",
+            SmoothStart(Arc::new(TimeFunction::own(Chirp).expect("no branch"))),
+            vec![1.2, 1.9, 0.7, 0.4],
+        ),
         ("table", TimeFunction::table(vec![-0.7, -0.2, 0.1, 0.8]).expect("increasing"), vec![0.5, -0.3, 0.9, 0.2]),
     ]
 }

@@ -138,11 +138,11 @@ fn princeton(report: &mut Report) -> Result<(), String> {
     let scene: &dyn AnyScene = scene.as_ref();
     for (degrees, expected) in reference {
         let x: Vec<f64> = scene
-            .design_variables()
+            .variables()
             .iter()
             .map(|variable| if variable.name == "load angle" { f64::to_radians(degrees) } else { variable.initial })
             .collect();
-        let settings = scene.default_settings();
+        let settings = scene.settings();
         let method = Prepared::method_of(&settings).map_err(|error| error.to_string())?;
         let prepared = Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())?;
         let tip = prepared.equilibrium().map_err(|error| error.to_string())?;

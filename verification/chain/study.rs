@@ -98,9 +98,9 @@ fn compare_errors(report: &mut Report) -> Result<(), String> {
     let tip = |name: &str, level: ConstraintLevel, steps: usize| -> Result<([f64; 3], f64), String> {
         let scene = Chain { bodies: LADDER_BODIES, variables: ChainVariables::Common };
         let scene: &dyn AnyScene = scene.as_ref();
-        let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
         let method = Method::new(table_by_name(name).ok_or("a method is not listed")?, level);
-        let settings = Settings { steps, ..scene.default_settings().without_method() };
+        let settings = Settings { steps, ..scene.settings().without_method() };
         let prepared = Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())?;
         let (analysis, start) = (prepared.analysis(), Clock::start());
         let forward = analysis.forward(&x).map_err(|error| error.to_string())?;
@@ -168,9 +168,9 @@ fn write_one(report: &mut Report, method: &str, (bodies, steps): (usize, usize),
 fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> Result<Cost, String> {
     let scene = Chain { bodies, variables: ChainVariables::Common };
     let scene: &dyn AnyScene = scene.as_ref();
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let prepare = |steps: usize| {
-        let settings = Settings { end: STEP * steps as f64, steps, ..scene.default_settings().without_method() };
+        let settings = Settings { end: STEP * steps as f64, steps, ..scene.settings().without_method() };
         Prepared::with(scene, &x, method.clone(), settings).map_err(|error| error.to_string())
     };
     // a first step alone costs what is set up once: it is subtracted

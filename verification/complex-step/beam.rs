@@ -6,7 +6,7 @@ use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{Material, Section};
 use costate::elements::forces::LoadFrame;
 use costate::scalar::{Scalar, SpatialVector, Vector3};
-use costate::scenes::{BeamLine, BeamMember, MechanismBuilder};
+use costate::scenes::{BeamLine, BeamMember, MechanismBuilder, Signal};
 
 /// What is tested of the beam.
 #[derive(Clone, Debug)]
@@ -140,11 +140,12 @@ impl BeamSubject {
         let load = rest[9];
         match self {
             BeamSubject::Load(frame, size) => {
-                m.distributed_load("load", &beam, (*frame, Vector3::from_f64([0.5, -0.3, 0.8])), size.clone(), function);
+                let (direction, size) = (Vector3::from_f64([0.5, -0.3, 0.8]), Signal::of(size.clone(), function));
+                m.distributed_load("load", &beam, (*frame, direction), size);
             }
             BeamSubject::Design => {
                 let direction = (LoadFrame::Body, Vector3::from_f64([0.5, -0.3, 0.8]));
-                m.distributed_load("load", &beam, direction, TimeFunction::ConstantRate, &[load, load]);
+                m.distributed_load("load", &beam, direction, Signal::ConstantRate { offset: load, rate: load });
             }
             BeamSubject::Element(_) | BeamSubject::Weight(_) => {}
         }

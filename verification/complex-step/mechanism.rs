@@ -7,7 +7,7 @@ use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::forces::{AppliedForce, AppliedTorque};
 use costate::elements::{Constraint, NodeKind, joints};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::MechanismBuilder;
+use costate::scenes::{BushingRates, MechanismBuilder, Signal, SpringDamper};
 use std::ops::Range;
 
 /// Where a joint between arm and link stands.
@@ -71,9 +71,9 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
         RollingSphere => m.rolling_sphere(["contact", name], both, elbow, axis, S::from(0.3))[1],
         Rotation(angle) => {
             m.revolute("hinge", both, elbow, axis);
-            m.prescribed_rotation(name, both, axis, angle.clone(), function)
+            m.prescribed_rotation(name, both, axis, Signal::of(angle.clone(), function))
         }
-        Translation(path) => m.prescribed_translation(name, both, [elbow; 2], axis, path.clone(), function),
+        Translation(path) => m.prescribed_translation(name, both, [elbow; 2], axis, Signal::of(path.clone(), function)),
         other => unreachable!("{other:?} is no joint"),
     }
 }
@@ -236,7 +236,7 @@ impl Case {
             LineSpring => drop(m.line_spring(name, both, ends, S::from(60.0), S::from(0.7))),
             LineDamper => drop(m.line_damper(name, both, ends, S::from(3.0))),
             VectorDamper => drop(m.vector_damper(name, both, ends, S::from(2.0))),
-            TorsionSpringDamper => drop(m.torsion_spring_damper(name, both, axis, [8.0, 0.5, -0.4].map(S::from))),
+            TorsionSpringDamper => drop(m.torsion_spring_damper(name, both, axis, spring_damper([8.0, 0.5, -0.4]))),
             Force(on, frame, size) => {
                 let p = [vec![0.5, -0.3, 0.8].into_iter().chain([0.2, -0.1, 0.3]).map(S::from).collect(), f].concat();
                 let node = if *on == NodeKind::Body { arm } else { second };
@@ -246,14 +246,19 @@ impl Case {
                 let p = [[0.7, 0.4, -0.5].map(S::from).to_vec(), f].concat();
                 m.element(name, &[arm], AppliedTorque { on: NodeKind::Body, frame: *frame, size: size.clone() }, &p);
             }
-            SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, [60.0, 2.0, 0.1].map(S::from))),
+            SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, spring_damper([60.0, 2.0, 0.1]))),
             CoordinateSpringDamper => {
                 let angle = m.joint_angle("angle", both, axis);
-                m.coordinate_spring_damper(name, angle, 0, [8.0, 0.5, -0.4].map(S::from));
+                m.coordinate_spring_damper(name, angle, 0, spring_damper([8.0, 0.5, -0.4]));
             }
             Bushing => {
-                let each = [[60.0, 50.0, 70.0, 8.0, 7.0, 9.0], [2.0, 1.0, 1.5, 0.5, 0.6, 0.4]].map(|c| c.map(S::from));
-                m.bushing(name, both, elbow, arm_rotation, each);
+                let rates = BushingRates {
+                    stiffness_along: [60.0, 50.0, 70.0].map(S::from),
+                    stiffness_about: [8.0, 7.0, 9.0].map(S::from),
+                    damping_along: [2.0, 1.0, 1.5].map(S::from),
+                    damping_about: [0.5, 0.6, 0.4].map(S::from),
+                };
+                m.bushing(name, both, elbow, arm_rotation, rates);
             }
             Soft(kind) => softened(kind, &host, m),
             kind => joint = Some(add_joint(kind, &host, m)),
@@ -287,4 +292,8 @@ impl Case {
         let shoulder = shoulder_joint;
         (Seen { arm, second, second_is, ground, shoulder, joint, equations, beam: flexible, cable, shell }, places)
     }
+}
+
+fn spring_damper<S: Scalar>([stiffness, damping, rest]: [f64; 3]) -> SpringDamper<S> {
+    SpringDamper { stiffness: S::from(stiffness), damping: S::from(damping), rest: S::from(rest) }
 }

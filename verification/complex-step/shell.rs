@@ -7,7 +7,7 @@ use costate::elements::flexible::faces::FaceKind;
 use costate::elements::flexible::{Laminate, Material, Ply};
 use costate::elements::forces::LoadFrame;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, ShellMember, ShellMesh};
+use costate::scenes::{MechanismBuilder, ShellMember, ShellMesh, Signal};
 
 /// What is tested of the shell.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ impl ShellSubject {
             m.numbers.p[element.parameters.start + kind.drilling()] = S::from(1e-3);
         }
         if let ShellSubject::Pressure(frame, size) = self {
-            m.pressure("pressure", &shell, *frame, size.clone(), function);
+            m.pressure("pressure", &shell, *frame, Signal::of(size.clone(), function));
         }
         for (place, &node) in shell.nodes.iter().enumerate().skip(1) {
             let phase = place as f64;

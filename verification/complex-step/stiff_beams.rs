@@ -56,9 +56,9 @@ pub fn run(report: &mut Report) -> Result<(), RunError> {
 
 /// One scene up to an end [s] with steps of 0.01 s.
 fn of_scene(report: &mut Report, scene: &dyn AnyScene, end: f64, axial: Option<f64>) -> Result<(), RunError> {
-    let mut settings = scene.default_settings().without_method();
+    let mut settings = scene.settings().without_method();
     (settings.end, settings.steps) = (end, (100.0 * end) as usize);
-    let variables = scene.design_variables();
+    let variables = scene.variables();
     let at = |name: &str, initial: f64| axial.filter(|_| name == STIFFNESS.0).unwrap_or(initial);
     let x: Vec<f64> = variables.iter().map(|variable| at(&variable.name, variable.initial)).collect();
     let direction: Vec<f64> = x.iter().zip(1..).map(|(x, i)| f64::from(3 * i).cos() * x.abs()).collect();
@@ -70,7 +70,7 @@ fn of_scene(report: &mut Report, scene: &dyn AnyScene, end: f64, axial: Option<f
     let scatter = scatter(&analysis, &x)?;
     let stiffness = axial.map_or(String::new(), |axial| format!(", EA = {axial:.1e} N"));
     for (k, functional) in prepared.functionals().iter().enumerate() {
-        let name = format!("stiff/{}{stiffness}/{}", scene.scene_name(), functional.name);
+        let name = format!("stiff/{}{stiffness}/{}", scene.name(), functional.name);
         let terms = || adjoint.rows[k].iter().zip(&direction).map(|(g, d)| g * d);
         let (slope, largest) = (terms().sum::<f64>(), terms().fold(0.0, |s: f64, term| s.max(term.abs())));
         let (miss, floor) = ((slope - quotients[k].value).abs() / largest, SCATTER * quotients[k].floor / largest);

@@ -20,7 +20,7 @@ use costate::integrators::{
     ConstraintLevel, DEFAULT_TABLE, Method, RunError, STATIC_TABLE, StepControl, Table, TimeGrid, table_by_name,
     table_named, tables,
 };
-use costate::scenes::{AnyScene, Prepared, Scene, Settings};
+use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::largest_difference;
 use measures::Reads;
 use quotient::Quotient;
@@ -270,10 +270,10 @@ impl Outcome {
 fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outcome, RunError> {
     let method = Method::new(member.table.clone(), level);
     let scene: &dyn AnyScene = case;
-    let variables = scene.design_variables();
+    let variables = scene.variables();
     let x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
     let control = member.control(level);
-    let settings = Settings { control, ..case.settings() };
+    let settings = Settings { control, ..scene.settings() };
     let prepared = Prepared::with(scene, &x, method, settings)?;
     let forward = prepared.analysis().forward(&x)?;
     // gradients are those of the steps taken

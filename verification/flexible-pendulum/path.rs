@@ -35,9 +35,9 @@ impl Path {
 
 /// A scene at its initial design, with a method by its name.
 pub fn prepare<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Result<Prepared<'s>, RunError> {
-    let mut settings = scene.default_settings().without_method();
+    let mut settings = scene.settings().without_method();
     (settings.end, settings.steps) = (end, steps);
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let table = table_named(method).map_err(RunError::Input)?;
     let table = table.ok_or_else(|| RunError::Input(format!("no method {method}")))?;
     Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)

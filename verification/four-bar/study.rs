@@ -97,9 +97,9 @@ fn method(name: &str) -> Result<Method, String> {
 }
 
 fn prepare<'s>(scene: &'s dyn AnyScene, name: &str) -> Result<Prepared<'s>, RunError> {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = method(name).map_err(RunError::Input)?;
-    Prepared::with(scene, &x, method, scene.default_settings().without_method())
+    Prepared::with(scene, &x, method, scene.settings().without_method())
 }
 
 fn run(name: &str, elements: [usize; 3], steps: usize) -> Result<Course, RunError> {

@@ -48,8 +48,8 @@ impl Study for Functionals {
 
 fn prepare<'s>(scene: &'s ShellPendulum, method: &str) -> Result<Prepared<'s>, RunError> {
     let table = table_by_name(method).ok_or_else(|| RunError::Input(format!("there is no method {method}")))?;
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), scene.default_settings())
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), scene.settings())
 }
 
 /// Derivatives by each thickness, the length, Young's modulus and the yield stress; each in the unit of a relative change.

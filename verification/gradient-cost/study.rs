@@ -61,8 +61,8 @@ fn all_scenes(report: &mut Report, threads: usize) -> Result<(), String> {
     let repeats = if report.is_short() { 1 } else { REPEATS };
     let scenes = built_in::all();
     for (name, end, steps) in SCENES {
-        let scene = scenes.iter().find(|scene| scene.scene_name() == name).ok_or(format!("no scene \"{name}\""))?;
-        let settings = Settings { end, steps, control: None, ..scene.default_settings() };
+        let scene = scenes.iter().find(|scene| scene.name() == name).ok_or(format!("no scene \"{name}\""))?;
+        let settings = Settings { end, steps, control: None, ..scene.settings() };
         let prepared = prepare(&**scene, settings)?;
         let functionals = prepared.functionals().len();
         let mut times = Times::default();
@@ -82,7 +82,7 @@ fn all_scenes(report: &mut Report, threads: usize) -> Result<(), String> {
 }
 
 fn prepare(scene: &dyn AnyScene, settings: Settings) -> Result<Prepared<'_>, String> {
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = Prepared::method_of(&settings).map_err(|error| error.to_string())?;
     Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())
 }
@@ -118,7 +118,7 @@ fn numbers_of_variables(report: &mut Report) -> Result<(), String> {
     let chains = [ChainVariables::Common, ChainVariables::Separate].map(|variables| Chain { bodies: BARS, variables });
     let mut prepared = Vec::new();
     for chain in &chains {
-        prepared.push(prepare(chain, Settings { end: 0.01, steps: 2, ..chain.default_settings() })?);
+        prepared.push(prepare(chain, Settings { end: 0.01, steps: 2, ..chain.settings() })?);
     }
     let mut costs: Vec<Cost> = prepared.iter().map(|_| Cost::default()).collect();
     // alternating, so that both see the same machine

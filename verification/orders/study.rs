@@ -174,7 +174,7 @@ fn report_orders(report: &mut Report, problem: &Problem, table: &Table, level: C
 fn errors(problem: &Problem, table: &Table, level: ConstraintLevel, steps: usize) -> Result<[f64; 4], String> {
     let (scene, exact) = (problem.scene, problem.exact);
     let words = |error: costate::integrators::RunError| format!("{} at {} level: {error}", table.name, level.name());
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = Method::new(table.clone(), level);
     let prepared = Prepared::with(scene, &x, method, Settings::new(1.0, steps)).map_err(words)?;
     let mut last = None;

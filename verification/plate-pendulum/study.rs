@@ -80,7 +80,7 @@ struct Subject {
 
 fn prepare(scene: &dyn AnyScene, steps: usize) -> Result<Prepared<'_>, RunError> {
     let table = table_by_name(METHOD).ok_or_else(|| RunError::Input(format!("no method {METHOD}")))?;
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let settings = Settings::new(1e-3 * steps as f64, steps);
     let mut prepared = Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)?;
     prepared.mechanism.functionals.truncate(1);
@@ -118,7 +118,7 @@ fn gradient(report: &mut Report, scene: &dyn AnyScene) -> Result<(), RunError> {
     let (adjoint, stepped) = (analysis.adjoint(&prepared.x, &forward)?, analysis.complex_step(&prepared.x, &forward)?);
     for ((functional, own), other) in prepared.functionals().iter().zip(&adjoint.rows).zip(&stepped.rows) {
         report.at_most(
-            format!("gradient/{}/{}, adjoint - complex step", scene.scene_name(), functional.name),
+            format!("gradient/{}/{}, adjoint - complex step", scene.name(), functional.name),
             largest_difference(own, other),
             EXACT,
         );

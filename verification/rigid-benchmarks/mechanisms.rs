@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 /// Initial value of a scene's design variable.
 fn initial(scene: &dyn AnyScene, name: &str) -> Result<f64, String> {
-    let found = scene.design_variables().into_iter().find(|variable| variable.name == name);
+    let found = scene.variables().into_iter().find(|variable| variable.name == name);
     found.map(|variable| variable.initial).ok_or(format!("no variable {name}"))
 }
 

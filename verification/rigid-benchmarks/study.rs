@@ -52,8 +52,8 @@ type Part = fn(&mut Report) -> Result<(), String>;
 /// A scene at its initial design with a table at acceleration level.
 fn prepare<'s>(scene: &'s dyn AnyScene, table: &str, end: f64, steps: usize) -> Result<Prepared<'s>, String> {
     let table = table_by_name(table).ok_or_else(|| format!("no integrator is named \"{table}\""))?;
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
-    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let settings = Settings { end, steps, ..scene.settings().without_method() };
     Prepared::with(scene, &x, Method::new(table, ConstraintLevel::Acceleration), settings).map_err(|e| e.to_string())
 }
 
@@ -252,7 +252,7 @@ fn five_bar(report: &mut Report) -> Result<(), String> {
 fn constraint_drift(report: &mut Report) -> Result<(), String> {
     const STEPS: usize = 100_000;
     for scene in [DoublePendulum.as_ref(), HeavyTop.as_ref()] {
-        let name = scene.scene_name();
+        let name = scene.name();
         let prepared = prepare(scene, DEFAULT_TABLE, 100.0, STEPS)?;
         let mut worst = Violation::default();
         watch(&prepared, |step, t, q, v| {

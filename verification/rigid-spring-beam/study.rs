@@ -115,7 +115,7 @@ fn optimize_with(steps: usize, report: &mut Report) -> Result<Optimized, RunErro
 
 /// The objective of a design with another integrator.
 fn with_method(name: &'static str, design: &[f64], steps: usize) -> Result<f64, RunError> {
-    let settings = Settings { method: Some(name), steps, ..RigidSpringBeam.settings() };
+    let settings = Settings { method: Some(name.into()), steps, ..RigidSpringBeam.settings() };
     let prepared = Prepared::with(RigidSpringBeam.as_ref(), design, Prepared::method_of(&settings)?, settings)?;
     Ok(prepared.analysis().values(&prepared.x)?[0])
 }

@@ -27,7 +27,7 @@ impl Scene for SlenderCantilever {
         vec![DesignVariable::new("load", self.load, (-100.0, 100.0), "N")]
     }
     fn settings(&self) -> Settings {
-        self.settings
+        self.settings.clone()
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let (zero, one, axial) = (S::zero(), S::one(), S::from(self.axial));

@@ -231,7 +231,8 @@ impl<S: Scalar> Growing<'_, S> {
             1 => {
                 let name = self.name("drive");
                 let (function, values) = self.time_function();
-                self.joints.push(self.m.prescribed_rotation(&name, nodes, axis, function, &values));
+                let signal = Signal::of(function, &values);
+                self.joints.push(self.m.prescribed_rotation(&name, nodes, axis, signal));
             }
             2 => {
                 let name = self.name("angle");
@@ -257,7 +258,13 @@ impl<S: Scalar> Growing<'_, S> {
                 let name = self.name("drive");
                 let (function, mut values) = self.time_function();
                 values.iter_mut().take(2).for_each(|value| *value *= self.by.length);
-                self.joints.push(self.m.prescribed_translation(&name, nodes, [point; 2], axis, function, &values));
+                self.joints.push(self.m.prescribed_translation(
+                    &name,
+                    nodes,
+                    [point; 2],
+                    axis,
+                    Signal::of(function, &values),
+                ));
             }
             1 => {
                 let name = self.name("slide spring");
@@ -269,10 +276,10 @@ impl<S: Scalar> Growing<'_, S> {
     }
 
     /// Stiffness, damping and the place of rest.
-    fn spring_damper(&mut self) -> [S; 3] {
+    fn spring_damper(&mut self) -> SpringDamper<S> {
         let stiffness = self.by.stiffness * self.lots.size(0.1, 1e5);
         let damping = if self.lots.happens(0.5) { self.by.damping * self.lots.size(1e-2, 1e2) } else { S::zero() };
-        [stiffness, damping, S::from(self.lots.number(-0.3, 0.3))]
+        SpringDamper { stiffness, damping, rest: S::from(self.lots.number(-0.3, 0.3)) }
     }
 
     /// A function that begins with zero, and its parameters.
@@ -309,7 +316,7 @@ impl<S: Scalar> Growing<'_, S> {
         let name = self.name("spring");
         let ends = places.map(|place| place.at + self.place() * S::from(0.1));
         let nodes = places.map(|place| place.node);
-        let [stiffness, damping, _] = self.spring_damper();
+        let SpringDamper { stiffness, damping, .. } = self.spring_damper();
         let rest = (ends[1] - ends[0]).length() * self.lots.number(0.5, 1.2);
         self.m.line_spring(&name, nodes, ends, stiffness, rest);
         let name = self.name("damper");
@@ -366,7 +373,7 @@ impl<S: Scalar> Growing<'_, S> {
             let name = self.name("load on a beam");
             let (frame, direction) = (self.lots.pick(&[LoadFrame::World, LoadFrame::Body]), self.axis());
             let size = self.by.load * self.lots.size(0.1, 10.0);
-            self.m.distributed_load(&name, &member, (frame, direction), TimeFunction::Constant, &[size]);
+            self.m.distributed_load(&name, &member, (frame, direction), Signal::Constant(size));
         }
         if self.lots.happens(0.3) {
             let (name, share) = (self.name("strain"), self.lots.number(0.0, 1.0));
@@ -423,7 +430,10 @@ impl<S: Scalar> Growing<'_, S> {
         let stiffness = [(); 6].map(|()| self.by.stiffness * self.lots.size(0.1, 1e5));
         let damping = [(); 6].map(|()| self.by.damping * self.lots.size(1e-3, 10.0));
         if self.lots.happens(0.5) {
-            self.m.bushing(&name, [a.node, b.node], at, axes, [stiffness, damping]);
+            let halves = |[a, b, c, d, e, f]: [S; 6]| [[a, b, c], [d, e, f]];
+            let ([stiffness_along, stiffness_about], [damping_along, damping_about]) = (halves(stiffness), halves(damping));
+            let rates = BushingRates { stiffness_along, stiffness_about, damping_along, damping_about };
+            self.m.bushing(&name, [a.node, b.node], at, axes, rates);
         } else {
             let axis = self.axis();
             let joint = RevoluteJoint { a: a.kind, b: b.kind };

@@ -83,7 +83,7 @@ pub fn statics(report: &mut Report) -> Result<(), String> {
                 let mut own = Outcomes::default();
                 for load in 1..=10 {
                     let load = f64::from(load);
-                    let scene = SlenderCantilever { axial, load, elements, settings, sudden: false };
+                    let scene = SlenderCantilever { axial, load, elements, settings: settings.clone(), sudden: false };
                     own.judge(tip_of(&scene), elastica::tip(load), tolerance);
                 }
                 own.report(report, &format!("statics/EA {axial:.0e}, {elements} elements/{way}"));

@@ -1,10 +1,9 @@
 //! Two shafts nearly at a right angle with a universal joint, driven from the slow side.
 
 use costate::design::DesignVariable;
-use costate::elements::TimeFunction;
 use costate::functionals::Over;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Scene, Settings};
+use costate::scenes::{MechanismBuilder, Scene, Settings, Signal};
 
 /// Input along x, output at a right angle less `short` [rad]; the output is driven so far that the input turns by 1 rad.
 pub struct BentShafts {
@@ -40,8 +39,8 @@ impl Scene for BentShafts {
         });
         m.universal("universal joint", shafts, Vector3::zeros(), [y, y.cross(&axes[1])]);
         let turn = (self.short.sin() * Self::INPUT.tan()).atan();
-        let ramp = [0.0, turn, 0.0, 1.0].map(S::from);
-        m.prescribed_rotation("drive", [ground, shafts[1]], axes[1], TimeFunction::SmoothRamp, &ramp);
+        let ramp = Signal::SmoothRamp { from: zero, to: S::from(turn), start: zero, duration: S::one() };
+        m.prescribed_rotation("drive", [ground, shafts[1]], axes[1], ramp);
         m.position_functional("height of a point of the input at the end", Over::Terminal, shafts[0], y, y);
         Ok(())
     }

@@ -1,10 +1,9 @@
 //! A four-bar linkage, driven or free, through its dead points.
 
 use costate::design::DesignVariable;
-use costate::elements::TimeFunction;
 use costate::functionals::Over;
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{MechanismBuilder, Scene, Settings};
+use costate::scenes::{MechanismBuilder, Scene, Settings, Signal, SpringDamper};
 
 /// A crank AB, a coupler BC and a rocker DC of round bars between two points of the ground; the crank can turn, the rocker swings.
 pub struct FourBar {
@@ -117,15 +116,17 @@ impl Scene for FourBar {
         m.revolute("rocker pin", [bars[1], bars[2]], end, hinge);
         match self.drive {
             Drive::Crank(rate) => {
-                let turning = [S::zero(), S::from(rate)];
-                m.prescribed_rotation("drive", [ground, bars[0]], hinge, TimeFunction::ConstantRate, &turning);
+                let turning = Signal::ConstantRate { offset: S::zero(), rate: S::from(rate) };
+                m.prescribed_rotation("drive", [ground, bars[0]], hinge, turning);
             }
             Drive::Flywheel(_) => {
-                m.torsion_spring_damper("spring", [ground, bars[2]], hinge, [S::from(20.0), S::zero(), S::from(0.5)]);
+                let spring = SpringDamper { stiffness: S::from(20.0), damping: S::zero(), rest: S::from(0.5) };
+                m.torsion_spring_damper("spring", [ground, bars[2]], hinge, spring);
             }
             Drive::Rocker(angle, duration) => {
-                let ramp = [0.0, angle, 0.0, duration].map(S::from);
-                m.prescribed_rotation("drive", [ground, bars[2]], hinge, TimeFunction::SmoothRamp, &ramp);
+                let [from, to, start, duration] = [0.0, angle, 0.0, duration].map(S::from);
+                let ramp = Signal::SmoothRamp { from, to, start, duration };
+                m.prescribed_rotation("drive", [ground, bars[2]], hinge, ramp);
             }
         }
         m.position_functional(

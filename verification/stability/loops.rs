@@ -139,7 +139,7 @@ pub fn near_dead_point(report: &mut Report) -> Result<(), String> {
         let scene = FourBar { crank: FourBar::dead_point() + f64::powi(10.0, -digit), drive: Drive::Rocker(SWING, 1.0) };
         let exact = FourBar::crank_of_rocker(FourBar::rocker_of_crank(scene.crank) + SWING) - scene.crank;
         let end = |control: Option<StepControl>| -> Result<(f64, f64), String> {
-            let settings = Settings { end: 1.0, steps: 400, control, ..scene.default_settings().without_method() };
+            let settings = Settings { end: 1.0, steps: 400, control, ..scene.settings().without_method() };
             let prepared = Prepared::with(&scene, &initial(&scene), Prepared::default_method(), settings);
             let prepared = prepared.map_err(|error| error.to_string())?;
             let mut end = 0.0;

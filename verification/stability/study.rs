@@ -62,11 +62,11 @@ impl Study for Stability {
 }
 
 fn initial(scene: &dyn AnyScene) -> Vec<f64> {
-    scene.design_variables().iter().map(|variable| variable.initial).collect()
+    scene.variables().iter().map(|variable| variable.initial).collect()
 }
 
 fn prepare(scene: &dyn AnyScene, method: Method, end: f64, steps: usize) -> Result<Prepared<'_>, String> {
-    let settings = Settings { end, steps, ..scene.default_settings().without_method() };
+    let settings = Settings { end, steps, ..scene.settings().without_method() };
     Prepared::with(scene, &initial(scene), method, settings).map_err(|error| error.to_string())
 }
 

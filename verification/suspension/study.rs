@@ -41,7 +41,7 @@ impl Study for SuspensionStudy {
 fn study(report: &mut Report) -> Result<(), RunError> {
     let scene = Suspension::default();
     let scene = scene.as_ref();
-    let initial: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let initial: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     gradient(report, scene, &initial)?;
     if report.is_short() {
         return Ok(());
@@ -95,7 +95,7 @@ fn study(report: &mut Report) -> Result<(), RunError> {
 /// The objective's gradient by all variables: the adjoint against complex step, and its symmetry, over a tenth of the time.
 fn gradient(report: &mut Report, scene: &dyn AnyScene, x: &[f64]) -> Result<(), RunError> {
     eprintln!("[1/4] gradient");
-    let settings = scene.default_settings();
+    let settings = scene.settings();
     let settings = Settings { end: 0.1 * settings.end, steps: STEPS / 10, ..settings };
     let mut prepared = Prepared::with(scene, x, Prepared::method_of(&settings)?, settings)?;
     prepared.mechanism.functionals.retain(|functional| functional.over == Over::Integral);
@@ -120,7 +120,7 @@ fn gradient(report: &mut Report, scene: &dyn AnyScene, x: &[f64]) -> Result<(), 
 /// Nothing asks for symmetry: what round-off leaves of it grows from iteration to iteration in directions that no step has explored yet.
 fn symmetry(report: &mut Report, scene: &dyn AnyScene, design: &[f64]) -> Vec<f64> {
     let (mut largest, mut mean): (f64, _) = (0.0, Vec::new());
-    for (index, variable) in scene.design_variables().iter().enumerate() {
+    for (index, variable) in scene.variables().iter().enumerate() {
         let (other, sign) = Suspension::mirrored(index);
         let mirrored = sign * design[other];
         largest = largest.max((design[index] - mirrored).abs() / (variable.upper - variable.lower));

@@ -40,9 +40,9 @@ impl Study for Variational {
 }
 
 fn prepare<'s>(scene: &'s dyn AnyScene, method: &str, end: f64, steps: usize) -> Result<Prepared<'s>, RunError> {
-    let mut settings = scene.default_settings().without_method();
+    let mut settings = scene.settings().without_method();
     (settings.end, settings.steps, settings.divide) = (end, steps, false);
-    let x: Vec<f64> = scene.design_variables().iter().map(|variable| variable.initial).collect();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let table = table_named(method).map_err(RunError::Input)?;
     let table = table.ok_or_else(|| RunError::Input(format!("no method {method}")))?;
     Prepared::with(scene, &x, Method::new(table, ConstraintLevel::default()), settings)
@@ -80,7 +80,7 @@ fn orders(report: &mut Report) -> Result<(), RunError> {
             }
             let observed = (errors[2] / errors[3]).log2();
             let expected = if alpha == 0.5 { 2.0 } else { 1.0 };
-            report.compare(format!("{}/alpha {alpha}/order of q", scene.scene_name()), observed, expected, 0.1);
+            report.compare(format!("{}/alpha {alpha}/order of q", scene.name()), observed, expected, 0.1);
         }
     }
     Ok(())
@@ -109,7 +109,7 @@ fn gradients(report: &mut Report) -> Result<(), RunError> {
             for (name, own) in [("adjoint", &adjoint), ("direct differentiation", &tangent)] {
                 let rows = own.rows.iter().zip(&complex_step.rows);
                 let worst = rows.fold(0.0, |worst: f64, (own, exact)| worst.max(largest_difference(own, exact)));
-                report.at_most(format!("{}/alpha {alpha}/{name} - complex step", scene.scene_name()), worst, EXACT);
+                report.at_most(format!("{}/alpha {alpha}/{name} - complex step", scene.name()), worst, EXACT);
             }
         }
     }
@@ -131,7 +131,7 @@ fn conservation(report: &mut Report) -> Result<(), RunError> {
         (&Swinging::Cable { elements: 2 }, 5e-4, &[1]),
     ];
     for (scene, h, axes) in scenes {
-        let name = scene.scene_name();
+        let name = scene.name();
         let prepared = prepare(scene, "variational", h * MANY as f64, MANY)?;
         let (mut first, mut worst, mut size) = (None, 0.0_f64, 0.0_f64);
         let mut energies = Vec::with_capacity(MANY);

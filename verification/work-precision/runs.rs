@@ -96,12 +96,12 @@ pub fn difference(ours: &[f64], exact: &[f64]) -> f64 {
 impl Motion {
     /// The scene without its functionals, which would take time too.
     pub fn prepared(&self, method: Method, steps: Steps) -> Result<Prepared<'static>, String> {
-        let x: Vec<f64> = self.scene.design_variables().iter().map(|variable| variable.initial).collect();
+        let x: Vec<f64> = self.scene.variables().iter().map(|variable| variable.initial).collect();
         let (steps, control) = match steps {
             Steps::Equal(steps) => (steps, None),
             Steps::Chosen(tolerance) => (1, Some(StepControl::new(tolerance))),
         };
-        let settings = Settings { end: self.end, steps, control, ..self.scene.default_settings().without_method() };
+        let settings = Settings { end: self.end, steps, control, ..self.scene.settings().without_method() };
         let mut prepared = Prepared::with(self.scene, &x, method, settings).map_err(|error| error.to_string())?;
         prepared.mechanism.functionals.clear();
         Ok(prepared)

@@ -44,8 +44,8 @@ impl Page {
     /// A page about a scene: `what` a command did to it.
     pub fn new(scene: &dyn AnyScene, what: &str) -> Self {
         let mut object = Map::new();
-        object.insert("title".into(), scene.scene_name().into());
-        object.insert("summary".into(), scene.scene_summary().into());
+        object.insert("title".into(), scene.name().into());
+        object.insert("summary".into(), scene.summary().into());
         object.insert("what".into(), what.into());
         object.insert("version".into(), env!("CARGO_PKG_VERSION").into());
         Page { object, notes: Vec::new() }

@@ -8,11 +8,11 @@ use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
 use crate::elements::flexible::{BeamField, BeamGravityField, DistributedLoadField, STRAINS, Section, TYING_POINTS};
 use crate::elements::forces::LoadFrame;
-use crate::elements::{Flexible, NodeKind, TimeFunction};
+use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{SectionMeasure, SectionQuantity};
 use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::Drawn;
+use crate::scenes::{Drawn, Signal};
 
 /// The reference line of a beam at t = 0, in the world, by the places of its nodes: both ends and one in the middle of each element.
 #[derive(Clone, Debug)]
@@ -317,9 +317,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         beam: &BeamMember,
         (frame, direction): (LoadFrame, Vector3<S>),
-        size: TimeFunction,
-        values: &[S],
+        size: Signal<S>,
     ) {
+        let (size, values) = self.function_of(name, size);
         for element in 0..beam.elements.len() {
             let nodes = beam.nodes_of(element);
             let rotation = self.rotation(nodes[0]);
@@ -333,7 +333,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                     .fold(Vector3::zeros(), |sum, (&point, slope)| sum + point * S::from(slope));
                 p.push(slope.length() * weight);
                 p.extend(direction.components());
-                p.extend_from_slice(values);
+                p.extend_from_slice(&values);
             }
             let load = Flexible(DistributedLoadField { frame, size: size.clone() });
             self.add_element(&format!("{name}, element {}", element + 1), &nodes, load.into(), &p);

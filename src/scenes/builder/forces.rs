@@ -2,12 +2,65 @@
 
 use super::MechanismBuilder;
 use crate::assembly::{Attached, ConstraintId, ElementId, NodeId};
-use crate::elements::Constraint;
 use crate::elements::forces::{
-    Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, Soft, TorsionSpringDamper,
-    VectorDamper,
+    AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
+    SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
 };
+use crate::elements::{Constraint, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::Signal;
+
+/// A force F = d f(t) \[N\] on a point of a node.
+#[derive(Clone, Debug)]
+pub struct Force<S> {
+    /// A body or a point.
+    pub on: NodeId,
+    /// World point at the start on which it acts \[m\]; a node without axes takes it where it is.
+    pub point: Vector3<S>,
+    /// World direction d at the start, of any length, by which f is multiplied.
+    pub direction: Vector3<S>,
+    /// Whether the direction stays in the world or turns with the body.
+    pub frame: LoadFrame,
+    /// f \[N\] for a direction of unit length.
+    pub size: Signal<S>,
+}
+
+/// A torque M = d f(t) [N m] on a body.
+#[derive(Clone, Debug)]
+pub struct Torque<S> {
+    /// The body.
+    pub on: NodeId,
+    /// World axis d at the start, of any length, by which f is multiplied.
+    pub axis: Vector3<S>,
+    /// Whether the axis stays in the world or turns with the body.
+    pub frame: LoadFrame,
+    /// f [N m] for an axis of unit length.
+    pub size: Signal<S>,
+}
+
+/// A spring with a damper beside it: stiffness (x - rest) + damping dx/dt, x being an angle \[rad\] or a displacement \[m\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringDamper<S> {
+    /// [N m/rad] or [N/m], 0 or greater.
+    pub stiffness: S,
+    /// [N m s/rad] or [N s/m], 0 or greater.
+    pub damping: S,
+    /// Where the spring is free \[rad\] or \[m\].
+    pub rest: S,
+}
+
+/// Springs and dampers of a bushing along and about the axes x, y, z of its frame, 0 or greater.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BushingRates<S> {
+    /// [N/m].
+    pub stiffness_along: [S; 3],
+    /// [N m/rad].
+    pub stiffness_about: [S; 3],
+    /// [N s/m].
+    pub damping_along: [S; 3],
+    /// [N m s/rad].
+    pub damping_about: [S; 3],
+}
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Weight of every mass, beam, cable and shell, whether added before or after: g [m/s2]. Several calls add up.
@@ -69,37 +122,73 @@ impl<S: Scalar> MechanismBuilder<S> {
             .collect()
     }
 
-    /// A torsion spring and damper about a world axis [N m/rad], [N m s/rad]; the angle is zero at the start.
+    /// The function and the numbers of a signal; what is wrong with it is told with the other mistakes.
+    pub(super) fn function_of(&mut self, owner: &str, signal: Signal<S>) -> (TimeFunction, Vec<S>) {
+        signal.parts().unwrap_or_else(|why| {
+            self.mistakes.push(format!("\"{owner}\": {why}"));
+            (TimeFunction::Constant, vec![S::zero()])
+        })
+    }
+
+    /// A direction of the world at the start in the frame of a load.
+    fn in_frame(&self, node: NodeId, frame: LoadFrame, direction: Vector3<S>) -> Vector3<S> {
+        if frame == LoadFrame::Body { self.local_direction(node, direction) } else { direction }
+    }
+
+    /// A force on a body or a point.
+    pub fn force(&mut self, name: &str, Force { on: node, point, direction, frame, size }: Force<S>) -> ElementId {
+        let on = self.kind_in_space(name, node);
+        let (size, values) = self.function_of(name, size);
+        let [direction, point] = [self.in_frame(node, frame, direction), self.local_point(node, point)];
+        let p = [&direction.components()[..], &point.components(), &values].concat();
+        self.add_element(name, &[node], AppliedForce { on, frame, size }.into(), &p)
+    }
+
+    /// A torque on a body.
+    pub fn torque(&mut self, name: &str, Torque { on: node, axis, frame, size }: Torque<S>) -> ElementId {
+        let on = self.kind_of_body(name, node);
+        let (size, values) = self.function_of(name, size);
+        let p = [&self.in_frame(node, frame, axis).components()[..], &values].concat();
+        self.add_element(name, &[node], AppliedTorque { on, frame, size }.into(), &p)
+    }
+
+    /// A torsion spring and damper about a world axis; the angle is zero at the start.
     pub fn torsion_spring_damper(
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
         axis: Vector3<S>,
-        [stiffness, damping, rest_angle]: [S; 3],
+        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
     ) -> ElementId {
         let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let p = [vec![stiffness, damping, rest_angle], self.angle_frame(name, nodes, axis)].concat();
+        let p = [vec![stiffness, damping, rest], self.angle_frame(name, nodes, axis)].concat();
         self.add_element(name, &nodes, TorsionSpringDamper { a, b }.into(), &p)
     }
 
-    /// A spring and damper along a world axis fixed in a: [N/m], [N s/m], rest displacement \[m\] of the world point of b from `origin`.
+    /// A spring and damper along a world axis fixed in a, on the displacement of the world point of b from `origin`.
     pub fn slide_spring_damper(
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
         [origin, point]: [Vector3<S>; 2],
         axis: Vector3<S>,
-        coefficients: [S; 3],
+        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
     ) -> ElementId {
         let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis).components();
-        let p = [&coefficients[..], &self.points_between(nodes, [origin, point]), &axis].concat();
+        let p = [&[stiffness, damping, rest][..], &self.points_between(nodes, [origin, point]), &axis].concat();
         self.add_element(name, &nodes, SlideSpringDamper { a, b }.into(), &p)
     }
 
-    /// A spring and damper on one coordinate of a node, such as a joint angle: stiffness, damping, rest.
-    pub fn coordinate_spring_damper(&mut self, name: &str, node: NodeId, index: usize, coefficients: [S; 3]) -> ElementId {
+    /// A spring and damper on one coordinate of a node, such as a joint angle.
+    pub fn coordinate_spring_damper(
+        &mut self,
+        name: &str,
+        node: NodeId,
+        index: usize,
+        SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
+    ) -> ElementId {
         let Some(of) = self.kind_of(name, node) else { return self.model.refused_element() };
         let count = of.dofs();
         if index >= count {
@@ -108,22 +197,23 @@ impl<S: Scalar> MechanismBuilder<S> {
                 .push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0"));
             return self.model.refused_element();
         }
-        self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &coefficients)
+        self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &[stiffness, damping, rest])
     }
 
-    /// A bushing at a world point \[m\], at rest as the bodies stand: stiffness and damping along (x, y, z) and about (x, y, z) of the
-    /// frame `axes` in the world [N/m, N m/rad], [N s/m, N m s/rad].
+    /// A bushing at a world point \[m\], at rest as the bodies stand, with the frame `axes` in the world.
     pub fn bushing(
         &mut self,
         name: &str,
         nodes: [NodeId; 2],
         point: Vector3<S>,
         axes: Quaternion<S>,
-        [stiffness, damping]: [[S; 6]; 2],
+        rates: BushingRates<S>,
     ) -> ElementId {
         let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let [on_a, on_b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
-        let p = [&stiffness[..], &damping, &self.points_between(nodes, [point; 2]), &on_a, &on_b].concat();
+        let BushingRates { stiffness_along, stiffness_about, damping_along, damping_about } = rates;
+        let rates = [stiffness_along, stiffness_about, damping_along, damping_about].concat();
+        let p = [&rates[..], &self.points_between(nodes, [point; 2]), &on_a, &on_b].concat();
         self.add_element(name, &nodes, Bushing { a, b }.into(), &p)
     }
 

@@ -9,6 +9,7 @@ use crate::elements::joints::{
 };
 use crate::elements::{NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scenes::Signal;
 
 /// How far from a right angle the pins of a universal joint may be.
 const RIGHT_ANGLE: f64 = 1e-9;
@@ -211,8 +212,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// A motion driver needs a function with two derivatives.
-    fn check_driver(&mut self, name: &str, function: &TimeFunction) {
-        if let Some(switch) = function.rate_jump() {
+    fn check_driver(&mut self, name: &str, function: &TimeFunction, parameters: &[S]) {
+        let values: Vec<f64> = parameters.iter().map(|own| own.value()).collect();
+        if let Some(switch) = function.rate_jump(&values).filter(|_| function.parameters("").len() == values.len()) {
             self.mistakes.push(format!(
                 "driver \"{name}\" or its rate would jump at t = {switch} s; give it a smooth ramp or a table"
             ));
@@ -225,12 +227,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         name: &str,
         nodes: [NodeId; 2],
         axis: Vector3<S>,
-        angle: TimeFunction,
-        function_parameters: &[S],
+        angle: Signal<S>,
     ) -> ConstraintId {
-        self.check_driver(name, &angle);
+        let (angle, function_parameters) = self.function_of(name, angle);
+        self.check_driver(name, &angle, &function_parameters);
         let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let p = [self.angle_frame(name, nodes, axis), function_parameters.to_vec()].concat();
+        let p = [self.angle_frame(name, nodes, axis), function_parameters].concat();
         self.add_constraint(name, &nodes, PrescribedRotation { a, b, angle }.into(), &p)
     }
 
@@ -241,15 +243,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         nodes: [NodeId; 2],
         [origin, point]: [Vector3<S>; 2],
         axis: Vector3<S>,
-        displacement: TimeFunction,
-        function_parameters: &[S],
+        displacement: Signal<S>,
     ) -> ConstraintId {
-        self.check_driver(name, &displacement);
+        let (displacement, function_parameters) = self.function_of(name, displacement);
+        self.check_driver(name, &displacement, &function_parameters);
         let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
         let axis = self.unit(name, axis);
         let axis = self.local_direction(nodes[0], axis);
-        let p =
-            [self.points_between(nodes, [origin, point]), axis.components().to_vec(), function_parameters.to_vec()].concat();
+        let p = [self.points_between(nodes, [origin, point]), axis.components().to_vec(), function_parameters].concat();
         self.add_constraint(name, &nodes, PrescribedTranslation { a, b, displacement }.into(), &p)
     }
 }

@@ -6,13 +6,13 @@
 use super::free_mesh::weighed;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
+use crate::elements::NodeKind;
 use crate::elements::flexible::faces::{Face, FaceShape, Quad9};
 use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection, shell_pressure};
 use crate::elements::forces::LoadFrame;
-use crate::elements::{NodeKind, TimeFunction};
 use crate::functionals::ElementGroup;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::Drawn;
+use crate::scenes::{Drawn, Signal};
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
@@ -292,23 +292,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         shell
     }
 
-    /// A pressure on a shell with its size over time [N/m2], one value for each number of `size`: it pushes to where the normal points.
+    /// A pressure on a shell with its size over time [N/m2]: it pushes to where the normal points.
     ///
     /// A dead load (`LoadFrame::World`) keeps the normal and the area that the shell has at the start; a follower (`LoadFrame::Body`) stands
     /// normal to the deformed surface and acts on its area.
-    pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: TimeFunction, values: &[S]) {
-        self.pressure_on(name, shell, &shell.group(), (frame, size), values);
+    pub fn pressure(&mut self, name: &str, shell: &MeshedShell, frame: LoadFrame, size: Signal<S>) {
+        self.pressure_on(name, shell, &shell.group(), frame, size);
     }
 
     /// The same on those elements of a shell that belong to a group.
-    pub fn pressure_on(
-        &mut self,
-        name: &str,
-        shell: &MeshedShell,
-        group: &ElementGroup,
-        (frame, size): (LoadFrame, TimeFunction),
-        values: &[S],
-    ) {
+    pub fn pressure_on(&mut self, name: &str, shell: &MeshedShell, group: &ElementGroup, frame: LoadFrame, size: Signal<S>) {
+        let (size, values) = self.function_of(name, size);
         let loaded: HashSet<ElementId> = group.elements.iter().copied().collect();
         for (element, ((kind, nodes), id)) in shell.faces.iter().zip(&shell.elements).enumerate() {
             // an element that was refused has been reported already
@@ -325,7 +319,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                     p.extend((area * S::from(own)).components());
                 }
             }
-            p.extend_from_slice(values);
+            p.extend_from_slice(&values);
             let load = shell_pressure(face, frame, size.clone());
             self.add_element(&format!("{name}, element {}", element + 1), nodes, load, &p);
         }

@@ -1,9 +1,8 @@
 use crate::design::DesignVariable;
-use crate::elements::forces::{AppliedTorque, LoadFrame};
-use crate::elements::{NodeKind, TimeFunction};
+use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{MechanismBuilder, Scene, Settings};
+use crate::scenes::{MechanismBuilder, Scene, Settings, Signal, Torque};
 
 /// Andrews' squeezing mechanism of rigid bodies: a crank driven by a torque, three loops that meet in one pin, and a spring.
 ///
@@ -104,8 +103,8 @@ impl Scene for Andrews {
         let post = at(0.014, 0.072);
         m.line_spring("spring", [ground, k3], [post, eye], *stiffness, *rest_length);
         m.draw(k3, &[pin, eye, b]);
-        let drive = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
-        m.element("drive", &[k1], drive, &[S::zero(), S::zero(), S::one(), *torque]);
+        let (frame, size) = (LoadFrame::Body, Signal::Constant(*torque));
+        m.torque("drive", Torque { on: k1, axis: hinge, frame, size });
 
         let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from_f64);
         m.position_functional("x of the pin at the end", Over::Terminal, k2, pin, x);

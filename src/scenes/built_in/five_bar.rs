@@ -28,7 +28,7 @@ impl Scene for FiveBar {
     fn settings(&self) -> Settings {
         Settings::new(5.0, 500).dropping_redundant()
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         // without dampers the motion is chaotic: psi would be no smooth function of the design
         Some(OptimizationProblem::minimize("psi").varying(&["L01", "L02", "k1", "k2"]))
     }

@@ -1,10 +1,9 @@
 use crate::design::DesignVariable;
-use crate::elements::TimeFunction;
 use crate::elements::flexible::{STRAINS, Section};
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
+use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings, Signal};
 
 /// The flexible four-bar mechanism of Bauchau et al. (2016): three square steel bars, the hinge at C tilted by 5 degrees, the crank
 /// driven at constant rate.
@@ -81,7 +80,7 @@ impl Scene for FlexibleFourBar {
         m.revolute("C", [second.end(), third.start()], c, tilted);
         m.revolute("D", [ground, third.end()], d, hinge);
         let rate = S::from(-0.6);
-        m.prescribed_rotation("crank", [ground, first.start()], hinge, TimeFunction::ConstantRate, &[zero, rate]);
+        m.prescribed_rotation("crank", [ground, first.start()], hinge, Signal::ConstantRate { offset: zero, rate });
 
         let speed = at(-(rate * *ab), zero);
         m.set_rigid_motion(&first.nodes, a, Vector3::zeros(), hinge * rate);

@@ -1,12 +1,10 @@
 use crate::design::DesignVariable;
-use crate::elements::NodeKind;
-use crate::elements::TimeFunction;
 use crate::elements::flexible::Section;
-use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
+use crate::scenes::{BeamLine, Force, MechanismBuilder, Scene, Settings, Signal, Torque};
 
 /// The flying flexible rod of Simo & Vu-Quoc (1988): a free rod of 10 m, pushed and turned at its lower end in space.
 ///
@@ -42,16 +40,13 @@ impl Scene for FlyingRod {
         let point = |x: f64, y: f64, z: f64| Vector3::<S>::from_f64([x, y, z]);
         let (lower, upper) = (point(6.0, 0.0, 0.0), point(0.0, 8.0, 0.0));
         let rod = m.beam("rod", BeamLine::straight([lower, upper], 10, point(0.0, 0.0, 1.0)), &section);
-        let pulse = TimeFunction::lines(vec![0.0, 2.5, 5.0])?;
-        let zero = S::zero();
-        let end = rod.start();
-        let push = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size: pulse.clone() };
-        let p = [[S::one(), zero, zero], [zero; 3], [zero, *force, zero]].concat();
-        m.element("push", &[end], push, &p);
+        let pulse = |size: S| Signal::Lines { times: vec![0.0, 2.5, 5.0], values: vec![S::zero(), size, S::zero()] };
+        let (on, place, frame) = (rod.start(), m.position(rod.start()), LoadFrame::World);
+        let direction = point(1.0, 0.0, 0.0);
+        m.force("push", Force { on, point: place, direction, frame, size: pulse(*force) });
         for (name, axis, size) in [("moment about y", [0.0, 1.0, 0.0], -100.0), ("moment about z", [0.0, 0.0, 1.0], -200.0)]
         {
-            let torque = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::World, size: pulse.clone() };
-            m.element(name, &[end], torque, &[axis.map(S::from), [zero, S::from(size), zero]].concat());
+            m.torque(name, Torque { on, axis: Vector3::from_f64(axis), frame, size: pulse(S::from(size)) });
         }
         m.position_functional("x of the upper end", Over::Terminal, rod.end(), upper, point(1.0, 0.0, 0.0));
         m.section_functional("moment 2 in the middle", Over::Terminal, &rod, 0.5, SectionMeasure::Force(4));

@@ -1,11 +1,10 @@
 use crate::design::DesignVariable;
 use crate::elements::flexible::Section;
-use crate::elements::forces::{AppliedForce, LoadFrame};
-use crate::elements::{NodeKind, TimeFunction};
+use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
+use crate::scalar::{Scalar, Vector3};
+use crate::scenes::{BeamLine, Force, MechanismBuilder, Scene, Settings, Signal};
 
 /// The Princeton beam experiment (Dowell & Traybar 1975; Bauchau et al. 2016), middle load: a flat cantilever of aluminium with a weight at
 /// its tip, its section turned against the weight, so that it bends both ways and twists.
@@ -54,9 +53,9 @@ impl Scene for PrincetonBeam {
             m.beam("beam", BeamLine::straight([Vector3::zeros(), tip], self.elements, axis(1)).clamped_start(), &section);
         let (sine, cosine) = angle.sin_cos();
         let direction = axis(1) * sine + axis(2) * cosine;
-        let pull = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
-        let zero = S::zero();
-        m.element("weight", &[beam.end()], pull, &[direction.components(), [zero; 3], [zero, *load, zero]].concat()[..8]);
+        let (on, point, frame) = (beam.end(), m.position(beam.end()), LoadFrame::World);
+        let size = Signal::ConstantRate { offset: S::zero(), rate: *load };
+        m.force("weight", Force { on, point, direction, frame, size });
         m.position_functional("soft displacement of the tip", Over::Terminal, beam.end(), tip, axis(1));
         m.position_functional("stiff displacement of the tip", Over::Terminal, beam.end(), tip, axis(2));
         for (name, component) in [("torsion", 3), ("moment of the stiff plane", 4), ("moment of the soft plane", 5)] {

@@ -1,11 +1,10 @@
 use crate::design::DesignVariable;
 use crate::elements::flexible::Section;
-use crate::elements::forces::{AppliedForce, LoadFrame};
-use crate::elements::{NodeKind, TimeFunction};
+use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
+use crate::scenes::{BeamLine, Force, MechanismBuilder, Scene, Settings, Signal};
 
 /// The right-angle cantilever of Simo & Vu-Quoc (1988): two arms of 10 m, clamped at one end, pushed out of their plane at the elbow.
 ///
@@ -54,10 +53,9 @@ impl Scene for RightAngleCantilever {
         let first = m.beam("first arm", line, &section);
         let line = BeamLine::straight([elbow, tip], self.elements, out).from_node(first.end());
         let second = m.beam("second arm", line, &section);
-        let pulse = TimeFunction::lines(vec![0.0, 1.0, 2.0])?;
-        let push = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size: pulse };
-        let zero = S::zero();
-        m.element("push", &[first.end()], push, &[out.components(), [zero; 3], [zero, *force, zero]].concat());
+        let size = Signal::Lines { times: vec![0.0, 1.0, 2.0], values: vec![S::zero(), *force, S::zero()] };
+        let (on, point, frame) = (first.end(), m.position(first.end()), LoadFrame::World);
+        m.force("push", Force { on, point, direction: out, frame, size });
         m.position_functional("z of the tip", Over::Terminal, second.end(), tip, out);
         let peak = Over::smooth_maximum(5.0);
         m.position_functional("largest z of the elbow", peak, first.end(), elbow, out);

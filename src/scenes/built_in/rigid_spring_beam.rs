@@ -40,7 +40,7 @@ impl Scene for RigidSpringBeam {
     fn settings(&self) -> Settings {
         Settings::new(1.0, 1000).with_method("variational")
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         let problem = OptimizationProblem::minimize(OBJECTIVE).subject_to(LENGTH, Limit::AtLeast(1e-3));
         Some(problem.varying(&["x of D", "y of D"]))
     }

@@ -1,8 +1,7 @@
 use crate::design::DesignVariable;
-use crate::elements::TimeFunction;
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
+use crate::scenes::{Limit, MechanismBuilder, OptimizationProblem, Scene, Settings, Signal};
 use std::f64::consts::TAU;
 
 /// A crank driven from rest through some turns and stopped again, a rod, and a slider against a spring.
@@ -30,7 +29,7 @@ impl Scene for SliderCrank {
     fn settings(&self) -> Settings {
         Settings::new(2.5, 1000)
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         let problem = OptimizationProblem::minimize("largest driving moment");
         let problem = problem.subject_to("x of the slider, integral", Limit::AtLeast(1.4));
         let wall = [("crank length", 1.0), ("rod length", 1.0), ("rest length", 0.5)];
@@ -70,10 +69,9 @@ impl Scene for SliderCrank {
         m.spherical("wrist", [rod, slider], end);
         // the hinges already keep the slider in the plane
         let up = Vector3::from_f64([0.0, 1.0, 0.0]);
-        let height = (TimeFunction::Constant, [S::zero()]);
-        m.prescribed_translation("guide", [ground, slider], [Vector3::zeros(), end], up, height.0, &height.1);
-        let angle = [S::zero(), *turns * TAU, S::zero(), S::from(2.0)];
-        let drive = m.prescribed_rotation("drive", [ground, crank], hinge, TimeFunction::SmoothRamp, &angle);
+        m.prescribed_translation("guide", [ground, slider], [Vector3::zeros(), end], up, Signal::Constant(S::zero()));
+        let angle = Signal::SmoothRamp { from: S::zero(), to: *turns * TAU, start: S::zero(), duration: S::from(2.0) };
+        let drive = m.prescribed_rotation("drive", [ground, crank], hinge, angle);
         // out of the slider's reach
         let wall = at(*crank_length + *rod_length + *rest_length * 0.5, S::zero());
         m.line_spring("spring", [ground, slider], [wall, end], *stiffness, *rest_length);

@@ -1,10 +1,9 @@
 use crate::design::DesignVariable;
-use crate::elements::TimeFunction;
 use crate::elements::flexible::Section;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings};
+use crate::scenes::{BeamLine, MechanismBuilder, Scene, Settings, Signal};
 use std::f64::consts::PI;
 
 /// The spin-up manoeuvre of Simo & Vu-Quoc (1986): a beam of 10 m on a hinge that is brought to 6 rad/s in 15 s.
@@ -59,8 +58,8 @@ impl Scene for SpinUpBeam {
         m.revolute("hinge", [ground, beam.start()], Vector3::zeros(), hinge);
         // one knot every 0.1 s: the spline is within 1e-7 rad of the function
         let times: Vec<f64> = (0..=200).map(|i| 0.1 * f64::from(i)).collect();
-        let angles: Vec<S> = times.iter().map(|&t| S::from(angle(t))).collect();
-        m.prescribed_rotation("spin-up", [ground, beam.start()], hinge, TimeFunction::table(times)?, &angles);
+        let values = times.iter().map(|&t| S::from(angle(t))).collect();
+        m.prescribed_rotation("spin-up", [ground, beam.start()], hinge, Signal::Table { times, values });
         m.target_functional("squared distance of the tip from the hinge", Over::Terminal, beam.end(), tip, Vector3::zeros());
         m.section_functional("axial force at the hinge", Over::Terminal, &beam, 0.0, SectionMeasure::Force(0));
         let peak = Over::smooth_maximum(1e-3);

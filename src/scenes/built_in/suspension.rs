@@ -1,11 +1,10 @@
 use crate::assembly::NodeId;
 use crate::design::DesignVariable;
-use crate::elements::TimeFunction;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Material};
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{CableLine, CableMember, Limit, MechanismBuilder, OptimizationProblem, Scene, Settings};
+use crate::scenes::{CableLine, CableMember, Limit, MechanismBuilder, OptimizationProblem, Scene, Settings, Signal};
 use std::f64::consts::TAU;
 
 /// A car on four double-wishbone suspensions over a rugged road: x to the rear, y to the right, z up.
@@ -187,7 +186,7 @@ impl Scene for Suspension {
     fn settings(&self) -> Settings {
         Settings::new(3.0, 3000).with_method("variational")
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         let mut problem = OptimizationProblem::minimize(OBJECTIVE);
         for beam in 1..=Self::BEAMS {
             problem = problem.subject_to(&stress_name(beam), Limit::AtMost(STRESS));
@@ -260,8 +259,10 @@ impl Scene for Suspension {
             let between: ([NodeId; 2], _) = ([wheel, chassis], [foot, head]);
             m.line_spring(&of("spring"), between.0, between.1, x[52 + k], (head - foot).length());
             m.line_damper(&of("damper"), between.0, between.1, x[56 + k]);
-            let wave = [S::zero(), S::from(amplitude), S::from(TAU * frequency), S::zero()];
-            m.prescribed_translation(&of("road"), [ground, wheel], [hub; 2], up, TimeFunction::Sine, &wave);
+            let (offset, phase) = (S::zero(), S::zero());
+            let (amplitude, angular_frequency) = (S::from(amplitude), S::from(TAU * frequency));
+            let wave = Signal::Sine { offset, amplitude, angular_frequency, phase };
+            m.prescribed_translation(&of("road"), [ground, wheel], [hub; 2], up, wave);
         }
         m.gravity(up * S::from(-9.81));
         let corners = [[-1.3, 0.2], [0.6, 0.15], [0.6, -0.15], [-1.3, -0.2], [-1.3, 0.2]];

@@ -1,9 +1,8 @@
 use crate::design::DesignVariable;
-use crate::elements::forces::{AppliedTorque, LoadFrame};
-use crate::elements::{NodeKind, TimeFunction};
+use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{MechanismBuilder, Scene, Settings};
+use crate::scenes::{MechanismBuilder, Scene, Settings, Signal, Torque};
 
 /// Two shafts at an angle with a universal joint between them: the input turns evenly, the output does not.
 ///
@@ -61,10 +60,10 @@ impl Scene for UniversalShaft {
         }
         let [input, output] = [shafts[0], shafts[1]];
         m.universal("universal joint", [input, output], Vector3::zeros(), [y, y.cross(&axes[1])]);
-        let drive =
-            m.prescribed_rotation("drive", [ground, input], axes[0], TimeFunction::ConstantRate, &[S::zero(), *rate]);
-        let braking = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::Body, size: TimeFunction::Constant };
-        m.element("brake", &[output], braking, &[-S::one(), zero, zero, *brake]);
+        let turning = Signal::ConstantRate { offset: S::zero(), rate: *rate };
+        let drive = m.prescribed_rotation("drive", [ground, input], axes[0], turning);
+        let (frame, size) = (LoadFrame::Body, Signal::Constant(*brake));
+        m.torque("brake", Torque { on: output, axis: -axes[1], frame, size });
 
         let tip = axes[1] * S::from(0.4) + y * S::from(0.08);
         m.position_functional("y of the output's flange at the end", Over::Terminal, output, tip, y);

@@ -1,9 +1,8 @@
 use crate::design::DesignVariable;
-use crate::elements::forces::{AppliedForce, LoadFrame};
-use crate::elements::{NodeKind, TimeFunction};
+use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
-use crate::scenes::{MechanismBuilder, Scene, Settings};
+use crate::scenes::{Force, MechanismBuilder, Scene, Settings, Signal};
 
 /// Two springs that lean against each other under a load that grows until they snap through.
 ///
@@ -44,9 +43,8 @@ impl Scene for VonMisesTruss {
             m.line_spring(name, [ground, apex], [foot, place], *stiffness, (place - foot).length());
         }
         let guide = m.point_on_line("guide", [ground, apex], place, up);
-        let force = AppliedForce { on: NodeKind::Point, frame: LoadFrame::World, size: TimeFunction::ConstantRate };
-        let p = [&(-up).components()[..], &Vector3::zeros().components(), &[S::zero(), *load]].concat();
-        m.element("load", &[apex], force, &p);
+        let (frame, size) = (LoadFrame::World, Signal::ConstantRate { offset: S::zero(), rate: *load });
+        m.force("load", Force { on: apex, point: place, direction: -up, frame, size });
         m.draw(ground, &[Vector3::new(-*half_span, S::zero(), S::zero()), Vector3::new(*half_span, S::zero(), S::zero())]);
         m.position_functional("height", Over::Terminal, apex, place, up);
         m.position_functional("height, integral", Over::Integral, apex, place, up);

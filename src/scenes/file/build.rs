@@ -8,12 +8,12 @@ use super::known::{Found, Known, Made, count, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::{ConstraintId, NodeId};
+use crate::elements::NodeKind;
 use crate::elements::flexible::Material;
-use crate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
+use crate::elements::forces::LoadFrame;
 use crate::elements::joints::HeldSlope;
-use crate::elements::{NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{MechanismBuilder, MeshedShell};
+use crate::scenes::{BushingRates, Force, MechanismBuilder, MeshedShell, Signal, SpringDamper, Torque};
 
 pub(super) type Builder<S> = MechanismBuilder<S>;
 
@@ -214,24 +214,23 @@ pub(super) fn rigid_joint<S: Scalar>(
 fn driver<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
     let (nodes, axis) = (known.nodes(fields, "between", m)?, known.vector(fields, "axis")?);
     Ok(Made::Joint(match fields.form {
-        "rotation" => {
-            let (angle, values) = known.function(fields, "angle")?;
-            m.prescribed_rotation(name, nodes, axis, angle, &values)
-        }
+        "rotation" => m.prescribed_rotation(name, nodes, axis, known.function(fields, "angle")?),
         _ => {
-            let (displacement, values) = known.function(fields, "displacement")?;
+            let displacement = known.function(fields, "displacement")?;
             let places = [place(known, fields, "origin", nodes[0], m)?, place(known, fields, "point", nodes[1], m)?];
-            m.prescribed_translation(name, nodes, places, axis, displacement, &values)
+            m.prescribed_translation(name, nodes, places, axis, displacement)
         }
     }))
 }
 
 fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
     let number = |key| known.number_or(fields, key, 0.0);
+    let spring = |rest| -> Found<SpringDamper<S>> {
+        Ok(SpringDamper { stiffness: number("stiffness")?, damping: number("damping")?, rest: number(rest)? })
+    };
     if fields.form == "angle" {
-        let coefficients = [number("stiffness")?, number("damping")?, number("rest_angle")?];
         let node = known.node(fields, "on", m)?;
-        m.coordinate_spring_damper(name, node, 0, coefficients);
+        m.coordinate_spring_damper(name, node, 0, spring("rest_angle")?);
         return Ok(Made::Nothing);
     }
     let nodes = known.nodes(fields, "between", m)?;
@@ -244,21 +243,20 @@ fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Buil
             };
             m.line_spring(name, nodes, ends, number("stiffness")?, rest)
         }
-        "torsion" => {
-            let coefficients = [number("stiffness")?, number("damping")?, number("rest_angle")?];
-            m.torsion_spring_damper(name, nodes, known.vector(fields, "axis")?, coefficients)
-        }
+        "torsion" => m.torsion_spring_damper(name, nodes, known.vector(fields, "axis")?, spring("rest_angle")?),
         "slide" => {
             let places = [place(known, fields, "origin", nodes[0], m)?, place(known, fields, "point", nodes[1], m)?];
-            let coefficients = [number("stiffness")?, number("damping")?, number("rest_displacement")?];
-            m.slide_spring_damper(name, nodes, places, known.vector(fields, "axis")?, coefficients)
+            m.slide_spring_damper(name, nodes, places, known.vector(fields, "axis")?, spring("rest_displacement")?)
         }
         _ => {
             let axes: Quaternion<S> = known.orientation(fields)?;
             let damping = if fields.get("damping").is_some() { known.numbers(fields, "damping")? } else { [S::zero(); 6] };
-            let coefficients = [known.numbers(fields, "stiffness")?, damping];
+            let halves = |[a, b, c, d, e, f]: [S; 6]| [[a, b, c], [d, e, f]];
+            let [stiffness_along, stiffness_about] = halves(known.numbers(fields, "stiffness")?);
+            let [damping_along, damping_about] = halves(damping);
+            let rates = BushingRates { stiffness_along, stiffness_about, damping_along, damping_about };
             let point = place(known, fields, "point", nodes[1], m)?;
-            m.bushing(name, nodes, point, axes, coefficients)
+            m.bushing(name, nodes, point, axes, rates)
         }
     };
     Ok(Made::Nothing)
@@ -268,21 +266,16 @@ pub(super) fn kind_in_space<S: Scalar>(node: NodeId, m: &Builder<S>) -> NodeKind
     m.model.find_node(node).and_then(|own| own.kind.in_space()).unwrap_or(NodeKind::Point)
 }
 
-/// A direction of the world in the frame of a load.
-fn in_frame<S: Scalar>(frame: LoadFrame, node: NodeId, direction: Vector3<S>, m: &Builder<S>) -> Vector3<S> {
-    if frame == LoadFrame::Body { m.local_direction(node, direction) } else { direction }
-}
-
 fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
     let (name, fields) = (item.name.as_str(), &item.fields);
-    let (size, values): (TimeFunction, Vec<S>) = known.function(fields, "size")?;
+    let size: Signal<S> = known.function(fields, "size")?;
     match item.section {
         "distributed_load" => {
             let Made::Beam(beam) = known.made(fields, "beam")? else {
                 return Err(Mistake::new(fields.at, "beam must name a beam"));
             };
             let direction = known.vector(fields, "direction")?;
-            m.distributed_load(name, beam, (frame(fields, LoadFrame::World), direction), size, &values);
+            m.distributed_load(name, beam, (frame(fields, LoadFrame::World), direction), size);
         }
         "pressure" => {
             let shell: &MeshedShell = match known.made(fields, "shell")? {
@@ -294,14 +287,12 @@ fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<M
                 Some((at, Value::Group(_, group))) => shell.group_named(group).map_err(|why| Mistake::new(at, why))?,
                 _ => shell.group(),
             };
-            m.pressure_on(name, shell, &group, (frame(fields, LoadFrame::Body), size), &values);
+            m.pressure_on(name, shell, &group, frame(fields, LoadFrame::Body), size);
         }
         "torque" => {
             let node = known.node(fields, "on", m)?;
-            let (on, frame) = (kind_in_space(node, m), frame(fields, LoadFrame::World));
-            let axis = in_frame(frame, node, known.vector(fields, "axis")?, m);
-            let p = [&axis.components()[..], &values].concat();
-            m.element(name, &[node], AppliedTorque { on, frame, size }, &p);
+            let (axis, frame) = (known.vector(fields, "axis")?, frame(fields, LoadFrame::World));
+            m.torque(name, Torque { on: node, axis, frame, size });
         }
         _ => {
             let (nodes, frame) = (known.node_set(fields, "on", m)?, frame(fields, LoadFrame::World));
@@ -312,15 +303,12 @@ fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<M
             }
             let direction = known.vector(fields, "direction")?;
             for (number, &node) in nodes.iter().enumerate() {
-                let on = kind_in_space(node, m);
-                let point = m.local_point(node, place(known, fields, "point", node, m)?).components();
-                let own = in_frame(frame, node, direction, m);
-                let (own, name) = match nodes.len() {
-                    1 => (own, name.to_string()),
-                    count => (own * S::from(1.0 / count as f64), format!("{name}, node {}", number + 1)),
+                let point = place(known, fields, "point", node, m)?;
+                let (direction, name) = match nodes.len() {
+                    1 => (direction, name.to_string()),
+                    count => (direction * S::from(1.0 / count as f64), format!("{name}, node {}", number + 1)),
                 };
-                let p = [&own.components()[..], &point, &values].concat();
-                m.element(&name, &[node], AppliedForce { on, frame, size: size.clone() }, &p);
+                m.force(&name, Force { on: node, point, direction, frame, size: size.clone() });
             }
         }
     }

@@ -6,8 +6,8 @@ use super::known::{Found, Known, Made, fixed, list, texts};
 use super::meshes::{names, nodes_of};
 use super::mistake::Mistake;
 use super::reader::{Fields, Value};
-use super::unknown::unknown;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scenes::unknown;
 use crate::scenes::{FreeMesh, MeshData, ShellPart};
 
 /// Thickness at the points of each face, those that complete faces of eight points included.

@@ -3,7 +3,7 @@
 use super::expression::{
     CONSTANTS, FUNCTIONS, Operation, Quantity, Scope, SyntaxError, constant, continues_name, starts_name,
 };
-use super::unknown::unknown;
+use crate::scenes::unknown;
 
 const OPERATORS: &str = "formulas know + - * / ^ ( ), functions such as sqrt(x), and vectors [x, y, z]";
 

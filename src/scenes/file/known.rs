@@ -13,9 +13,8 @@ use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::forces::LoadFrame;
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, ThinWalls};
+use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
 use std::cell::Cell;
-use std::sync::Arc;
 
 /// What an entry became.
 pub(super) enum Made<S> {
@@ -306,7 +305,7 @@ impl<S: Scalar> Known<'_, S> {
     }
 
     /// A spline through a formula of time.
-    fn sampled(&self, own: &Fields) -> Found<(TimeFunction, Vec<S>)> {
+    fn sampled(&self, own: &Fields) -> Found<Signal<S>> {
         let (start, end) = (fixed(own, "start").unwrap_or(0.0), fixed(own, "end").unwrap_or(f64::NAN));
         let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
         let intervals = count(own, "intervals");
@@ -322,14 +321,14 @@ impl<S: Scalar> Known<'_, S> {
             }
             names.pop();
         }
-        Ok((TimeFunction::table(times).map_err(|why| Mistake::new(own.at, why))?, values))
+        Ok(Signal::of(TimeFunction::table(times).map_err(|why| Mistake::new(own.at, why))?, &values))
     }
 
     /// A function of time with its numbers.
-    pub fn function(&self, fields: &Fields, key: &str) -> Found<(TimeFunction, Vec<S>)> {
+    pub fn function(&self, fields: &Fields, key: &str) -> Found<Signal<S>> {
         let own = match fields.get(key) {
             Some((_, Value::Fields(own))) => own,
-            Some(given) => return Ok((TimeFunction::Constant, vec![self.scalar(key, given)?])),
+            Some(given) => return Ok(Signal::Constant(self.scalar(key, given)?)),
             None => return missing(fields, key),
         };
         let zero_or = |key| self.number_or(own, key, 0.0);
@@ -341,32 +340,32 @@ impl<S: Scalar> Known<'_, S> {
                 let text = format!("there are {} times, but {} values; give one for each", times.len(), values.len());
                 return Err(Mistake::new(own.at, text));
             }
-            Ok((make(times).map_err(|why| Mistake::new(own.at, why))?, values))
+            Ok(Signal::of(make(times).map_err(|why| Mistake::new(own.at, why))?, &values))
         };
-        let (function, mut values) = match own.form {
-            "constant" => (TimeFunction::Constant, vec![needed("value")?]),
-            "constant_rate" => (TimeFunction::ConstantRate, vec![zero_or("offset")?, needed("rate")?]),
+        let signal = match own.form {
+            "constant" => Signal::Constant(needed("value")?),
+            "constant_rate" => Signal::ConstantRate { offset: zero_or("offset")?, rate: needed("rate")? },
             "sine" => {
-                let values = [zero_or("offset")?, needed("amplitude")?, needed("angular_frequency")?, zero_or("phase")?];
-                (TimeFunction::Sine, values.to_vec())
+                let (offset, phase) = (zero_or("offset")?, zero_or("phase")?);
+                let (amplitude, angular_frequency) = (needed("amplitude")?, needed("angular_frequency")?);
+                Signal::Sine { offset, amplitude, angular_frequency, phase }
             }
             "smooth_ramp" => {
-                let values = [zero_or("from")?, needed("to")?, zero_or("start")?, needed("duration")?];
-                (TimeFunction::SmoothRamp, values.to_vec())
+                let (from, to) = (zero_or("from")?, needed("to")?);
+                Signal::SmoothRamp { from, to, start: zero_or("start")?, duration: needed("duration")? }
             }
             "step" => {
                 let switch = fixed(own, "at").unwrap_or(f64::NAN);
-                (TimeFunction::Step { switch }, vec![zero_or("before")?, needed("after")?])
+                Signal::Step { before: zero_or("before")?, after: needed("after")?, switch }
             }
             "formula" => self.sampled(own)?,
             "lines" => curve(TimeFunction::lines)?,
             _ => curve(TimeFunction::table)?,
         };
         if own.get("smooth_start").is_none() {
-            return Ok((function, values));
+            return Ok(signal);
         }
-        values.push(needed("smooth_start")?);
-        Ok((TimeFunction::SmoothStart(Arc::new(function)), values))
+        Ok(Signal::SmoothStart { of: Box::new(signal), duration: needed("smooth_start")? })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::raw::{Raw, RawValue};
 use super::reader::{NodePlace, Reader};
-use super::unknown::unknown;
+use crate::scenes::unknown;
 use crate::scenes::{MeshData, read_gmsh};
 use std::collections::HashMap;
 use std::path::PathBuf;

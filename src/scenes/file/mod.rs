@@ -20,10 +20,9 @@ mod references;
 mod scene;
 mod schema;
 mod sections;
-mod unknown;
+
 mod values;
 
 pub use reference::reference;
 pub use scene::FileScene;
 pub use schema::schema;
-pub use unknown::unknown;

@@ -3,7 +3,7 @@
 use super::raw::Raw;
 use super::reader::{NodePlace, Reader, Value, name_space};
 use super::sections::WITH_NODES;
-use super::unknown::unknown;
+use crate::scenes::unknown;
 
 impl Reader {
     /// Names of the entries of some sections.

@@ -4,13 +4,13 @@ use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::raw::Raw;
 use super::reader::{Contents, Fields, Value, Variable, read};
-use super::unknown::unknown;
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
 use crate::scalar::{Scalar, Vector3};
+use crate::scenes::unknown;
 use crate::scenes::{
     FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scene, Sense, Settings,
 };
@@ -229,7 +229,7 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
         }
     }
     let mut settings = Settings::new(end.unwrap_or(1.0), steps.unwrap_or(1));
-    settings.method = method.map(kept);
+    settings.method = method.map(str::to_string);
     let level = text(fields, "constraint_level").and_then(ConstraintLevel::by_name);
     settings.level = level.unwrap_or(settings.level);
     let newton = NewtonTolerance::ALL.into_iter().find(|own| text(fields, "newton") == Some(own.name()));
@@ -361,9 +361,9 @@ impl Scene for FileScene {
         self.variables.clone()
     }
     fn settings(&self) -> Settings {
-        self.settings
+        self.settings.clone()
     }
-    fn problem(&self) -> Option<OptimizationProblem> {
+    fn optimization_problem(&self) -> Option<OptimizationProblem> {
         self.problem.clone()
     }
     fn output(&self) -> Output {

@@ -4,7 +4,7 @@ use super::expression::{Expression, Quantity};
 use super::keys::{Key, Range, Type};
 use super::raw::{Raw, RawValue};
 use super::reader::{Reader, Value};
-use super::unknown::unknown;
+use crate::scenes::unknown;
 
 /// Largest number of a point or face of a mesh.
 const MOST_POINTS: usize = 10_000_000;
