@@ -1,7 +1,8 @@
 //! Elements and constraints with their types erased: what the framework sees of them are recorded formulas.
 
 use super::lagrangian::{
-    Energies, impulse, is_linear_in, is_steady_in, residual, strain_course, stress_deviation, stress_force,
+    ElementFormulas, Energies, impulse, is_linear_in, is_steady_in, residual, sizes, strain_course, stress_deviation,
+    stress_force,
 };
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
 use crate::elements::NodeKind;
@@ -209,50 +210,16 @@ impl<E: Element> AnyElement for E {
         self.breakpoints(p)
     }
     fn record_residual(&self) -> Recording {
-        let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
-        Formula::record_in_stages(3 * n + m + 1, |x| {
-            let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
-            residual(self, State { a, v, q }, p, t[0])
-        })
+        record_residual(self)
     }
     fn record_impulse(&self) -> Recording {
-        let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
-        let mut depends = false;
-        let formula = Formula::record(3 * n + m + 3, |x| {
-            let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
-            let own = impulse(self, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
-            depends = own.is_none();
-            own.unwrap_or_default()
-        });
-        if depends {
-            return Err(
-                "it states no kinetic energy, and its mass matrix depends on its state: its momentum is not known".into()
-            );
-        }
-        formula
+        record_impulse(self)
     }
     fn record_energies(&self) -> Recording {
-        let (n, m) = (dofs_of(&self.nodes()), self.parameters().len());
-        Formula::record(2 * n + m, |x| {
-            let [v, q, p] = arguments(x, [n, n, m]);
-            let Energies { kinetic, potential, strain } = Energies::of(self, [v, q, p], Recorded::from(0.0));
-            vec![kinetic, potential, self.mass(p), strain]
-        })
+        record_energies(self)
     }
     fn record_inertia_moment(&self) -> Recording {
-        let (kinds, m) = (self.nodes(), self.parameters().len());
-        let n = dofs_of(&kinds);
-        Formula::record(n + m + 6, |x| {
-            let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
-            let mut v = vec![Recorded::from(0.0); n];
-            let mut first = 0;
-            for kind in kinds {
-                let places = first..first + kind.dofs();
-                kind.turn(&q[places.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[places]);
-                first += kind.dofs();
-            }
-            vec![self.kinetic(&v, q, p) * 2.0]
-        })
+        record_inertia_moment(self)
     }
     fn has_energies(&self) -> bool {
         super::lagrangian::has_energies(self)
@@ -264,24 +231,74 @@ impl<E: Element> AnyElement for E {
         self.strain_count() > 0
     }
     fn record_stresses(&self) -> Option<Result<StressFormulas, String>> {
-        let (n, m, count) = (dofs_of(&self.nodes()), self.parameters().len(), self.strain_count());
-        let record = || {
-            let course = Formula::record(3 * n + m + 1, |x| {
-                let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
-                strain_course(self, [from, d, to, p], t[0])
-            })?;
-            let deviation = Formula::record(3 * count + m, |x| {
-                let [start, change, end, p] = arguments(x, [count, count, count, m]);
-                stress_deviation(self, [start, change, end], p)
-            })?;
-            let force = Formula::record(3 * n + m + 1 + count, |x| {
-                let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
-                stress_force(self, [q, p, w], t[0])
-            })?;
-            Ok(StressFormulas { count, course, deviation, force })
-        };
-        (count > 0).then(record)
+        (self.strain_count() > 0).then(|| record_stresses(self))
     }
+}
+
+fn record_residual(element: &dyn ElementFormulas) -> Recording {
+    let (n, m) = sizes(element);
+    Formula::record_in_stages(3 * n + m + 1, |x| {
+        let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
+        residual(element, State { a, v, q }, p, t[0])
+    })
+}
+
+fn record_impulse(element: &dyn ElementFormulas) -> Recording {
+    let (n, m) = sizes(element);
+    let mut depends = false;
+    let formula = Formula::record(3 * n + m + 3, |x| {
+        let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
+        let own = impulse(element, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
+        depends = own.is_none();
+        own.unwrap_or_default()
+    });
+    if depends {
+        return Err(
+            "it states no kinetic energy, and its mass matrix depends on its state: its momentum is not known".into()
+        );
+    }
+    formula
+}
+
+fn record_energies(element: &dyn ElementFormulas) -> Recording {
+    let (n, m) = sizes(element);
+    Formula::record(2 * n + m, |x| {
+        let [v, q, p] = arguments(x, [n, n, m]);
+        let Energies { kinetic, potential, strain } = Energies::of(element, [v, q, p], Recorded::from(0.0));
+        vec![kinetic, potential, element.mass(p), strain]
+    })
+}
+
+fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
+    let (n, m) = sizes(element);
+    Formula::record(n + m + 6, |x| {
+        let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
+        let mut v = vec![Recorded::from(0.0); n];
+        let mut first = 0;
+        for kind in element.node_kinds() {
+            let places = first..first + kind.dofs();
+            kind.turn(&q[places.clone()], Vector3::first_three(point), Vector3::first_three(axis), &mut v[places]);
+            first += kind.dofs();
+        }
+        vec![element.kinetic(&v, q, p) * 2.0]
+    })
+}
+
+fn record_stresses(element: &dyn ElementFormulas) -> Result<StressFormulas, String> {
+    let ((n, m), count) = (sizes(element), element.strain_count());
+    let course = Formula::record(3 * n + m + 1, |x| {
+        let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
+        strain_course(element, [from, d, to, p], t[0])
+    })?;
+    let deviation = Formula::record(3 * count + m, |x| {
+        let [start, change, end, p] = arguments(x, [count, count, count, m]);
+        stress_deviation(element, [start, change, end], p)
+    })?;
+    let force = Formula::record(3 * n + m + 1 + count, |x| {
+        let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
+        stress_force(element, [q, p, w], t[0])
+    })?;
+    Ok(StressFormulas { count, course, deviation, force })
 }
 
 /// Number of coordinates of some nodes.

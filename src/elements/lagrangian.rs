@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Element, State, dofs_of};
+use super::{Element, NodeKind, State, dofs_of};
 use crate::program::{Formula, Recorded, Stages, along_motion, gradient_of, is_from_energies, record};
 
 /// Energies of an element.
@@ -27,6 +27,33 @@ pub trait Formulas {
     fn stored(&self, e: &[Recorded], p: &[Recorded]) -> Recorded;
     fn damping(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded], t: Recorded, s: &mut [Recorded]);
     fn dissipation(&self, e: &[Recorded], rate: &[Recorded], p: &[Recorded]) -> Recorded;
+}
+
+/// An element with its type erased where it is recorded, so that what is made of its formulas is compiled once for all of them.
+pub trait ElementFormulas: Formulas {
+    fn node_kinds(&self) -> Vec<NodeKind>;
+    fn parameter_count(&self) -> usize;
+    fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]);
+    fn mass(&self, p: &[Recorded]) -> Recorded;
+    fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)>;
+}
+
+impl<E: Element> ElementFormulas for E {
+    fn node_kinds(&self) -> Vec<NodeKind> {
+        self.nodes()
+    }
+    fn parameter_count(&self) -> usize {
+        self.parameters().len()
+    }
+    fn residual(&self, s: State<Recorded>, p: &[Recorded], t: Recorded, r: &mut [Recorded]) {
+        Element::residual(self, s, p, t, r);
+    }
+    fn mass(&self, p: &[Recorded]) -> Recorded {
+        Element::mass(self, p)
+    }
+    fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {
+        Element::in_stages(self, s, p, t)
+    }
 }
 
 impl<E: Element> Formulas for E {
@@ -59,18 +86,23 @@ impl<E: Element> Formulas for E {
     }
 }
 
+/// Numbers of coordinates and parameters.
+pub(super) fn sizes(element: &dyn ElementFormulas) -> (usize, usize) {
+    (dofs_of(&element.node_kinds()), element.parameter_count())
+}
+
 fn zeros(count: usize) -> Vec<Recorded> {
     vec![Recorded::from(0.0); count]
 }
 
-fn strains(element: &impl Formulas, q: &[Recorded], p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+fn strains(element: &dyn Formulas, q: &[Recorded], p: &[Recorded], t: Recorded) -> Vec<Recorded> {
     let mut e = zeros(element.strain_count());
     element.strains(q, p, t, &mut e);
     e
 }
 
 impl Energies {
-    pub fn of(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
+    pub fn of(element: &dyn Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> Self {
         let strain = element.strain_energy(q, p) + element.stored(&strains(element, q, p, t), p);
         Energies { kinetic: element.kinetic(v, q, p), potential: element.potential(q, p) + strain, strain }
     }
@@ -82,7 +114,7 @@ fn gradient(of: Recorded, towards: &[Recorded]) -> Vec<Recorded> {
 }
 
 /// Damping stresses s + dD/d(de/dt).
-fn losses(element: &impl Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+fn losses(element: &dyn Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
     let mut stresses = zeros(e.len());
     element.damping(e, rate, p, t, &mut stresses);
     let dissipation = element.dissipation(e, rate, p);
@@ -95,7 +127,7 @@ fn losses(element: &impl Formulas, [e, rate, p]: [&[Recorded]; 3], t: Recorded) 
 }
 
 /// Force F = dL/dq + Q and momentum P = dL/dv.
-fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
+fn force_and_momentum(element: &dyn Formulas, [v, q, p]: [&[Recorded]; 3], t: Recorded) -> (Vec<Recorded>, Vec<Recorded>) {
     let Energies { kinetic, potential, .. } = Energies::of(element, [v, q, p], t);
     let mut force = gradient(kinetic - potential, q);
     let mut applied = zeros(q.len());
@@ -113,8 +145,8 @@ fn force_and_momentum(element: &impl Formulas, [v, q, p]: [&[Recorded]; 3], t: R
 }
 
 /// R(a, v, q, p, t), as it is written or from energies, and the stages in which it is made.
-pub(super) fn residual<E: Element>(
-    element: &E,
+pub(super) fn residual(
+    element: &dyn ElementFormulas,
     s: State<Recorded>,
     p: &[Recorded],
     t: Recorded,
@@ -129,14 +161,14 @@ pub(super) fn residual<E: Element>(
 }
 
 /// The residual, if it is written out.
-fn written<E: Element>(element: &E, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<Vec<Recorded>> {
+fn written(element: &dyn ElementFormulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<Vec<Recorded>> {
     let mut residual = zeros(s.q.len());
     element.residual(s, p, t, &mut residual);
     (!is_from_energies()).then_some(residual)
 }
 
 /// d/dt (dT/dv) - dL/dq - Q.
-pub(super) fn from_energies(element: &impl Formulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
+pub(super) fn from_energies(element: &dyn Formulas, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Vec<Recorded> {
     let (force, momentum) = force_and_momentum(element, [s.v, s.q, p], t);
     let along_v = s.v.iter().copied().zip(s.a.iter().copied());
     let moving: Vec<(Recorded, Recorded)> = along_v.chain(s.q.iter().copied().zip(s.v.iter().copied())).collect();
@@ -145,12 +177,12 @@ pub(super) fn from_energies(element: &impl Formulas, s: State<Recorded>, p: &[Re
 }
 
 /// Force of given stresses, (de/dq)^T w.
-pub(super) fn stress_force<E: Element>(element: &E, [q, p, w]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
+pub(super) fn stress_force(element: &dyn Formulas, [q, p, w]: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded> {
     gradient_of(&strains(element, q, p, t), w, q)
 }
 
 /// Strains at a place, their change along d there, and strains at another place, one list behind the other.
-pub(super) fn strain_course<E: Element>(element: &E, [from, d, to, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
+pub(super) fn strain_course(element: &dyn Formulas, [from, d, to, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
     let start = strains(element, from, p, t);
     let moving: Vec<(Recorded, Recorded)> = from.iter().copied().zip(d.iter().copied()).collect();
     let change = along_motion(&start, &moving);
@@ -158,8 +190,8 @@ pub(super) fn strain_course<E: Element>(element: &E, [from, d, to, p]: [&[Record
 }
 
 /// s(e_0) + ds/de e' - s(e_1) with the stresses s = dW/de.
-pub(super) fn stress_deviation<E: Element>(
-    element: &E,
+pub(super) fn stress_deviation(
+    element: &dyn Formulas,
     [start, change, end]: [&[Recorded]; 3],
     p: &[Recorded],
 ) -> Vec<Recorded> {
@@ -173,8 +205,8 @@ pub(super) fn stress_deviation<E: Element>(
 /// w_P P + w_F F; `None` for a written residual without energies whose mass matrix depends on its state.
 ///
 /// Such a residual with a constant mass matrix M gives P = M v and F = -R without accelerations.
-pub(super) fn impulse<E: Element>(
-    element: &E,
+pub(super) fn impulse(
+    element: &dyn ElementFormulas,
     s: State<Recorded>,
     p: &[Recorded],
     t: Recorded,
@@ -226,8 +258,8 @@ pub(super) fn is_steady_in(equations: &[Recorded], number: Recorded) -> bool {
 /// Whether energies are complete: the residual follows from them and from losses, or is found to agree with what does at two states.
 ///
 /// A written residual that chooses between formulas may agree at some states and not at others: it counts as more than its energies.
-pub(super) fn has_energies<E: Element>(element: &E) -> bool {
-    let (n, m) = (dofs_of(&element.nodes()), element.parameters().len());
+pub(super) fn has_energies(element: &dyn ElementFormulas) -> bool {
+    let (n, m) = sizes(element);
     (0..2).all(|probe| {
         // numbers of the size of Euler parameters, none of them alike
         let number = |i: usize| 0.6 + 0.35 * ((i + 37 * probe) as f64 * 1.7 + 0.3).sin();
@@ -253,8 +285,8 @@ pub(super) fn has_energies<E: Element>(element: &E) -> bool {
 }
 
 /// Whether nothing changes its energy but the motion: no force beside its energies, no losses, no time.
-pub(super) fn is_conservative<E: Element>(element: &E) -> bool {
-    let (n, m) = (dofs_of(&element.nodes()), element.parameters().len());
+pub(super) fn is_conservative(element: &dyn ElementFormulas) -> bool {
+    let (n, m) = sizes(element);
     let mut is_free = true;
     let forces = Formula::record(2 * n + m + 1, |x| {
         let (v, rest) = x.split_at(n);

@@ -133,7 +133,8 @@ impl Formula {
     /// # Errors
     /// If it branches on a value: what was recorded would hold for other values only by chance.
     pub fn record(inputs: usize, formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
-        Self::record_in_stages(inputs, |x| (formula(x), None))
+        let mut formula = Some(formula);
+        Self::recorded(inputs, &mut |x| (formula.take().map_or_else(Vec::new, |own| own(x)), None))
     }
 
     /// As [`Formula::record`], with the stages in which the results are made.
@@ -143,6 +144,15 @@ impl Formula {
     pub fn record_in_stages(
         inputs: usize,
         formula: impl FnOnce(&[Recorded]) -> (Vec<Recorded>, Option<Stages<Recorded>>),
+    ) -> Result<Arc<Formula>, String> {
+        let mut formula = Some(formula);
+        Self::recorded(inputs, &mut |x| formula.take().map_or_else(|| (Vec::new(), None), |own| own(x)))
+    }
+
+    /// Records what is called once; not generic, as there are hundreds of formulas.
+    fn recorded(
+        inputs: usize,
+        formula: &mut dyn FnMut(&[Recorded]) -> (Vec<Recorded>, Option<Stages<Recorded>>),
     ) -> Result<Arc<Formula>, String> {
         let _making = Making::begin();
         let ((results, stages), recording) = record(&vec![f64::NAN; inputs], formula);

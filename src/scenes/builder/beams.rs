@@ -151,11 +151,16 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Nodes of its own start with the rotation of the node that it starts or ends in, or that of the world.
     pub fn tapered_beam(&mut self, name: &str, line: BeamLine<S>, section: impl Fn(f64) -> Section<S>) -> BeamMember {
+        self.add_beam(name, &line, &section)
+    }
+
+    // not generic over the section
+    fn add_beam(&mut self, name: &str, line: &BeamLine<S>, section: &dyn Fn(f64) -> Section<S>) -> BeamMember {
         let count = line.points.len();
         let kind = section(0.0).kind;
         let field = BeamField { coupled: kind.coupled, damped: kind.damped, eccentric: kind.eccentric };
         let mut member = BeamMember { nodes: Vec::new(), elements: Vec::new(), field, name: name.to_string() };
-        let sound = self.check_line(name, &line) && self.check_sections(name, count / 2, &section);
+        let sound = self.check_line(name, line) && self.check_sections(name, count / 2, section);
         let given = line.ends.iter().find_map(|end| if let End::Node(node) = end { Some(*node) } else { None });
         let rotation = given.map_or_else(Quaternion::identity, |node| self.rotation(node));
         for (i, &point) in line.points.iter().enumerate() {
@@ -278,7 +283,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// Sections are possible, and what their formulas take into account is topology: the same all along the beam.
-    fn check_sections(&mut self, name: &str, elements: usize, section: &impl Fn(f64) -> Section<S>) -> bool {
+    fn check_sections(&mut self, name: &str, elements: usize, section: &dyn Fn(f64) -> Section<S>) -> bool {
         let first = section(0.0).kind;
         let shares = (0..elements).flat_map(|element| {
             let share = move |xi: f64| (element as f64 + 0.5 * (xi + 1.0)) / elements as f64;

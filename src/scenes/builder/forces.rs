@@ -6,7 +6,7 @@ use crate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
     SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
 };
-use crate::elements::{Constraint, TimeFunction};
+use crate::elements::{AnyElement, Constraint, Parameter, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
@@ -227,14 +227,26 @@ impl<S: Scalar> MechanismBuilder<S> {
         add: impl FnOnce(&mut Self) -> ConstraintId,
     ) -> ElementId {
         let added = add(self);
+        let own = (joint.parameters(), joint.equations());
+        self.soften(added, own, [stiffness, damping], Box::new(Soft(joint)))
+    }
+
+    /// Puts an element in place of the joint that was added last, which must have the parameters and equations given.
+    fn soften(
+        &mut self,
+        added: ConstraintId,
+        (parameters, count): (Vec<Parameter>, usize),
+        [stiffness, damping]: [&[S]; 2],
+        element: Box<dyn AnyElement>,
+    ) -> ElementId {
         // taken back from the model; nothing at all was added after a mistake, which is told already
         let (Some(last), true) = (self.model.constraints.len().checked_sub(1), added != self.model.refused_constraint())
         else {
             return self.model.refused_element();
         };
         let own = self.model.constraints[last].parameters.clone();
-        let same = joint.parameters() == self.model.constraints[last].physics.parameter_list()
-            && joint.equations() == self.model.constraints[last].equations.len();
+        let same = parameters == self.model.constraints[last].physics.parameter_list()
+            && count == self.model.constraints[last].equations.len();
         if self.model.find_constraint(added).is_none() || added.0 != last || own.end != self.model.parameters || !same {
             let name = &self.model.constraints[added.0.min(last)].name;
             self.mistakes.push(format!(
@@ -254,6 +266,6 @@ impl<S: Scalar> MechanismBuilder<S> {
             ));
             return self.model.refused_element();
         }
-        self.element(&name, &nodes, Soft(joint), &p)
+        self.add_element(&name, &nodes, element, &p)
     }
 }
