@@ -23,6 +23,10 @@ pub trait Constraint: Send + Sync + 'static {
     }
     /// g(q, p, t), into `g`, which holds zeros before; scale the rows so that they are lengths or angles.
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]);
+    /// Whether it drives: its points are places to measure from and to, where pictures draw neither a link nor ground.
+    fn is_driver(&self) -> bool {
+        false
+    }
     /// Times at which the motion it prescribes is not smooth: steps end there.
     fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
         Vec::new()

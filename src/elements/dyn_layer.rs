@@ -473,6 +473,10 @@ pub trait AnyConstraint: Send + Sync {
     fn equation_count(&self) -> usize;
     /// Whether it restricts velocities only.
     fn is_nonholonomic(&self) -> bool;
+    /// Whether it drives a motion.
+    fn is_driver(&self) -> bool {
+        false
+    }
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Times at which the prescribed motion is not smooth.
@@ -503,6 +507,9 @@ impl<C: Constraint> AnyConstraint for C {
     }
     fn is_nonholonomic(&self) -> bool {
         false
+    }
+    fn is_driver(&self) -> bool {
+        Constraint::is_driver(self)
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
@@ -560,6 +567,11 @@ pub struct ConstraintPhysics {
 }
 
 impl ConstraintPhysics {
+    /// Whether it drives a motion.
+    pub fn is_driver(&self) -> bool {
+        self.own.is_driver()
+    }
+
     /// A constraint, recorded when that is first asked for.
     pub fn new(own: Box<dyn AnyConstraint>) -> Self {
         let (dofs, equations, parameters) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list().len());

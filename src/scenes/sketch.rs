@@ -1,9 +1,12 @@
-use super::builder::MechanismBuilder;
+use super::builder::{MechanismBuilder, OutlinedLine};
 use crate::assembly::NodeId;
 use crate::elements::{NodeKind, Parameter};
 use crate::functionals::Measured;
 use crate::scalar::{Quaternion, SpatialVector, Vector3};
 use std::ops::Range;
+
+/// A point nearer to its node than this is at it: what is left of a place by rounding \[m\].
+const AT_THE_NODE: f64 = 1e-9;
 
 /// A point that moves with a node.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +85,8 @@ impl MechanismBuilder<f64> {
             }
         }
         let elements = self.model.elements.iter().map(|e| (&e.nodes, e.parameters.clone(), e.physics.parameter_list()));
-        let joints = self.model.constraints.iter().map(|c| (&c.nodes, c.parameters.clone(), c.physics.parameter_list()));
+        let joints = self.model.constraints.iter().filter(|c| !c.physics.is_driver());
+        let joints = joints.map(|c| (&c.nodes, c.parameters.clone(), c.physics.parameter_list()));
         for (nodes, places, parameters) in elements.chain(joints) {
             let &[a, b] = &nodes[..] else { continue };
             let end = |node, name| self.node_point(node, self.named_vector(&parameters, places.clone(), name)?);
@@ -96,9 +100,7 @@ impl MechanismBuilder<f64> {
                 && let Some(local) = self.named_vector(&list, parameters.clone(), "point")
                 && let Some(point) = self.node_point(node, local)
             {
-                let name =
-                    if point.kind.has_axes() { format!("point of {}", functional.name) } else { self.node_name(&point) };
-                sketch.follow(name, point);
+                sketch.follow(self.point_name(node, &point), point);
             }
         }
         for node in self.model.nodes.iter().filter(|node| node.kind == NodeKind::Point) {
@@ -112,15 +114,27 @@ impl MechanismBuilder<f64> {
                 lines.flat_map(|line| &line.points[1..line.points.len() - 1]).map(|corner| corner.0).collect();
             for index in (0..self.model.nodes.len()).filter(|&index| !inner.contains(&self.model.node_id(index))) {
                 if let Some(point) = self.node_point(self.model.node_id(index), [0.0; 3]) {
-                    sketch.follow(self.model.nodes[index].name.clone(), point);
+                    sketch.follow(self.point_name(self.model.node_id(index), &point), point);
                 }
             }
         }
         sketch
     }
 
-    fn node_name(&self, point: &NodePoint) -> String {
-        self.model.nodes.iter().find(|node| node.dofs == point.dofs).map_or_else(String::new, |node| node.name.clone())
+    /// What a point is called: the node, a point on it, or the end of a beam or cable.
+    fn point_name(&self, node: NodeId, point: &NodePoint) -> String {
+        let own = &self.model.nodes[node.0].name;
+        let ends = |line: &OutlinedLine| {
+            let [first, last] = [line.rings.first()?, line.rings.last()?].map(|ring| ring.node);
+            let end = if last == node { "end" } else { "start" };
+            (first == node || last == node).then(|| format!("{end} of {}", line.name))
+        };
+        let of_member = self.nodes_of_members.contains(&node).then(|| self.outlined.iter().find_map(ends)).flatten();
+        match of_member {
+            _ if point.local.iter().any(|x| x.abs() > AT_THE_NODE) => format!("point on {own}"),
+            Some(end) => end,
+            None => own.clone(),
+        }
     }
 
     /// A place in the frame of a node \[m\]; `None` for a node without a place in space.
@@ -160,17 +174,23 @@ impl Sketch {
     }
 
     fn follow(&mut self, name: String, point: NodePoint) {
-        if !point.fixed && !self.followed.iter().any(|(_, known)| *known == point) {
-            self.followed.push((name, point));
+        if point.fixed || self.followed.iter().any(|(_, known)| *known == point) {
+            return;
         }
+        let known = |name: &str| self.followed.iter().any(|(own, _)| own == name);
+        let numbered = (2..).map(|number| format!("{name} ({number})")).find(|numbered| !known(numbered));
+        let name = if known(&name) { numbered.unwrap_or(name) } else { name };
+        self.followed.push((name, point));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elements::flexible::Section;
     use crate::scenes::AnyScene;
     use crate::scenes::built_in::{FiveBar, Pendulum, PlatePendulum};
+    use crate::scenes::{BeamLine, Signal};
 
     fn mechanism(scene: &dyn AnyScene) -> MechanismBuilder<f64> {
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
@@ -185,9 +205,36 @@ mod tests {
         assert_eq!([count(Drawn::Body), count(Drawn::Link)], [4, 2]);
         assert_eq!(sketch.anchors, [[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
         let [(name, point)] = &sketch.followed[..] else { panic!("{:?}", sketch.followed) };
-        assert_eq!(name, "point of psi");
+        assert_eq!(name, "point on bar 2");
         let tip = point.at(&five_bar.numbers.q);
         assert!(tip.iter().zip([0.0, 2.0, 0.0]).all(|(a, b)| (a - b).abs() < 1e-15), "{tip:?}");
+    }
+
+    #[test]
+    fn drivers_measure_from_places_where_no_ground_is() {
+        let mut m = MechanismBuilder::<f64>::default();
+        let (ground, wheel, hub) = (m.ground(), m.point("wheel", Vector3::x()), Vector3::x());
+        m.point_mass("wheel", wheel, 1.0);
+        let road = Signal::ConstantRate { offset: 0.0, rate: 1.0 };
+        m.prescribed_translation("road", [ground, wheel], [Vector3::zeros(), hub], Vector3::y(), road);
+        let sketch = m.finish().unwrap().sketch();
+        assert!(sketch.anchors.is_empty() && sketch.lines.is_empty(), "{sketch:?}");
+    }
+
+    #[test]
+    fn trails_are_called_by_what_they_follow() {
+        let mut m = MechanismBuilder::<f64>::default();
+        let line = BeamLine::straight([Vector3::zeros(), Vector3::x()], 2, Vector3::y());
+        let beam = m.beam("arm", line, &Section::new([1.0; 6]));
+        let body = m.body("rod", Vector3::x(), Quaternion::identity());
+        m.rigid_body("rod", body, 1.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        let over = crate::functionals::Over::Terminal;
+        let places = [(beam.end(), 1.0), (beam.nodes[1], 0.25), (body, 1.0), (body, 2.0), (body, 3.0)];
+        for (number, (node, x)) in places.into_iter().enumerate() {
+            m.position_functional(&format!("{number}"), over, node, Vector3::new(x, 0.0, 0.0), Vector3::y());
+        }
+        let names: Vec<String> = m.finish().unwrap().sketch().followed.into_iter().map(|own| own.0).collect();
+        assert_eq!(names, ["end of arm", "arm, node 2", "rod", "point on rod", "point on rod (2)"]);
     }
 
     #[test]

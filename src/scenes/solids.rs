@@ -10,6 +10,9 @@ use std::collections::HashMap;
 
 type Vector = [f64; 3];
 
+/// Half the thickness of a shell of which none is known \[m\]: its two sides are told apart.
+const HALF_A_SHEET: f64 = 1e-9;
+
 fn combined(terms: impl IntoIterator<Item = (f64, Vector)>) -> Vector {
     terms.into_iter().fold([0.0; 3], |sum, (weight, own)| [0, 1, 2].map(|k| sum[k] + weight * own[k]))
 }
@@ -30,8 +33,8 @@ enum Place {
     Node(NodePoint),
     /// Beside a cable's node: across its slope, by two directions at the start.
     AcrossSlope { node: NodePoint, start: Vector, offset: Vector },
-    /// On a shell, at the shape functions of its nodes: on its lower (-1) or upper (1) side.
-    Shell { surface: usize, weights: Vec<f64>, side: f64 },
+    /// On a shell, at the shape functions of its nodes: on its lower (0) or upper (1) side.
+    Shell { surface: usize, weights: Vec<f64>, side: usize },
 }
 
 /// Where a stress is read; of several places their mean.
@@ -127,7 +130,7 @@ impl Solids<'_> {
     /// Rings of a beam or cable, its surface and its ends.
     fn add_line(&mut self, index: usize) {
         let mechanism = self.mechanism;
-        let OutlinedLine { rings, elements, field } = &mechanism.outlined[index];
+        let OutlinedLine { rings, elements, field, .. } = &mechanism.outlined[index];
         let per_element = field.places().len() - 1;
         let mut last: Option<Vec<usize>> = None;
         for (i, ring) in rings.iter().enumerate() {
@@ -207,14 +210,14 @@ impl Solids<'_> {
             for (piece, own) in shape.pieces.iter().enumerate() {
                 let corners = own.corners.map(|[r, s]| {
                     let weights = (shape.values)(r, s).to_vec();
-                    let (middle, director) = self.shell_place(surface, &weights, q);
+                    let (middle, director, _) = self.shell_place(surface, &weights, q);
                     let identity = [0, 1, 2].map(|k| (middle[k] / grid).round() as i64);
                     let turned = unit(director).map(|x| (x * 20.0).round() as i64);
                     let key = [identity[0], identity[1], identity[2], turned[0], turned[1], turned[2]];
                     let pair = *known.entry(key).or_insert_with(|| {
                         self.stress_places.push(Vec::new());
                         let stress = Some(self.stress_places.len() - 1);
-                        [-1.0, 1.0].map(|side| {
+                        [0, 1].map(|side| {
                             let place = Place::Shell { surface, weights: weights.clone(), side };
                             self.add(place, Vec::new(), stress)
                         })
@@ -303,16 +306,15 @@ impl Solids<'_> {
         (0..model.elements.len()).filter(|&element| is_own(&model.elements[element].nodes)).collect()
     }
 
-    /// Middle of a shell and half its thickness along its director.
-    fn shell_place(&self, surface: usize, weights: &[f64], q: &[f64]) -> (Vector, Vector) {
+    /// A place among the nodes of a shell, its director, and how far its lower and upper side are along it.
+    fn shell_place(&self, surface: usize, weights: &[f64], q: &[f64]) -> (Vector, Vector, [f64; 2]) {
         let own = &self.surfaces[surface];
         let p = &self.mechanism.numbers.p;
         let middle = combined(own.nodes.iter().zip(weights).map(|(node, &weight)| (weight, node.at(q))));
         let directors = own.directors(p);
         let turned = own.nodes.iter().zip(&directors).map(|(node, &director)| node.turned(q, director));
         let director = combined(weights.iter().copied().zip(turned));
-        let thickness: f64 = own.thicknesses().map_or(0.0, |places| p[places].iter().zip(weights).map(|(t, w)| t * w).sum());
-        (middle, if thickness > 0.0 { director.map(|x| 0.5 * thickness * x) } else { director.map(|x| 1e-9 * x) })
+        (middle, director, own.sides(p, weights).unwrap_or([-HALF_A_SHEET, HALF_A_SHEET]))
     }
 
     /// All vertices \[m\] at coordinates of the mechanism.
@@ -329,8 +331,8 @@ impl Solids<'_> {
                 combined([(1.0, centre), (1.0, *offset), (1.0, once), (1.0 / (1.0 + cosine).max(1e-12), twice)])
             }
             Place::Shell { surface, weights, side } => {
-                let (middle, half) = self.shell_place(*surface, weights, q);
-                combined([(1.0, middle), (*side, half)])
+                let (middle, director, sides) = self.shell_place(*surface, weights, q);
+                combined([(1.0, middle), (sides[*side], director)])
             }
         };
         self.vertices.iter().map(place).collect()
@@ -366,13 +368,27 @@ impl Solids<'_> {
         field.largest_stress(outline, place, &coordinates, p)
     }
 
-    /// For each vertex what its elements have of a number for each element, their mean; not a number where it has none.
+    /// The elements that are shown, by their places in the model, each once.
+    pub fn shown_elements(&self) -> Vec<usize> {
+        let mut all = self.elements.concat();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// For each vertex what its elements have of a number for each element; not a number where it has none. Between elements of a shell it is
+    /// their mean; of what acts on the same part, as inertia and weight of a body, the sum.
     pub fn of_elements(&self, values: &[f64]) -> Vec<f64> {
-        let mean = |own: &Vec<usize>| {
+        let own = |(place, own): (&Place, &Vec<usize>)| {
             let finite: Vec<f64> = own.iter().map(|&element| values[element]).filter(|value| !value.is_nan()).collect();
-            finite.iter().sum::<f64>() / finite.len() as f64
+            let sum = finite.iter().sum::<f64>();
+            match (place, finite.len()) {
+                (_, 0) => f64::NAN,
+                (Place::Shell { .. }, count) => sum / count as f64,
+                _ => sum,
+            }
         };
-        self.elements.iter().map(mean).collect()
+        self.vertices.iter().zip(&self.elements).map(own).collect()
     }
 }
 
@@ -386,10 +402,55 @@ fn slope(node: &NodePoint, q: &[f64]) -> Vector {
 mod tests {
     use super::*;
     use crate::elements::flexible::section::Shape;
-    use crate::elements::flexible::{CableSection, Material, Section};
-    use crate::scalar::{SpatialVector, Vector3};
+    use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
+    use crate::scalar::{Quaternion, SpatialVector, Vector3};
     use crate::scenes::built_in::PlatePendulum;
-    use crate::scenes::{AnyScene, BeamLine, CableLine};
+    use crate::scenes::{AnyScene, BeamLine, CableLine, ShellMesh};
+
+    #[test]
+    fn shells_of_plies_are_as_thick_as_these_and_stand_where_they_do() {
+        let ply = |thickness| Ply {
+            thickness,
+            angle: 0.0,
+            young: [YOUNG; 2],
+            poisson: 0.3,
+            shear: [YOUNG / 2.6; 3],
+            density: 1.0,
+        };
+        let laminate = Laminate::new(vec![ply(0.01), ply(0.03)]).offset(0.05);
+        let mut m = MechanismBuilder::<f64>::default();
+        let mesh = ShellMesh::plate(Vector3::zeros(), [Vector3::x(), Vector3::y()], [1, 1]);
+        m.laminate_shell("plate", mesh, &laminate, Vector3::x());
+        let m = m.finish().unwrap();
+        let (solids, places) = (m.solids(), m.solids().positions(&m.numbers.q));
+        let heights: Vec<f64> = solids.triangles.iter().flatten().map(|&vertex| places[vertex][2]).collect();
+        assert!(heights.iter().all(|z| (z - 0.03).abs() < 1e-12 || (z - 0.07).abs() < 1e-12), "{heights:?}");
+        let [least, most] = [f64::min, f64::max].map(|of| heights.iter().copied().reduce(of).unwrap());
+        assert!((most - least - 0.04).abs() < 1e-12);
+        assert!((m.surfaces()[0].thickness(&m.numbers.p).unwrap() - 0.04).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_acts_on_one_body_adds_up_and_neighbours_in_a_shell_are_averaged() {
+        let mut m = MechanismBuilder::<f64>::default();
+        let body = m.body("body", Vector3::zeros(), Quaternion::identity());
+        m.rigid_body("body", body, 1.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        m.draw(body, &[Vector3::zeros(), Vector3::x()]);
+        m.gravity(Vector3::z());
+        let m = m.finish().unwrap();
+        assert_eq!(m.model.elements.len(), 2, "inertia and weight");
+        // its line, and the point that is followed
+        let values = m.solids().of_elements(&[2.0, 5.0]);
+        assert!(values[..2] == [7.0, 7.0] && values[2..].iter().all(|value| value.is_nan()), "{values:?}");
+        let mut m = MechanismBuilder::<f64>::default();
+        let mesh = ShellMesh::plate(Vector3::zeros(), [Vector3::x(), Vector3::y()], [2, 1]);
+        m.shell("plate", mesh, &MATERIAL, 0.1);
+        let m = m.finish().unwrap();
+        let (solids, values) = (m.solids(), m.solids().of_elements(&[2.0, 5.0]));
+        let values: Vec<f64> = solids.triangles.iter().flatten().map(|&vertex| values[vertex]).collect();
+        assert!(values.contains(&2.0) && values.contains(&5.0) && values.contains(&3.5), "{values:?}");
+        assert!(values.iter().all(|value| [2.0, 3.5, 5.0].contains(value)), "{values:?}");
+    }
 
     const YOUNG: f64 = 2e11;
     const MATERIAL: Material<f64> = Material { young: YOUNG, poisson: 0.3, density: 7800.0 };

@@ -16,29 +16,39 @@ pub struct Surface {
     /// Which element of the model.
     pub element: ElementId,
     parameters: Range<usize>,
+    layers: Option<[f64; 2]>,
 }
 
 impl MechanismBuilder<f64> {
     /// The elements of all shells.
     pub fn surfaces(&self) -> Vec<Surface> {
         let of_member = |shell: &super::MeshedShell| {
-            let surface = |((kind, nodes), &id): ((ShellKind, &[NodeId]), &ElementId)| {
+            let surface = |(((kind, nodes), &id), layers): (((ShellKind, &[NodeId]), &ElementId), Option<[f64; 2]>)| {
                 let parameters = self.model.find_element(id)?.parameters.clone();
                 let nodes: Option<Vec<NodePoint>> = nodes.iter().map(|&node| self.node_point(node, [0.0; 3])).collect();
-                Some(Surface { nodes: nodes?, kind, element: id, parameters })
+                Some(Surface { nodes: nodes?, kind, element: id, parameters, layers })
             };
-            shell.faces().zip(&shell.elements).filter_map(surface).collect::<Vec<_>>()
+            shell.faces().zip(&shell.elements).zip(shell.layers()).filter_map(surface).collect::<Vec<_>>()
         };
         self.shells.iter().flat_map(of_member).collect()
     }
 }
 
 impl Surface {
-    /// Mean thickness of an isotropic shell \[m\], from the parameters of the whole mechanism.
+    /// Mean thickness \[m\], that of all plies or from the parameters of the whole mechanism.
     pub fn thickness(&self, p: &[f64]) -> Option<f64> {
+        if let Some([below, above]) = self.layers {
+            return Some(above - below);
+        }
         let own = self.thicknesses()?;
         let count = own.len() as f64;
         Some(p[own].iter().sum::<f64>() / count)
+    }
+
+    /// Where it begins and ends along the director, from the nodes on \[m\], at the shape functions of its nodes.
+    pub fn sides(&self, p: &[f64], weights: &[f64]) -> Option<[f64; 2]> {
+        let half = |own: Range<usize>| 0.5 * p[own].iter().zip(weights).map(|(t, w)| t * w).sum::<f64>();
+        self.layers.or_else(|| self.thicknesses().map(half).map(|half| [-half, half]))
     }
 
     /// Places of the thicknesses of an isotropic shell at its nodes among the parameters of the whole mechanism.

@@ -33,6 +33,9 @@ impl Constraint for PrescribedRotation {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         g[0] = angle_between([self.a, self.b], q, p, self.angle.value(t, &p[9..]));
     }
+    fn is_driver(&self) -> bool {
+        true
+    }
     fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
         self.angle.breakpoints(&p[9..])
     }

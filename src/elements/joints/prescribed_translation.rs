@@ -32,6 +32,9 @@ impl Constraint for PrescribedTranslation {
         let axis = Frame::of(self.a, q).direction(&p[6..]);
         g[0] = axis.dot(&gap([self.a, self.b], q, p)) - self.displacement.value(t, &p[9..]);
     }
+    fn is_driver(&self) -> bool {
+        true
+    }
     fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
         self.displacement.breakpoints(&p[9..])
     }

@@ -219,7 +219,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             Ring { node, axes: Some([second, third]), outline: section(i as f64 / (count - 1) as f64).outline() }
         };
         let rings = member.nodes.iter().enumerate().map(ring).collect();
-        self.outlined.push(OutlinedLine { rings, elements: member.elements.clone(), field: LineField::Beam(field) });
+        let (name, elements, field) = (name.into(), member.elements.clone(), LineField::Beam(field));
+        self.outlined.push(OutlinedLine { name, rings, elements, field });
         let points = member.nodes.iter().map(|&node| (node, [0.0; 3])).collect();
         self.drawings.push(Drawing { drawn: Drawn::Body, points });
         member

@@ -162,6 +162,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let rings = member.nodes.iter().map(|&node| Ring { node, axes: None, outline: section.outline() }).collect();
         self.outlined.push(OutlinedLine {
+            name: name.into(),
             rings,
             elements: member.elements.clone(),
             field: LineField::Cable(section.strain),

@@ -27,6 +27,8 @@ pub enum LineField {
 /// A beam or cable with its sections.
 #[derive(Clone, Debug)]
 pub struct OutlinedLine {
+    /// Name of the beam or cable.
+    pub name: String,
     /// At all nodes, from end to end.
     pub rings: Vec<Ring>,
     /// Elements, from end to end.

@@ -29,7 +29,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!("\"{name}\", {face_name} has part {own}, but there are {count}, counted from 0"));
         }
         type Numbers<'n, S> = Box<dyn Fn(usize, usize) -> Vec<S> + 'n>;
-        let mut sections: Vec<(ShellSection, Numbers<S>)> = Vec::new();
+        let mut sections: Vec<(ShellSection, Numbers<S>, Option<&Laminate<S>>)> = Vec::new();
         for part in parts {
             sections.push(match part {
                 ShellPart::Isotropic(Material { young, poisson, density }, thickness) => {
@@ -39,20 +39,21 @@ impl<S: Scalar> MechanismBuilder<S> {
                         let own = (0..nodes).map(|node| thickness(face, mesh.place(face, node)));
                         own.chain([*young, *poisson, *density]).collect()
                     };
-                    (ShellSection::Isotropic, Box::new(numbers))
+                    (ShellSection::Isotropic, Box::new(numbers), None)
                 }
                 ShellPart::Laminate(laminate, direction) => {
                     let numbers = self.laminate_numbers(name, &mesh, laminate, *direction);
-                    (ShellSection::Laminate, Box::new(move |_, _| numbers.clone()))
+                    (ShellSection::Laminate, Box::new(move |_, _| numbers.clone()), Some(*laminate))
                 }
             });
         }
         if wrong.is_some() {
             // a mechanism with mistakes is not made: its faces may have any section
             let any = |_: usize, nodes: usize| vec![S::from(1.0); nodes + 3];
-            return self.add_shell(name, &mesh, &mesh, &[(ShellSection::Isotropic, &any)], &|_| 0);
+            return self.add_shell(name, &mesh, &mesh, &[(ShellSection::Isotropic, &any, None)], &|_| 0);
         }
-        let sections: Vec<SectionOf<S>> = sections.iter().map(|(section, numbers)| (*section, &**numbers)).collect();
+        let sections: Vec<SectionOf<S>> =
+            sections.iter().map(|(section, numbers, plies)| (*section, &**numbers, *plies)).collect();
         let before = self.mistakes.len();
         let shell = self.add_shell(name, &mesh, &mesh, &sections, &part_of);
         if self.mistakes.len() > before {

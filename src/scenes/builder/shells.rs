@@ -29,6 +29,8 @@ pub struct MeshedShell {
     /// In the order of the faces.
     pub elements: Vec<ElementId>,
     faces: Vec<(ShellKind, Vec<NodeId>)>,
+    /// Of elements of plies where these begin and end along the normal, from the nodes on \[m\]; of others not a number.
+    layers: Vec<[f64; 2]>,
     of_point: Vec<Option<NodeId>>,
     groups: Vec<(String, Vec<usize>)>,
     node_sets: Vec<(String, Vec<usize>)>,
@@ -68,6 +70,10 @@ impl MeshedShell {
                 Err(format!("\"{}\" has no {what} \"{name}\"; there are: {there}", self.name))
             }
         }
+    }
+    /// Of each element of plies where these begin and end along the normal, from the nodes on \[m\].
+    pub(crate) fn layers(&self) -> impl Iterator<Item = Option<[f64; 2]>> {
+        self.layers.iter().map(|&own| Some(own).filter(|[below, above]| below.is_finite() && above.is_finite()))
     }
     /// What each element is, with its nodes in their order.
     pub fn faces(&self) -> impl Iterator<Item = (ShellKind, &[NodeId])> {
@@ -130,8 +136,8 @@ impl ShellMember {
     }
 }
 
-/// What a section is, and its parameters at the nodes of an element, from its number and that of its nodes.
-pub(super) type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>);
+/// What a section is, its parameters at the nodes of an element, from its number and that of its nodes, and its plies if it has some.
+pub(super) type SectionOf<'f, S> = (ShellSection, &'f dyn Fn(usize, usize) -> Vec<S>, Option<&'f Laminate<S>>);
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// A shell of one material and thickness \[m\] on a mesh, its nodes in the middle of its thickness.
@@ -157,7 +163,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let own = (0..nodes).map(|node| thickness(element, mesh.place(element, node)));
             own.chain([young, poisson, density]).collect()
         };
-        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Isotropic, &section)], &|_| 0);
+        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Isotropic, &section, None)], &|_| 0);
         mesh.member(shell)
     }
 
@@ -172,7 +178,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         let free = mesh.free();
         let numbers = self.laminate_numbers(name, &free, laminate, direction);
         let before = self.mistakes.len();
-        let shell = self.add_shell(name, &mesh, &free, &[(ShellSection::Laminate, &|_, _| numbers.clone())], &|_| 0);
+        let section: SectionOf<S> = (ShellSection::Laminate, &|_, _| numbers.clone(), Some(laminate));
+        let shell = self.add_shell(name, &mesh, &free, &[section], &|_| 0);
         if self.mistakes.len() == before {
             self.check_axis(name, direction, free.directors().into_iter().flatten());
         }
@@ -228,8 +235,9 @@ impl<S: Scalar> MechanismBuilder<S> {
     ) -> MeshedShell {
         let damped = free.damping.is_some();
         let (groups, node_sets) = (free.groups.clone(), free.node_sets.clone());
-        let (nodes, elements, faces, of_point) = (Vec::new(), Vec::new(), Vec::new(), vec![None; free.points.len()]);
-        let mut shell = MeshedShell { name: name.into(), nodes, elements, faces, of_point, groups, node_sets };
+        let (nodes, elements, faces, layers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let of_point = vec![None; free.points.len()];
+        let mut shell = MeshedShell { name: name.into(), nodes, elements, faces, layers, of_point, groups, node_sets };
         let sound = self.check_mesh(name, mesh, free);
         let rotation = self.rotation_of(free);
         // of a mesh without faces, which is refused, all points may be asked for
@@ -255,7 +263,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let mut first: HashMap<ShellKind, ElementId> = HashMap::new();
         for (element, (face, directors)) in free.faces.iter().zip(free.directors()).enumerate() {
             let nodes: Vec<NodeId> = face.points.iter().filter_map(|&point| shell.of_point[point]).collect();
-            let (section, numbers) = sections[section_of(element)];
+            let (section, numbers, laminate) = sections[section_of(element)];
             let kind = ShellKind { face: face.kind, section, damped };
             let mut p = Vec::new();
             for (&point, director) in face.points.iter().zip(directors) {
@@ -282,6 +290,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             first.entry(kind).or_insert(added);
             shell.elements.push(added);
             shell.faces.push((kind, nodes));
+            let layers = laminate.map(|own| [-0.5, 0.5].map(|side| (own.offset + own.thickness() * side).value()));
+            shell.layers.push(layers.unwrap_or([f64::NAN; 2]));
             self.heavy_shells.push((added, kind.drilling() + 1));
         }
         for line in mesh.lines() {
