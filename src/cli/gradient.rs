@@ -70,7 +70,9 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     prepared.keep = resumed(options.history.clone(), options.resume)?;
     check_history(&prepared.keep, &options.scene.folder(&*scene))?;
     let mut simulation = simulate(&prepared, &options.scene)?;
-    let mut page = Page::of_simulation(&prepared, &simulation, "simulation and gradient");
+    let output = options.scene.output(&*scene);
+    let reported = || Page::of_simulation(&prepared, &simulation, "simulation and gradient");
+    let mut page = options.scene.reports().then(reported);
     if simulation.stopped.is_some() {
         simulation.conclude(page, simulation.json(&prepared).into());
         report(&simulation, &prepared);
@@ -89,9 +91,12 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
              computed again (--history file:PATH keeps all)\n"
         ));
     }
-    let parts = PartSensitivities::of(prepared.model());
+    let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
+        if parts.asked.is_empty() {
+            return analysis.adjoint(x, forward);
+        }
         let (gradient, rows) = analysis.adjoint_by_parameters(x, forward, &parts.asked)?;
         by_parameters = rows;
         Ok(gradient)
@@ -123,15 +128,17 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
         }
     }
     say("");
-    parts.colour(&prepared, &by_parameters, &mut page);
-    if options.scene.output(&*scene).meshes {
+    if output.meshes {
         let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(&*scene));
         match written {
             Ok(path) => simulation.files.extend(path),
             Err(error) => simulation.unwritten = simulation.unwritten.or(Some(error.into())),
         }
     }
-    page.gradient(&prepared, &rows_of(&adjoint, check.as_ref()));
+    if let Some(page) = &mut page {
+        parts.colour(&prepared, &by_parameters, page);
+        page.gradient(&prepared, &rows_of(&adjoint, check.as_ref()));
+    }
     let summary = json_of(&simulation, &prepared, &adjoint, check.as_ref());
     simulation.conclude(page, summary);
     simulation.say_files();

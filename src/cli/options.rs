@@ -43,6 +43,9 @@ pub struct SceneOptions {
     /// derivatives by the thickness of each shell element
     #[arg(long)]
     vtk: bool,
+    /// Write no report.html, and differentiate by nothing that only its colours show
+    #[arg(long)]
+    no_report: bool,
     /// Integrator: midpoint, dirk2, dirk3, sdirk2, sdirk3, sdirk4, esdirk3, esdirk4, esdirk5, newmark, generalized-alpha, bdf1,
     /// bdf2, bdf3, variational; generalized-alpha:0.6 has spectral radius 0.6 instead of 0.8, variational:1 its quadrature point at
     /// the end of the step instead of the middle. Equilibria, with time as the load factor: static [default: the scene's, else esdirk4]
@@ -271,6 +274,11 @@ impl SceneOptions {
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
         let own = scene.output();
         Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes }
+    }
+
+    /// Whether a report is written.
+    pub fn reports(&self) -> bool {
+        !self.no_report
     }
 
     /// The folder for the results.

@@ -32,8 +32,11 @@ pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     let mut prepared = options.prepare(&*scene)?;
     prepared.keep = keep;
     let mut simulation = simulate(&prepared, options)?;
-    let mut page = Page::of_simulation(&prepared, &simulation, "simulation");
-    page.design(&prepared.variables, &prepared.x);
+    let page = options.reports().then(|| {
+        let mut page = Page::of_simulation(&prepared, &simulation, "simulation");
+        page.design(&prepared.variables, &prepared.x);
+        page
+    });
     simulation.conclude(page, simulation.json(&prepared).into());
     report(&simulation, &prepared);
     say_json(options.json, &simulation.json(&prepared).into());

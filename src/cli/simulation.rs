@@ -265,13 +265,13 @@ impl Simulation {
         Some((format!("{share:.1e} of the {of}, {place}"), warning))
     }
 
-    /// Writes the summary and the report, the last files of a run.
-    pub fn conclude(&mut self, page: Page, mut summary: Value) {
+    /// Writes the report, if there is one, and the summary, the last files of a run.
+    pub fn conclude(&mut self, page: Option<Page>, mut summary: Value) {
         let [summary_file, report] = ["summary.json", "report.html"].map(|name| self.folder.join(name));
         if self.files.is_empty() {
             return;
         }
-        let reported = page.write(&report).map(|()| self.files.push(report));
+        let reported = page.map_or(Ok(()), |page| page.write(&report).map(|()| self.files.push(report)));
         self.files.push(summary_file.clone());
         summary["files"] = names(&self.files);
         let text = format!("{summary:#}\n");

@@ -45,27 +45,36 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Values that make sense.
     pub admissible: Admissible,
+    /// One of those by which an element is made stronger or heavier: thickness of a shell, stiffness of a spring or a section, mass of a
+    /// body. Reports colour a part by what a relative change of these does.
+    pub is_size: bool,
 }
 
 impl Parameter {
     /// Any finite number.
     pub const fn new(name: &'static str, unit: &'static str) -> Self {
-        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Any }
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Any, is_size: false }
     }
     /// A number greater than zero.
     pub const fn positive(name: &'static str, unit: &'static str) -> Self {
-        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Positive }
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::Positive, is_size: false }
     }
     /// A number other than zero.
     pub const fn non_zero(name: &'static str, unit: &'static str) -> Self {
-        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::NonZero }
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::NonZero, is_size: false }
     }
     /// A number that is zero or greater.
     pub const fn non_negative(name: &'static str, unit: &'static str) -> Self {
-        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::NonNegative }
+        Parameter { name: Cow::Borrowed(name), unit, admissible: Admissible::NonNegative, is_size: false }
     }
     /// A parameter whose name is made at run time.
     pub fn named(name: String, unit: &'static str) -> Self {
-        Parameter { name: Cow::Owned(name), unit, admissible: Admissible::Any }
+        Parameter { name: Cow::Owned(name), unit, admissible: Admissible::Any, is_size: false }
+    }
+    /// The same, by which an element is made stronger or heavier: see [`Parameter::is_size`].
+    #[must_use]
+    pub const fn as_size(mut self) -> Self {
+        self.is_size = true;
+        self
     }
 }

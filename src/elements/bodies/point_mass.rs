@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 pub struct PointMass;
 
 impl Element for PointMass {
-    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg").as_size()];
 
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Point]

@@ -21,7 +21,7 @@ const fn new(name: &'static str, unit: &'static str) -> Parameter {
 
 /// Mass, mass centre and inertia: the parameters of every rigid body.
 pub(super) const INERTIA: &[Parameter] = &[
-    Parameter::positive("mass", "kg"),
+    Parameter::positive("mass", "kg").as_size(),
     new("centre x", "m"),
     new("centre y", "m"),
     new("centre z", "m"),

@@ -139,7 +139,8 @@ impl Field for BeamField {
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = Vec::new();
         for point in 1..=TYING_POINTS {
-            let mut add = |name: &str, unit| list.push(Parameter::named(format!("tying point {point}: {name}"), unit));
+            let own = |name: &str, unit| Parameter::named(format!("tying point {point}: {name}"), unit);
+            let mut add = |name: &str, unit| list.push(own(name, unit));
             add("metric", "m");
             for axis in ["tangent x", "tangent y", "tangent z", "second axis x", "second axis y", "second axis z"] {
                 add(axis, "-");
@@ -149,14 +150,15 @@ impl Field for BeamField {
                 (false, false) => "N m2",
                 _ => "N m",
             };
-            (0..STRAINS).for_each(|i| add(&format!("stiffness {0}{0}", i + 1), unit(i, i)));
+            list.extend((0..STRAINS).map(|i| own(&format!("stiffness {0}{0}", i + 1), unit(i, i)).as_size()));
             if self.coupled {
                 for i in 0..STRAINS {
-                    (i + 1..STRAINS).for_each(|j| add(&format!("stiffness {}{}", i + 1, j + 1), unit(i, j)));
+                    let pair = |j| own(&format!("stiffness {}{}", i + 1, j + 1), unit(i, j)).as_size();
+                    list.extend((i + 1..STRAINS).map(pair));
                 }
             }
             if self.damped {
-                add("damping", "s");
+                list.push(own("damping", "s"));
             }
         }
         for point in 1..=3 {

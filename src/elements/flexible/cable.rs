@@ -52,8 +52,8 @@ const DAMPING: usize = 7;
 pub(super) fn elastic_parameters() -> Vec<Parameter> {
     vec![
         Parameter::positive("length", "m"),
-        Parameter::non_negative("axial stiffness", "N"),
-        Parameter::non_negative("bending stiffness", "N m2"),
+        Parameter::non_negative("axial stiffness", "N").as_size(),
+        Parameter::non_negative("bending stiffness", "N m2").as_size(),
     ]
 }
 

@@ -509,7 +509,7 @@ impl<F: Face> Field for ShellField<F> {
         match self.section {
             ShellSection::Isotropic => {
                 list.extend((1..=Self::NODES).map(|node| {
-                    let own = Parameter::named(format!("thickness {node}"), "m");
+                    let own = Parameter::named(format!("thickness {node}"), "m").as_size();
                     Parameter { admissible: crate::elements::Admissible::Positive, ..own }
                 }));
                 list.push(Parameter::positive("young", "N/m2"));
@@ -519,9 +519,9 @@ impl<F: Face> Field for ShellField<F> {
             ShellSection::Laminate => {
                 for (matrix, unit) in [("A", "N/m"), ("B", "N"), ("D", "N m")] {
                     let entries = ["11", "12", "13", "22", "23", "33"];
-                    list.extend(entries.map(|entry| Parameter::named(format!("{matrix} {entry}"), unit)));
+                    list.extend(entries.map(|entry| Parameter::named(format!("{matrix} {entry}"), unit).as_size()));
                 }
-                list.extend(["11", "12", "22"].map(|entry| Parameter::named(format!("S {entry}"), "N/m")));
+                list.extend(["11", "12", "22"].map(|entry| Parameter::named(format!("S {entry}"), "N/m").as_size()));
                 list.push(Parameter::non_negative("mass", "kg/m2"));
                 list.push(Parameter::new("first moment of mass", "kg/m"));
                 list.push(Parameter::non_negative("second moment of mass", "kg"));

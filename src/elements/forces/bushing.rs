@@ -66,12 +66,12 @@ impl Bushing {
 
 impl Element for Bushing {
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("stiffness along x", "N/m"),
-        Parameter::non_negative("stiffness along y", "N/m"),
-        Parameter::non_negative("stiffness along z", "N/m"),
-        Parameter::non_negative("stiffness about x", "N m/rad"),
-        Parameter::non_negative("stiffness about y", "N m/rad"),
-        Parameter::non_negative("stiffness about z", "N m/rad"),
+        Parameter::non_negative("stiffness along x", "N/m").as_size(),
+        Parameter::non_negative("stiffness along y", "N/m").as_size(),
+        Parameter::non_negative("stiffness along z", "N/m").as_size(),
+        Parameter::non_negative("stiffness about x", "N m/rad").as_size(),
+        Parameter::non_negative("stiffness about y", "N m/rad").as_size(),
+        Parameter::non_negative("stiffness about z", "N m/rad").as_size(),
         Parameter::non_negative("damping along x", "N s/m"),
         Parameter::non_negative("damping along y", "N s/m"),
         Parameter::non_negative("damping along z", "N s/m"),

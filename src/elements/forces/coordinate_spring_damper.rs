@@ -17,7 +17,7 @@ pub struct CoordinateSpringDamper {
 
 impl Element for CoordinateSpringDamper {
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("stiffness", "N/m, N m/rad"),
+        Parameter::non_negative("stiffness", "N/m, N m/rad").as_size(),
         Parameter::non_negative("damping", "N s/m, N m s/rad"),
         Parameter::new("rest", "m, rad"),
     ];

@@ -13,7 +13,7 @@ pub struct Gravity {
 
 impl Element for Gravity {
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("mass", "kg"),
+        Parameter::non_negative("mass", "kg").as_size(),
         Parameter::new("gravity x", "m/s2"),
         Parameter::new("gravity y", "m/s2"),
         Parameter::new("gravity z", "m/s2"),

@@ -16,7 +16,7 @@ pub struct LineSpring {
 
 impl Element for LineSpring {
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("stiffness", "N/m"),
+        Parameter::non_negative("stiffness", "N/m").as_size(),
         Parameter::non_negative("rest length", "m"),
         Parameter::new("point a x", "m"),
         Parameter::new("point a y", "m"),

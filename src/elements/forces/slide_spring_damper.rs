@@ -50,7 +50,7 @@ impl Element for SlideSpringDamper {
     as_soft_joint!();
 
     fn parameters(&self) -> Vec<Parameter> {
-        let own = [Parameter::non_negative("stiffness", "N/m"), Parameter::non_negative("damping", "N s/m")];
+        let own = [Parameter::non_negative("stiffness", "N/m").as_size(), Parameter::non_negative("damping", "N s/m")];
         own.into_iter().chain(self.soft().0.parameters()).collect()
     }
 }

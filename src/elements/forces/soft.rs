@@ -39,10 +39,11 @@ impl<J: Constraint> Element for Soft<J> {
     }
     fn parameters(&self) -> Vec<Parameter> {
         let each = |what, unit| {
-            let name = move |i| format!("{what} {i}");
-            (1..=self.0.equations()).map(move |i| Parameter { name: name(i).into(), unit, admissible: NonNegative })
+            let own = move |i| Parameter { admissible: NonNegative, ..Parameter::named(format!("{what} {i}"), unit) };
+            (1..=self.0.equations()).map(own)
         };
-        each("stiffness", "N/m, N m/rad").chain(each("damping", "N s/m, N m s/rad")).chain(self.0.parameters()).collect()
+        let stiffnesses = each("stiffness", "N/m, N m/rad").map(Parameter::as_size);
+        stiffnesses.chain(each("damping", "N s/m, N m s/rad")).chain(self.0.parameters()).collect()
     }
     fn strain_count(&self) -> usize {
         self.0.equations()

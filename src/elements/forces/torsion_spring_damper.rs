@@ -20,7 +20,7 @@ pub struct TorsionSpringDamper {
 
 impl Element for TorsionSpringDamper {
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::non_negative("stiffness", "N m/rad"),
+        Parameter::non_negative("stiffness", "N m/rad").as_size(),
         Parameter::non_negative("damping", "N m s/rad"),
         Parameter::new("rest angle", "rad"),
         Parameter::new("axis x", "-"),
