@@ -64,6 +64,25 @@ impl<'p> Columns<'p> {
         names
     }
 
+    /// Joints whose loads have columns.
+    pub fn loaded_joints(&self) -> impl Iterator<Item = &'p str> {
+        let model = self.prepared.model();
+        self.ends.iter().map(|end| model.constraints[end.joint].name.as_str())
+    }
+
+    /// Sizes of the force and the moment of each joint in a row; no moment where its node cannot turn.
+    pub fn loads(&self, row: &[f64]) -> Vec<[f64; 2]> {
+        let size = |vector: &[f64]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let columns: usize = self.ends.iter().map(|end| if end.turns { 6 } else { 3 }).sum();
+        let mut rest = &row[row.len() - courses(self.prepared).count() - columns..];
+        let mut next = |count: usize| {
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            size(own)
+        };
+        self.ends.iter().map(|end| [next(3), next(if end.turns { 3 } else { 0 })]).collect()
+    }
+
     /// Adds what stands in them at a sample to a row.
     pub fn add_row(&self, sample: &Sample<f64>, energy: Option<f64>, row: &mut Vec<f64>) {
         let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);

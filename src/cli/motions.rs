@@ -45,6 +45,7 @@ pub fn mode_moments(
             .collect(),
         energy: None,
         measured: Vec::new(),
+        loads: Vec::new(),
     };
     let points = |size: f64| -> Option<Vec<[f64; 3]>> {
         let picture = lapse(prepared, &[moved(0.0, size)], None)?;

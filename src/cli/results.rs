@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 
 /// Most points of a curve in a picture.
 pub const MOST_POINTS: usize = 4000;
+/// A joint whose load is below this share of the largest carries none.
+const NO_LOAD: f64 = 1e-9;
 /// Most curves of one chart.
 const MOST_CURVES: usize = 7;
 
@@ -31,6 +33,8 @@ pub struct Snapshot {
     pub energy: Option<f64>,
     /// What functionals measure, in their order.
     pub measured: Vec<f64>,
+    /// Sizes of forces [N] and moments [N m] of joints.
+    pub loads: Vec<[f64; 2]>,
 }
 
 /// Makes sure that the folder can take files, before anything is computed.
@@ -170,6 +174,7 @@ impl<'p> Results<'p> {
             q: q.to_vec(),
             energy,
             measured: self.row[self.row.len() - courses(self.prepared).count()..].to_vec(),
+            loads: self.columns.loads(&self.row),
         };
         self.kept.add(moment);
         Ok(())
@@ -228,7 +233,8 @@ impl<'p> Results<'p> {
         progress.set(1);
         let moments = self.kept.finish();
         let picture = |name: &str| [".png", ".svg"].map(|end| folder.join(format!("{name}{end}")));
-        let charts = charts(self.prepared, &moments);
+        let joints: Vec<&str> = self.columns.loaded_joints().collect();
+        let charts = charts(self.prepared, &moments, &joints);
         if !charts.is_empty() {
             keep(write_panels(&charts, &folder.join("histories")).map_err(Failure::from), &picture("histories"));
         }
@@ -305,8 +311,9 @@ fn telling<'p>(prepared: &'p Prepared, all: Vec<&'p Node>) -> Vec<&'p Node> {
     if named.is_empty() { of_members } else { named }
 }
 
-/// One panel for each direction in which something moves, one for free coordinates, one for the energy.
-fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
+/// One panel for each direction in which something moves, one for free coordinates, one for the energy, those of forces and moments of joints,
+/// one for each unit of what functionals measure.
+fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec<Chart> {
     let model = prepared.model();
     let curve = |name: String, value: &dyn Fn(&Snapshot) -> f64| {
         let points = thinned(moments).map(|(_, moment)| (moment.t, value(moment))).collect();
@@ -346,6 +353,25 @@ fn charts(prepared: &Prepared, moments: &[Snapshot]) -> Vec<Chart> {
     // one key for all panels: a node has the same colour in each
     for chart in charts.iter_mut().skip(1).filter(|chart| !chart.y_label.starts_with("coordinates")) {
         chart.series.iter_mut().for_each(|series| series.name.clear());
+    }
+    for (kind, y_label) in ["forces of joints [N]", "moments of joints [N m]"].into_iter().enumerate() {
+        let peak = |k: usize| moments.iter().fold(0.0, |most: f64, moment| most.max(moment.loads[k][kind]));
+        let mut peaks: Vec<(usize, f64)> = (0..joints.len()).map(|k| (k, peak(k))).collect();
+        let largest = peaks.iter().fold(0.0, |most: f64, own| most.max(own.1));
+        peaks.retain(|own| own.1 > NO_LOAD * largest);
+        let all = peaks.len();
+        if all > MOST_CURVES {
+            peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+            peaks.truncate(MOST_CURVES);
+            peaks.sort_unstable_by_key(|own| own.0);
+        }
+        let series: Vec<Series> =
+            peaks.into_iter().map(|(k, _)| curve(joints[k].into(), &|moment| moment.loads[k][kind])).collect();
+        if !series.is_empty() {
+            let title =
+                if all > MOST_CURVES { format!("{y_label}: the {MOST_CURVES} largest of {all}") } else { String::new() };
+            charts.push(Chart { title, ..panel(y_label.into(), series, 0) });
+        }
     }
     // what has a unit of its own; places and speeds of points are seen above
     let loads: Vec<_> =
