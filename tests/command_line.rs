@@ -247,6 +247,30 @@ fn the_summary_is_the_json_object_and_the_report_is_one_file() {
 }
 
 #[test]
+fn without_a_report_the_gradient_is_the_same_and_what_only_its_colours_show_is_not_computed() {
+    let folder = Folder::new("no-report");
+    let arguments = ["gradient", "plate-pendulum", "--end", "0.03", "--steps", "3", "--json", "--out"];
+    let full = folder.run(&[&arguments[..], &["full"]].concat());
+    let brief = folder.run(&[&arguments[..], &["brief", "--no-report"]].concat());
+    let wanted = ["report.html"];
+    assert_eq!(
+        folder.files("full").into_iter().filter(|own| !wanted.contains(&own.as_str())).collect::<Vec<_>>(),
+        folder.files("brief")
+    );
+    let gradient = |output: &Output| {
+        json(output)["functionals"].as_array().unwrap().iter().map(|own| own["gradient"].clone()).collect::<Vec<_>>()
+    };
+    for (a, b) in gradient(&full).iter().zip(gradient(&brief)) {
+        for (name, value) in a.as_object().unwrap() {
+            let (own, other) = (value.as_f64().unwrap(), b[name].as_f64().unwrap());
+            assert!((own - other).abs() <= 1e-12 * own.abs(), "{name}: {own} {other}");
+        }
+    }
+    let report = |name: &str| fs::read_to_string(folder.0.join(name).join("report.html"));
+    assert!(report("full").unwrap().contains("by a relative change of thickness") && report("brief").is_err());
+}
+
+#[test]
 fn a_checked_gradient_shows_adjoint_and_complex_step_side_by_side() {
     let folder = Folder::new("gradient");
     let arguments = ["gradient", "five-bar", "--end", "0.3", "--steps", "15", "--check", "--json", "--out", "here/there"];
@@ -425,6 +449,8 @@ fn the_help_of_every_command_has_examples() {
     for command in ["run", "gradient", "optimize", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
     {
         let help = text(&folder.run(&[command, "--help"]).stdout);
+        let described = help.split("Examples:\n").next().unwrap().lines().filter(|line| !line.starts_with("Usage"));
+        assert!(described.clone().all(|line| line.chars().count() <= 80), "{help}");
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{help}"));
         assert!(examples.lines().all(|line| line.starts_with(&format!("  costate {command}"))), "{examples}");
     }

@@ -109,6 +109,44 @@ pub fn main(scenes: &[&dyn AnyScene]) -> ExitCode {
     CommandLine::new(scenes.iter().copied()).main()
 }
 
+/// Columns of help.
+const COLUMNS: usize = 80;
+/// Columns before what is said of an option, which stands below it, and of a command, which stands beside it.
+const BEFORE: [usize; 2] = [10, 15];
+
+/// Help in lines that a terminal shows whole.
+fn wrapped(command: clap::Command) -> clap::Command {
+    let [of_option, of_command] = BEFORE.map(|before| COLUMNS - before);
+    let about = command.get_about().map(|text| lines(&text.to_string(), of_command));
+    let is_leaf = !command.has_subcommands();
+    let command = command.next_line_help(is_leaf).mut_args(|own| match own.get_help() {
+        Some(help) => {
+            let help = lines(&help.to_string(), of_option);
+            own.help(help)
+        }
+        None => own,
+    });
+    let command = command.mut_subcommands(wrapped);
+    if let Some(about) = about { command.about(about) } else { command }
+}
+
+/// A text in lines of at most so many columns, if its words are not longer.
+fn lines(text: &str, columns: usize) -> String {
+    let (mut all, mut used) = (String::new(), 0);
+    for word in text.split_whitespace() {
+        let length = word.chars().count();
+        let separator = match used {
+            0 => "",
+            used if used + 1 + length > columns => "\n",
+            _ => " ",
+        };
+        used = if separator == " " { used + 1 + length } else { length };
+        all += separator;
+        all += word;
+    }
+    all
+}
+
 /// A command line with its scenes and studies.
 pub struct CommandLine<'p> {
     /// As which the program was called.
@@ -134,7 +172,7 @@ impl<'p> CommandLine<'p> {
 
     /// Does what the arguments of the process ask for and returns the exit code.
     pub fn main(&self) -> ExitCode {
-        let matches = self.command().get_matches();
+        let matches = wrapped(self.command()).get_matches();
         let done = match Arguments::from_arg_matches(&matches) {
             Ok(arguments) => self.checked().and_then(|()| self.run(&arguments.command)),
             Err(error) => error.exit(),
