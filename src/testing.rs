@@ -145,6 +145,9 @@ impl<C: AnyConstraint> AnyConstraint for Shared<C> {
     fn is_nonholonomic(&self) -> bool {
         self.0.is_nonholonomic()
     }
+    fn is_driver(&self) -> bool {
+        self.0.is_driver()
+    }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.0.parameter_list()
     }

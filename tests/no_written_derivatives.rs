@@ -18,7 +18,7 @@ const CONTRACTS: [(&str, &str, &str); 7] = [
         "parameters parameters_of node_map residual kinetic potential strain_energy add_force strain_count strains stored stored_together damping \
          dissipation_together mass breakpoints",
     ),
-    ("elements/constraint.rs", "Constraint", "nodes equations parameters g breakpoints"),
+    ("elements/constraint.rs", "Constraint", "nodes equations parameters g is_driver breakpoints"),
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
     ("functionals/quantity.rs", "Quantity", "dofs parameters value rated_count rated value_with_rates"),
     ("functionals/point_quantity.rs", "PointQuantity", "parameters is_of at_points"),
