@@ -19,6 +19,7 @@ const CONTRACTS: [(&str, &str, &str); 7] = [
          dissipation_together mass breakpoints",
     ),
     ("elements/constraint.rs", "Constraint", "nodes equations parameters g is_driver breakpoints"),
+    ("elements/time_formula.rs", "TimeFormula", "parameters value breakpoints"),
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
     ("functionals/quantity.rs", "Quantity", "dofs parameters value rated_count rated value_with_rates"),
     ("functionals/point_quantity.rs", "PointQuantity", "parameters is_of at_points"),
