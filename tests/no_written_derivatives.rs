@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// All methods of the contracts: formulas, and how many numbers they have. Another method is another promise of an author: it belongs here
 /// only if it cannot be read off the recording.
-const CONTRACTS: [(&str, &str, &str); 7] = [
+const CONTRACTS: [(&str, &str, &str); 8] = [
     (
         "elements/element.rs",
         "Element",
