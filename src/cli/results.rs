@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// Most points of a curve in a picture.
 pub const MOST_POINTS: usize = 4000;
-/// A joint whose load is below this share of the largest carries none.
+/// A joint whose load is below this share of the largest, a moment being a force by the size of the mechanism, carries none.
 const NO_LOAD: f64 = 1e-9;
 /// Most curves of one chart.
 const MOST_CURVES: usize = 7;
@@ -327,6 +327,9 @@ fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec<Cha
     let mut charts = Vec::new();
     let mut places: Vec<&Node> = moving(model).filter(|node| !matches!(node.kind, NodeKind::Coordinates(_))).collect();
     let all = places.len();
+    let size = (0..3).map(|k| extent(moments.iter().flat_map(|m| places.iter().map(move |node| m.q[node.dofs.start + k]))));
+    let size = size.fold(0.0, f64::max);
+    let size = if size > 0.0 { size } else { 1.0 };
     if all > MOST_CURVES {
         places = telling(prepared, places);
     }
@@ -354,11 +357,13 @@ fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec<Cha
     for chart in charts.iter_mut().skip(1).filter(|chart| !chart.y_label.starts_with("coordinates")) {
         chart.series.iter_mut().for_each(|series| series.name.clear());
     }
+    let peak = |k: usize, kind: usize| moments.iter().fold(0.0, |most: f64, moment| most.max(moment.loads[k][kind]));
+    let [force, moment] = [0, 1].map(|kind| (0..joints.len()).fold(0.0, |most: f64, k| most.max(peak(k, kind))));
+    // moments of a planar mechanism's hinges are what rounding leaves of its forces
+    let least = [force + moment / size, moment + force * size].map(|scale| NO_LOAD * scale);
     for (kind, y_label) in ["forces of joints [N]", "moments of joints [N m]"].into_iter().enumerate() {
-        let peak = |k: usize| moments.iter().fold(0.0, |most: f64, moment| most.max(moment.loads[k][kind]));
-        let mut peaks: Vec<(usize, f64)> = (0..joints.len()).map(|k| (k, peak(k))).collect();
-        let largest = peaks.iter().fold(0.0, |most: f64, own| most.max(own.1));
-        peaks.retain(|own| own.1 > NO_LOAD * largest);
+        let mut peaks: Vec<(usize, f64)> = (0..joints.len()).map(|k| (k, peak(k, kind))).collect();
+        peaks.retain(|own| own.1 > least[kind]);
         let all = peaks.len();
         if all > MOST_CURVES {
             peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
