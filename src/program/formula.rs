@@ -122,6 +122,9 @@ fn formulas() -> &'static Mutex<Formulas> {
     FORMULAS.get_or_init(Mutex::default)
 }
 
+/// Results of a formula, and the stages in which they are made.
+type Results = (Vec<Recorded>, Option<Stages<Recorded>>);
+
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // what a panic left behind is a recording of whole operations all the same
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -150,10 +153,7 @@ impl Formula {
     }
 
     /// Records what is called once; not generic, as there are hundreds of formulas.
-    fn recorded(
-        inputs: usize,
-        formula: &mut dyn FnMut(&[Recorded]) -> (Vec<Recorded>, Option<Stages<Recorded>>),
-    ) -> Result<Arc<Formula>, String> {
+    fn recorded(inputs: usize, formula: &mut dyn FnMut(&[Recorded]) -> Results) -> Result<Arc<Formula>, String> {
         let _making = Making::begin();
         let ((results, stages), recording) = record(&vec![f64::NAN; inputs], formula);
         Self::of_recording(inputs, results, stages, recording)

@@ -23,7 +23,8 @@ impl MechanismBuilder<f64> {
     /// The elements of all shells.
     pub fn surfaces(&self) -> Vec<Surface> {
         let of_member = |shell: &super::MeshedShell| {
-            let surface = |(((kind, nodes), &id), layers): (((ShellKind, &[NodeId]), &ElementId), Option<[f64; 2]>)| {
+            type Shown<'s> = (((ShellKind, &'s [NodeId]), &'s ElementId), Option<[f64; 2]>);
+            let surface = |(((kind, nodes), &id), layers): Shown| {
                 let parameters = self.model.find_element(id)?.parameters.clone();
                 let nodes: Option<Vec<NodePoint>> = nodes.iter().map(|&node| self.node_point(node, [0.0; 3])).collect();
                 Some(Surface { nodes: nodes?, kind, element: id, parameters, layers })

@@ -29,7 +29,8 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.mistakes.push(format!("\"{name}\", {face_name} has part {own}, but there are {count}, counted from 0"));
         }
         type Numbers<'n, S> = Box<dyn Fn(usize, usize) -> Vec<S> + 'n>;
-        let mut sections: Vec<(ShellSection, Numbers<S>, Option<&Laminate<S>>)> = Vec::new();
+        type OwnSection<'n, S> = (ShellSection, Numbers<'n, S>, Option<&'n Laminate<S>>);
+        let mut sections: Vec<OwnSection<S>> = Vec::new();
         for part in parts {
             sections.push(match part {
                 ShellPart::Isotropic(Material { young, poisson, density }, thickness) => {
