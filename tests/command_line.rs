@@ -310,7 +310,7 @@ fn a_gradient_is_the_same_wherever_its_steps_are_kept() {
         assert_eq!(output.status.code(), Some(0), "{history}: {}", text(&output.stderr));
         json(&output)
     };
-    let (memory, file, checkpoints) = (gradient("memory"), gradient("file:kept/run.bin"), gradient("checkpoints:0.03"));
+    let (memory, file, checkpoints) = (gradient("memory"), gradient("file:kept/run.bin"), gradient("checkpoints:0.05"));
     for other in [&file, &checkpoints] {
         assert_eq!(memory["functionals"], other["functionals"]);
     }
@@ -449,7 +449,9 @@ fn the_help_of_every_command_has_examples() {
     for command in ["run", "gradient", "optimize", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
     {
         let help = text(&folder.run(&[command, "--help"]).stdout);
-        let described = help.split("Examples:\n").next().unwrap().lines().filter(|line| !line.starts_with("Usage"));
+        // the parser of the command line adds its lists of values behind the last line of a description
+        let own = |line: &&str| !["Usage", "[default: ", "[possible values: "].iter().any(|added| line.contains(added));
+        let described = help.split("Examples:\n").next().unwrap().lines().filter(own);
         assert!(described.clone().all(|line| line.chars().count() <= 80), "{help}");
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{help}"));
         assert!(examples.lines().all(|line| line.starts_with(&format!("  costate {command}"))), "{examples}");
@@ -598,7 +600,8 @@ fn a_run_goes_on_with_the_file_of_one_that_stopped() {
     assert_eq!(whole["functionals"], resumed["functionals"]);
     assert_eq!(whole["newton_iterations"], resumed["newton_iterations"]);
     let taken_over = resumed["steps_taken_over"].as_u64().unwrap();
-    assert!((15..=30).contains(&taken_over), "{taken_over}");
+    // half of the file: steps, and checkpoints with the steps before from which they guess
+    assert!((10..=30).contains(&taken_over), "{taken_over}");
     for (arguments, said) in [
         (vec!["run", "pendulum", "--resume"], "name it, as in --history file:run.history"),
         (vec!["run", "andrews", "--resume", "--history", "file:run.history"], "another scene, design, method"),

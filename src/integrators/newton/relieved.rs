@@ -15,7 +15,12 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Whether stresses can be kept apart from displacements in a search for these unknowns.
     pub(super) fn can_relieve(&mut self, equations: &Equations) -> bool {
         let displaces = equations.residual.alpha != 0.0 && !equations.metric && equations.variational.is_none();
-        displaces && *self.relievable.get_or_insert_with(|| Jacobian::can_relieve(&self.system))
+        displaces && self.has_stresses()
+    }
+
+    /// Whether elements have stresses that a search can relieve.
+    pub(super) fn has_stresses(&mut self) -> bool {
+        *self.relievable.get_or_insert_with(|| Jacobian::can_relieve(&self.system))
     }
 
     /// Comes near to a solution with stresses that follow the strains only as far as each correction foresees it

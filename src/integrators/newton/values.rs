@@ -125,7 +125,8 @@ impl<S: RunScalar> Newton<'_, S> {
             is_first_rate &= previous.is_infinite();
             let share = if rate > 0.0 && rate < STALLED && is_vouched_for {
                 trusted / (1.0 - trusted)
-            } else if iteration == 1 {
+            } else if iteration == 1 && !self.has_stresses() {
+                // forces of stiff members are read to their last digits: there the second correction is seen
                 self.contractions.expected(kind).unwrap_or(1.0)
             } else {
                 1.0
