@@ -22,7 +22,7 @@ pub struct Counters {
     pub blocks: usize,
     /// Times from which on other redundant constraint equations were left out.
     pub choices: usize,
-    /// Time spent on evaluations of the residual, on matrices, their factorization, and solutions [ns]; zero unless
+    /// Time spent on evaluations of the residual, on matrices, their factorization, and solutions \[ns\]; zero unless
     /// [`measure_phases`] asks for it.
     pub nanoseconds: [usize; 4],
 }
