@@ -431,3 +431,25 @@ fn a_quantity_that_branches_on_a_value_is_refused_by_name() {
     let why = Prepared::new(&scene).err().expect("refused").to_string();
     assert!(why.contains("\"branching\"") && why.contains("looks at the value"), "{why}");
 }
+
+#[test]
+fn multipliers_between_axes_are_moments_and_others_are_forces() {
+    let mut m = MechanismBuilder::<f64>::default();
+    let (ground, one) = (m.ground(), Quaternion::identity());
+    let body = m.body("body", Vector3::new(1.0, 0.0, 0.0), one);
+    m.rigid_body("body", body, 1.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let axis = Vector3::new(0.0, 0.6, 0.8);
+    let hinge = m.revolute("hinge", [ground, body], Vector3::zeros(), axis);
+    let angle = m.joint_angle("angle", [ground, body], axis);
+    let wheel = m.coordinates("wheel", &[0.0], &[0.0]);
+    let gear = m.gear("gear", [angle, wheel], [1.0, 2.0]);
+    for (joint, weights, unit) in [
+        (hinge, [1.0, 0.0, 0.0, 0.0, 0.0].as_slice(), "N"),
+        (hinge, &[0.0, 0.0, 0.0, 1.0, -2.0], "N m"),
+        (hinge, &[0.0, 0.0, 1.0, 1.0, 0.0], "N"),
+        (gear, &[1.0], "N"),
+    ] {
+        m.reaction_functional(&format!("{unit}{weights:?}"), Over::Terminal, joint, weights);
+        assert_eq!(m.functionals.last().unwrap().unit, unit, "{weights:?}");
+    }
+}

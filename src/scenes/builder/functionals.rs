@@ -39,12 +39,33 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_functional(name, "m", over, (&nodes, &[]), Distance { a, b }.into(), &p);
     }
 
-    /// A functional of a weighted sum of a joint's multipliers.
+    /// A functional of a weighted sum of a joint's multipliers: forces \[N\], or moments [N m] of equations between axes and angles.
     pub fn reaction_functional(&mut self, name: &str, over: Over, joint: ConstraintId, weights: &[S]) {
         if self.has_joint(name, joint) {
             let equations = self.model.constraints[joint.0].equations.len();
-            self.add_functional(name, "N", over, (&[], &[joint]), Reaction { equations }.into(), weights);
+            let unit = if self.are_moments(joint, weights) { "N m" } else { "N" };
+            self.add_functional(name, unit, over, (&[], &[joint]), Reaction { equations }.into(), weights);
         }
+    }
+
+    /// Whether the weighted multipliers are moments: forces of their equations turn bodies and move no point.
+    fn are_moments(&self, joint: ConstraintId, weights: &[S]) -> bool {
+        let joint = &self.model.constraints[joint.0];
+        let nodes = || joint.nodes.iter().map(|node| &self.model.nodes[node.0]);
+        if joint.physics.refused().is_some() || !nodes().any(|node| node.kind.has_axes()) {
+            return false;
+        }
+        let values = |list: &[S]| list.iter().map(|number| number.value()).collect::<Vec<f64>>();
+        let q: Vec<f64> = nodes().flat_map(|node| values(&self.numbers.q[node.dofs.clone()])).collect();
+        let moves = nodes().flat_map(|node| {
+            let is_in_space = node.kind.in_space().is_some();
+            (0..node.dofs.len()).map(move |place| is_in_space && place < 3)
+        });
+        let moves: Vec<bool> = moves.collect();
+        let rows = joint.physics.rows(&q, &values(&self.numbers.p[joint.parameters.clone()]), 0.0);
+        let mut weighted = rows.chunks_exact(q.len()).zip(weights).filter(|(_, weight)| weight.value() != 0.0).peekable();
+        weighted.peek().is_some()
+            && weighted.all(|(row, _)| row.iter().zip(&moves).all(|(force, moves)| !moves || *force == 0.0))
     }
 
     /// A functional of the size of a joint's force: the length of its first three multipliers \[N\].
