@@ -342,7 +342,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         let Some(have) = nodes.iter().map(|&node| self.kind_of(name, node)).collect::<Option<Vec<NodeKind>>>() else {
             return false;
         };
-        if have != kinds {
+        // a node of the wrong kind may have been noticed where its frame was asked for
+        let reported = format!("\"{name}\" needs ");
+        if have != kinds && !self.mistakes.iter().any(|mistake| mistake.starts_with(&reported)) {
             let list = |kinds: &[NodeKind]| match kinds {
                 [] => "nothing".to_string(),
                 _ => kinds.iter().map(|kind| kind.words()).collect::<Vec<_>>().join(", "),
