@@ -333,9 +333,15 @@ fn charts(prepared: &Prepared, moments: &[Snapshot], joints: &[&str]) -> Vec<Cha
     if all > MOST_CURVES {
         places = telling(prepared, places);
     }
+    let label = |node: &Node| {
+        let index = model.nodes.iter().position(|own| own.dofs == node.dofs);
+        index.map_or_else(|| node.name.clone(), |index| prepared.mechanism.label(model.node_id(index)))
+    };
+    let labels: Vec<String> = places.iter().map(|node| label(node)).collect();
     for (index, direction) in ["x", "y", "z"].into_iter().enumerate() {
+        let named = places.iter().zip(&labels);
         let series: Vec<Series> =
-            places.iter().map(|node| curve(node.name.clone(), &|m| m.q[node.dofs.start + index])).collect();
+            named.map(|(node, label)| curve(label.clone(), &|m| m.q[node.dofs.start + index])).collect();
         if series.iter().any(|series| extent(series.points.iter().map(|point| point.1)) > 1e-9) {
             charts.push(panel(format!("{direction} [m]"), series, all));
         }

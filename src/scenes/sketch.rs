@@ -121,20 +121,23 @@ impl MechanismBuilder<f64> {
         sketch
     }
 
-    /// What a point is called: the node, a point on it, or the end of a beam or cable.
+    /// What a point is called: its node, or a point on that.
     fn point_name(&self, node: NodeId, point: &NodePoint) -> String {
-        let own = &self.model.nodes[node.0].name;
+        match point.local.iter().any(|x| x.abs() > AT_THE_NODE) {
+            true => format!("point on {}", self.model.nodes[node.0].name),
+            false => self.label(node),
+        }
+    }
+
+    /// What a node is called where curves are read: by its name, or as the end of a beam or cable that made it for itself.
+    pub(crate) fn label(&self, node: NodeId) -> String {
         let ends = |line: &OutlinedLine| {
             let [first, last] = [line.rings.first()?, line.rings.last()?].map(|ring| ring.node);
             let end = if last == node { "end" } else { "start" };
             (first == node || last == node).then(|| format!("{end} of {}", line.name))
         };
         let of_member = self.nodes_of_members.contains(&node).then(|| self.outlined.iter().find_map(ends)).flatten();
-        match of_member {
-            _ if point.local.iter().any(|x| x.abs() > AT_THE_NODE) => format!("point on {own}"),
-            Some(end) => end,
-            None => own.clone(),
-        }
+        of_member.unwrap_or_else(|| self.model.nodes[node.0].name.clone())
     }
 
     /// A place in the frame of a node \[m\]; `None` for a node without a place in space.
