@@ -727,3 +727,18 @@ fn ctrl_c_ends_an_optimization_with_its_best_design() {
     assert_eq!(csv(&file).1[0][1], 0.0, "the start");
     assert_eq!(folder.files("out/five-bar"), OPTIMIZED);
 }
+
+#[test]
+fn the_scaled_rule_is_named_in_results_and_refused_for_gradients() {
+    let folder = Folder::new("scaled");
+    let run = folder.run(&["run", "pendulum", "--newton", "scaled", "--steps", "50", "--no-report", "--json"]);
+    assert_eq!(run.status.code(), Some(0));
+    assert!(text(&run.stdout).contains(", Newton's method by the rule \"scaled\""), "{}", text(&run.stdout));
+    assert_eq!(json(&run)["newton"], "scaled");
+    for command in ["gradient", "optimize"] {
+        let refused = folder.run(&[command, "slider-crank", "--newton", "scaled"]);
+        assert_eq!(refused.status.code(), Some(2));
+        let message = text(&refused.stderr);
+        assert!(message.contains("--newton scaled") && message.contains("no exact derivative"), "{message}");
+    }
+}

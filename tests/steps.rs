@@ -2,9 +2,13 @@
 
 use costate::functionals::QuadratureWeights;
 use costate::history::{Keep, Memory};
-use costate::integrators::{Scheme, StepControl, StepRecord, Table, TimeGrid, march, table_named, tables};
+use costate::integrators::{
+    ConstraintLevel, Method, NewtonTolerance, Scheme, StepControl, StepRecord, Table, TimeGrid, march, table_named, tables,
+};
 use costate::prelude::*;
 use costate::scenes::AnyScene;
+use costate::scenes::built_in::all;
+use costate::sensitivity::Forward;
 
 /// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
 struct Oscillator {
@@ -72,7 +76,7 @@ fn prepared<'s>(scene: &'s dyn AnyScene, table: &str, settings: Settings) -> Res
     Prepared::with(scene, &x, Method::new(named(table), ConstraintLevel::Acceleration), settings)
 }
 
-fn chosen(scene: &Swinging, table: &str, control: StepControl) -> costate::sensitivity::Forward {
+fn chosen(scene: &Swinging, table: &str, control: StepControl) -> Forward {
     let prepared = prepared(scene, table, Scene::settings(scene).choosing_steps(control)).expect("sound");
     prepared.analysis().forward(&prepared.x).expect("runs")
 }
@@ -338,5 +342,83 @@ fn the_motion_between_steps_has_its_orders() {
             let order = (coarse[k] / fine[k]).log2();
             assert!((order - orders[k]).abs() < 0.3, "{table}, derivative {k}: {order}");
         }
+    }
+}
+
+/// A run whose Newton's method stops by a rule.
+fn by_rule(scene: &dyn AnyScene, table: &str, rule: NewtonTolerance, settings: Settings) -> Forward {
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    let method = Method { tolerance: rule, ..Method::new(named(table), ConstraintLevel::Acceleration) };
+    Prepared::with(scene, &x, method, settings.without_method()).unwrap().analysis().forward(&x).unwrap()
+}
+
+#[test]
+fn the_scaled_rule_saves_corrections_and_changes_less_than_the_error_of_the_steps() {
+    for (name, table, steps, end, corrections) in [
+        ("five-bar", "esdirk4", 100, 1.0, 0.8),
+        ("five-bar", "generalized-alpha", 400, 1.0, 0.6),
+        ("chain-common", "esdirk4", 20, 0.02, 0.7),
+        ("flexible-four-bar", "bdf2", 100, 1.0, 0.8),
+        ("double-pendulum", "variational", 400, 1.0, 0.7),
+    ] {
+        let scene = all().into_iter().find(|scene| scene.name() == name).unwrap();
+        let scene: &dyn AnyScene = scene.as_ref();
+        let run = |rule, steps| by_rule(scene, table, rule, Settings { steps, end, ..scene.settings() });
+        let (exact, scaled) = (run(NewtonTolerance::RoundOff, steps), run(NewtonTolerance::Scaled, steps));
+        let finer = run(NewtonTolerance::RoundOff, 2 * steps);
+        let by_exact = scaled.counters.iterations as f64 / exact.counters.iterations as f64;
+        assert!(by_exact < corrections, "{name} {table}: {by_exact}");
+        let away = |other: &Forward| {
+            let shares = exact.values.iter().zip(&other.values).map(|(own, other)| ((other - own) / own).abs());
+            shares.fold(0.0, f64::max)
+        };
+        let (left, error) = (away(&scaled), away(&finer));
+        assert!(left > 0.0 && left <= 0.05 * error, "{name} {table}: {left:e} of {error:e}");
+    }
+}
+
+#[test]
+fn the_scaled_rule_follows_the_tolerance_of_chosen_steps() {
+    let scene = all().into_iter().find(|scene| scene.name() == "five-bar").unwrap();
+    let scene: &dyn AnyScene = scene.as_ref();
+    for tolerance in [1e-5, 1e-7, 1e-9] {
+        let settings = || Settings { control: Some(StepControl::new(tolerance)), end: 1.0, ..scene.settings() };
+        let [exact, scaled] =
+            [NewtonTolerance::RoundOff, NewtonTolerance::Scaled].map(|rule| by_rule(scene, "esdirk4", rule, settings()));
+        assert!(scaled.counters.iterations < exact.counters.iterations);
+        let left = (scaled.values[0] - exact.values[0]).abs();
+        assert!(left <= tolerance * exact.values[0].abs(), "{left:e} at {tolerance:e}");
+    }
+}
+
+#[test]
+fn a_run_by_the_scaled_rule_is_taken_again_bit_by_bit_and_has_no_derivative() {
+    let scene = all().into_iter().find(|scene| scene.name() == "five-bar").unwrap();
+    let scene: &dyn AnyScene = scene.as_ref();
+    for table in ["esdirk4", "generalized-alpha", "bdf2"] {
+        let settings = Settings {
+            newton: NewtonTolerance::Scaled,
+            method: Some(table.into()),
+            end: 0.3,
+            steps: 60,
+            ..scene.settings()
+        };
+        let motion = |keep: Keep| {
+            let mut prepared = Prepared::with(
+                scene,
+                &Prepared::new(scene).unwrap().x,
+                Prepared::method_of(&settings).unwrap(),
+                settings.clone(),
+            )
+            .unwrap();
+            prepared.keep = keep;
+            let forward = prepared.analysis().forward(&prepared.x).unwrap();
+            let refused = prepared.analysis().adjoint(&prepared.x, &forward).unwrap_err().to_string();
+            assert!(refused.contains("scaled") && refused.contains("round-off"), "{refused}");
+            assert!(prepared.analysis().tangent(&prepared.x, &forward).is_err());
+            let times: Vec<f64> = (1..60).map(|step| 5e-3 * f64::from(step)).collect();
+            prepared.analysis().motion(&forward, &times).unwrap().into_iter().map(|moment| moment.q).collect::<Vec<_>>()
+        };
+        assert_eq!(motion(Keep::Memory), motion(Keep::Checkpoints(60_000)), "{table}");
     }
 }

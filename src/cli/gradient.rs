@@ -67,6 +67,7 @@ struct Check {
 pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failure> {
     let scene = options.scene.scene(program)?;
     let mut prepared = options.scene.prepare(&*scene)?;
+    prepared.method = options.scene.differentiable(prepared.method)?;
     prepared.keep = resumed(options.history.clone(), options.resume)?;
     check_history(&prepared.keep, &options.scene.folder(&*scene))?;
     let mut simulation = simulate(&prepared, &options.scene)?;

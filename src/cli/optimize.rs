@@ -119,6 +119,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
         return Err(Failure::input("--output-step: an optimization writes no histories of motions; leave it out"));
     }
     let (method, settings) = options.scene.simulation(&*scene)?;
+    let method = options.scene.differentiable(method)?;
     let mut optimization = Optimization::new(&*scene, problem, method, settings)?;
     optimization.gradient = options.gradient;
     optimization.stopping.iterations = options.iterations;

@@ -1,4 +1,5 @@
 use super::CommandLine;
+use super::console::say;
 use super::failure::Failure;
 use crate::design::{DesignVariable, check_design, shortest};
 use crate::integrators::{
@@ -54,8 +55,8 @@ pub struct SceneOptions {
     /// Time derivative on which constraints are kept: position, velocity, acceleration [default: the scene's, else acceleration]
     #[arg(long, value_name = "LEVEL")]
     constraint_level: Option<String>,
-    /// When Newton's method stops: at round-off, or by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy
-    /// [default: the scene's, else round-off]
+    /// When Newton's method stops: at round-off; by residual (1e-9 of the first, or 1e-12) as in Boopathy & Kennedy; or scaled, at a
+    /// hundredth of the estimated error of a step, for motions that nobody differentiates [default: the scene's, else round-off]
     #[arg(long, value_name = "RULE")]
     newton: Option<String>,
     /// Solver of the linear systems: automatic (by the work that its analysis predicts), dense, multifrontal
@@ -263,6 +264,22 @@ impl SceneOptions {
             )));
         }
         Ok((method, settings))
+    }
+
+    /// The method for gradients: Newton's method to round-off where the scene leaves it more.
+    ///
+    /// # Errors
+    /// An option that asks for less.
+    pub fn differentiable(&self, mut method: Method) -> Result<Method, Failure> {
+        if method.tolerance == NewtonTolerance::Scaled {
+            let why = "what Newton's method leaves of a system by the error of its step has no exact derivative";
+            if self.newton.is_some() {
+                return Err(Failure::input(format!("--newton {}: {why}; leave it out here", method.tolerance.name())));
+            }
+            method.tolerance = NewtonTolerance::RoundOff;
+            say(format_args!("to round-off instead of \"{}\": {why}", NewtonTolerance::Scaled.name()));
+        }
+        Ok(method)
     }
 
     /// Time between the rows of the histories [s] that `--output-step` asks for.

@@ -5,7 +5,7 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{EnergyCourse, Finished, Results, Snapshot, check_folder};
 use crate::history::{Observer, Usage};
-use crate::integrators::{Counters, RunError, StartRecord, StepControl, StepError, StepRecord};
+use crate::integrators::{Counters, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
 use crate::linalg::SolverPlan;
 use crate::program::{making_time, refuses_machine_code};
@@ -131,10 +131,14 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
         None => count(grid.steps(), "step"),
     };
     let level = method.constraint_level().name();
+    let newton = match method.tolerance {
+        NewtonTolerance::RoundOff => String::new(),
+        rule => format!(", Newton's method by the rule \"{}\"", rule.name()),
+    };
     if is_static {
-        say(format_args!("{}, equilibria, {steps} up to the load factor {end}", method.table.name));
+        say(format_args!("{}, equilibria, {steps} up to the load factor {end}{newton}", method.table.name));
     } else {
-        say(format_args!("{}, constraints at {level} level, {steps} over {end} s", method.table.name));
+        say(format_args!("{}, constraints at {level} level, {steps} over {end} s{newton}", method.table.name));
     }
     if !plan.dropped.is_empty() {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
@@ -300,6 +304,7 @@ impl Simulation {
         let mut object = Map::new();
         object.insert("scene".into(), json!(prepared.scene.name()));
         object.insert("method".into(), json!(prepared.method.table.name));
+        object.insert("newton".into(), json!(prepared.method.tolerance.name()));
         object.insert("constraint_level".into(), json!(prepared.method.constraint_level().name()));
         match prepared.control {
             Some(control) => {

@@ -161,7 +161,7 @@ flat! {
     StartRecord<f64> { dropped, position_projection, velocity_projection, acceleration }
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
-    StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction }
+    StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction, allowed }
     FactoredAt<f64> { t, base, unknowns }
     Contraction { rate, unseen }
     Contractions { known, age }

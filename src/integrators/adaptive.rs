@@ -6,7 +6,7 @@
 use super::checkpoint::StepState;
 use super::course::Course;
 use super::load_steps::march_loading;
-use super::march::{Method, Problem, Run, add_scaled, combine};
+use super::march::{Method, Problem, Run, embedded_difference};
 use super::pause::TakenUp;
 use super::record::{Recorder, SolveRecord, StepRecord};
 use super::step::{InitialGuess, Stepper};
@@ -257,12 +257,10 @@ impl<'c> Choice<'c> {
         let of = |place: usize, tolerance, error: &[f64]| {
             self.ratio(tolerance, error, [&before.carried[place], &after.carried[place]])
         };
-        combine(self.table, 0, &self.embedded.q, step.h, &before.carried, &step.stages, &mut error);
-        for (stage, weight) in step.stages.iter().zip(&self.embedded.rates) {
-            add_scaled(&mut error, &stage.rate, step.h * weight);
-        }
+        let solutions = (self.table, self.embedded);
+        embedded_difference(solutions, 0, step, &before.carried, &mut error);
         let of_q = of(0, self.control.coordinates, &error);
-        combine(self.table, 1, &self.embedded.v, step.h, &before.carried, &step.stages, &mut error);
+        embedded_difference(solutions, 1, step, &before.carried, &mut error);
         let of_v = of(1, self.control.velocities, &error);
         self.difference = error;
         if of_q >= of_v || of_q.is_nan() { of_q } else { of_v }

@@ -24,6 +24,8 @@ pub struct StepState<S> {
     pub last: Unknowns<S>,
     /// First guesses for the stages of the next step, then for its projections of coordinates and of velocities.
     pub prediction: Prediction<S>,
+    /// What the systems of the next step may leave in coordinates \[m\] and velocities \[m/s\], where round-off is not asked for.
+    pub allowed: Option<[f64; 2]>,
 }
 
 impl<S: RunScalar> StepState<S> {
@@ -42,6 +44,7 @@ impl<S: RunScalar> StepState<S> {
         self.last.y.fill(S::zero());
         self.last.eta.fill(S::zero());
         self.prediction.clear(0);
+        self.allowed = None;
     }
 
     /// Equilibria go on in proportion to the load: the displacements h^2 x of a step are expected to be to those of the last one as their
@@ -89,7 +92,7 @@ impl<S> FactoredAt<S> {
 }
 
 clone_fields!(FactoredAt { t, base, unknowns });
-clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, rate, last, prediction });
+clone_fields!(StepState { step, scheme, dropped, chosen_anew, carried, rate, last, prediction, allowed });
 
 /// What a Newton's method keeps from one system to the next.
 #[derive(Clone, Debug, PartialEq)]

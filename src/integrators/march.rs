@@ -1,10 +1,10 @@
 use super::Counters;
 use super::newton::NewtonTolerance;
 use super::pause::TakenUp;
-use super::record::{Guide, Recorder, StageRecord};
+use super::record::{Guide, Recorder, StageRecord, StepRecord};
 use super::{
-    Combination, ConstraintLevel, InitialState, Pace, Quadrature, RunError, StartPlan, StepError, Stepper, Systems, Table,
-    TimeGrid,
+    Combination, ConstraintLevel, Embedded, InitialState, Pace, Quadrature, RunError, StartPlan, StepError, Stepper,
+    Systems, Table, TimeGrid,
 };
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
@@ -122,6 +122,23 @@ pub(crate) fn combine<S: RunScalar>(
     }
     for (stage, coefficient) in stages.iter().zip(&combination.stages) {
         add(coefficient * h.powi(2 - order), &stage.solve.unknowns.x);
+    }
+}
+
+/// What the embedded solution of a step differs by: in coordinates (`order` 0) or velocities (1); `carried` is that before the step.
+pub(super) fn embedded_difference<S: RunScalar>(
+    (table, embedded): (&Table, &Embedded),
+    order: i32,
+    step: &StepRecord<S>,
+    carried: &[Vec<S>],
+    difference: &mut Vec<S>,
+) {
+    let combination = if order == 0 { &embedded.q } else { &embedded.v };
+    combine(table, order, combination, step.h, carried, &step.stages, difference);
+    if order == 0 {
+        for (stage, weight) in step.stages.iter().zip(&embedded.rates) {
+            add_scaled(difference, &stage.rate, step.h * weight);
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! How well equal steps resolve a motion.
 
-use super::march::{add_scaled, combine};
+use super::Table;
+use super::march::embedded_difference;
 use super::record::StepRecord;
-use super::{Embedded, Table};
 use crate::elements::RunScalar;
 use crate::linalg::sign_of_determinant;
 
@@ -84,14 +84,11 @@ impl<S: RunScalar> Resolution<S> {
         }
         let mut difference = std::mem::take(&mut self.difference);
         match &table.embedded {
-            Some(Embedded { q, v, rates, .. }) => {
-                combine(table, 0, q, step.h, carried, &step.stages, &mut difference);
-                for (stage, weight) in step.stages.iter().zip(rates) {
-                    add_scaled(&mut difference, &stage.rate, step.h * weight);
+            Some(embedded) => {
+                for (order, in_velocity) in [(0, false), (1, true)] {
+                    embedded_difference((table, embedded), order, step, carried, &mut difference);
+                    self.judge(in_velocity, number, step, &difference, scales);
                 }
-                self.judge(false, number, step, &difference, scales);
-                combine(table, 1, v, step.h, carried, &step.stages, &mut difference);
-                self.judge(true, number, step, &difference, scales);
             }
             None => {
                 difference.clear();

@@ -2,8 +2,8 @@
 
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
-use super::march::{Method, Problem, Run, add_scaled, combine};
-use super::newton::Newton;
+use super::march::{Method, Problem, Run, add_scaled, combine, embedded_difference};
+use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{Watch, dependent_equations, violated};
 use super::resolution::Resolution;
@@ -34,6 +34,8 @@ pub struct Stepper<'m, S> {
     resolution: Resolution<S>,
     /// Of a mechanism whose drives determine the motion.
     drives: Option<RealDrives>,
+    /// Estimated error of a step.
+    difference: Vec<S>,
 }
 
 /// A driven mechanism in real numbers.
@@ -45,6 +47,8 @@ struct RealDrives {
 
 /// Steps from one look at the choice of redundant equations to the next.
 const WATCHED_EVERY: usize = 5;
+/// Share of the estimated error of a step that its systems may leave, where round-off is not asked for.
+const LEFT: f64 = 1e-2;
 /// Largest coefficient with which dropped equations may follow from the kept ones.
 const WEAK: f64 = 10.0;
 
@@ -142,6 +146,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             updated: Vec::new(),
             resolution: Resolution::default(),
             drives: None,
+            difference: Vec::new(),
         })
     }
 
@@ -271,8 +276,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Residual::shape(&self.stage.system, &mut last, true);
         let (rate, prediction) = (vec![S::zero(); rates], Prediction::default());
         let dropped = plan.dropped.clone();
-        self.between =
-            StepState { step: 0, scheme: Scheme::Main, dropped, chosen_anew: false, carried, rate, last, prediction };
+        self.between = StepState { dropped, carried, rate, last, prediction, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(&first.unknowns.x);
         let watched = guide.is_none() && !is_static;
@@ -456,7 +460,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             record.restart = Some(solved);
         }
         state.prepare_guesses(scheme, table.stages.len());
-        self.solve_stages(&mut state, &mut record, table, (t, end), guided)?;
+        self.stage.allowed = state.allowed;
+        let change = self.solve_stages(&mut state, &mut record, table, (t, end), guided)?;
         let stages = &record.stages;
         let kinds = table.update.iter().zip(&table.carried);
         self.updated.resize_with(table.carried.len(), Vec::new);
@@ -474,10 +479,28 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.project(&mut state, &mut record, (end, table.shift(table.stages.len() - 1, h)), guided)?;
         record.q.clone_from(&state.carried[0]);
         record.v.clone_from(&state.carried[1]);
+        if method.tolerance == NewtonTolerance::Scaled && !table.is_static() {
+            state.allowed = Some(self.estimated_error(table, &record, change).map(|error| LEFT * error));
+        }
         state.step += 1;
         self.between = state;
         self.record = record;
         Ok(())
+    }
+
+    /// Estimated error of the step just made, in coordinates \[m\] and velocities \[m/s\]: that of an embedded solution; where the method has
+    /// none, that of the trapezoidal rule, h2/12 times the change of the acceleration.
+    fn estimated_error(&mut self, table: &Table, step: &StepRecord<S>, change: f64) -> [f64; 2] {
+        let Some(embedded) = &table.embedded else {
+            let error = step.h * step.h / 12.0 * change;
+            return [error, error / step.h];
+        };
+        // what was carried before the step was swapped away
+        let Stepper { updated, difference, stage, .. } = self;
+        [0, 1].map(|order| {
+            embedded_difference((table, embedded), order, step, updated, difference);
+            stage.size(difference)
+        })
     }
 
     /// The acceleration for given (q, v), at acceleration level whatever the level of the run.
@@ -496,6 +519,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         solve(&mut self.acceleration, record, first, &self.problem.p, &place)
     }
 
+    /// Solves for the stages. Returns the change of the acceleration over the step, where it is asked for.
     fn solve_stages(
         &mut self,
         state: &mut StepState<S>,
@@ -503,8 +527,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         table: &Table,
         (t, end): (f64, f64),
         guided: Option<&StepRecord<f64>>,
-    ) -> Result<(), RunError> {
+    ) -> Result<f64, RunError> {
         let (h, step) = (end - t, state.step);
+        let asks_for_change = self.method.tolerance == NewtonTolerance::Scaled && table.embedded.is_none();
+        let mut change = 0.0;
         let first = table.stages.iter().position(|stage| stage.known.is_none());
         if let Some(first) = first.filter(|_| guided.is_none() && !table.is_static()) {
             self.stage.begin_step(&self.method.stage_equations(table, first, h, self.constrained));
@@ -548,12 +574,15 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             if guided.is_none() {
                 track.learn((t, h), Some(&state.last), &own.unknowns, &self.stage.coordinate_scales);
             }
+            if asks_for_change {
+                change += self.stage.distance(&state.last.x, &own.unknowns.x);
+            }
             state.last.set(&own.unknowns);
             let factor = table.rate_factor(index, h);
             rate.clear();
             rate.extend(own.unknowns.y.iter().map(|&y| y * factor));
         }
-        Ok(())
+        Ok(change)
     }
 
     /// At acceleration level: (q, v) back onto g = 0 and dg/dt = 0, each as one more system.

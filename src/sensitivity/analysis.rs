@@ -8,8 +8,8 @@ use crate::elements::RunScalar;
 use crate::functionals::{Functional, Over, Sample, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
-    Counters, Guide, InitialState, Method, Pause, Problem, Recorder, Replay, RunError, StartPlan, StartRecord, StepControl,
-    StepError, StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
+    Counters, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StartPlan,
+    StartRecord, StepControl, StepError, StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
 
@@ -293,6 +293,7 @@ impl<'m> Analysis<'m> {
         also: &[bool],
     ) -> Result<(Gradient, Vec<Vec<f64>>), RunError> {
         self.check_belonging(x, forward)?;
+        self.check_exactness()?;
         let (flags, functionals) = (wanted.len(), self.functionals.len());
         if flags != functionals {
             return Err(RunError::Input(format!(
@@ -436,6 +437,19 @@ impl<'m> Analysis<'m> {
         )))
     }
 
+    /// Whether runs solve their equations to the digits that derivatives need.
+    fn check_exactness(&self) -> Result<(), RunError> {
+        if self.method.tolerance != NewtonTolerance::Scaled {
+            return Ok(());
+        }
+        Err(RunError::Input(format!(
+            "a run whose Newton's method stops by the rule \"{}\" solves its equations to the error of its steps, so no derivative of it \
+             is exact; take \"{}\"",
+            NewtonTolerance::Scaled.name(),
+            NewtonTolerance::RoundOff.name()
+        )))
+    }
+
     /// Values of the functionals with derivative parts.
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
@@ -453,6 +467,7 @@ impl<'m> Analysis<'m> {
         forward: &Forward,
         recorder: &mut dyn Recorder<S>,
     ) -> Result<Counters, RunError> {
+        self.check_exactness()?;
         let real = self.problem(&forward.numbers);
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
         let mut steps = forward.history.forward(&rerun)?;

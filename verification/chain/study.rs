@@ -95,11 +95,12 @@ fn measure_all(report: &mut Report) -> Result<(), String> {
 
 /// Error of the tip against the time that it takes, for all methods.
 fn compare_errors(report: &mut Report) -> Result<(), String> {
-    let tip = |name: &str, level: ConstraintLevel, steps: usize| -> Result<([f64; 3], f64), String> {
+    let tip = |name: &str, level: ConstraintLevel, tolerance, steps: usize| -> Result<([f64; 3], f64), String> {
         let scene = Chain { bodies: LADDER_BODIES, variables: ChainVariables::Common };
         let scene: &dyn AnyScene = scene.as_ref();
         let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
-        let method = Method::new(table_by_name(name).ok_or("a method is not listed")?, level);
+        let table = table_by_name(name).ok_or("a method is not listed")?;
+        let method = Method { tolerance, ..Method::new(table, level) };
         let settings = Settings { steps, ..scene.settings().without_method() };
         let prepared = Prepared::with(scene, &x, method, settings).map_err(|error| error.to_string())?;
         let (analysis, start) = (prepared.analysis(), Clock::start());
@@ -110,15 +111,17 @@ fn compare_errors(report: &mut Report) -> Result<(), String> {
         let place = last.q.len() - 7;
         Ok(([last.q[place], last.q[place + 1], last.q[place + 2]], 1e6 * seconds / (1e3 * prepared.grid.times[steps])))
     };
-    let (exact, _) = tip("esdirk5", ConstraintLevel::Acceleration, REFERENCE_STEPS)?;
+    let (exact, _) = tip("esdirk5", ConstraintLevel::Acceleration, NewtonTolerance::RoundOff, REFERENCE_STEPS)?;
     let mut all = METHODS.to_vec();
     all.push(("esdirk5", ConstraintLevel::Acceleration));
     all.push(("bdf2", ConstraintLevel::Acceleration));
     for (name, level) in all {
-        for steps in LADDER {
-            let (found, us) = tip(name, level, steps)?;
+        let tolerances = [NewtonTolerance::RoundOff, NewtonTolerance::Scaled];
+        for (steps, tolerance) in LADDER.into_iter().flat_map(|steps| tolerances.map(|tolerance| (steps, tolerance))) {
+            let (found, us) = tip(name, level, tolerance, steps)?;
             let error = found.iter().zip(exact).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
-            let label = format!("{name}/{}/{LADDER_BODIES} bodies, {steps} steps of 0.5 s", level.name());
+            let rule = tolerance.name();
+            let label = format!("{name}/{}/{rule}/{LADDER_BODIES} bodies, {steps} steps of 0.5 s", level.name());
             report.inform(format!("{label}/error of the last bar's middle [m]"), error);
             report.inform(format!("{label}/[us per ms]"), us);
         }

@@ -6,7 +6,7 @@ use crate::cli::motions::motion;
 use crate::cli::results::Snapshot;
 use crate::cli::simulation::{Simulation, long_number};
 use crate::design::DesignVariable;
-use crate::integrators::StepError;
+use crate::integrators::{NewtonTolerance, StepError};
 use crate::io::number;
 use crate::scenes::Prepared;
 use serde_json::{Value, json};
@@ -47,6 +47,9 @@ impl Page {
         self.fact("method", prepared.method.table.name.to_string());
         if !is_static {
             self.fact("constraints", format!("{} level", prepared.method.constraint_level().name()));
+        }
+        if prepared.method.tolerance != NewtonTolerance::RoundOff {
+            self.fact("Newton's method", format!("by the rule \"{}\"", prepared.method.tolerance.name()));
         }
         let steps = simulation.forward.history.steps();
         match prepared.control {

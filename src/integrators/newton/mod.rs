@@ -31,17 +31,21 @@ pub enum NewtonTolerance {
     RoundOff,
     /// Until the residual is below 1e-9 of the first one or below 1e-12, as in Boopathy & Kennedy, or corrections are at round-off.
     Residual,
+    /// Until the error left is below a hundredth of the estimated error of the step before, at round-off where there is none, and for
+    /// equilibria: for motions that nobody differentiates.
+    Scaled,
 }
 
 impl NewtonTolerance {
-    /// Both rules.
-    pub const ALL: [NewtonTolerance; 2] = [NewtonTolerance::RoundOff, NewtonTolerance::Residual];
+    /// All rules.
+    pub const ALL: [NewtonTolerance; 3] = [NewtonTolerance::RoundOff, NewtonTolerance::Residual, NewtonTolerance::Scaled];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             NewtonTolerance::RoundOff => "round-off",
             NewtonTolerance::Residual => "residual",
+            NewtonTolerance::Scaled => "scaled",
         }
     }
 }
@@ -65,6 +69,8 @@ pub struct Newton<'m, S> {
     pub counters: Counters,
     pub(super) factorization: Factorization,
     tolerance: NewtonTolerance,
+    /// What searches may leave in coordinates \[m\] and velocities \[m/s\], where round-off is not asked for.
+    pub(in crate::integrators) allowed: Option<[f64; 2]>,
     pub(super) rhs: Vec<f64>,
     /// Right-hand side before an estimate.
     exact: Vec<f64>,
@@ -156,6 +162,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             coordinate_scales: vec![1.0; system.model.dofs],
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
             is_constant: None,
+            allowed: None,
             relievable: None,
             trusted: Vec::new(),
             length: 1.0,

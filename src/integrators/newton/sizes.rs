@@ -36,6 +36,12 @@ impl<S: RunScalar> Newton<'_, S> {
         values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, scale)| s.max(x.value().abs() * scale))
     }
 
+    /// Largest difference of two lists of all coordinates, each scaled.
+    pub(in crate::integrators) fn distance(&self, one: &[S], other: &[S]) -> f64 {
+        let differences = one.iter().zip(other).map(|(a, b)| (a.value() - b.value()).abs());
+        differences.zip(&self.coordinate_scales).fold(0.0, |s: f64, (difference, scale)| s.max(difference * scale))
+    }
+
     /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.
     pub(super) fn displacement(&self, equations: &Equations, step: f64) -> f64 {
         step * equations.residual.alpha.abs().max(equations.constraint.alpha.abs()) / self.length

@@ -4,7 +4,7 @@ use super::failure::{Failure, FailureKind};
 use super::round_off::kind;
 use super::sizes::NEAR;
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance, ROUND_OFF};
-use crate::assembly::{Residual, StageSystem, Unknowns};
+use crate::assembly::{Equations, Level, Residual, StageSystem, Unknowns};
 use crate::elements::RunScalar;
 
 /// Corrections that shrink less than this ask for a fresh factorization.
@@ -14,8 +14,8 @@ const SLOW: f64 = 0.1;
 const AGED: f64 = 0.05;
 /// Corrections that shrink less than this do not converge any more.
 const STALLED: f64 = 0.3;
-/// Smallest rate of convergence that two corrections alone can vouch for: the first one takes along what the matrix knows, the second one
-/// meets directions in which an older matrix contracts less.
+/// Smallest rate of convergence that two corrections, or earlier searches, can vouch for: the first one takes along what the matrix knows,
+/// the second one meets directions in which an older matrix contracts less; and states change from search to search.
 const FIRST_RATE: f64 = 1e-2;
 /// Corrections with an old matrix that grow more than this lead where a new one finds no way back from: a stiff bar that they bend is
 /// stretched by the square of it.
@@ -101,19 +101,6 @@ impl<S: RunScalar> Newton<'_, S> {
             if !step.is_finite() {
                 return fail(FailureKind::NotFinite, iteration, step);
             }
-            // far from a solution, the last bits of large stresses would pass for those of the solution
-            let is_near = self.displacement(equations, step) <= NEAR;
-            let [floor, reaction_floor] = match self.floors[kind] {
-                Some(floors) if is_near => floors,
-                None if is_near => {
-                    self.evaluate(stage, unknowns);
-                    let floors = self.round_off(stage, unknowns);
-                    *self.floors[kind].insert(floors)
-                }
-                _ => [0.0; 2],
-            };
-            let reactions_settled = reaction_step * reaction_share <= (ROUND_OFF * reactions).max(reaction_floor)
-                || reaction_step <= 2.0 * reaction_floor;
             let rate = step / previous;
             if rate < STALLED {
                 worst_rate = worst_rate.max(rate);
@@ -127,10 +114,27 @@ impl<S: RunScalar> Newton<'_, S> {
                 trusted / (1.0 - trusted)
             } else if iteration == 1 && !self.has_stresses() {
                 // forces of stiff members are read to their last digits: there the second correction is seen
-                self.contractions.expected(kind).unwrap_or(1.0)
+                self.contractions.expected(kind).map_or(1.0, |rate| rate.max(FIRST_RATE))
             } else {
                 1.0
             };
+            if self.is_allowed(equations, step * share, scale, reaction_step * reaction_share / reactions) {
+                self.contractions.note(kind, (worst_rate > 0.0).then_some(worst_rate));
+                return Ok(());
+            }
+            // far from a solution, the last bits of large stresses would pass for those of the solution
+            let is_near = self.displacement(equations, step) <= NEAR;
+            let [floor, reaction_floor] = match self.floors[kind] {
+                Some(floors) if is_near => floors,
+                None if is_near => {
+                    self.evaluate(stage, unknowns);
+                    let floors = self.round_off(stage, unknowns);
+                    *self.floors[kind].insert(floors)
+                }
+                _ => [0.0; 2],
+            };
+            let reactions_settled = reaction_step * reaction_share <= (ROUND_OFF * reactions).max(reaction_floor)
+                || reaction_step <= 2.0 * reaction_floor;
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(stage).map(|(unit, size)| unit * step / size);
             let settled = match moved {
@@ -215,6 +219,20 @@ impl<S: RunScalar> Newton<'_, S> {
             }
         }
         Err(Failure { how: FailureKind::Unbalanced, iterations: MOST_SEARCHES, correction: left })
+    }
+
+    /// Whether a search may leave this much of its unknowns, whose size is given, and this share of the reactions; these are asked for as
+    /// many digits as accelerations.
+    fn is_allowed(&self, equations: &Equations, left: f64, size: f64, reactions: f64) -> bool {
+        let Some([coordinates, velocities]) = self.allowed else { return false };
+        // a projection changes one of them alone
+        let (alpha, beta) = match (equations.metric, equations.level) {
+            (true, Level::Position) => (equations.constraint.alpha, 0.0),
+            (true, _) => (0.0, equations.constraint.beta),
+            (false, _) => (equations.residual.alpha, equations.residual.beta),
+        };
+        let used = (left * alpha.abs() / coordinates).max(left * beta.abs() / velocities);
+        used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
     }
 
     /// Largest multiplier, forces and moments alike in the scale of the factored matrix, which no unit changes.

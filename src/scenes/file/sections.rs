@@ -815,7 +815,11 @@ pub(super) const SECTIONS: &[Section] = &[
                 Choice(&["position", "velocity", "acceleration"]),
                 "time derivative on which constraints are kept; acceleration"
             ),
-            may("newton", Choice(&["round-off", "residual"]), "when Newton's method stops, as for --newton; round-off"),
+            may(
+                "newton",
+                Choice(&["round-off", "residual", "scaled"]),
+                "when Newton's method stops, as for --newton; round-off"
+            ),
             may("solver", Choice(&["automatic", "dense", "multifrontal"]), "solver of the linear systems; automatic"),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
