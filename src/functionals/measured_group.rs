@@ -3,6 +3,7 @@ use super::{AnyPointQuantity, Over, PointWeights, Sample};
 use crate::assembly::{BatchWork, ElementId, Model, VectorsAvq, run_parts};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::program::{Codes, Formula, Program, Recorded, continued};
+use crate::scalar::larger;
 use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -84,11 +85,6 @@ impl GroupMember {
             Argument::Time => S::from(sample.t),
         }
     }
-}
-
-/// The larger one, or what is no number: a stress that is none is not hidden behind others.
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if b <= a || a.is_nan() { a } else { b }
 }
 
 /// Workspace of a group's values.

@@ -23,7 +23,6 @@ pub use element_sum::ElementSum;
 pub use functional::{Functional, Measured, Sample};
 pub use gradient::{FunctionalGradient, SampleBars};
 pub use load::{JointLoad, LoadKind, joint_force_and_moment};
-pub(crate) use measured_group::larger;
 pub use measured_group::{Argument, GroupFormula, MeasuredGroup};
 pub use over::{Over, Times};
 pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};

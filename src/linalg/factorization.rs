@@ -7,6 +7,7 @@ use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
 use super::{DenseLu, LinearSolver, Singular};
 use crate::linalg::SparsePattern;
+use crate::scalar::larger;
 use std::sync::Arc;
 
 /// Which solver factors the matrix.
@@ -409,13 +410,76 @@ impl Factorization {
     }
 }
 
-/// The larger one, or what is no number: that is no solution.
-fn larger(a: f64, b: f64) -> f64 {
-    if b <= a || a.is_nan() { a } else { b }
-}
-
 /// The first unknown of a solution that its refinement changes too much. What is no number comes with the right-hand side.
 fn unsettled_unknown(x: &[f64], change: &[f64]) -> Option<usize> {
     let most = SETTLED * largest(x);
     change.iter().position(|change| change.abs() > most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::multifrontal::test_matrices::{Noise, chain, difference, dominant};
+    use super::*;
+
+    /// A factored chain, its values, right-hand sides of two columns.
+    fn factored() -> (Factorization, Vec<f64>, Vec<f64>) {
+        let (mut noise, pattern) = (Noise(7), Arc::new(chain(12)));
+        let values = dominant(&mut noise, &pattern);
+        let rhs = noise.vector(2 * pattern.size);
+        let mut factorization = Factorization::new(&pattern, Backend::Multifrontal).unwrap();
+        factorization.factor(&values).unwrap();
+        (factorization, values, rhs)
+    }
+
+    /// Solutions with factors of its own.
+    fn solved(like: &Factorization, values: &[f64], rhs: &[f64]) -> Vec<f64> {
+        let mut own = like.another().unwrap();
+        own.factor(values).unwrap();
+        let mut x = rhs.to_vec();
+        assert_eq!(own.solve_transposed(values, &mut x), Ok(false));
+        x
+    }
+
+    #[test]
+    fn factors_of_a_matrix_beside_serve_and_those_of_another_one_do_not() {
+        let (mut factorization, values, rhs) = factored();
+        for (change, factors) in [(1e-9, false), (1e-6, false), (1e-2, true), (5.0, true)] {
+            let other: Vec<f64> = values.iter().enumerate().map(|(i, v)| v * (1.0 + change * (i as f64).sin())).collect();
+            let mut x = rhs.clone();
+            factorization.factor(&values).unwrap();
+            assert_eq!(factorization.keep_factors(&other), Ok(true));
+            assert_eq!(factorization.solve_transposed(&other, &mut x), Ok(factors), "a change by {change}");
+            let away = difference(&x, &solved(&factorization, &other, &rhs));
+            assert!(away <= 1e-14, "a change by {change}: {away:e}");
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_refinement_cannot_settle_is_told() {
+        // two columns nearly in one direction, beside others
+        let pattern = Arc::new(SparsePattern::from_entries(10, (0..10).flat_map(|i| [(i, i), (i, i ^ 1)]).collect()));
+        let values = |distance: f64| {
+            let entry = |column: usize, row: usize| match (column, row) {
+                (0, 0) => 0.3,
+                (0, 1) => 0.7,
+                (1, 0) => 0.1,
+                (1, 1) => 0.7 * 0.1 / 0.3 * (1.0 + distance),
+                _ if column == row => 2.0,
+                _ => 1.0,
+            };
+            let columns =
+                (0..10).flat_map(|column| [column.min(column ^ 1), column.max(column ^ 1)].map(|row| (column, row)));
+            columns.map(|(column, row)| entry(column, row)).collect::<Vec<f64>>()
+        };
+        let mut factorization = Factorization::new(&pattern, Backend::Dense).unwrap();
+        let mut solve = |distance: f64| {
+            let values = values(distance);
+            factorization.factor(&values).unwrap();
+            factorization.solve_transposed(&values, &mut [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 0.3])
+        };
+        assert_eq!(solve(1e-3), Ok(false));
+        assert_eq!(solve(1e-8), Ok(false));
+        let unknown = solve(1e-13).unwrap_err().unknown;
+        assert!(unknown < 2, "unknown {unknown}");
+    }
 }

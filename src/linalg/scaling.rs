@@ -265,7 +265,7 @@ impl VectorKernel for LargestFinite<'_> {
         let (mut zeros, mut most) = (zeros.sum(), most.largest());
         for value in rest {
             zeros += 0.0 * value;
-            most = larger(most, value.abs());
+            most = larger_number(most, value.abs());
         }
         (zeros == 0.0).then_some(most)
     }
@@ -369,7 +369,7 @@ impl VectorKernel for ByNeighbours<'_> {
                 } else {
                     let mut most = 0.0;
                     for (value, &row) in values.iter().zip(own) {
-                        most = larger(most, value.abs() * rows[row]);
+                        most = larger_number(most, value.abs() * rows[row]);
                     }
                     most
                 };
@@ -387,7 +387,7 @@ fn last_ones(values: &[f64]) -> [f64; ROWS] {
 }
 
 #[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
+fn larger_number(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
@@ -429,7 +429,7 @@ unsafe fn largest_product<I: Instructions, const FACTORS: bool>(
             let mut most = 0.0;
             for place in 0..length {
                 let factor = if FACTORS { *factors.add(place) } else { 1.0 };
-                most = larger(most, (*values.add(place)).abs() * factor);
+                most = larger_number(most, (*values.add(place)).abs() * factor);
             }
             most
         }

@@ -28,6 +28,7 @@ pub use complex::COMPLEX_STEP;
 pub use curve::{Curve, CurveId, Interpolant};
 pub use duals::{TANGENTS, Tangents};
 pub use moving::Moving;
+pub(crate) use real::larger;
 pub use rotation::{Quaternion, angle_about, combine_columns, rotation_gradient_transposed, tensor_times};
 pub use vector::SpatialVector;
 

@@ -52,3 +52,8 @@ impl Scalar for f64 {
         f64::atan2(self, other)
     }
 }
+
+/// The larger one, or what is no number: that is not hidden behind others.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if b <= a || a.is_nan() { a } else { b }
+}

@@ -3,7 +3,7 @@ use super::sketch::NodePoint;
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::faces::NODE_PARAMETERS;
 use crate::elements::flexible::{ShellKind, ShellSection};
-use crate::functionals::larger;
+use crate::scalar::larger;
 use std::ops::Range;
 
 /// An element of a shell with what is shown of it at any coordinates.

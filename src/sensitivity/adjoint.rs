@@ -4,7 +4,7 @@
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
 use super::solvers::StepSolvers;
-use super::transposed::{Backward, SolutionBar};
+use super::transposed::{Backward, SolutionBar, add, set_zeros};
 use crate::assembly::VectorsAvq;
 use crate::design::ModelNumbers;
 use crate::functionals::{Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, Times, Totals};
@@ -20,12 +20,6 @@ pub struct AdjointRun {
     pub gradients: Vec<ModelNumbers<f64>>,
     /// Work done.
     pub counters: Counters,
-}
-
-fn add(target: &mut [f64], factor: f64, values: &[f64]) {
-    if factor != 0.0 {
-        target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
-    }
 }
 
 /// Transposed linear combination: distributes the adjoint of a vector of `order` time derivatives, for functional `k`.
@@ -281,7 +275,7 @@ impl<'m> Sweep<'m> {
         let (multipliers, rates) = (self.systems.plain.multipliers(), self.systems.stage.options.stabilized);
         stages.resize_with(table.stages.len(), Vec::new);
         for stage in &mut stages {
-            set_zeros(stage, back.len(), (self.problem.model.dofs, multipliers, rates));
+            set_zero_bars(stage, back.len(), (self.problem.model.dofs, multipliers, rates));
         }
         let last = table.stages.len() - 1;
         // what the next step's explicit first stage took over from this step's last one
@@ -345,7 +339,7 @@ impl<'m> Sweep<'m> {
             let Some(record) = solve else { continue };
             let shift = record.equations.constraint;
             let factor = if carried == 1 { shift.beta } else { shift.alpha };
-            set_zeros(&mut self.projected, back.len(), (self.problem.model.dofs, multipliers, false));
+            set_zero_bars(&mut self.projected, back.len(), (self.problem.model.dofs, multipliers, false));
             for (bar, back) in self.projected.iter_mut().zip(&*back) {
                 add(&mut bar.x, factor, &back.carried[carried]);
             }
@@ -376,10 +370,7 @@ impl<'m> Sweep<'m> {
         let mut base_bars = std::mem::take(&mut self.base_bars);
         base_bars.resize_with(back.len(), VectorsAvq::default);
         for VectorsAvq { a, v, q } in &mut base_bars {
-            for values in [a, v, q] {
-                values.clear();
-                values.resize(dofs, 0.0);
-            }
+            [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
         }
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
         if weight != 0.0 && (0..back.len()).any(|k| self.times(k) == Times::Run) {
@@ -444,12 +435,11 @@ fn keep(own: &mut Option<StepRecord<f64>>, step: Option<&StepRecord<f64>>) {
 }
 
 /// So many adjoints of solutions, all zero, in the memory that is there.
-fn set_zeros(bars: &mut Vec<SolutionBar>, count: usize, (dofs, multipliers, rates): (usize, usize, bool)) {
+fn set_zero_bars(bars: &mut Vec<SolutionBar>, count: usize, (dofs, multipliers, rates): (usize, usize, bool)) {
     bars.resize_with(count, || SolutionBar::zeros(0, 0, false));
     for SolutionBar { x, rate, mu } in bars {
         for (values, length) in [(x, dofs), (rate, if rates { dofs } else { 0 }), (mu, multipliers)] {
-            values.clear();
-            values.resize(length, 0.0);
+            set_zeros(values, length);
         }
     }
 }

@@ -318,7 +318,7 @@ impl<'m> TransposedSolver<'m> {
             products.add_elements(system, adjoints, (Force::Residual, -1.0), point(base, *t), &mut into);
         }
         for (&k, own) in asked.iter().zip(own_p.chunks_exact(p.len().max(1))) {
-            add(&mut back[k].p, own);
+            add(&mut back[k].p, 1.0, own);
         }
         let mut reactions_of = reactions.chunks_exact_mut(3 * dofs);
         let each = asked.iter().zip(&mut *adjoints);
@@ -353,9 +353,9 @@ impl<'m> TransposedSolver<'m> {
                     bar.copy_from_slice(&own[here.clone()][range.clone()]);
                 }
                 if vector > 0 || !equations.is_of_inertia() {
-                    add(bar, &elements[range.clone()]);
+                    add(bar, 1.0, &elements[range.clone()]);
                 }
-                add(bar, &constraints[range]);
+                add(bar, 1.0, &constraints[range]);
             }
         }
         (self.unknowns, self.sweep) = (unknowns, work);
@@ -415,13 +415,16 @@ fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) ->
 }
 
 /// So many zeros, in the memory that is there.
-fn set_zeros(values: &mut Vec<f64>, count: usize) {
+pub(super) fn set_zeros(values: &mut Vec<f64>, count: usize) {
     values.clear();
     values.resize(count, 0.0);
 }
 
-fn add(target: &mut [f64], values: &[f64]) {
-    target.iter_mut().zip(values).for_each(|(target, value)| *target += value);
+/// target += factor values.
+pub(super) fn add(target: &mut [f64], factor: f64, values: &[f64]) {
+    if factor != 0.0 {
+        target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
+    }
 }
 
 fn singular(unknown: usize, place: &str) -> RunError {
@@ -431,4 +434,22 @@ fn singular(unknown: usize, place: &str) -> RunError {
 fn singular_named(unknown: String, place: &str) -> RunError {
     let hint = "the motion passes a singular pose: its gradient does not exist there".to_string();
     RunError::Singular { place: place.into(), unknown, hint }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Trial;
+
+    #[test]
+    fn factors_that_are_of_no_use_are_tried_more_and_more_seldom() {
+        let mut trial = Trial::default();
+        let mut next = |was_of_use: bool| {
+            let by = (0..).take_while(|_| !trial.is_due()).count();
+            trial.learn(was_of_use);
+            by
+        };
+        let waits: Vec<usize> = (0..8).map(|_| next(false)).collect();
+        assert_eq!(waits, [0, 1, 3, 7, 15, 31, 63, 64]);
+        assert_eq!([next(true), next(true), next(false), next(false)], [64, 0, 0, 1]);
+    }
 }

@@ -6,6 +6,7 @@ use super::sizes::NEAR;
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance, ROUND_OFF};
 use crate::assembly::{Equations, Level, Residual, StageSystem, Unknowns};
 use crate::elements::RunScalar;
+use crate::scalar::larger;
 
 /// Corrections that shrink less than this ask for a fresh factorization.
 const SLOW: f64 = 0.1;
@@ -32,11 +33,6 @@ const MOST_GROWN: usize = 4;
 const MOST_GROWN_STRESSED: usize = 1;
 /// Growth of a correction after which stresses are relieved at once.
 const WILD: f64 = 100.0;
-
-/// The larger one, or what is no number.
-fn larger(a: f64, b: f64) -> f64 {
-    if b <= a || a.is_nan() { a } else { b }
-}
 
 /// The largest absolute value, or what is no number.
 fn largest<S: RunScalar>(list: &[S]) -> f64 {
