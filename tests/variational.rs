@@ -116,7 +116,7 @@ fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_
         worst = momentum.iter().zip(reference).fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
         let mut sample = Sample::empty();
         sample.set_stage(step, 0, 0.0);
-        energies.push(Measured::Energy.value(problem.model, &sample, &problem.p));
+        energies.push(Measured::energy().value(problem.model, &sample, &problem.p));
         true
     });
     march(&problem, &prepared.method, &prepared.grid, &prepared.plan, &mut watch).expect("runs");

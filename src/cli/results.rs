@@ -61,6 +61,7 @@ pub struct Results<'p> {
     dropped: Vec<usize>,
     is_conservative: bool,
     energy: Option<EnergyCourse>,
+    measured_energy: Measured,
     output: Output,
     row: Vec<f64>,
     kept: KeptMoments,
@@ -125,6 +126,7 @@ impl<'p> Results<'p> {
             dropped: Vec::new(),
             is_conservative: energies && !prepared.method.table.is_static() && model.is_conservative(),
             energy: None,
+            measured_energy: Measured::energy(),
             output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
             row: Vec::new(),
             kept: KeptMoments::default(),
@@ -143,7 +145,7 @@ impl<'p> Results<'p> {
         let energy_of = |v: Vec<f64>| {
             let at = VectorsAvq { a: Vec::new(), v, q: q.to_vec() };
             let sample = Sample { t, at, ..Sample::empty() };
-            Measured::Energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
+            self.measured_energy.value(self.prepared.model(), &sample, &self.prepared.mechanism.numbers.p)
         };
         let energy = self.columns.have_energy().then(|| energy_of(v.to_vec()));
         if let Some(energy) = energy.filter(|_| self.is_conservative) {
@@ -279,7 +281,7 @@ pub fn moving(model: &Model) -> impl Iterator<Item = &Node> {
 /// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
 pub fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
     let has = |functional: &&Functional| match &functional.measured {
-        Measured::Energy => false,
+        Measured::Sum(_) => false,
         Measured::Group(group) => group.is_moving(prepared.model()),
         _ => true,
     };

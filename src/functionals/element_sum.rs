@@ -5,6 +5,8 @@ use crate::elements::{ElementPhysics, Parameter};
 /// A number of each element, whose sum is that of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementSum {
+    /// Kinetic and potential energy \[J\].
+    Energy,
     /// Mass \[kg\].
     Mass,
     /// What is stored in strains, half the compliance of a linear structure under the loads that strain it \[J\].
@@ -16,12 +18,15 @@ pub enum ElementSum {
 }
 
 /// Places of results among the energies of an element.
+const KINETIC: usize = 0;
+const POTENTIAL: usize = 1;
 const MASS: usize = 2;
 const STORED: usize = 3;
 
 impl AnyPointQuantity for ElementSum {
     fn name(&self) -> &'static str {
         match self {
+            ElementSum::Energy => "an energy",
             ElementSum::Mass => "a mass",
             ElementSum::StrainEnergy => "a strain energy",
             ElementSum::InertiaMoment => "a moment of inertia",
@@ -35,20 +40,24 @@ impl AnyPointQuantity for ElementSum {
         point.map(|name| Parameter::new(name, "m")).into_iter().chain(axis.map(|name| Parameter::new(name, "-"))).collect()
     }
     fn is_on(&self, element: &ElementPhysics) -> bool {
-        self.record(element).is_ok_and(|own| own.formula.inspect(|graph, outputs| !graph.is_zero(outputs[own.values[0]])))
+        let has_some = |own: GroupFormula| {
+            own.formula.inspect(|graph, outputs| own.values.iter().any(|&value| !graph.is_zero(outputs[value])))
+        };
+        self.record(element).is_ok_and(has_some)
     }
     fn record(&self, element: &ElementPhysics) -> Result<GroupFormula, String> {
         let (n, m) = (element.dof_count(), element.parameter_count());
         let coordinates = (0..n).map(Argument::Q).chain((0..m).map(Argument::Parameter));
-        let of_energies = |result| GroupFormula {
+        let of_energies = |results: &[usize]| GroupFormula {
             formula: element.energies().clone(),
             arguments: (0..n).map(Argument::V).chain(coordinates.clone()).collect(),
-            values: vec![result],
+            values: results.to_vec(),
             weights: Vec::new(),
         };
         Ok(match self {
-            ElementSum::Mass => of_energies(MASS),
-            ElementSum::StrainEnergy => of_energies(STORED),
+            ElementSum::Energy => of_energies(&[KINETIC, POTENTIAL]),
+            ElementSum::Mass => of_energies(&[MASS]),
+            ElementSum::StrainEnergy => of_energies(&[STORED]),
             ElementSum::InertiaMoment => GroupFormula {
                 formula: element.inertia_moment().clone(),
                 arguments: coordinates.chain((0..self.parameter_list().len()).map(Argument::Own)).collect(),

@@ -2,7 +2,7 @@ use super::aggregate::{SUMS, Totals};
 use super::load::JointLoad;
 use super::measured_group::GroupWork;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
-use super::{MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
+use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
 use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::{StartRecord, StepRecord};
@@ -34,8 +34,8 @@ pub enum Measured {
         /// Which one.
         load: JointLoad,
     },
-    /// Kinetic and potential energy of all elements \[J\].
-    Energy,
+    /// The sum of a quantity over all points of a group, as one number.
+    Sum(MeasuredGroup),
 }
 
 /// A functional f: what is measured at each time, and what is made of it over time and points.
@@ -146,7 +146,7 @@ impl Functional {
         match &self.measured {
             Measured::Local { constraints, .. } => !constraints.is_empty(),
             Measured::Load { .. } => true,
-            Measured::Group(_) | Measured::Energy => false,
+            Measured::Group(_) | Measured::Sum(_) => false,
         }
     }
 
@@ -179,16 +179,11 @@ enum Place {
 struct Reading<'m> {
     formula: &'m Formula,
     places: SmallVec<[Place; 64]>,
-    /// Which of its results are added up.
-    results: &'static [usize],
 }
 
 fn dofs<'m>(model: &'m Model, nodes: &'m [NodeId]) -> impl Iterator<Item = usize> + 'm {
     nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone())
 }
-
-/// Kinetic and potential energy among the results of an element's energies.
-const ENERGIES: &[usize] = &[0, 1];
 
 impl Reading<'_> {
     fn value<S: RunScalar>(&self, sample: &Sample<S>, p: &[S], all: &mut [Vec<S>; 2], work: &mut ProgramWork<S>) -> S {
@@ -197,7 +192,7 @@ impl Reading<'_> {
         outputs.clear();
         outputs.resize(self.formula.outputs.len(), S::zero());
         S::run(self.formula.values(), inputs, outputs, work);
-        self.results.iter().map(|&result| outputs[result]).sum()
+        outputs[0]
     }
 
     fn write_arguments<S: RunScalar>(&self, sample: &Sample<S>, p: &[S], inputs: &mut Vec<S>) {
@@ -212,9 +207,9 @@ impl Reading<'_> {
         }));
     }
 
-    /// Adds `factor` times the gradient of the sum of its results.
+    /// Adds `factor` times the gradient of its first result.
     fn add_gradient(&self, sample: &Sample<f64>, p: &[f64], factor: f64, mut add: impl FnMut(Place, f64)) {
-        let program = self.formula.gradient(self.results);
+        let program = self.formula.gradient(&[0]);
         f64::with_work(|[inputs, outputs], work| {
             self.write_arguments(sample, p, inputs);
             outputs.clear();
@@ -232,13 +227,18 @@ impl Measured {
     pub fn refused(&self, model: &Model) -> Option<&str> {
         match self {
             Measured::Local { quantity, .. } => quantity.refused(),
-            Measured::Group(group) => group.refused(model),
-            _ => None,
+            Measured::Group(group) | Measured::Sum(group) => group.refused(model),
+            Measured::Load { .. } => None,
         }
     }
 
-    /// Calls `read` for each formula of which it is the sum; a group has a way of its own.
-    fn for_each_reading(&self, model: &Model, mut read: impl FnMut(Reading)) {
+    /// Kinetic and potential energy of all elements \[J\].
+    pub fn energy() -> Self {
+        Measured::Sum(MeasuredGroup::new(None, ElementSum::Energy.into(), 0..0))
+    }
+
+    /// The formula that it is; a group has a way of its own.
+    fn reading<'m>(&'m self, model: &'m Model) -> Option<Reading<'m>> {
         match self {
             Measured::Local { nodes, constraints, parameters, quantity } => {
                 let rows = constraints.iter().flat_map(|id| model.constraints[id.0].equations.clone());
@@ -248,9 +248,9 @@ impl Measured {
                     .chain(rows.map(Place::Mu))
                     .chain(parameters.clone().map(Place::P))
                     .chain([Place::Time]);
-                read(Reading { formula: quantity.formula(), places: places.collect(), results: &[0] });
+                Some(Reading { formula: quantity.formula(), places: places.collect() })
             }
-            Measured::Group(_) => {}
+            Measured::Group(_) | Measured::Sum(_) => None,
             Measured::Load { joint, parameters, load } => {
                 let joint = &model.constraints[joint.0];
                 let places = dofs(model, &joint.nodes)
@@ -259,16 +259,7 @@ impl Measured {
                     .chain(joint.equations.clone().map(Place::Mu))
                     .chain(joint.parameters.clone().chain(parameters.clone()).map(Place::P))
                     .chain([Place::Time]);
-                read(Reading { formula: load.formula(&joint.physics), places: places.collect(), results: &[0] });
-            }
-            Measured::Energy => {
-                for element in &model.elements {
-                    let places = dofs(model, &element.nodes)
-                        .map(Place::V)
-                        .chain(dofs(model, &element.nodes).map(Place::Q))
-                        .chain(element.parameters.clone().map(Place::P));
-                    read(Reading { formula: element.physics.energies(), places: places.collect(), results: ENERGIES });
-                }
+                Some(Reading { formula: load.formula(&joint.physics), places: places.collect() })
             }
         }
     }
@@ -282,38 +273,35 @@ impl Measured {
         points: PointWeights,
         work: &mut GroupWork<S>,
     ) {
-        if let Measured::Group(group) = self {
-            return group.write_values(model, sample, p, points, work);
-        }
+        let value = match self {
+            Measured::Group(group) => return group.write_values(model, sample, p, points, work),
+            Measured::Sum(group) => group.sum(model, sample, p, work),
+            _ => self.value(model, sample, p),
+        };
         work.values.clear();
-        work.values.push([self.value(model, sample, p), S::one()]);
+        work.values.push([value, S::one()]);
     }
 
     /// The value at a sample; of points their sum by weights.
     pub fn value<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
-        if let Measured::Group(group) = self {
-            let mut work = GroupWork::default();
-            group.write_values(model, sample, p, PointWeights::Own, &mut work);
-            return work.values.iter().map(|&[value, weight]| value * weight).sum();
+        match self {
+            Measured::Group(group) | Measured::Sum(group) => group.sum(model, sample, p, &mut GroupWork::default()),
+            _ => S::with_work(|numbers, work| {
+                self.reading(model).map_or(S::zero(), |reading| reading.value(sample, p, numbers, work))
+            }),
         }
-        S::with_work(|numbers, work| {
-            let mut sum = S::zero();
-            self.for_each_reading(model, |reading| sum += reading.value(sample, p, numbers, work));
-            sum
-        })
     }
 
-    /// Adds `factor` times the gradient of its only value at a sample.
+    /// Adds `factor` times the gradient of its only value at a sample; a group has a way of its own.
     pub(super) fn add_gradient(&self, model: &Model, sample: &Sample<f64>, p: &[f64], factor: f64, bars: &mut SampleBars) {
-        self.for_each_reading(model, |reading| {
-            reading.add_gradient(sample, p, factor, |place, entry| match place {
-                Place::A(dof) => bars.at.a[dof] += entry,
-                Place::V(dof) => bars.at.v[dof] += entry,
-                Place::Q(dof) => bars.at.q[dof] += entry,
-                Place::Mu(row) => bars.mu[row] += entry,
-                Place::P(index) => bars.p[index] += entry,
-                Place::Time => {}
-            });
+        let Some(reading) = self.reading(model) else { return };
+        reading.add_gradient(sample, p, factor, |place, entry| match place {
+            Place::A(dof) => bars.at.a[dof] += entry,
+            Place::V(dof) => bars.at.v[dof] += entry,
+            Place::Q(dof) => bars.at.q[dof] += entry,
+            Place::Mu(row) => bars.mu[row] += entry,
+            Place::P(index) => bars.p[index] += entry,
+            Place::Time => {}
         });
     }
 }

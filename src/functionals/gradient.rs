@@ -1,6 +1,6 @@
 use super::aggregate::{SUMS, Totals, derivatives};
 use super::measured_group::GroupGradient;
-use super::{Functional, Measured, Sample};
+use super::{Functional, Measured, Over, Sample};
 use crate::assembly::{Model, VectorsAvq};
 use crate::scalar::Tangents;
 
@@ -33,6 +33,7 @@ impl<'f> FunctionalGradient<'f> {
         let bars = derivatives(totals.sums, |sums| over.value(Totals { offset, sums }));
         let group = match measured {
             Measured::Group(group) => Some(group.gradient(model, over, active)),
+            Measured::Sum(group) => Some(group.gradient(model, &Over::Integral, active)),
             _ => None,
         };
         FunctionalGradient { functional, bars, offset, group }
@@ -45,7 +46,7 @@ impl<'f> FunctionalGradient<'f> {
         }
         let Functional { over, measured, .. } = self.functional;
         let weighted = self.bars.map(|bar| bar * weight);
-        if let Some(group) = &mut self.group {
+        if let (Some(group), Measured::Group(_)) = (&mut self.group, measured) {
             group.add(sample, p, (weighted, self.offset), bars.at, bars.p);
             return;
         }
@@ -55,6 +56,9 @@ impl<'f> FunctionalGradient<'f> {
             let terms = over.terms(y, Tangents::from(1.0), Tangents::from(self.offset));
             terms.into_iter().zip(weighted).map(|(term, bar)| term * bar).sum()
         });
-        measured.add_gradient(model, sample, p, factor, bars);
+        match &mut self.group {
+            Some(group) => group.add(sample, p, ([factor, 0.0, 0.0], 0.0), bars.at, bars.p),
+            None => measured.add_gradient(model, sample, p, factor, bars),
+        }
     }
 }

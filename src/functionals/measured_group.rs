@@ -196,6 +196,12 @@ impl MeasuredGroup {
         }
     }
 
+    /// The sum of all values by their weights.
+    pub(super) fn sum<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S], work: &mut GroupWork<S>) -> S {
+        self.write_values(model, sample, p, PointWeights::Own, work);
+        work.values.iter().map(|&[value, weight]| value * weight).sum()
+    }
+
     /// What it is in each element that has it, at a sample: of several points the largest, or what is no number.
     pub fn element_values(&self, model: &Model, sample: &Sample<f64>, p: &[f64]) -> Vec<(ElementId, f64)> {
         let mut work = GroupWork::default();

@@ -60,7 +60,7 @@ pub fn path(scene: &dyn AnyScene, method: &str, end: f64, steps: usize) -> Resul
         } else {
             sample.set_terminal(step)
         }
-        path.energy = path.energy.max(Measured::Energy.value(model, &sample, p).abs());
+        path.energy = path.energy.max(Measured::energy().value(model, &sample, p).abs());
         if index % (steps / MOMENTS) == 0 {
             sample.set_terminal(step);
             path.tip.push([step.q[tip], step.q[tip + 1]]);

@@ -110,7 +110,7 @@ fn drift(prepared: &Prepared) -> Result<(f64, Violation), String> {
     let (model, p) = (prepared.model(), &prepared.mechanism.numbers.p);
     let energy = |q: &[f64], v: &[f64]| {
         let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
-        Measured::Energy.value(model, &Sample { at, ..Sample::empty() }, p)
+        Measured::energy().value(model, &Sample { at, ..Sample::empty() }, p)
     };
     let start = energy(&prepared.mechanism.numbers.q, &prepared.mechanism.numbers.v);
     let (mut worst, mut change, mut kinetic) = (Violation::default(), 0.0_f64, start.abs());

@@ -120,7 +120,7 @@ fn gradients(report: &mut Report) -> Result<(), RunError> {
 fn energy(problem: &Problem<f64>, step: &StepRecord<f64>) -> f64 {
     let mut sample = Sample::empty();
     sample.set_stage(step, 0, 0.0);
-    Measured::Energy.value(problem.model, &sample, &problem.p)
+    Measured::energy().value(problem.model, &sample, &problem.p)
 }
 
 fn conservation(report: &mut Report) -> Result<(), RunError> {

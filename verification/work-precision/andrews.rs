@@ -1,12 +1,12 @@
 //! Andrews' squeezer: largest relative error of the seven angles against time, in these angles and of rigid bodies.
 
-use super::comparison::Aim;
+use super::comparison::{Aim, cheapest};
 use super::runs::{Ladder, Motion, Reference};
 use super::{REFERENCE, chart, report_times, times_table};
 use crate::verification::Report;
 use crate::verification::andrews::{self, PUBLISHED};
 use crate::verification::rigid_benchmarks::{angles_of_turns, body_angles, places_of_bodies};
-use costate::integrators::{ConstraintLevel, tables};
+use costate::integrators::{ConstraintLevel, NewtonTolerance, tables};
 use costate::io::Chart;
 use costate::scenes::Prepared;
 use costate::scenes::built_in::Andrews;
@@ -54,7 +54,8 @@ fn angles(prepared: &Prepared, q: &[f64]) -> Vec<f64> {
     angles.into_iter().zip(PUBLISHED).map(near).collect()
 }
 
-/// All tables at acceleration level, the planar angles at the other levels too, and chosen steps; a chart for each model.
+/// All tables at acceleration level, the planar angles at the other levels too, and chosen steps, with both rules for Newton's method; a chart
+/// for each model.
 pub fn report_andrews(report: &mut Report) -> Result<Vec<Chart>, String> {
     let mut charts = Vec::new();
     for motion in &motions() {
@@ -62,7 +63,16 @@ pub fn report_andrews(report: &mut Report) -> Result<Vec<Chart>, String> {
         let reference = motion.reference()?;
         let ladders = ladders(motion, &reference)?;
         report.at_most(format!("{}/error of the reference, estimated", motion.name), reference.error, REFERENCE);
-        report_times(report, motion, &ladders, &AIMS);
+        // gradients need round-off: what motions alone cost is said beside it
+        let (exact, scaled): (Vec<_>, Vec<_>) =
+            ladders.into_iter().partition(|ladder| ladder.newton == NewtonTolerance::RoundOff);
+        report_times(report, motion, &exact, &AIMS);
+        for aim in &AIMS {
+            if let Some((ladder, time)) = cheapest(&scaled, aim) {
+                report.inform(format!("{}/{}/least time [ms]: {}", motion.name, aim.name, ladder.name), 1e3 * time);
+            }
+        }
+        let ladders: Vec<Ladder> = exact.into_iter().chain(scaled).collect();
         report.note(times_table(motion, &ladders, &reference, &AIMS).trim_end());
         charts.push(chart(motion, &ladders, "angle", |run| run.error, reference.error, false));
     }
@@ -75,10 +85,13 @@ fn ladders(motion: &Motion, reference: &Reference) -> Result<Vec<Ladder>, String
     let mut ladders = Vec::new();
     for table in tables() {
         for &level in levels {
-            ladders.push(motion.ladder(&table, level, reference)?);
+            ladders.push(motion.ladder(&table, level, NewtonTolerance::RoundOff, reference)?);
         }
+        ladders.push(motion.ladder(&table, ConstraintLevel::Acceleration, NewtonTolerance::Scaled, reference)?);
         if table.embedded.is_some() && table.starter.is_none() {
-            ladders.push(motion.chosen(&table, reference)?);
+            for newton in [NewtonTolerance::RoundOff, NewtonTolerance::Scaled] {
+                ladders.push(motion.chosen(&table, newton, reference)?);
+            }
         }
     }
     Ok(ladders)

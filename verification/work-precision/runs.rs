@@ -5,7 +5,7 @@
 
 use super::course::{Forces, Member, run};
 use crate::verification::Clock;
-use costate::integrators::{ConstraintLevel, Counters, Method, StepControl, Table, tables};
+use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, StepControl, Table, tables};
 use costate::scenes::{AnyScene, Prepared, Settings};
 
 /// Error below which most motions are fine enough.
@@ -78,9 +78,11 @@ pub struct Run {
 
 /// The runs of one table at one level.
 pub struct Ladder {
-    /// Name of the table, with a word if it chooses its steps.
+    /// Name of the table, with words if it chooses its steps or does not go to round-off.
     pub name: String,
     pub level: ConstraintLevel,
+    /// When Newton's method stops.
+    pub newton: NewtonTolerance,
     /// From coarse to fine.
     pub runs: Vec<Run>,
     /// Steps with which there was no solution.
@@ -144,10 +146,16 @@ impl Motion {
     }
 
     /// Runs with halved steps until the error is fine enough or the work is done.
-    pub fn ladder(&self, table: &Table, level: ConstraintLevel, reference: &Reference) -> Result<Ladder, String> {
+    pub fn ladder(
+        &self,
+        table: &Table,
+        level: ConstraintLevel,
+        newton: NewtonTolerance,
+        reference: &Reference,
+    ) -> Result<Ladder, String> {
         let implicit = table.stages.iter().filter(|stage| stage.known.is_none()).count();
         let projections = if level == ConstraintLevel::Acceleration { 2 } else { 0 };
-        let mut ladder = Ladder { name: table.name.to_string(), level, runs: Vec::new(), failed: Vec::new() };
+        let mut ladder = Ladder::new(table.name.to_string(), level, newton);
         let mut steps = self.coarsest;
         while steps * (implicit + projections) <= self.most_systems {
             if ladder.add(self, table, Steps::Equal(steps), reference)? {
@@ -159,9 +167,8 @@ impl Motion {
     }
 
     /// Runs that choose their steps, with tolerances a tenth of the one before each, at acceleration level.
-    pub fn chosen(&self, table: &Table, reference: &Reference) -> Result<Ladder, String> {
-        let (name, level) = (format!("{}, chosen steps", table.name), ConstraintLevel::Acceleration);
-        let mut ladder = Ladder { name, level, runs: Vec::new(), failed: Vec::new() };
+    pub fn chosen(&self, table: &Table, newton: NewtonTolerance, reference: &Reference) -> Result<Ladder, String> {
+        let mut ladder = Ladder::new(format!("{}, chosen steps", table.name), ConstraintLevel::Acceleration, newton);
         // work grows with the root of the order of the error estimate
         let growth = table.embedded.as_ref().map_or(1.0, |embedded| 10f64.powf(1.0 / (embedded.order as f64 + 1.0)));
         for tolerance in TOLERANCES {
@@ -176,9 +183,15 @@ impl Motion {
 }
 
 impl Ladder {
+    fn new(table: String, level: ConstraintLevel, newton: NewtonTolerance) -> Self {
+        let rule = if newton == NewtonTolerance::RoundOff { String::new() } else { format!(", {}", newton.name()) };
+        Ladder { name: format!("{table}{rule}"), level, newton, runs: Vec::new(), failed: Vec::new() }
+    }
+
     /// Adds a run; true if no finer one is needed.
     fn add(&mut self, motion: &Motion, table: &Table, steps: Steps, reference: &Reference) -> Result<bool, String> {
-        let prepared = motion.prepared(Method::new(table.clone(), self.level), steps)?;
+        let method = Method { tolerance: self.newton, ..Method::new(table.clone(), self.level) };
+        let prepared = motion.prepared(method, steps)?;
         let mut forces = Forces::default();
         let (clock, all) = (Clock::start(), Clock::start());
         let Ok((end, taken)) = run(&prepared, motion.member, Some(&mut forces)) else {

@@ -11,7 +11,7 @@ use crate::verification::{Clock, Form, Report, Study, on_one_thread};
 use andrews::report_andrews;
 use chain::report_chain;
 use comparison::{AIMS, Aim, Measured, cheapest, report_comparison, report_tolerances};
-use costate::integrators::{ConstraintLevel, tables};
+use costate::integrators::{ConstraintLevel, NewtonTolerance, tables};
 use costate::io::{Chart, Series, Style};
 use costate::scenes::AnyScene;
 use costate::scenes::built_in::{CarAxis, DoublePendulum, HeavyTop, Pendulum};
@@ -120,10 +120,10 @@ fn ladders(motion: &Motion, reference: &Reference) -> Result<Vec<Ladder>, String
     let mut ladders = Vec::new();
     for table in tables() {
         for level in ConstraintLevel::ALL {
-            ladders.push(motion.ladder(&table, level, reference)?);
+            ladders.push(motion.ladder(&table, level, NewtonTolerance::RoundOff, reference)?);
         }
         if table.embedded.is_some() && table.starter.is_none() {
-            ladders.push(motion.chosen(&table, reference)?);
+            ladders.push(motion.chosen(&table, NewtonTolerance::RoundOff, reference)?);
         }
     }
     Ok(ladders)

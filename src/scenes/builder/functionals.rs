@@ -133,6 +133,6 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of the energy of all elements \[J\].
     pub fn energy_functional(&mut self, name: &str, over: Over) {
-        self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::Energy, over });
+        self.functionals.push(Functional { name: name.into(), unit: "J", measured: Measured::energy(), over });
     }
 }
