@@ -433,7 +433,7 @@ fn a_quantity_that_branches_on_a_value_is_refused_by_name() {
 }
 
 #[test]
-fn multipliers_between_axes_are_moments_and_others_are_forces() {
+fn multipliers_between_axes_are_moments_and_others_count_as_forces() {
     let mut m = MechanismBuilder::<f64>::default();
     let (ground, one) = (m.ground(), Quaternion::identity());
     let body = m.body("body", Vector3::new(1.0, 0.0, 0.0), one);

@@ -277,7 +277,7 @@ impl SceneOptions {
                 return Err(Failure::input(format!("--newton {}: {why}; leave it out here", method.tolerance.name())));
             }
             method.tolerance = NewtonTolerance::RoundOff;
-            say(format_args!("to round-off instead of \"{}\": {why}", NewtonTolerance::Scaled.name()));
+            say(format_args!("Newton's method goes to round-off instead of \"{}\": {why}", NewtonTolerance::Scaled.name()));
         }
         Ok(method)
     }

@@ -281,7 +281,7 @@ pub fn moving(model: &Model) -> impl Iterator<Item = &Node> {
 /// Functionals whose measured quantity has a course in time: coordinates, rates and loads of joints, places, reactions.
 pub fn courses<'p>(prepared: &'p Prepared) -> impl Iterator<Item = &'p Functional> {
     let has = |functional: &&Functional| match &functional.measured {
-        Measured::Sum(_) => false,
+        Measured::Energy(_) => false,
         Measured::Group(group) => group.is_moving(prepared.model()),
         _ => true,
     };

@@ -34,8 +34,8 @@ pub enum Measured {
         /// Which one.
         load: JointLoad,
     },
-    /// The sum of a quantity over all points of a group, as one number.
-    Sum(MeasuredGroup),
+    /// Kinetic and potential energy of all elements as one number \[J\], see [`Measured::energy`].
+    Energy(MeasuredGroup),
 }
 
 /// A functional f: what is measured at each time, and what is made of it over time and points.
@@ -146,7 +146,7 @@ impl Functional {
         match &self.measured {
             Measured::Local { constraints, .. } => !constraints.is_empty(),
             Measured::Load { .. } => true,
-            Measured::Group(_) | Measured::Sum(_) => false,
+            Measured::Group(_) | Measured::Energy(_) => false,
         }
     }
 
@@ -227,14 +227,14 @@ impl Measured {
     pub fn refused(&self, model: &Model) -> Option<&str> {
         match self {
             Measured::Local { quantity, .. } => quantity.refused(),
-            Measured::Group(group) | Measured::Sum(group) => group.refused(model),
+            Measured::Group(group) | Measured::Energy(group) => group.refused(model),
             Measured::Load { .. } => None,
         }
     }
 
     /// Kinetic and potential energy of all elements \[J\].
     pub fn energy() -> Self {
-        Measured::Sum(MeasuredGroup::new(None, ElementSum::Energy.into(), 0..0))
+        Measured::Energy(MeasuredGroup::new(None, ElementSum::Energy.into(), 0..0))
     }
 
     /// The formula that it is; a group has a way of its own.
@@ -250,7 +250,7 @@ impl Measured {
                     .chain([Place::Time]);
                 Some(Reading { formula: quantity.formula(), places: places.collect() })
             }
-            Measured::Group(_) | Measured::Sum(_) => None,
+            Measured::Group(_) | Measured::Energy(_) => None,
             Measured::Load { joint, parameters, load } => {
                 let joint = &model.constraints[joint.0];
                 let places = dofs(model, &joint.nodes)
@@ -275,7 +275,7 @@ impl Measured {
     ) {
         let value = match self {
             Measured::Group(group) => return group.write_values(model, sample, p, points, work),
-            Measured::Sum(group) => group.sum(model, sample, p, work),
+            Measured::Energy(group) => group.sum(model, sample, p, work),
             _ => self.value(model, sample, p),
         };
         work.values.clear();
@@ -285,7 +285,7 @@ impl Measured {
     /// The value at a sample; of points their sum by weights.
     pub fn value<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
         match self {
-            Measured::Group(group) | Measured::Sum(group) => group.sum(model, sample, p, &mut GroupWork::default()),
+            Measured::Group(group) | Measured::Energy(group) => group.sum(model, sample, p, &mut GroupWork::default()),
             _ => S::with_work(|numbers, work| {
                 self.reading(model).map_or(S::zero(), |reading| reading.value(sample, p, numbers, work))
             }),

@@ -33,7 +33,7 @@ impl<'f> FunctionalGradient<'f> {
         let bars = derivatives(totals.sums, |sums| over.value(Totals { offset, sums }));
         let group = match measured {
             Measured::Group(group) => Some(group.gradient(model, over, active)),
-            Measured::Sum(group) => Some(group.gradient(model, &Over::Integral, active)),
+            Measured::Energy(group) => Some(group.gradient(model, &Over::Integral, active)),
             _ => None,
         };
         FunctionalGradient { functional, bars, offset, group }

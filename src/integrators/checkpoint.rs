@@ -24,8 +24,9 @@ pub struct StepState<S> {
     pub last: Unknowns<S>,
     /// First guesses for the stages of the next step, then for its projections of coordinates and of velocities.
     pub prediction: Prediction<S>,
-    /// What the systems of the next step may leave in coordinates \[m\] and velocities \[m/s\], where round-off is not asked for.
-    pub allowed: Option<[f64; 2]>,
+    /// What the systems of a step may leave in coordinates \[m\] and velocities \[m/s\], where round-off is not asked for, and the size of the
+    /// step for which it holds \[s\].
+    pub allowed: Option<[f64; 3]>,
 }
 
 impl<S: RunScalar> StepState<S> {
@@ -66,7 +67,7 @@ impl<S: RunScalar> StepState<S> {
     pub(super) fn prepare_guesses(&mut self, scheme: Scheme, stages: usize) {
         if self.scheme != scheme || self.prediction.tracks.len() != stages + 2 {
             self.prediction.clear(stages + 2);
-            self.scheme = scheme;
+            (self.scheme, self.allowed) = (scheme, None);
         }
     }
 }

@@ -14,6 +14,8 @@ use crate::linalg::independent_rows;
 const VIOLATED: f64 = 1e-8;
 /// ... or by so many times the violation of the kept ones: at stages' ends these are as large as the method's error.
 const WORSE: f64 = 1e3;
+/// Violation of kept equations, by the largest coordinate, that leaves the bound of dropped ones what it is.
+pub(super) const KEPT: f64 = VIOLATED / WORSE;
 
 /// Rows of the constraint equations in an assembled matrix, towards the unknowns of nodes.
 pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Vec<f64>> {

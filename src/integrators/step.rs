@@ -5,7 +5,7 @@ use super::checkpoint::{Checkpoint, StepState};
 use super::march::{Method, Problem, Run, add_scaled, combine, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
-use super::redundancy::{Watch, dependent_equations, violated};
+use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::Resolution;
 use super::{ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
@@ -51,6 +51,21 @@ const WATCHED_EVERY: usize = 5;
 const LEFT: f64 = 1e-2;
 /// Largest coefficient with which dropped equations may follow from the kept ones.
 const WEAK: f64 = 10.0;
+
+/// Whether the error of a step is estimated: not of methods of higher order than the trapezoidal rule without an embedded solution.
+fn is_estimated(table: &Table) -> bool {
+    !table.is_static() && (table.embedded.is_some() || table.order <= 2)
+}
+
+/// What the systems of a step of size `h` may leave in coordinates, velocities and projected coordinates: less than those of a longer step
+/// before. Equations that are left out are watched by the violation of the others.
+fn allowed<S>(table: &Table, state: &StepState<S>, h: f64, length: f64) -> Option<[f64; 3]> {
+    let [q, v, of] = state.allowed?;
+    let order = table.embedded.as_ref().map_or(3, |embedded| embedded.order as i32 + 1);
+    let shorter = (h / of).min(1.0).powi(order);
+    let watched = if state.dropped.is_empty() { f64::INFINITY } else { KEPT * length };
+    Some([q * shorter, v * shorter, (q * shorter).min(watched)])
+}
 
 /// Where the search for a solution starts.
 #[derive(Clone, Copy)]
@@ -460,7 +475,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             record.restart = Some(solved);
         }
         state.prepare_guesses(scheme, table.stages.len());
-        self.stage.allowed = state.allowed;
+        // from one step no change is known
+        let is_known = table.embedded.is_some() || state.prediction.tracks.iter().any(|track| !track.times.is_empty());
+        self.stage.allowed = allowed(table, &state, h, self.stage.length);
         let change = self.solve_stages(&mut state, &mut record, table, (t, end), guided)?;
         let stages = &record.stages;
         let kinds = table.update.iter().zip(&table.carried);
@@ -479,8 +496,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.project(&mut state, &mut record, (end, table.shift(table.stages.len() - 1, h)), guided)?;
         record.q.clone_from(&state.carried[0]);
         record.v.clone_from(&state.carried[1]);
-        if method.tolerance == NewtonTolerance::Scaled && !table.is_static() {
-            state.allowed = Some(self.estimated_error(table, &record, change).map(|error| LEFT * error));
+        state.allowed = None;
+        if method.tolerance == NewtonTolerance::Scaled && is_known && is_estimated(table) {
+            let [q, v] = self.estimated_error(table, &record, change);
+            state.allowed = Some([LEFT * q, LEFT * v, h]);
         }
         state.step += 1;
         self.between = state;

@@ -179,8 +179,9 @@ impl<'m> Analysis<'m> {
     /// The same at a design beside one within the bounds, as difference quotients ask for it.
     ///
     /// # Errors
-    /// As for [`Analysis::forward`], but for the bounds.
+    /// As for [`Analysis::forward`], but for the bounds; a rule for Newton's method that leaves more than round-off.
     pub fn values_nearby(&self, x: &[f64]) -> Result<Vec<f64>, RunError> {
+        self.check_exactness()?;
         let own = Analysis { keep: &Keep::Nothing, ..*self };
         let numbers = self.map.nearby(x).map_err(RunError::Input)?;
         let (forward, stopped) = own.run(x, numbers, &mut Watch(|_: &StepRecord<f64>| true))?;

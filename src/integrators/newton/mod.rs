@@ -69,8 +69,8 @@ pub struct Newton<'m, S> {
     pub counters: Counters,
     pub(super) factorization: Factorization,
     tolerance: NewtonTolerance,
-    /// What searches may leave in coordinates \[m\] and velocities \[m/s\], where round-off is not asked for.
-    pub(in crate::integrators) allowed: Option<[f64; 2]>,
+    /// What searches may leave in coordinates \[m\], velocities \[m/s\], and projected coordinates \[m\], where round-off is not asked for.
+    pub(in crate::integrators) allowed: Option<[f64; 3]>,
     pub(super) rhs: Vec<f64>,
     /// Right-hand side before an estimate.
     exact: Vec<f64>,

@@ -114,7 +114,10 @@ impl<S: RunScalar> Newton<'_, S> {
             } else {
                 1.0
             };
-            if self.is_allowed(equations, step * share, scale, reaction_step * reaction_share / reactions) {
+            // a matrix of earlier states may be too stiff for this one: its first correction counts where its rate is known
+            let expected = self.contractions.expected(kind).filter(|_| iteration == 1).unwrap_or(rate);
+            let is_known = fresh || expected > 0.0 && expected < STALLED;
+            if is_known && self.is_allowed(equations, step * share, scale, reaction_step * reaction_share / reactions) {
                 self.contractions.note(kind, (worst_rate > 0.0).then_some(worst_rate));
                 return Ok(());
             }
@@ -220,14 +223,15 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Whether a search may leave this much of its unknowns, whose size is given, and this share of the reactions; these are asked for as
     /// many digits as accelerations.
     fn is_allowed(&self, equations: &Equations, left: f64, size: f64, reactions: f64) -> bool {
-        let Some([coordinates, velocities]) = self.allowed else { return false };
-        // a projection changes one of them alone
-        let (alpha, beta) = match (equations.metric, equations.level) {
-            (true, Level::Position) => (equations.constraint.alpha, 0.0),
-            (true, _) => (0.0, equations.constraint.beta),
-            (false, _) => (equations.residual.alpha, equations.residual.beta),
+        let Some([coordinates, velocities, projected]) = self.allowed else { return false };
+        let used = match (equations.metric, equations.level) {
+            (true, Level::Position) => left * equations.constraint.alpha.abs() / projected,
+            (true, _) => left * equations.constraint.beta.abs() / velocities,
+            (false, _) => {
+                let [of_coordinates, of_velocities] = [equations.residual.alpha, equations.residual.beta].map(f64::abs);
+                (left * of_coordinates / coordinates).max(left * of_velocities / velocities)
+            }
         };
-        let used = (left * alpha.abs() / coordinates).max(left * beta.abs() / velocities);
         used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
     }
 

@@ -65,7 +65,9 @@ impl<S: Scalar> MechanismBuilder<S> {
         let rows = joint.physics.rows(&q, &values(&self.numbers.p[joint.parameters.clone()]), 0.0);
         let mut weighted = rows.chunks_exact(q.len()).zip(weights).filter(|(_, weight)| weight.value() != 0.0).peekable();
         weighted.peek().is_some()
-            && weighted.all(|(row, _)| row.iter().zip(&moves).all(|(force, moves)| !moves || *force == 0.0))
+            && weighted.all(|(row, _)| {
+                row.iter().any(|force| *force != 0.0) && row.iter().zip(&moves).all(|(force, moves)| !moves || *force == 0.0)
+            })
     }
 
     /// A functional of the size of a joint's force: the length of its first three multipliers \[N\].
