@@ -48,5 +48,6 @@ fn main() -> Result<(), RunError> {
     let check = analysis.complex_step(&scene.x, &forward)?;
     let difference = largest_difference(&check.rows[0], &gradient.rows[0]);
     println!("agrees with complex step to 1e-13: {}", difference < 1e-13);
+    assert!(difference < 1e-12);
     Ok(())
 }
