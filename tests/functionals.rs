@@ -453,3 +453,25 @@ fn multipliers_between_axes_are_moments_and_others_count_as_forces() {
         assert_eq!(m.functionals.last().unwrap().unit, unit, "{weights:?}");
     }
 }
+
+#[test]
+#[should_panic(expected = "measured in one model is measured in another one")]
+fn an_energy_of_one_model_is_not_taken_for_that_of_another() {
+    let bodies = |count: usize| {
+        let mut m = MechanismBuilder::<f64>::default();
+        for index in 0..count {
+            let body = m.body(&format!("body {index}"), Vector3::zeros(), Quaternion::identity());
+            m.rigid_body(&format!("body {index}"), body, 2.0, Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        }
+        m
+    };
+    let energy = Measured::energy();
+    let of = |m: &MechanismBuilder<f64>| {
+        let mut sample = Sample::empty();
+        sample.at = VectorsAvq { a: Vec::new(), v: vec![1.0; m.numbers.v.len()], q: m.numbers.q.clone() };
+        energy.value(&m.model, &sample, &m.numbers.p)
+    };
+    let one = bodies(1);
+    assert!(of(&one) > 0.0 && of(&one) == of(&one));
+    of(&bodies(2));
+}

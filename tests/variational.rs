@@ -110,13 +110,14 @@ fn a_free_body_keeps_its_moment_of_momentum_to_round_off_and_its_energy_without_
     let prepared = prepared(FreeBody.as_ref(), "variational", 200.0, 20_000);
     let problem = prepared.problem();
     let (mut first, mut worst, mut energies) = (None, 0.0_f64, Vec::new());
+    let energy = Measured::energy();
     let mut watch = Watch(|step: &StepRecord<f64>| {
         let momentum = moment_of_momentum(&step.q, &discrete_momentum(&problem, step));
         let reference = *first.get_or_insert(momentum);
         worst = momentum.iter().zip(reference).fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
         let mut sample = Sample::empty();
         sample.set_stage(step, 0, 0.0);
-        energies.push(Measured::energy().value(problem.model, &sample, &problem.p));
+        energies.push(energy.value(problem.model, &sample, &problem.p));
         true
     });
     march(&problem, &prepared.method, &prepared.grid, &prepared.plan, &mut watch).expect("runs");

@@ -155,7 +155,11 @@ impl MeasuredGroup {
 
     fn batches(&self, model: &Model) -> &[GroupBatch] {
         let batches = self.recorded(model).as_ref();
-        batches.unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"))
+        let batches = batches.unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"));
+        let first = batches.first().map(|batch| batch.members[0].element);
+        let is_own = first.is_none_or(|element| model.find_element(element).is_some());
+        assert!(is_own, "a quantity that was measured in one model is measured in another one: make it anew");
+        batches
     }
 
     /// Writes all values at a sample, with their weights where these are asked for and otherwise 1.

@@ -51,6 +51,7 @@ pub fn path(scene: &dyn AnyScene, method: &str, end: f64, steps: usize) -> Resul
     let quantity = prepared.functionals().first().map(|functional| &functional.measured);
     let mut path = Path { tip: vec![[q[tip], q[tip + 1]]], quantity: vec![0.0], energy: 0.0 };
     let (mut index, mut sample) = (0, Sample::empty());
+    let energy = Measured::energy();
     let variational = prepared.method.table.variational.is_some();
     let mut watch = Watch(|step: &StepRecord<f64>| {
         index += 1;
@@ -60,7 +61,7 @@ pub fn path(scene: &dyn AnyScene, method: &str, end: f64, steps: usize) -> Resul
         } else {
             sample.set_terminal(step)
         }
-        path.energy = path.energy.max(Measured::energy().value(model, &sample, p).abs());
+        path.energy = path.energy.max(energy.value(model, &sample, p).abs());
         if index % (steps / MOMENTS) == 0 {
             sample.set_terminal(step);
             path.tip.push([step.q[tip], step.q[tip + 1]]);

@@ -18,9 +18,10 @@ pub struct Conserved {
 /// Energy and constraints after every step.
 pub fn conserved(prepared: &Prepared) -> Result<Conserved, String> {
     let (model, numbers) = (prepared.model(), &prepared.mechanism.numbers);
+    let measured = Measured::energy();
     let energy = |q: &[f64], v: &[f64]| {
         let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
-        Measured::energy().value(model, &Sample { at, ..Sample::empty() }, &numbers.p)
+        measured.value(model, &Sample { at, ..Sample::empty() }, &numbers.p)
     };
     let rest = vec![0.0; numbers.v.len()];
     let start = energy(&numbers.q, &numbers.v);

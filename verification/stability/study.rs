@@ -108,9 +108,10 @@ fn long_runs(report: &mut Report) -> Result<(), String> {
 /// Largest change of the energy, relative to the largest kinetic energy, and the largest violation of the constraints.
 fn drift(prepared: &Prepared) -> Result<(f64, Violation), String> {
     let (model, p) = (prepared.model(), &prepared.mechanism.numbers.p);
+    let measured = Measured::energy();
     let energy = |q: &[f64], v: &[f64]| {
         let at = VectorsAvq { a: Vec::new(), v: v.to_vec(), q: q.to_vec() };
-        Measured::energy().value(model, &Sample { at, ..Sample::empty() }, p)
+        measured.value(model, &Sample { at, ..Sample::empty() }, p)
     };
     let start = energy(&prepared.mechanism.numbers.q, &prepared.mechanism.numbers.v);
     let (mut worst, mut change, mut kinetic) = (Violation::default(), 0.0_f64, start.abs());

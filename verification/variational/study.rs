@@ -117,10 +117,10 @@ fn gradients(report: &mut Report) -> Result<(), RunError> {
 }
 
 /// Kinetic and potential energy at a step's quadrature point.
-fn energy(problem: &Problem<f64>, step: &StepRecord<f64>) -> f64 {
+fn energy(measured: &Measured, problem: &Problem<f64>, step: &StepRecord<f64>) -> f64 {
     let mut sample = Sample::empty();
     sample.set_stage(step, 0, 0.0);
-    Measured::energy().value(problem.model, &sample, &problem.p)
+    measured.value(problem.model, &sample, &problem.p)
 }
 
 fn conservation(report: &mut Report) -> Result<(), RunError> {
@@ -134,7 +134,7 @@ fn conservation(report: &mut Report) -> Result<(), RunError> {
         let name = scene.name();
         let prepared = prepare(scene, "variational", h * MANY as f64, MANY)?;
         let (mut first, mut worst, mut size) = (None, 0.0_f64, 0.0_f64);
-        let mut energies = Vec::with_capacity(MANY);
+        let (mut energies, measured) = (Vec::with_capacity(MANY), Measured::energy());
         watch(&prepared, |problem, step| {
             let moment = moment_of_momentum(problem.model, &step.q, &discrete_momentum(problem, step));
             let reference: [f64; 3] = *first.get_or_insert(moment);
@@ -142,7 +142,7 @@ fn conservation(report: &mut Report) -> Result<(), RunError> {
                 worst = worst.max((moment[axis] - reference[axis]).abs());
                 size = size.max(reference[axis].abs());
             }
-            energies.push(energy(problem, step));
+            energies.push(energy(&measured, problem, step));
         })?;
         let change = |part: &[f64]| part.iter().fold(0.0, |most: f64, energy| most.max((energy - energies[0]).abs()));
         let (first, last) = energies.split_at(MANY / 5);
