@@ -123,10 +123,10 @@ impl MechanismBuilder<f64> {
 
     /// What a point is called: its node, or a point on that.
     fn point_name(&self, node: NodeId, point: &NodePoint) -> String {
-        match point.local.iter().any(|x| x.abs() > AT_THE_NODE) {
-            true => format!("point on {}", self.model.nodes[node.0].name),
-            false => self.label(node),
+        if point.local.iter().any(|x| x.abs() > AT_THE_NODE) {
+            return format!("point on {}", self.model.nodes[node.0].name);
         }
+        self.label(node)
     }
 
     /// What a node is called where curves are read: by its name, or as the end of a beam or cable that made it for itself.

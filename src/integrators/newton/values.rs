@@ -106,17 +106,16 @@ impl<S: RunScalar> Newton<'_, S> {
             // a matrix from amid a search may be stiff with stresses that the first correction took away: the second one is then too small
             let is_vouched_for = !(fresh && is_first_rate && self.can_relieve(equations));
             is_first_rate &= previous.is_infinite();
+            let expected = self.contractions.expected(kind).filter(|_| iteration == 1);
             let share = if rate > 0.0 && rate < STALLED && is_vouched_for {
                 trusted / (1.0 - trusted)
-            } else if iteration == 1 && !self.has_stresses() {
-                // forces of stiff members are read to their last digits: there the second correction is seen
-                self.contractions.expected(kind).map_or(1.0, |rate| rate.max(FIRST_RATE))
             } else {
-                1.0
+                // forces of stiff members are read to their last digits: there the second correction is seen
+                expected.filter(|_| !self.has_stresses()).map_or(1.0, |rate| rate.max(FIRST_RATE))
             };
             // a matrix of earlier states may be too stiff for this one: its first correction counts where its rate is known
-            let expected = self.contractions.expected(kind).filter(|_| iteration == 1).unwrap_or(rate);
-            let is_known = fresh || expected > 0.0 && expected < STALLED;
+            let known = expected.unwrap_or(rate);
+            let is_known = fresh || known > 0.0 && known < STALLED;
             if is_known && self.is_allowed(equations, step * share, scale, reaction_step * reaction_share / reactions) {
                 self.contractions.note(kind, (worst_rate > 0.0).then_some(worst_rate));
                 return Ok(());
