@@ -21,6 +21,8 @@ const FIRST_RATE: f64 = 1e-2;
 /// Corrections with an old matrix that grow more than this lead where a new one finds no way back from: a stiff bar that they bend is
 /// stretched by the square of it.
 const ASTRAY: f64 = 2.0;
+/// Corrections of which a matrix is new: a later one that stalls may be its age.
+const NEW: usize = 2;
 /// Relative correction that is accepted when corrections stall there, whatever the age of the matrix.
 const NEARLY: f64 = 1e-13;
 /// What an equilibrium may leave for Newton's method to correct, as a displacement by the model's length, where round-off is less.
@@ -59,6 +61,8 @@ impl<S: RunScalar> Newton<'_, S> {
         let mut fresh = false;
         // the last correction, where it was one of a matrix of this search and small enough that the next one is of the same
         let mut comparable = false;
+        // corrections of this search with the matrix that is there
+        let mut corrections = 0;
         let mut first_residual = None;
         let mut growth = 0;
         let (mut worst_rate, mut is_first_rate) = (0.0_f64, true);
@@ -77,8 +81,9 @@ impl<S: RunScalar> Newton<'_, S> {
             }
             if self.factored.is_none() {
                 self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, iteration))?;
-                fresh = true;
+                (fresh, corrections) = (true, 0);
             }
+            corrections += 1;
             let kind = kind(equations);
             self.counters.iterations += 1;
             self.counters.projecting.get_mut(kind).into_iter().for_each(|count| *count += 1);
@@ -169,7 +174,7 @@ impl<S: RunScalar> Newton<'_, S> {
                     (previous, worst_rate, is_first_rate) = (f64::INFINITY, 0.0, true);
                     continue;
                 }
-                if comparable && is_near && self.at_round_off(stage, unknowns, step, scale) {
+                if comparable && corrections <= NEW && is_near && self.at_round_off(stage, unknowns, step, scale) {
                     self.floors[kind] = Some([step, reaction_floor.max(reaction_step)]);
                     return Ok(());
                 }
