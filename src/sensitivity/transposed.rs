@@ -96,6 +96,8 @@ pub(super) struct TransposedSolver<'m> {
     constant: Option<(Equations, bool)>,
     /// Of stages, and of projections of coordinates and of velocities.
     trials: [Trial; 3],
+    /// Whether the factors that are there are those of projections.
+    has_projection: Option<bool>,
     /// Whether an adjoint of the last system was not zero.
     needed: bool,
     /// Work that is not counted yet.
@@ -159,6 +161,7 @@ impl<'m> TransposedSolver<'m> {
             factored: None,
             constant: None,
             trials: [Trial::default(); 3],
+            has_projection: None,
             needed: false,
             work: Counters::default(),
             reduced: Vec::new(),
@@ -190,10 +193,16 @@ impl<'m> TransposedSolver<'m> {
         self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
         self.work.blocks += self.jacobian.evaluated - before;
         let values = &self.jacobian.values;
-        let kept = if self.trials[kind(equations)].is_due() { self.factorization.keep_factors(values) } else { Ok(false) };
+        // those of a stage tell nothing of a projection
+        let alike = self.has_projection == Some(equations.metric);
+        let kept = match alike && self.trials[kind(equations)].is_due() {
+            true => self.factorization.keep_factors(values),
+            false => Ok(false),
+        };
         let outcome = match kept {
             Ok(false) => {
                 self.work.factorizations += 1;
+                self.has_projection = Some(equations.metric);
                 self.factorization.factor(values)
             }
             _ => kept.map(|_| ()),
