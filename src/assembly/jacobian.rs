@@ -1,4 +1,4 @@
-use super::batches::{BatchWork, ElementBatch, LaneResults, run_lanes};
+use super::batches::{BatchWork, ElementBatch, LaneResults, Strided, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::numbering::{ScatterMap, System};
@@ -680,9 +680,17 @@ fn add_entries<'b>(
     factor: f64,
     values: &mut [f64],
 ) {
-    results.for_each_part(|part, entries| {
-        let places = blocks(part);
-        // equations that are left out have none
+    // equations that are left out have none
+    let add_each = |places: &ScatterMap, labels: &[u32], entries: Strided<f64>, values: &mut [f64]| {
         labels.iter().zip(entries).for_each(|(&label, entry)| places.add(label as usize, entry * factor, values));
-    });
+    };
+    // every entry of a block without gaps: column by column, so that what is read stays at hand
+    let size = blocks(results.parts.start).columns().map_or(0, |columns| columns.size());
+    if size > 0 && labels.len() == size * size && factor == 1.0 {
+        return results.for_each_piece(size, |part, column, entries| match blocks(part).columns() {
+            Some(columns) => columns.for_each_run(column, |rows, places| entries.add_to(rows, &mut values[places])),
+            None => add_each(blocks(part), &labels[column * size..], entries, values),
+        });
+    }
+    results.for_each_part(|part, entries| add_each(blocks(part), labels, entries, values));
 }

@@ -63,21 +63,70 @@ impl DofMap {
     }
 }
 
-/// A part that adds a dense block to the matrix.
-pub(super) struct ScatterMap {
-    /// Place in the matrix values of each entry of the column-major block; `NOWHERE` where nothing is added.
-    positions: Vec<u32>,
+/// A part that adds a block to the matrix; entries of the block are numbered column by column.
+pub(super) enum ScatterMap {
+    /// Place in the matrix values of each entry; `NOWHERE` where nothing is added.
+    Entries(Vec<u32>),
+    /// Of a large block without gaps.
+    Columns(ScatterColumns),
+}
+
+/// Where the columns of a block stand, by runs of rows that follow each other in the block and in the matrix, the same in all columns.
+pub(super) struct ScatterColumns {
+    /// Rows and columns of the block.
+    size: usize,
+    /// First row of each run, and the number of rows at last.
+    rows: SmallVec<[usize; 12]>,
+    /// Place of each run's first entry, column by column.
+    places: Vec<u32>,
 }
 
 /// Behind every place.
 const NOWHERE: u32 = u32::MAX;
+/// Unknowns beyond which a block without gaps is kept by runs of rows.
+const LARGE: usize = 24;
 
 impl ScatterMap {
     /// Adds a number to the matrix where an entry of the block belongs, if that is in it.
     #[inline(always)]
     pub fn add(&self, label: usize, entry: f64, values: &mut [f64]) {
-        if let Some(value) = values.get_mut(self.positions[label] as usize) {
+        let place = match self {
+            ScatterMap::Entries(places) => places[label] as usize,
+            ScatterMap::Columns(columns) => columns.place(label),
+        };
+        if let Some(value) = values.get_mut(place) {
             *value += entry;
+        }
+    }
+
+    /// The columns of a large block without gaps.
+    pub fn columns(&self) -> Option<&ScatterColumns> {
+        match self {
+            ScatterMap::Entries(_) => None,
+            ScatterMap::Columns(columns) => Some(columns),
+        }
+    }
+}
+
+impl ScatterColumns {
+    /// Rows and columns of the block.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    fn place(&self, label: usize) -> usize {
+        let (column, row) = (label / self.size, label % self.size);
+        let run = self.rows.iter().rposition(|&first| first <= row).unwrap_or(0);
+        self.places[column * (self.rows.len() - 1) + run] as usize + row - self.rows[run]
+    }
+
+    /// Calls `f(rows of the block, where they stand in the matrix)` for each run of a column.
+    #[inline(always)]
+    pub fn for_each_run(&self, column: usize, mut f: impl FnMut(Range<usize>, Range<usize>)) {
+        let runs = self.rows.len() - 1;
+        for (ends, &place) in self.rows.array_windows().zip(&self.places[column * runs..(column + 1) * runs]) {
+            let [first, end] = *ends;
+            f(first..end, place as usize..place as usize + end - first);
         }
     }
 }
@@ -209,22 +258,13 @@ impl<'m> System<'m> {
         for coupled in elements.iter().chain(&constraints).chain(&node_blocks) {
             coupled.for_each_run(|_, rows, column| runs.push((column, rows)));
         }
-        let pattern = SparsePattern::from_runs(columns, &runs);
+        let (pattern, places) = SparsePattern::from_runs(columns, &runs);
         drop(runs);
         assert!(pattern.rows.len() < NOWHERE as usize, "a matrix of more than 2^32 - 1 entries");
-        let place = |list: Vec<Coupled>| -> Vec<ScatterMap> {
-            list.into_iter()
-                .map(|coupled| {
-                    let mut positions = vec![NOWHERE; coupled.unknowns.len() * coupled.unknowns.len()];
-                    coupled.for_each_run(|local, rows, column| {
-                        let first = pattern.position(rows.start, column).unwrap_or(pattern.rows.len());
-                        for (place, position) in (first..).zip(&mut positions[local..local + rows.len()]) {
-                            *position = place as u32;
-                        }
-                    });
-                    ScatterMap { positions }
-                })
-                .collect()
+        // in the order in which the runs were noted
+        let mut places = places.into_iter();
+        let mut place = |list: Vec<Coupled>| -> Vec<ScatterMap> {
+            list.into_iter().map(|coupled| coupled.scatter(places.by_ref())).collect()
         };
         let (element_blocks, constraint_blocks) = (place(elements), place(constraints));
         let node_blocks = block_nodes.into_iter().zip(place(node_blocks)).collect();
@@ -346,6 +386,30 @@ struct Coupled {
 }
 
 impl Coupled {
+    /// Where the block stands, by the places of the runs.
+    fn scatter(&self, mut places: impl Iterator<Item = usize>) -> ScatterMap {
+        let size = self.unknowns.len();
+        let mut next = || places.next().map_or(NOWHERE, |place| place as u32);
+        if size > LARGE && self.nodes.is_empty() && self.unknowns.iter().all(Option::is_some) {
+            let (mut rows, mut own) = (SmallVec::new(), Vec::new());
+            self.for_each_run(|local, _, _| {
+                if local < size {
+                    rows.push(local);
+                }
+                own.push(next());
+            });
+            rows.push(size);
+            return ScatterMap::Columns(ScatterColumns { size, rows, places: own });
+        }
+        let mut positions = vec![NOWHERE; size * size];
+        self.for_each_run(|local, rows, _| {
+            for (place, position) in (next()..).zip(&mut positions[local..local + rows.len()]) {
+                *position = place;
+            }
+        });
+        ScatterMap::Entries(positions)
+    }
+
     /// Calls `f(local index of the first, rows, column)` for entries one below the other in block and matrix; multipliers do not meet other
     /// multipliers.
     fn for_each_run(&self, mut f: impl FnMut(usize, Range<usize>, usize)) {
@@ -356,18 +420,22 @@ impl Coupled {
             _ => true,
         };
         let count = self.unknowns.len();
+        let mut runs: SmallVec<[(usize, Range<usize>); 8]> = SmallVec::new();
         for (j, column) in self.unknowns.iter().enumerate() {
             let Some(column) = *column else { continue };
-            let mut i = 0;
-            while i < count {
-                let first = i;
-                let row = self.unknowns[i].filter(|_| meet(i, j));
-                i += 1;
-                let Some(row) = row else { continue };
-                while i < count && self.unknowns[i] == Some(row + i - first) && meet(i, j) {
-                    i += 1;
+            // where all meet, every column has the same
+            if !all || runs.is_empty() {
+                runs.clear();
+                for (i, row) in self.unknowns.iter().enumerate() {
+                    let Some(row) = row.filter(|_| meet(i, j)) else { continue };
+                    match runs.last_mut() {
+                        Some((first, rows)) if *first + rows.len() == i && rows.end == row => rows.end += 1,
+                        _ => runs.push((i, row..row + 1)),
+                    }
                 }
-                f(first + j * count, row..row + i - first, column);
+            }
+            for (first, rows) in &runs {
+                f(first + j * count, rows.clone(), column);
             }
         }
     }

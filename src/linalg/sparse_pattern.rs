@@ -26,28 +26,49 @@ impl SparsePattern {
         SparsePattern { size, column_starts, rows: entries.into_iter().map(|(_, row)| row).collect() }
     }
 
-    /// From runs of rows in columns, in any order, overlapping or not.
-    pub fn from_runs(size: usize, runs: &[(usize, Range<usize>)]) -> Self {
+    /// From runs of rows in columns, in any order, overlapping or not; returns the place of each run's first entry, too.
+    pub fn from_runs(size: usize, runs: &[(usize, Range<usize>)]) -> (Self, Vec<usize>) {
         // by columns
         let mut starts = vec![0; size + 1];
         runs.iter().for_each(|(column, _)| starts[column + 1] += 1);
         (0..size).for_each(|column| starts[column + 1] += starts[column]);
         let (mut sorted, mut next) = (vec![0; runs.len()], starts.clone());
-        for (place, (column, _)) in runs.iter().enumerate() {
-            sorted[next[*column]] = place;
+        for (number, (column, _)) in runs.iter().enumerate() {
+            sorted[next[*column]] = number;
             next[*column] += 1;
         }
-        let (mut rows, mut column_starts, mut own) = (Vec::new(), vec![0], Vec::new());
+        let (mut rows, mut column_starts, mut places) = (Vec::new(), vec![0], vec![0; runs.len()]);
+        let (mut before, mut ascending) = (0..0, Vec::new());
         for column in 0..size {
-            own.clear();
-            own.extend(sorted[starts[column]..starts[column + 1]].iter().flat_map(|&place| runs[place].1.clone()));
-            own.sort();
-            own.dedup();
-            rows.extend_from_slice(&own);
+            let own = starts[column]..starts[column + 1];
+            let start = rows.len();
+            let mut pairs = sorted[own.clone()].iter().zip(&sorted[before.clone()]);
+            if own.len() == before.len() && pairs.all(|(&own, &other)| runs[own].1 == runs[other].1) {
+                // unknowns of one node meet the same others
+                let same = column_starts[column.saturating_sub(1)];
+                rows.extend_from_within(same..);
+                for (own, other) in own.clone().zip(before) {
+                    places[sorted[own]] = places[sorted[other]] - same + start;
+                }
+            } else {
+                ascending.clear();
+                ascending.extend_from_slice(&sorted[own.clone()]);
+                ascending.sort_unstable_by_key(|&number: &usize| runs[number].1.start);
+                // rows up to here are there
+                let mut end = 0_usize;
+                for &number in &ascending {
+                    let run = runs[number].1.clone();
+                    // of rows that are there, all from the start of the run on follow each other
+                    places[number] = rows.len() - end.saturating_sub(run.start);
+                    rows.extend(run.start.max(end)..run.end);
+                    end = end.max(run.end);
+                }
+            }
+            before = own;
             column_starts.push(rows.len());
         }
         rows.shrink_to_fit();
-        SparsePattern { size, column_starts, rows }
+        (SparsePattern { size, column_starts, rows }, places)
     }
 
     /// Place of an entry that is in the pattern.
@@ -64,8 +85,14 @@ mod tests {
 
     #[test]
     fn runs_make_the_pattern_of_their_entries() {
-        let runs = [(2, 1..4), (0, 3..4), (2, 3..5), (4, 0..5), (2, 0..1), (0, 0..1)];
+        // the fourth column has the runs of the third
+        let runs =
+            [(2, 1..4), (0, 3..4), (3, 1..4), (2, 3..5), (4, 0..5), (3, 3..5), (2, 0..1), (0, 0..1), (3, 0..1), (4, 1..3)];
         let entries = runs.iter().flat_map(|(column, rows)| rows.clone().map(move |row| (*column, row))).collect();
-        assert_eq!(SparsePattern::from_runs(5, &runs), SparsePattern::from_entries(5, entries));
+        let (pattern, places) = SparsePattern::from_runs(5, &runs);
+        assert_eq!(pattern, SparsePattern::from_entries(5, entries));
+        for ((column, rows), place) in runs.iter().zip(places) {
+            assert_eq!(pattern.position(rows.start, *column), Some(place));
+        }
     }
 }
