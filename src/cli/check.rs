@@ -1,7 +1,8 @@
 use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
-use super::options::named;
+use super::options::{located, named};
+use crate::integrators::RunError;
 use crate::scenes::Prepared;
 use clap::Args;
 use serde_json::json;
@@ -19,7 +20,9 @@ pub struct CheckOptions {
 /// `costate check`: reads and builds a scene and checks its start, without running it.
 pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure> {
     let scene = program.find_scene(&options.scene)?;
-    let prepared = Prepared::new(&*scene).map_err(|error| named(&options.scene, error.into()))?;
+    // whatever keeps it from starting is a mistake of the scene
+    let told = |error: RunError| Failure::input(located(&*scene, &options.scene, error.into()).message);
+    let prepared = Prepared::new(&*scene).map_err(told)?;
     if let Some(problem) = scene.optimization_problem() {
         let functionals: Vec<&str> = prepared.functionals().iter().map(|own| own.name.as_str()).collect();
         let checked = problem.check(&prepared.variables, &functionals);

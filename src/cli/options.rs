@@ -180,6 +180,20 @@ pub(super) fn named(scene: &str, failure: Failure) -> Failure {
     Failure { message: format!("scene \"{scene}\": {}", failure.message), ..failure }
 }
 
+/// The same, with the place of the first part that the message names, where the scene has a text.
+pub(super) fn located(scene: &dyn AnyScene, given: &str, failure: Failure) -> Failure {
+    let quoted = failure.message.split('"').skip(1).step_by(2);
+    // nodes and elements of a member have its name and a number or an end
+    let parts = quoted.flat_map(|name| [name, name.split(['.', '[']).next().unwrap_or(name)]);
+    let place = parts.into_iter().find_map(|part| scene.place_of(part));
+    match place {
+        Some(place) if !failure.message.starts_with(given) => {
+            Failure { message: format!("{place}: {}", failure.message), ..failure }
+        }
+        _ => named(given, failure),
+    }
+}
+
 /// The one of some that an option names, if it is given.
 fn chosen<T: Copy, const N: usize>(
     option: &str,
@@ -213,7 +227,7 @@ impl SceneOptions {
         let prepared = Prepared::with(scene, &x, method, settings);
         prepared.map_err(|error| {
             let failure = Failure::from(error);
-            named(&self.scene, failure)
+            located(scene, &self.scene, failure)
         })
     }
 

@@ -4,7 +4,7 @@ use super::{Carried, Combination, Embedded, Stage, Table};
 #[derive(Clone, Debug, Default)]
 pub struct Butcher {
     /// Name on the command line.
-    pub name: &'static str,
+    pub name: String,
     /// Claimed order, at most 5.
     pub order: usize,
     /// Claimed order of the stages, at most 2.
@@ -107,7 +107,7 @@ impl Butcher {
     /// # Panics
     /// With the violated claim: a mistake in the coefficients.
     fn check(&self) {
-        let (name, s) = (self.name, self.stages());
+        let (name, s) = (&self.name, self.stages());
         assert!(self.a.len() == s && self.a.iter().zip(1..).all(|(row, n)| row.len() == n), "{name}: shape");
         let (defect, condition) = self.order_defect(&self.b, self.order);
         assert!(defect < ROUND_OFF, "{name}: order {} needs {condition}, missed by {defect:e}", self.order);
@@ -181,7 +181,7 @@ impl Butcher {
         let mut rates = self.a.clone();
         rates.push(self.b.clone());
         Table {
-            name: self.name.into(),
+            name: self.name,
             order: self.order,
             carried,
             stages,
@@ -248,6 +248,6 @@ mod tests {
         let b = vec![0.5, 0.5];
         let a = vec![vec![0.0], b.clone()];
         let embedded = Some((1, vec![0.6, 0.5]));
-        Butcher { name: "wrong", order: 2, stage_order: 0, l_stable: false, a, b, embedded }.into_table();
+        Butcher { name: "wrong".into(), order: 2, stage_order: 0, l_stable: false, a, b, embedded }.into_table();
     }
 }

@@ -275,12 +275,12 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
 fn redundant(model: &Model, dependent: &[usize]) -> RunError {
     let kept: Vec<usize> = (0..model.equations).filter(|row| !dependent.contains(row)).collect();
     let names = |list: &[usize]| list.iter().map(|&row| model.equation_name(row)).collect::<Vec<_>>().join("; ");
+    let subset = if kept.is_empty() { String::new() } else { format!(" An independent subset is: {}.", names(&kept)) };
     RunError::Input(format!(
-        "the constraints are redundant: {} of {} equations depend on the others: {}. An independent subset is: {}. \
-         Remove a joint's excess equations or allow redundant ones to be dropped",
+        "the constraints are redundant: {} of {} equations depend on the others: {}.{subset} Remove a joint's excess equations or \
+         let redundant ones be left out (`drop_redundant = true` in [settings] of a scene file, `Settings::dropping_redundant` in a program)",
         dependent.len(),
         model.equations,
         names(dependent),
-        names(&kept)
     ))
 }

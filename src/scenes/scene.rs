@@ -27,6 +27,10 @@ pub trait Scene {
     fn output(&self) -> Output {
         Output::default()
     }
+    /// Where a part of this name is described, as messages say it: file, line and column of a scene from a file.
+    fn place_of(&self, _part: &str) -> Option<String> {
+        None
+    }
     /// Builds the mechanism for the design `x`.
     ///
     /// # Errors
@@ -57,6 +61,8 @@ pub trait AnyScene: Sync {
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
     /// What its runs write.
     fn output(&self) -> Output;
+    /// Where a part of this name is described.
+    fn place_of(&self, part: &str) -> Option<String>;
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// Recorded, with values.
@@ -87,6 +93,9 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn output(&self) -> Output {
         Scene::output(self)
+    }
+    fn place_of(&self, part: &str) -> Option<String> {
+        Scene::place_of(self, part)
     }
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)

@@ -256,6 +256,28 @@ fn the_command_line_ends_with_code_2_and_the_place() {
         assert!(parts.iter().all(|part| message.contains(part)), "{arguments:?}: {message}");
         assert!(message.starts_with("error: "), "{arguments:?}: {message}");
     }
+    // what only the start of the scene shows is told where the part is described
+    let weld = "[[joint]]\nname = \"weld\"";
+    assert!(SOUND.contains(weld));
+    let second = "[[joint]]\nname = \"twin\"\ntype = \"revolute\"\nbetween = [\"ground\", \"crank\"]\npoint = \"pin\"\naxis = [0, 0, 1]\n\n";
+    std::fs::write(folder.join("twice.toml"), SOUND.replace(weld, &format!("{second}{weld}"))).unwrap();
+    let loose = "[[body]]\nname = \"loose\"\nmass = 1\ninertia = [0, 0, 0]\n\n";
+    std::fs::write(folder.join("loose.toml"), SOUND.replace(weld, &format!("{loose}{weld}"))).unwrap();
+    let place = SOUND.lines().position(|line| line == "name = \"weld\"").unwrap();
+    for (file, parts) in [("twice.toml", ["joint \"twin\"", "drop_redundant = true"]), ("loose.toml", ["\"loose\"", ""])] {
+        let output = run(&["check", file]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{file}: {message}");
+        assert!(message.starts_with(&format!("error: {file}:{place}:")), "{file}: {message}");
+        assert!(parts.iter().all(|part| message.contains(part)), "{file}: {message}");
+    }
+    for (what, by, place, _) in CASES {
+        std::fs::write(folder.join("case.toml"), SOUND.replacen(what, by, 1)).unwrap();
+        let output = run(&["check", "case.toml"]);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{what:?} -> {by:?}: {message}");
+        assert!(message.contains(&format!("case.toml:{place}")), "{what:?} -> {by:?}: {message}");
+    }
     let _ = std::fs::remove_dir_all(folder.join("out"));
     let output = run(&["check", "sound.toml"]);
     let said = String::from_utf8(output.stdout).unwrap();

@@ -4,14 +4,14 @@ use crate::integrators::Butcher;
 
 /// Implicit midpoint rule: order 2, A-stable, symplectic.
 pub fn midpoint() -> Butcher {
-    Butcher { name: "midpoint", order: 2, a: vec![vec![0.5]], b: vec![1.0], ..Butcher::default() }
+    Butcher { name: "midpoint".into(), order: 2, a: vec![vec![0.5]], b: vec![1.0], ..Butcher::default() }
 }
 
 /// Two stages, order 3, A-stable (Crouzeix 1975; Boopathy & Kennedy, table of DIRK coefficients).
 pub fn dirk2() -> Butcher {
     let gamma = (3.0 + f64::sqrt(3.0)) / 6.0;
     let a = vec![vec![gamma], vec![1.0 - 2.0 * gamma, gamma]];
-    Butcher { name: "dirk2", order: 3, a, b: vec![0.5, 0.5], ..Butcher::default() }
+    Butcher { name: "dirk2".into(), order: 3, a, b: vec![0.5, 0.5], ..Butcher::default() }
 }
 
 /// Three stages, order 4, A-stable (Crouzeix 1975, Alexander 1977; Boopathy & Kennedy).
@@ -20,7 +20,7 @@ pub fn dirk3() -> Butcher {
     let diagonal = (1.0 + alpha) / 2.0;
     let outer = 1.0 / (6.0 * alpha * alpha);
     Butcher {
-        name: "dirk3",
+        name: "dirk3".into(),
         order: 4,
         a: vec![vec![diagonal], vec![-alpha / 2.0, diagonal], vec![1.0 + alpha, -(1.0 + 2.0 * alpha), diagonal]],
         b: vec![outer, 1.0 - 2.0 * outer, outer],
@@ -32,7 +32,7 @@ pub fn dirk3() -> Butcher {
 pub fn sdirk2() -> Butcher {
     let gamma = 1.0 - f64::sqrt(0.5);
     let b = vec![1.0 - gamma, gamma];
-    Butcher { name: "sdirk2", order: 2, l_stable: true, a: vec![vec![gamma], b.clone()], b, ..Butcher::default() }
+    Butcher { name: "sdirk2".into(), order: 2, l_stable: true, a: vec![vec![gamma], b.clone()], b, ..Butcher::default() }
 }
 
 /// Root near 0.436 of g^3 - 3 g^2 + 3/2 g - 1/6 = 0: the diagonal of L-stable methods of order 3.
@@ -52,7 +52,7 @@ pub fn sdirk3() -> Butcher {
     let second = (6.0 * gamma * gamma - 20.0 * gamma + 5.0) / 4.0;
     let b = vec![first, second, gamma];
     let a = vec![vec![gamma], vec![(1.0 - gamma) / 2.0, gamma], b.clone()];
-    Butcher { name: "sdirk3", order: 3, l_stable: true, a, b, ..Butcher::default() }
+    Butcher { name: "sdirk3".into(), order: 3, l_stable: true, a, b, ..Butcher::default() }
 }
 
 /// Five stages, order 4, L-stable and stiffly accurate, with an embedded solution of order 3 (Hairer & Wanner, Solving
@@ -68,5 +68,5 @@ pub fn sdirk4() -> Butcher {
         b.clone(),
     ];
     let embedded = Some((3, vec![59.0 / 48.0, -17.0 / 96.0, 225.0 / 32.0, -85.0 / 12.0, 0.0]));
-    Butcher { name: "sdirk4", order: 4, l_stable: true, a, b, embedded, ..Butcher::default() }
+    Butcher { name: "sdirk4".into(), order: 4, l_stable: true, a, b, embedded, ..Butcher::default() }
 }

@@ -23,7 +23,7 @@ pub fn esdirk3() -> Butcher {
         2_193_209_047_091.0 / 5_459_859_503_100.0,
     ];
     Butcher {
-        name: "esdirk3",
+        name: "esdirk3".into(),
         order: 3,
         stage_order: 2,
         l_stable: true,
@@ -60,7 +60,7 @@ pub fn esdirk4() -> Butcher {
         -3_700_637.0 / 11_593_932.0,
         61_727.0 / 225_920.0,
     ];
-    Butcher { name: "esdirk4", order: 4, stage_order: 2, l_stable: true, a, b, embedded: Some((3, embedded)) }
+    Butcher { name: "esdirk4".into(), order: 4, stage_order: 2, l_stable: true, a, b, embedded: Some((3, embedded)) }
 }
 
 /// Explicit first stage and six implicit ones, order 5, stage order 2, L-stable and stiffly accurate, embedded order 4:
@@ -106,5 +106,5 @@ pub fn esdirk5() -> Butcher {
         -1_011_318_518_279.0 / 9_693_750_372_484.0,
         1_914_490_192_573.0 / 13_754_262_428_401.0,
     ];
-    Butcher { name: "esdirk5", order: 5, stage_order: 2, l_stable: true, a, b, embedded: Some((4, embedded)) }
+    Butcher { name: "esdirk5".into(), order: 5, stage_order: 2, l_stable: true, a, b, embedded: Some((4, embedded)) }
 }

@@ -9,7 +9,7 @@ pub const DEFAULT_RADIUS: f64 = 0.8;
 pub fn newmark() -> Table {
     let b = vec![0.5, 0.5];
     let a = vec![vec![0.0], b.clone()];
-    let mut table = Butcher { name: "newmark", order: 2, stage_order: 2, a, b, ..Butcher::default() }.into_table();
+    let mut table = Butcher { name: "newmark".into(), order: 2, stage_order: 2, a, b, ..Butcher::default() }.into_table();
     table.rates = rates_of_the_new_state();
     table
 }

@@ -219,6 +219,12 @@ impl<S: Scalar> Known<'_, S> {
 
     pub fn nodes<const N: usize>(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<[NodeId; N]> {
         let nodes: Vec<NodeId> = list(fields, key).map(|given| self.one_node(given, m)).collect::<Found<_>>()?;
+        if let [a, b] = nodes[..]
+            && a == b
+            && let Some((at, _)) = fields.get(key)
+        {
+            return Err(Mistake::new(at, format!("{key} names the same node twice; give two")));
+        }
         nodes.try_into().or_else(|_| missing(fields, key))
     }
 

@@ -369,6 +369,10 @@ impl Scene for FileScene {
     fn output(&self) -> Output {
         self.output
     }
+    fn place_of(&self, part: &str) -> Option<String> {
+        let item = self.contents.items.iter().find(|item| item.name == part)?;
+        Some(self.source.place(item.fields.at))
+    }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let Contents { top, variables, definitions, items, order, .. } = &self.contents;
         if x.len() != self.variables.len() {
