@@ -124,8 +124,8 @@ impl ScatterColumns {
     #[inline(always)]
     pub fn for_each_run(&self, column: usize, mut f: impl FnMut(Range<usize>, Range<usize>)) {
         let runs = self.rows.len() - 1;
-        for (ends, &place) in self.rows.array_windows().zip(&self.places[column * runs..(column + 1) * runs]) {
-            let [first, end] = *ends;
+        let places = &self.places[column * runs..(column + 1) * runs];
+        for ((&first, &end), &place) in self.rows.iter().zip(&self.rows[1..]).zip(places) {
             f(first..end, place as usize..place as usize + end - first);
         }
     }
