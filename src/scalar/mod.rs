@@ -46,7 +46,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 /// A bare number stands on the right: `x * 0.5`, `-x + 1.0`, or becomes a scalar by `S::from(0.5)`. On the left it would need operators
 /// of `f64` with num-dual's types, which only num-dual can add.
 ///
-/// Laws, held by `tests/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for bit
+/// Laws, held by `tests/systems/scalar_laws.rs` for every type and function: the value part equals the `f64` result bit for bit
 /// where the function is elementary (but for quotients of complex and dual numbers, and num-dual's own functions in its types of higher
 /// order, which round otherwise); derivative parts
 /// follow the chain rule; a zero derivative part stays zero where the derivative of the function is infinite.

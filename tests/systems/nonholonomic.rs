@@ -1,7 +1,6 @@
 //! Constraints on velocities: rolling against closed forms, conservation and complex steps.
 
-mod support;
-
+use crate::support::Random;
 use costate::design::DesignVariable;
 use costate::elements::joints::{RollingDisc, RollingSphere};
 use costate::elements::{ConstraintPhysics, NodeKind, Nonholonomic, State};
@@ -10,7 +9,6 @@ use costate::integrators::{ConstraintLevel, Method, table_by_name};
 use costate::scalar::{COMPLEX_STEP, Complex64, Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{MechanismBuilder, Prepared, Scene, Settings, Signal};
 use costate::sensitivity::largest_difference;
-use support::Random;
 
 const END: f64 = 4.0;
 const START: [f64; 2] = [0.7, -0.2];

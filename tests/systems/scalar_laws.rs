@@ -2,13 +2,11 @@
 //!
 //! A new type is one line in `types!` and one `Probe`; a new function is one line in `functions!`.
 
-mod support;
-
+use crate::support::Random;
 use costate::program::{Formula, Graph, Node, Program, ProgramWork, Recorded, record};
 use costate::scalar::{COMPLEX_STEP, Complex64, CurveId, Interpolant, Moving, Scalar, TANGENTS, Tangents};
 use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, HyperDual64};
 use std::sync::OnceLock;
-use support::Random;
 
 /// f(x) and every derivative that a type found for it: the entries of `first` are all f'(x), those of `second` all f''(x).
 #[derive(Debug)]

@@ -197,7 +197,7 @@ fn equal_steps_say_what_error_chosen_ones_would_have_been_held_to() {
         let halved = TimeGrid::uniform(2.0, 320, &[]).expect("steps");
         let whole = TimeGrid::uniform(2.0, 160, &[]).expect("steps");
         let [whole, halved] = [whole, halved].map(|grid| {
-            let prepared = Prepared { grid, ..crate::prepared(&scene, table, Scene::settings(&scene)).expect("sound") };
+            let prepared = Prepared { grid, ..self::prepared(&scene, table, Scene::settings(&scene)).expect("sound") };
             error(&prepared.analysis().forward(&prepared.x).expect("runs")).share
         });
         let order = f64::from(named(table).embedded.expect("has one").order as u32) + 1.0;

@@ -1,0 +1,18 @@
+//! Mechanisms as systems of equations: constraints, steps, equilibria, vibrations, gradients, optimization.
+
+mod elimination;
+mod frequencies;
+mod natural;
+mod nonholonomic;
+mod optimize;
+mod over_time;
+mod programs;
+mod redundancy;
+mod round_off;
+mod scalar_laws;
+mod solvers;
+mod statics;
+mod steps;
+#[path = "../support/mod.rs"]
+mod support;
+mod variational;
