@@ -682,7 +682,12 @@ fn add_entries<'b>(
 ) {
     // equations that are left out have none
     let add_each = |places: &ScatterMap, labels: &[u32], entries: Strided<f64>, values: &mut [f64]| {
-        labels.iter().zip(entries).for_each(|(&label, entry)| places.add(label as usize, entry * factor, values));
+        let all = labels.iter().zip(entries);
+        match places {
+            // asked once, not for each of them
+            ScatterMap::Entries(_) => all.for_each(|(&label, entry)| places.add(label as usize, entry * factor, values)),
+            ScatterMap::Columns(_) => all.for_each(|(&label, entry)| places.add(label as usize, entry * factor, values)),
+        }
     };
     // every entry of a block without gaps: column by column, so that what is read stays at hand
     let size = blocks(results.parts.start).columns().map_or(0, |columns| columns.size());

@@ -256,11 +256,10 @@ impl<'m> System<'m> {
 
         let mut runs = Vec::new();
         for coupled in elements.iter().chain(&constraints).chain(&node_blocks) {
-            coupled.for_each_run(|_, rows, column| runs.push((column, rows)));
+            coupled.for_each_run(|_, rows, column| runs.push((column as u32, rows.start as u32..rows.end as u32)));
         }
         let (pattern, places) = SparsePattern::from_runs(columns, &runs);
         drop(runs);
-        assert!(pattern.rows.len() < NOWHERE as usize, "a matrix of more than 2^32 - 1 entries");
         // in the order in which the runs were noted
         let mut places = places.into_iter();
         let mut place = |list: Vec<Coupled>| -> Vec<ScatterMap> {
@@ -387,9 +386,9 @@ struct Coupled {
 
 impl Coupled {
     /// Where the block stands, by the places of the runs.
-    fn scatter(&self, mut places: impl Iterator<Item = usize>) -> ScatterMap {
+    fn scatter(&self, mut places: impl Iterator<Item = u32>) -> ScatterMap {
         let size = self.unknowns.len();
-        let mut next = || places.next().map_or(NOWHERE, |place| place as u32);
+        let mut next = || places.next().unwrap_or(NOWHERE);
         if size > LARGE && self.nodes.is_empty() && self.unknowns.iter().all(Option::is_some) {
             let (mut rows, mut own) = (SmallVec::new(), Vec::new());
             self.for_each_run(|local, _, _| {

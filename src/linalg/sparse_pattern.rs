@@ -27,46 +27,49 @@ impl SparsePattern {
     }
 
     /// From runs of rows in columns, in any order, overlapping or not; returns the place of each run's first entry, too.
-    pub fn from_runs(size: usize, runs: &[(usize, Range<usize>)]) -> (Self, Vec<usize>) {
+    pub fn from_runs(size: usize, runs: &[(u32, Range<u32>)]) -> (Self, Vec<u32>) {
         // by columns
         let mut starts = vec![0; size + 1];
-        runs.iter().for_each(|(column, _)| starts[column + 1] += 1);
+        runs.iter().for_each(|(column, _)| starts[*column as usize + 1] += 1);
         (0..size).for_each(|column| starts[column + 1] += starts[column]);
-        let (mut sorted, mut next) = (vec![0; runs.len()], starts.clone());
-        for (number, (column, _)) in runs.iter().enumerate() {
-            sorted[next[*column]] = number;
-            next[*column] += 1;
+        let (mut sorted, mut next) = (vec![0_u32; runs.len()], starts.clone());
+        for ((column, _), number) in runs.iter().zip(0..) {
+            let next = &mut next[*column as usize];
+            sorted[*next] = number;
+            *next += 1;
         }
-        let (mut rows, mut column_starts, mut places) = (Vec::new(), vec![0], vec![0; runs.len()]);
+        let run = |number: u32| runs[number as usize].1.clone();
+        let (mut rows, mut column_starts, mut places) = (Vec::new(), vec![0], vec![0_u32; runs.len()]);
         let (mut before, mut ascending) = (0..0, Vec::new());
         for column in 0..size {
             let own = starts[column]..starts[column + 1];
             let start = rows.len();
             let mut pairs = sorted[own.clone()].iter().zip(&sorted[before.clone()]);
-            if own.len() == before.len() && pairs.all(|(&own, &other)| runs[own].1 == runs[other].1) {
+            if own.len() == before.len() && pairs.all(|(&own, &other)| run(own) == run(other)) {
                 // unknowns of one node meet the same others
                 let same = column_starts[column.saturating_sub(1)];
                 rows.extend_from_within(same..);
-                for (own, other) in own.clone().zip(before) {
-                    places[sorted[own]] = places[sorted[other]] - same + start;
+                for (&own, &other) in sorted[own.clone()].iter().zip(&sorted[before]) {
+                    places[own as usize] = places[other as usize] + (start - same) as u32;
                 }
             } else {
                 ascending.clear();
                 ascending.extend_from_slice(&sorted[own.clone()]);
-                ascending.sort_unstable_by_key(|&number: &usize| runs[number].1.start);
+                ascending.sort_unstable_by_key(|&number| run(number).start);
                 // rows up to here are there
-                let mut end = 0_usize;
+                let mut end = 0_u32;
                 for &number in &ascending {
-                    let run = runs[number].1.clone();
+                    let run = run(number);
                     // of rows that are there, all from the start of the run on follow each other
-                    places[number] = rows.len() - end.saturating_sub(run.start);
-                    rows.extend(run.start.max(end)..run.end);
+                    places[number as usize] = rows.len() as u32 - end.saturating_sub(run.start);
+                    rows.extend((run.start.max(end)..run.end).map(|row| row as usize));
                     end = end.max(run.end);
                 }
             }
             before = own;
             column_starts.push(rows.len());
         }
+        assert!(rows.len() < u32::MAX as usize, "a matrix of {} entries, more than 2^32 - 2", rows.len());
         rows.shrink_to_fit();
         (SparsePattern { size, column_starts, rows }, places)
     }
@@ -88,11 +91,12 @@ mod tests {
         // the fourth column has the runs of the third
         let runs =
             [(2, 1..4), (0, 3..4), (3, 1..4), (2, 3..5), (4, 0..5), (3, 3..5), (2, 0..1), (0, 0..1), (3, 0..1), (4, 1..3)];
-        let entries = runs.iter().flat_map(|(column, rows)| rows.clone().map(move |row| (*column, row))).collect();
+        let entries =
+            runs.iter().flat_map(|(column, rows)| rows.clone().map(move |row| (*column as usize, row as usize))).collect();
         let (pattern, places) = SparsePattern::from_runs(5, &runs);
         assert_eq!(pattern, SparsePattern::from_entries(5, entries));
         for ((column, rows), place) in runs.iter().zip(places) {
-            assert_eq!(pattern.position(rows.start, *column), Some(place));
+            assert_eq!(pattern.position(rows.start as usize, *column as usize), Some(place as usize));
         }
     }
 }

@@ -25,7 +25,7 @@ const EXACT: f64 = 1e-11;
 /// How many times as soft the plate is whose strains keep more digits.
 const SOFT: f64 = 100.0;
 /// Runs of each adjoint; the fastest counts.
-const REPEATS: usize = 5;
+const REPEATS: usize = 12;
 /// Sharpnesses by the size of the largest ratio.
 const GROWING: [f64; 7] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 

@@ -41,7 +41,7 @@ impl NewtonTolerance {
     pub const ALL: [NewtonTolerance; 3] = [NewtonTolerance::RoundOff, NewtonTolerance::Residual, NewtonTolerance::Scaled];
 
     /// Name on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             NewtonTolerance::RoundOff => "round-off",
             NewtonTolerance::Residual => "residual",

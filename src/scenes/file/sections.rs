@@ -1,6 +1,7 @@
 //! All sections of a scene file with their keys.
 
 use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
+use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
     Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, NamedLists, Node, NodeSet, NodeSets,
@@ -817,7 +818,11 @@ pub(super) const SECTIONS: &[Section] = &[
             ),
             may(
                 "newton",
-                Choice(&["round-off", "residual", "scaled"]),
+                Choice(&[
+                    NewtonTolerance::RoundOff.name(),
+                    NewtonTolerance::Residual.name(),
+                    NewtonTolerance::Scaled.name(),
+                ]),
                 "when Newton's method stops, as for --newton; round-off"
             ),
             may("solver", Choice(&["automatic", "dense", "multifrontal"]), "solver of the linear systems; automatic"),
