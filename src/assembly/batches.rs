@@ -362,18 +362,6 @@ impl<S: RunScalar> LaneResults<'_, S> {
             f(part, Strided { numbers: &self.numbers[lane..], width: self.width });
         }
     }
-
-    /// So many results of each part, one part after the other, then the next ones.
-    ///
-    /// Calls `f(part, number of the piece, results)`.
-    #[inline(always)]
-    pub fn for_each_piece(&self, size: usize, mut f: impl FnMut(usize, usize, Strided<S>)) {
-        for (piece, numbers) in self.numbers.chunks(size * self.width).enumerate() {
-            for (lane, part) in self.parts.clone().enumerate() {
-                f(part, piece, Strided { numbers: &numbers[lane..], width: self.width });
-            }
-        }
-    }
 }
 
 /// Numbers that stand some places apart.
@@ -383,19 +371,20 @@ pub(super) struct Strided<'r, S> {
 }
 
 impl Strided<'_, f64> {
-    /// values += the numbers in this range.
+    /// values += the numbers from one on.
     #[inline(always)]
-    pub fn add_to(&self, range: Range<usize>, values: &mut [f64]) {
+    pub fn add_to(&self, first: usize, values: &mut [f64]) {
         match self.width {
-            8 => self.add_strided::<8>(range, values),
-            4 => self.add_strided::<4>(range, values),
-            _ => self.add_strided::<1>(range, values),
+            1 => self.add_strided::<1>(first, values),
+            4 => self.add_strided::<4>(first, values),
+            8 => self.add_strided::<8>(first, values),
+            _ => unreachable!("programs have 4 or 8 lanes"),
         }
     }
 
     #[inline(always)]
-    fn add_strided<const WIDTH: usize>(&self, range: Range<usize>, values: &mut [f64]) {
-        let own = self.numbers[range.start * WIDTH..].iter().step_by(WIDTH);
+    fn add_strided<const WIDTH: usize>(&self, first: usize, values: &mut [f64]) {
+        let own = self.numbers[first * WIDTH..].iter().step_by(WIDTH);
         values.iter_mut().zip(own).for_each(|(value, own)| *value += own);
     }
 }

@@ -1,7 +1,7 @@
-use super::batches::{BatchWork, ElementBatch, LaneResults, Strided, run_lanes};
+use super::batches::{BatchWork, ElementBatch, LaneResults, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
-use super::numbering::{ScatterMap, System};
+use super::numbering::{ScatterMap, System, add_at};
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar, State};
@@ -348,7 +348,7 @@ impl Jacobian {
         &mut self,
         system: &System,
         equations: &Equations,
-        (node, places): (usize, &ScatterMap),
+        (node, places): (usize, &[u32]),
         unknowns: &Unknowns<f64>,
     ) {
         let (values, bases) = (&mut self.values, &self.bases);
@@ -362,7 +362,7 @@ impl Jacobian {
         };
         let mut add = |row: usize, column: usize, value: f64| {
             if value != 0.0 {
-                places.add(row + column * size, value, values);
+                add_at(places[row + column * size], value, values);
             }
         };
         let local = system.nodes[node].local.map(|index| &system.locals[index]);
@@ -680,22 +680,17 @@ fn add_entries<'b>(
     factor: f64,
     values: &mut [f64],
 ) {
-    // equations that are left out have none
-    let add_each = |places: &ScatterMap, labels: &[u32], entries: Strided<f64>, values: &mut [f64]| {
-        let all = labels.iter().zip(entries);
-        match places {
-            // asked once, not for each of them
-            ScatterMap::Entries(_) => all.for_each(|(&label, entry)| places.add(label as usize, entry * factor, values)),
-            ScatterMap::Columns(_) => all.for_each(|(&label, entry)| places.add(label as usize, entry * factor, values)),
+    // part by part, so that sums have the same order whatever number of parts was evaluated side by side
+    results.for_each_part(|part, entries| match blocks(part) {
+        // equations that are left out have none
+        ScatterMap::Entries(places) => {
+            labels.iter().zip(entries).for_each(|(&label, entry)| add_at(places[label as usize], entry * factor, values));
         }
-    };
-    // every entry of a block without gaps: column by column, so that what is read stays at hand
-    let size = blocks(results.parts.start).columns().map_or(0, |columns| columns.size());
-    if size > 0 && labels.len() == size * size && factor == 1.0 {
-        return results.for_each_piece(size, |part, column, entries| match blocks(part).columns() {
-            Some(columns) => columns.for_each_run(column, |rows, places| entries.add_to(rows, &mut values[places])),
-            None => add_each(blocks(part), &labels[column * size..], entries, values),
-        });
-    }
-    results.for_each_part(|part, entries| add_each(blocks(part), labels, entries, values));
+        ScatterMap::Columns(columns) if labels.len() == columns.size() * columns.size() && factor == 1.0 => {
+            columns.for_each_run(|entry, places| entries.add_to(entry, &mut values[places]));
+        }
+        ScatterMap::Columns(columns) => {
+            columns.for_each_place(labels, entries, |place, entry| add_at(place, entry * factor, values));
+        }
+    });
 }

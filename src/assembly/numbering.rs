@@ -86,25 +86,11 @@ const NOWHERE: u32 = u32::MAX;
 /// Unknowns beyond which a block without gaps is kept by runs of rows.
 const LARGE: usize = 24;
 
-impl ScatterMap {
-    /// Adds a number to the matrix where an entry of the block belongs, if that is in it.
-    #[inline(always)]
-    pub fn add(&self, label: usize, entry: f64, values: &mut [f64]) {
-        let place = match self {
-            ScatterMap::Entries(places) => places[label] as usize,
-            ScatterMap::Columns(columns) => columns.place(label),
-        };
-        if let Some(value) = values.get_mut(place) {
-            *value += entry;
-        }
-    }
-
-    /// The columns of a large block without gaps.
-    pub fn columns(&self) -> Option<&ScatterColumns> {
-        match self {
-            ScatterMap::Entries(_) => None,
-            ScatterMap::Columns(columns) => Some(columns),
-        }
+/// Adds a number to the matrix at a place, if that is in it.
+#[inline(always)]
+pub(super) fn add_at(place: u32, entry: f64, values: &mut [f64]) {
+    if let Some(value) = values.get_mut(place as usize) {
+        *value += entry;
     }
 }
 
@@ -114,19 +100,29 @@ impl ScatterColumns {
         self.size
     }
 
-    fn place(&self, label: usize) -> usize {
-        let (column, row) = (label / self.size, label % self.size);
-        let run = self.rows.iter().rposition(|&first| first <= row).unwrap_or(0);
-        self.places[column * (self.rows.len() - 1) + run] as usize + row - self.rows[run]
+    /// Calls `f(number of the first entry, where the run stands in the matrix)` for each run of each column.
+    #[inline(always)]
+    pub fn for_each_run(&self, mut f: impl FnMut(usize, Range<usize>)) {
+        for (column, places) in self.places.chunks_exact(self.rows.len() - 1).enumerate() {
+            for ((&first, &end), &place) in self.rows.iter().zip(&self.rows[1..]).zip(places) {
+                f(column * self.size + first, place as usize..place as usize + end - first);
+            }
+        }
     }
 
-    /// Calls `f(rows of the block, where they stand in the matrix)` for each run of a column.
-    #[inline(always)]
-    pub fn for_each_run(&self, column: usize, mut f: impl FnMut(Range<usize>, Range<usize>)) {
-        let runs = self.rows.len() - 1;
-        let places = &self.places[column * runs..(column + 1) * runs];
-        for ((&first, &end), &place) in self.rows.iter().zip(&self.rows[1..]).zip(places) {
-            f(first..end, place as usize..place as usize + end - first);
+    /// Calls `f(place, number)` for some entries, in increasing order.
+    pub fn for_each_place(&self, labels: &[u32], entries: impl Iterator<Item = f64>, mut f: impl FnMut(u32, f64)) {
+        let (mut column, mut run) = (0, 0);
+        for (&label, entry) in labels.iter().zip(entries) {
+            while label as usize >= (column + 1) * self.size {
+                (column, run) = (column + 1, 0);
+            }
+            let row = label as usize - column * self.size;
+            while self.rows[run + 1] <= row {
+                run += 1;
+            }
+            let place = self.places[column * (self.rows.len() - 1) + run];
+            f(place + (row - self.rows[run]) as u32, entry);
         }
     }
 }
@@ -151,7 +147,7 @@ pub struct System<'m> {
     pub(super) element_blocks: Vec<ScatterMap>,
     pub(super) constraint_blocks: Vec<ScatterMap>,
     /// Nodes with an eliminated constraint, or all of them at the stabilized level.
-    pub(super) node_blocks: Vec<(usize, ScatterMap)>,
+    pub(super) node_blocks: Vec<(usize, Vec<u32>)>,
     /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
     batches: [OnceLock<Vec<ElementBatch>>; Force::KINDS],
     constraint_batches: OnceLock<Vec<ConstraintBatch>>,
@@ -254,6 +250,7 @@ impl<'m> System<'m> {
             |&node: &usize| Coupled { unknowns: node_columns(&[model.node_id(node)]), nodes: Vec::new(), diagonal: false };
         let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
 
+        assert!(columns < NOWHERE as usize, "{columns} unknowns, more than 2^32 - 2");
         let mut runs = Vec::new();
         for coupled in elements.iter().chain(&constraints).chain(&node_blocks) {
             coupled.for_each_run(|_, rows, column| runs.push((column as u32, rows.start as u32..rows.end as u32)));
@@ -262,11 +259,12 @@ impl<'m> System<'m> {
         drop(runs);
         // in the order in which the runs were noted
         let mut places = places.into_iter();
-        let mut place = |list: Vec<Coupled>| -> Vec<ScatterMap> {
-            list.into_iter().map(|coupled| coupled.scatter(places.by_ref())).collect()
+        let mut scatter = |list: Vec<Coupled>| -> Vec<ScatterMap> {
+            list.into_iter().map(|coupled| coupled.scatter(&mut places)).collect()
         };
-        let (element_blocks, constraint_blocks) = (place(elements), place(constraints));
-        let node_blocks = block_nodes.into_iter().zip(place(node_blocks)).collect();
+        let (element_blocks, constraint_blocks) = (scatter(elements), scatter(constraints));
+        let of_nodes = node_blocks.into_iter().map(|coupled| coupled.positions(&mut places));
+        let node_blocks = block_nodes.into_iter().zip(of_nodes).collect();
         let part = |ids: &[NodeId], parameters: &Range<usize>| DofMap::new(model, ids, parameters.clone());
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
         let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[model.node_id(local.node)], &(0..0)));
@@ -386,27 +384,33 @@ struct Coupled {
 
 impl Coupled {
     /// Where the block stands, by the places of the runs.
-    fn scatter(&self, mut places: impl Iterator<Item = u32>) -> ScatterMap {
+    fn scatter(&self, places: &mut impl Iterator<Item = u32>) -> ScatterMap {
         let size = self.unknowns.len();
-        let mut next = || places.next().unwrap_or(NOWHERE);
-        if size > LARGE && self.nodes.is_empty() && self.unknowns.iter().all(Option::is_some) {
-            let (mut rows, mut own) = (SmallVec::new(), Vec::new());
-            self.for_each_run(|local, _, _| {
-                if local < size {
-                    rows.push(local);
-                }
-                own.push(next());
-            });
-            rows.push(size);
-            return ScatterMap::Columns(ScatterColumns { size, rows, places: own });
+        if size <= LARGE || !self.nodes.is_empty() || self.unknowns.iter().any(Option::is_none) {
+            return ScatterMap::Entries(self.positions(places));
         }
-        let mut positions = vec![NOWHERE; size * size];
+        let (mut rows, mut own) = (SmallVec::new(), Vec::new());
+        self.for_each_run(|local, _, _| {
+            if local < size {
+                rows.push(local);
+            }
+            own.extend(places.next());
+        });
+        rows.push(size);
+        ScatterMap::Columns(ScatterColumns { size, rows, places: own })
+    }
+
+    /// Place of each entry of the block, `NOWHERE` where there is none.
+    fn positions(&self, places: &mut impl Iterator<Item = u32>) -> Vec<u32> {
+        let mut positions = vec![NOWHERE; self.unknowns.len().pow(2)];
         self.for_each_run(|local, rows, _| {
-            for (place, position) in (next()..).zip(&mut positions[local..local + rows.len()]) {
+            for (place, position) in
+                places.next().into_iter().flat_map(|first| first..).zip(&mut positions[local..local + rows.len()])
+            {
                 *position = place;
             }
         });
-        ScatterMap::Entries(positions)
+        positions
     }
 
     /// Calls `f(local index of the first, rows, column)` for entries one below the other in block and matrix; multipliers do not meet other
@@ -437,5 +441,40 @@ impl Coupled {
                 f(first + j * count, rows.clone(), column);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_blocks_stand_where_their_entries_do() {
+        // nodes whose unknowns do not follow each other, two of which do
+        let unknowns = (40..52).chain(3..12).chain(12..19).map(Some).collect();
+        let coupled = Coupled { unknowns, nodes: Vec::new(), diagonal: false };
+        let (mut runs, size) = (vec![(3, 0..5), (41, 20..60)], coupled.unknowns.len());
+        let before = runs.len();
+        coupled.for_each_run(|_, rows, column| runs.push((column as u32, rows.start as u32..rows.end as u32)));
+        let (pattern, places) = SparsePattern::from_runs(60, &runs);
+        let positions = coupled.positions(&mut places[before..].iter().copied());
+        let ScatterMap::Columns(columns) = coupled.scatter(&mut places[before..].iter().copied()) else {
+            panic!("a block of {size} unknowns is large");
+        };
+        for (label, &place) in positions.iter().enumerate() {
+            let [row, column] = [label % size, label / size].map(|own| coupled.unknowns[own].unwrap());
+            assert_eq!(pattern.position(row, column), Some(place as usize));
+        }
+        let mut by_runs = vec![NOWHERE; size * size];
+        columns.for_each_run(|first, places| {
+            places.zip(&mut by_runs[first..]).for_each(|(place, own)| *own = place as u32);
+        });
+        assert_eq!(by_runs, positions);
+        // some of them, with numbers
+        let labels: Vec<u32> = (0..(size * size) as u32).filter(|label| label % 7 < 2).collect();
+        let mut some = Vec::new();
+        columns.for_each_place(&labels, labels.iter().map(|&label| f64::from(label)), |place, own| some.push((place, own)));
+        let expected: Vec<_> = labels.iter().map(|&label| (positions[label as usize], f64::from(label))).collect();
+        assert_eq!(some, expected);
     }
 }

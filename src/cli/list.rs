@@ -1,7 +1,7 @@
 use super::CommandLine;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
-use super::options::named;
+use super::options::located;
 use crate::design::DesignVariable;
 use crate::io::Table;
 use crate::scenes::{AnyScene, Prepared};
@@ -49,7 +49,7 @@ fn all(program: &CommandLine, json: bool) {
 }
 
 fn one(scene: &dyn AnyScene, name: &str, json: bool) -> Result<(), Failure> {
-    let prepared = Prepared::new(scene).map_err(|error| named(name, error.into()))?;
+    let prepared = Prepared::new(scene).map_err(|error| located(scene, name, error.into()))?;
     say(format_args!("{}: {}", scene.name(), scene.summary()));
     let settings = scene.settings();
     let steps = match settings.control {

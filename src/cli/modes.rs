@@ -2,7 +2,7 @@ use super::CommandLine;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::{mode_moments, mode_picture, motion};
-use super::options::{changed_design, named as named_scene};
+use super::options::{changed_design, located};
 use super::report::{Clip, Page};
 use super::results::Snapshot;
 use super::simulation::{long_number, names};
@@ -61,7 +61,7 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     let named = |error| {
         let failure = Failure::from(error);
         let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
-        named_scene(&options.scene, Failure { message, ..failure })
+        located(&*scene, &options.scene, Failure { message, ..failure })
     };
     let prepared = Prepared::with(&*scene, &x, method, settings.clone()).map_err(named)?;
     let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));

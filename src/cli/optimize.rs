@@ -120,7 +120,8 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     }
     let (method, settings) = options.scene.simulation(&*scene)?;
     let method = options.scene.differentiable(method)?;
-    let mut optimization = Optimization::new(&*scene, problem, method, settings)?;
+    let located = |error| options.scene.located(&*scene, error);
+    let mut optimization = Optimization::new(&*scene, problem, method, settings).map_err(located)?;
     optimization.gradient = options.gradient;
     optimization.stopping.iterations = options.iterations;
     optimization.stopping.change = options.change;
@@ -134,7 +135,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let guard = Guard::new();
     let progress = Progress::new("optimizing", options.iterations as u64);
     let mut recording = Recording { path: path.clone(), guard: &guard, progress, failed: None };
-    let optimized = optimization.run(&*optimizer, &start, &mut recording)?;
+    let optimized = optimization.run(&*optimizer, &start, &mut recording).map_err(located)?;
     let Recording { failed, progress, .. } = recording;
     progress.finish();
     if let Some(error) = failed {

@@ -3,7 +3,7 @@ use super::console::say;
 use super::failure::Failure;
 use crate::design::{DesignVariable, check_design, shortest};
 use crate::integrators::{
-    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, StepControl, table_named, table_names,
+    ConstraintLevel, DEFAULT_TABLE, MOST_STEPS, Method, NewtonTolerance, RunError, StepControl, table_named, table_names,
 };
 use crate::linalg::Backend;
 use crate::program::{Execution, set_execution};
@@ -225,10 +225,12 @@ impl SceneOptions {
         let (method, settings) = self.simulation(scene)?;
         let x = self.design(scene)?;
         let prepared = Prepared::with(scene, &x, method, settings);
-        prepared.map_err(|error| {
-            let failure = Failure::from(error);
-            located(scene, &self.scene, failure)
-        })
+        prepared.map_err(|error| self.located(scene, error))
+    }
+
+    /// The failure of an error, with the scene and the place in its text.
+    pub fn located(&self, scene: &dyn AnyScene, error: RunError) -> Failure {
+        located(scene, &self.scene, error.into())
     }
 
     /// The design that `--set` asks for.

@@ -28,6 +28,7 @@ impl SparsePattern {
 
     /// From runs of rows in columns, in any order, overlapping or not; returns the place of each run's first entry, too.
     pub fn from_runs(size: usize, runs: &[(u32, Range<u32>)]) -> (Self, Vec<u32>) {
+        assert!(size.max(runs.len()) < u32::MAX as usize, "{size} unknowns in {} runs, more than 2^32 - 2", runs.len());
         // by columns
         let mut starts = vec![0; size + 1];
         runs.iter().for_each(|(column, _)| starts[*column as usize + 1] += 1);
@@ -66,10 +67,10 @@ impl SparsePattern {
                     end = end.max(run.end);
                 }
             }
+            assert!(rows.len() < u32::MAX as usize, "a matrix of more than 2^32 - 2 entries");
             before = own;
             column_starts.push(rows.len());
         }
-        assert!(rows.len() < u32::MAX as usize, "a matrix of {} entries, more than 2^32 - 2", rows.len());
         rows.shrink_to_fit();
         (SparsePattern { size, column_starts, rows }, places)
     }

@@ -51,8 +51,8 @@ impl Backward {
     }
 }
 
-/// Whether the factors of an earlier matrix are tried for the systems of one kind: the more often they were of no use, the more systems go by
-/// before they are tried again.
+/// Whether the factors of an earlier matrix are tried for the systems of one kind: the more often they were of no use, the more systems behind
+/// one like them go by before they are tried again.
 #[derive(Clone, Copy, Default)]
 struct Trial {
     /// Systems to go by.

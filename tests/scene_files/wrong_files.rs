@@ -73,6 +73,13 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("version = 1", "version = = 1", "1:11", &["no TOML"]),
     ("\"crank\"\nposition", "\"crank\nposition", "31:", &["no TOML"]),
     ("unit = \"m\"", "unit = \"m\"\nunit = \"mm\"", "8:", &["no TOML", "duplicate key"]),
+    // nodes
+    (
+        "between = [\"crank\", \"rod.start\"]",
+        "between = [\"crank\", \"crank\"]",
+        "54:11",
+        &["two of between are the same node"],
+    ),
     // versions
     ("version = 1\n", "", "1:1", &["needs the key version", "1"]),
     ("version = 1", "version = 2", "1:11", &["version of the file must be 1", "the number 2"]),
@@ -256,15 +263,15 @@ fn the_command_line_ends_with_code_2_and_the_place() {
         assert!(parts.iter().all(|part| message.contains(part)), "{arguments:?}: {message}");
         assert!(message.starts_with("error: "), "{arguments:?}: {message}");
     }
-    // what only the start of the scene shows is told where the part is described
+    // what only the start of the scene shows is told where the part is described, not the variable of its name
     let weld = "[[joint]]\nname = \"weld\"";
     assert!(SOUND.contains(weld));
-    let second = "[[joint]]\nname = \"twin\"\ntype = \"revolute\"\nbetween = [\"ground\", \"crank\"]\npoint = \"pin\"\naxis = [0, 0, 1]\n\n";
+    let second = "[[joint]]\nname = \"length\"\ntype = \"revolute\"\nbetween = [\"ground\", \"crank\"]\npoint = \"pin\"\naxis = [0, 0, 1]\n\n";
     std::fs::write(folder.join("twice.toml"), SOUND.replace(weld, &format!("{second}{weld}"))).unwrap();
     let loose = "[[body]]\nname = \"loose\"\nmass = 1\ninertia = [0, 0, 0]\n\n";
     std::fs::write(folder.join("loose.toml"), SOUND.replace(weld, &format!("{loose}{weld}"))).unwrap();
     let place = SOUND.lines().position(|line| line == "name = \"weld\"").unwrap();
-    for (file, parts) in [("twice.toml", ["joint \"twin\"", "drop_redundant = true"]), ("loose.toml", ["\"loose\"", ""])] {
+    for (file, parts) in [("twice.toml", ["joint \"length\"", "drop_redundant = true"]), ("loose.toml", ["\"loose\"", ""])] {
         let output = run(&["check", file]);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{file}: {message}");

@@ -174,9 +174,15 @@ impl<S: RunScalar> Newton<'_, S> {
                     (previous, worst_rate, is_first_rate) = (f64::INFINITY, 0.0, true);
                     continue;
                 }
-                if comparable && corrections <= NEW && is_near && self.at_round_off(stage, unknowns, step, scale) {
-                    self.floors[kind] = Some([step, reaction_floor.max(reaction_step)]);
-                    return Ok(());
+                if comparable && is_near && self.at_round_off(stage, unknowns, step, scale) {
+                    if corrections <= NEW {
+                        self.floors[kind] = Some([step, reaction_floor.max(reaction_step)]);
+                        return Ok(());
+                    }
+                    // a new matrix tells
+                    self.factored = None;
+                    (previous, previous_reaction) = (step, reaction_step);
+                    continue;
                 }
                 if fresh && rate > 1.0 {
                     // in a row: a slender beam that is bent is stretched by it, which the next correction takes back

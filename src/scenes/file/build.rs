@@ -44,7 +44,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
         }
         "group" => group(known, name, fields),
         "joint_angle" => {
-            let (nodes, axis) = (known.nodes(fields, "between", m)?, known.vector(fields, "axis")?);
+            let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
         "joint" if fields.get("stiffness").is_some() => soft_joint(known, name, fields, m),
@@ -66,7 +66,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
         "driver" => driver(known, name, fields, m),
         "spring" => spring(known, name, fields, m),
         "damper" => {
-            let nodes = known.nodes(fields, "between", m)?;
+            let nodes = known.different_nodes(fields, "between", m)?;
             let (ends, damping) = (ends(known, fields, nodes, m)?, known.number(fields, "damping")?);
             match fields.form {
                 "line" => m.line_damper(name, nodes, ends, damping),
@@ -167,10 +167,10 @@ pub(super) fn rigid_joint<S: Scalar>(
 ) -> Found<ConstraintId> {
     if fields.form == "rack_and_pinion" {
         let places = [known.vector(fields, "centre")?, known.vector(fields, "contact")?];
-        let nodes = known.nodes(fields, "between", m)?;
+        let nodes = known.different_nodes(fields, "between", m)?;
         return Ok(m.rack_and_pinion(name, nodes, places, known.vector(fields, "axis")?));
     }
-    let nodes: [NodeId; 2] = known.nodes(fields, "between", m)?;
+    let nodes: [NodeId; 2] = known.different_nodes(fields, "between", m)?;
     let point = place(known, fields, "point", nodes[1], m)?;
     let vector = |key| known.vector(fields, key);
     let contact = format!("contact of {name}");
@@ -212,7 +212,7 @@ pub(super) fn rigid_joint<S: Scalar>(
 }
 
 fn driver<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (nodes, axis) = (known.nodes(fields, "between", m)?, known.vector(fields, "axis")?);
+    let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
     Ok(Made::Joint(match fields.form {
         "rotation" => m.prescribed_rotation(name, nodes, axis, known.function(fields, "angle")?),
         _ => {
@@ -233,7 +233,7 @@ fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Buil
         m.coordinate_spring_damper(name, node, 0, spring("rest_angle")?);
         return Ok(Made::Nothing);
     }
-    let nodes = known.nodes(fields, "between", m)?;
+    let nodes = known.different_nodes(fields, "between", m)?;
     match fields.form {
         "line" => {
             let ends = ends(known, fields, nodes, m)?;

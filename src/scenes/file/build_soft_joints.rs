@@ -18,7 +18,7 @@ pub(super) fn soft_joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
     if damping.is_empty() {
         damping.resize(stiffness.len(), S::zero());
     }
-    let nodes: [NodeId; 2] = known.nodes(fields, "between", m)?;
+    let nodes: [NodeId; 2] = known.different_nodes(fields, "between", m)?;
     let [a, b] = nodes.map(|node| kind_in_space(node, m));
     let mut failed = None;
     let add = |m: &mut Builder<S>| {

@@ -219,13 +219,25 @@ impl<S: Scalar> Known<'_, S> {
 
     pub fn nodes<const N: usize>(&self, fields: &Fields, key: &str, m: &mut MechanismBuilder<S>) -> Found<[NodeId; N]> {
         let nodes: Vec<NodeId> = list(fields, key).map(|given| self.one_node(given, m)).collect::<Found<_>>()?;
-        if let [a, b] = nodes[..]
-            && a == b
-            && let Some((at, _)) = fields.get(key)
-        {
-            return Err(Mistake::new(at, format!("{key} names the same node twice; give two")));
-        }
         nodes.try_into().or_else(|_| missing(fields, key))
+    }
+
+    /// The same for what connects nodes, which are all different.
+    pub fn different_nodes<const N: usize>(
+        &self,
+        fields: &Fields,
+        key: &str,
+        m: &mut MechanismBuilder<S>,
+    ) -> Found<[NodeId; N]> {
+        let nodes = self.nodes(fields, key, m)?;
+        let is_twice = |place: usize| nodes[..place].contains(&nodes[place]);
+        match (0..N).any(is_twice) {
+            true => Err(Mistake::new(
+                fields.get(key).map_or(fields.at, |own| own.0),
+                format!("two of {key} are the same node; give different ones"),
+            )),
+            false => Ok(nodes),
+        }
     }
 
     /// What another entry became.
