@@ -3,7 +3,7 @@ use super::expression::Quantity;
 use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::raw::Raw;
-use super::reader::{Contents, Fields, Item, Value, Variable, read};
+use super::reader::{Contents, Fields, Value, Variable, name_space, read};
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
@@ -78,8 +78,8 @@ fn kept(text: &str) -> &'static str {
     own
 }
 
-/// Sections whose entries are no parts of a mechanism.
-const SUPPLIES: [&str; 5] = ["variable", "material", "section", "laminate", "drawing"];
+/// Name spaces of what messages name, the likeliest first; others are what parts are made of.
+const PARTS: [&str; 4] = ["member", "joint", "force", "functional"];
 /// Largest scene file in bytes.
 const LARGEST: u64 = 50_000_000;
 
@@ -372,10 +372,8 @@ impl Scene for FileScene {
         self.output
     }
     fn place_of(&self, part: &str) -> Option<String> {
-        // what others refer to may have the name of a part, and messages name parts
-        let named = || self.contents.items.iter().filter(|item| !part.is_empty() && item.name == part);
-        let is_part = |item: &&Item| !SUPPLIES.contains(&item.section);
-        let item = named().filter(is_part).find(|item| item.section != "functional").or_else(|| named().find(is_part))?;
+        let items = || self.contents.items.iter().filter(|item| !part.is_empty() && item.name == part);
+        let item = PARTS.into_iter().find_map(|space| items().find(|item| name_space(item.section) == space))?;
         Some(self.source.place(item.fields.at))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
