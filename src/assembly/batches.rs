@@ -1,5 +1,6 @@
 //! Parts with the same program are evaluated side by side.
 
+use super::bases::{Bases, LEFT, RIGHT, starts_of_numbers};
 use super::constraint_programs::ConstraintLayout;
 use super::element_programs::{ElementLayout, Force};
 use super::numbering::{DofMap, System};
@@ -24,6 +25,8 @@ pub(super) struct Batch<L> {
     pub layout: L,
     /// Where the coordinates of each node begin.
     pub segments: SmallVec<[Starts; 3]>,
+    /// Where the numbers of the bases of each node begin, N_L and N_R.
+    pub bases: SmallVec<[[Starts; 2]; 3]>,
     /// Where the parameters begin.
     pub parameters: Starts,
     /// Where the multipliers begin; none for elements.
@@ -74,6 +77,7 @@ fn sorted<'p, L>(
     kind: impl Fn(usize) -> Option<(Arc<Formula>, Box<[NodeReduction]>, bool)>,
     layout: impl Fn(usize) -> L,
     numbers: impl Fn(usize) -> (&'p DofMap, Range<usize>),
+    bases: &[[Range<usize>; 2]],
 ) -> Vec<Batch<L>> {
     let mut batches: Vec<Batch<L>> = Vec::new();
     let mut places: HashMap<(*const Formula, Box<[NodeReduction]>, bool), usize> = HashMap::new();
@@ -86,6 +90,7 @@ fn sorted<'p, L>(
                 formula,
                 layout: layout(part),
                 segments: SmallVec::new(),
+                bases: SmallVec::new(),
                 parameters: Starts::default(),
                 multipliers: Starts::default(),
                 programs: ProgramCache::default(),
@@ -98,8 +103,12 @@ fn sorted<'p, L>(
         let own = |part: &usize| numbers(*part).0;
         let nodes = 0..own(&batch.parts[0]).segments.len();
         let coordinates =
-            nodes.map(|node| Starts::of_parts(batch.parts.iter().map(|part| own(part).segments[node].clone())));
+            nodes.clone().map(|node| Starts::of_parts(batch.parts.iter().map(|part| own(part).segments[node].clone())));
         batch.segments = coordinates.collect();
+        let of_node = |node: usize, side: usize| {
+            Starts::of_parts(batch.parts.iter().map(|part| bases[own(part).nodes[node]][side].clone()))
+        };
+        batch.bases = nodes.map(|node| [LEFT, RIGHT].map(|side| of_node(node, side))).collect();
         batch.parameters = Starts::of_parts(batch.parts.iter().map(|part| own(part).parameters.clone()));
         batch.multipliers = Starts::of_parts(batch.parts.iter().map(|part| numbers(*part).1));
     }
@@ -135,7 +144,7 @@ impl System<'_> {
         };
         let layout = |part: usize| ElementLayout::new(&self.model.elements[part].physics, force);
         let numbers = |part: usize| (&self.element_parts[part], 0..0);
-        sorted(self.model.elements.len(), kind, layout, numbers)
+        sorted(self.model.elements.len(), kind, layout, numbers, &starts_of_numbers(self))
     }
 
     /// Constraints whose multipliers are unknowns.
@@ -152,7 +161,7 @@ impl System<'_> {
             None => unreachable!("each part has a constraint"),
         };
         let numbers = |part: usize| (&self.constraint_parts[part], self.equations_of(part));
-        sorted(self.constraint_parts.len(), kind, layout, numbers)
+        sorted(self.constraint_parts.len(), kind, layout, numbers, &starts_of_numbers(self))
     }
 
     /// The constraint of a batch: its first one stands for all.
@@ -255,6 +264,18 @@ impl<S: RunScalar> Lanes<'_, S> {
     /// Leaves so many numbers what they are.
     pub fn skip(&mut self, count: usize) {
         self.place += count;
+    }
+}
+
+impl Lanes<'_, f64> {
+    /// The next numbers of each part are those that the bases of its nodes are made of.
+    #[inline(always)]
+    pub fn gather_bases<L>(&mut self, batch: &Batch<L>, bases: &Bases) {
+        for starts in &batch.bases {
+            for side in [LEFT, RIGHT] {
+                self.gather(&starts[side], bases.numbers(side));
+            }
+        }
     }
 }
 

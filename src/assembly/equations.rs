@@ -359,12 +359,24 @@ impl<S: Scalar> Unknowns<S> {
         }
     }
 
-    /// self += factor other.
-    pub fn add_scaled(&mut self, other: &Self, factor: f64) {
-        for (own, other) in
-            [(&mut self.x, &other.x), (&mut self.y, &other.y), (&mut self.mu, &other.mu), (&mut self.eta, &other.eta)]
-        {
-            own.iter_mut().zip(other).for_each(|(own, &other)| *own += other * factor);
+    /// The lists whose course over time first guesses go on, coordinates first.
+    pub fn extrapolated(&self) -> [&[S]; 4] {
+        [&self.x, &self.y, &self.mu, &self.eta]
+    }
+
+    /// The same to be changed.
+    pub fn extrapolated_mut(&mut self) -> [&mut [S]; 4] {
+        [&mut self.x, &mut self.y, &mut self.mu, &mut self.eta]
+    }
+
+    /// One of them.
+    pub fn extrapolated_at(&mut self, list: usize) -> &mut [S] {
+        let [x, y, mu, eta] = self.extrapolated_mut();
+        match list {
+            0 => x,
+            1 => y,
+            2 => mu,
+            _ => eta,
         }
     }
 }

@@ -192,33 +192,38 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
     let [by_value, by_rate, by_second] = equations.row_weights();
     let mut rows = LocalVec::<S>::new();
     let (mut a, mut v, mut q) = (LocalVec::<S>::new(), LocalVec::<S>::new(), LocalVec::<S>::new());
-    for local in system.eliminated() {
-        let dofs = system.model.nodes[local.node].dofs.clone();
-        if let Some(unit) = local.form.unit_length() {
-            correct_unit_length(unit, dofs.start, equations, [by_value, by_rate, by_second], base, unknowns);
+    for run in &system.node_runs {
+        let locals = run.locals(system);
+        if let Some(unit) = locals.first().and_then(|local| local.form.unit_length()) {
+            for start in run.starts() {
+                correct_unit_length(unit, start, equations, [by_value, by_rate, by_second], base, unknowns);
+            }
             continue;
         }
-        let x = &mut unknowns.x[dofs.clone()];
-        for (own, base, factor) in [(&mut a, &base.a, gamma), (&mut v, &base.v, beta), (&mut q, &base.q, alpha)] {
-            own.resize(x.len(), S::zero());
-            for (own, (&base, &x)) in own.iter_mut().zip(base[dofs.clone()].iter().zip(&*x)) {
-                *own = base + x * factor;
+        for local in locals {
+            let dofs = system.model.nodes[local.node].dofs.clone();
+            let x = &mut unknowns.x[dofs.clone()];
+            for (own, base, factor) in [(&mut a, &base.a, gamma), (&mut v, &base.v, beta), (&mut q, &base.q, alpha)] {
+                own.resize(x.len(), S::zero());
+                for (own, (&base, &x)) in own.iter_mut().zip(base[dofs.clone()].iter().zip(&*x)) {
+                    *own = base + x * factor;
+                }
             }
-        }
-        let mut g: SmallVec<[Rates<S>; 6]> = SmallVec::from_elem(Rates::zero(), local.equations.len());
-        local.form.derivatives(State { a: &a, v: &v, q: &q }, &mut g);
-        let terms = local.form.size_of_terms(equations.level, State { a: &a, v: &v, q: &q });
-        for (equation, &g) in g.iter().enumerate() {
-            let gap = select(equations.level, g).0;
-            if gap.value().abs() <= f64::EPSILON * terms {
-                continue;
+            let mut g: SmallVec<[Rates<S>; 6]> = SmallVec::from_elem(Rates::zero(), local.equations.len());
+            local.form.derivatives(State { a: &a, v: &v, q: &q }, &mut g);
+            let terms = local.form.size_of_terms(equations.level, State { a: &a, v: &v, q: &q });
+            for (equation, &g) in g.iter().enumerate() {
+                let gap = select(equations.level, g).0;
+                if gap.value().abs() <= f64::EPSILON * terms {
+                    continue;
+                }
+                rows.clear();
+                rows.resize(x.len(), S::zero());
+                local.form.add_row(equation, [(by_value, &q), (by_rate, &v), (by_second, &a)], &mut rows);
+                let norm = rows.iter().fold(S::zero(), |sum, &c| sum + c * c);
+                let multiplier = gap * scale / norm;
+                x.iter_mut().zip(&rows).for_each(|(x, &c)| *x -= multiplier * c);
             }
-            rows.clear();
-            rows.resize(x.len(), S::zero());
-            local.form.add_row(equation, [(by_value, &q), (by_rate, &v), (by_second, &a)], &mut rows);
-            let norm = rows.iter().fold(S::zero(), |sum, &c| sum + c * c);
-            let multiplier = gap * scale / norm;
-            x.iter_mut().zip(&rows).for_each(|(x, &c)| *x -= multiplier * c);
         }
     }
 }

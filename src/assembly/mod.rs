@@ -11,6 +11,7 @@
 //! which is a Runge-Kutta stage, an initial acceleration or a projection, depending on the shifts (see
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
+mod bases;
 mod batches;
 mod constraint_programs;
 mod driven;

@@ -1,4 +1,5 @@
 use super::Jacobian;
+use super::bases::NodeRun;
 use super::batches::{ConstraintBatch, ElementBatch};
 use super::element_programs::Force;
 use super::model::{Model, NodeId};
@@ -29,6 +30,39 @@ pub(super) struct NodeConstraint {
     pub physics: ConstraintPhysics,
     /// Its closed form.
     pub form: Arc<Quadratic>,
+}
+
+impl NodeConstraint {
+    /// The same for all constraints of one form.
+    pub fn form_address(&self) -> *const Quadratic {
+        Arc::as_ptr(&self.form)
+    }
+}
+
+/// Constraint equations that follow each other, and so do their multipliers in the matrix.
+pub(super) struct MultiplierRun {
+    pub equations: Range<usize>,
+    pub first_column: usize,
+}
+
+impl MultiplierRun {
+    /// All equations that have a column.
+    fn all(columns: &[Option<usize>]) -> Vec<MultiplierRun> {
+        let mut runs: Vec<MultiplierRun> = Vec::new();
+        for (equation, column) in columns.iter().enumerate() {
+            let Some(column) = *column else { continue };
+            match runs.last_mut() {
+                Some(last) if last.equations.end == equation && last.unknowns().end == column => last.equations.end += 1,
+                _ => runs.push(MultiplierRun { equations: equation..equation + 1, first_column: column }),
+            }
+        }
+        runs
+    }
+
+    /// Their numbers in the matrix.
+    pub fn unknowns(&self) -> Range<usize> {
+        self.first_column..self.first_column + self.equations.len()
+    }
 }
 
 /// A constraint whose multipliers are unknowns of the matrix.
@@ -136,11 +170,16 @@ pub struct System<'m> {
     /// Places of the matrix entries.
     pub pattern: Arc<SparsePattern>,
     pub(super) nodes: Vec<NodeUnknowns>,
+    /// The same, by nodes of a kind that follow each other.
+    pub(super) node_runs: Vec<NodeRun>,
     pub(super) locals: Vec<NodeConstraint>,
     pub(super) local_equations: usize,
     /// Column of each multiplier; `None` where dropped.
     pub(super) multiplier_columns: Vec<Option<usize>>,
     pub(super) stabilizer_columns: Vec<Option<usize>>,
+    /// The same, by equations that follow each other.
+    pub(super) multiplier_runs: Vec<MultiplierRun>,
+    pub(super) stabilizer_runs: Vec<MultiplierRun>,
     pub(super) element_parts: Vec<DofMap>,
     /// Joints and drivers, then the constraints inside nodes where these are not eliminated.
     pub(super) constraint_parts: Vec<DofMap>,
@@ -269,13 +308,16 @@ impl<'m> System<'m> {
         let element_parts = model.elements.iter().map(|e| part(&e.nodes, &e.parameters)).collect();
         let inside = locals.iter().filter(|_| options.unreduced).map(|local| part(&[model.node_id(local.node)], &(0..0)));
         let constraint_parts = model.constraints.iter().map(|c| part(&c.nodes, &c.parameters)).chain(inside).collect();
-        System {
+        let mut system = System {
             model,
             element_parts,
             constraint_parts,
             nodes,
+            node_runs: Vec::new(),
             locals,
             local_equations,
+            multiplier_runs: MultiplierRun::all(&multiplier_columns),
+            stabilizer_runs: MultiplierRun::all(&stabilizer_columns),
             multiplier_columns,
             stabilizer_columns,
             element_blocks,
@@ -285,7 +327,9 @@ impl<'m> System<'m> {
             options,
             batches: [const { OnceLock::new() }; Force::KINDS],
             constraint_batches: OnceLock::new(),
-        }
+        };
+        system.node_runs = NodeRun::all(&system);
+        system
     }
 
     /// Elements that are evaluated side by side.

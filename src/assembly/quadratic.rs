@@ -81,14 +81,21 @@ impl Quadratic {
         if n < turning.coordinates() || n - count != n - turning.coordinates() + 3 || !self.linear.is_empty() {
             return false;
         }
-        let (mut basis, mut rows) = (Vec::new(), vec![0.0; count * n]);
-        let mut scaled = probe[n - turning.coordinates()..].to_vec();
+        let (free, mut rows) = (n - turning.coordinates(), vec![0.0; count * n]);
+        let mut scaled = probe[free..].to_vec();
         turning.scale(&mut scaled);
-        turning.write_basis(n - scaled.len(), &scaled, &mut basis);
         self.rows(probe, &mut rows);
-        let columns = n - count;
-        let product = |row: &[f64], column: usize| -> f64 { (0..n).map(|i| row[i] * basis[i * columns + column]).sum() };
-        rows.chunks_exact(n).all(|row| (0..columns).all(|column| product(row, column).abs() < 1e-13))
+        // of a row and a turn about an axis
+        let product = |row: &[f64], axis: usize| -> f64 {
+            let moved = |(coordinate, weight): (usize, &f64)| match turning.entry(coordinate, axis) {
+                Some((place, negated)) => weight * if negated { -scaled[place] } else { scaled[place] },
+                None => 0.0,
+            };
+            row[free..].iter().enumerate().map(moved).sum()
+        };
+        let is_free =
+            |row: &[f64]| row[..free].iter().all(|&x| x == 0.0) && (0..3).all(|axis| product(row, axis).abs() < 1e-13);
+        rows.chunks_exact(n).all(is_free)
     }
 
     /// The coordinates that turn, if its rows leave them nothing else.

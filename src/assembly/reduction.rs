@@ -64,23 +64,22 @@ impl RotationCoordinates {
         turning.iter_mut().for_each(|x| *x *= scale);
     }
 
-    /// Writes the basis (row-major) whose columns are `free` coordinates, then turns about three axes, from scaled coordinates.
-    pub fn write_basis(self, free: usize, scaled: &[f64], basis: &mut Vec<f64>) {
-        let columns = free + 3;
-        basis.clear();
-        basis.resize((free + scaled.len()) * columns, 0.0);
-        (0..free).for_each(|i| basis[i * columns + i] = 1.0);
-        for coordinate in 0..scaled.len() {
+    /// What each coordinate moves by in turns about three axes, from as many scaled coordinates as there are.
+    #[inline(always)]
+    pub fn rows<const COORDINATES: usize>(self, scaled: &[f64; COORDINATES]) -> [[f64; 3]; COORDINATES] {
+        let mut rows = [[0.0; 3]; COORDINATES];
+        for coordinate in 0..COORDINATES {
             for axis in 0..3 {
                 if let Some((place, negated)) = self.entry(coordinate, axis) {
-                    basis[(free + coordinate) * columns + free + axis] =
-                        if negated { -scaled[place] } else { scaled[place] };
+                    rows[coordinate][axis] = if negated { -scaled[place] } else { scaled[place] };
                 }
             }
         }
+        rows
     }
 
     /// What a coordinate moves by in a turn about one of three axes: the place of one of the scaled coordinates, and whether it is negated.
+    #[inline(always)]
     pub fn entry(self, coordinate: usize, axis: usize) -> Option<(usize, bool)> {
         match self {
             RotationCoordinates::Euler => {
@@ -285,26 +284,11 @@ fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node], copies: usize)
 mod tests {
     use super::RotationCoordinates;
 
-    /// Rows of the basis for coordinates.
-    fn rows(turning: RotationCoordinates, x: &[f64]) -> Vec<[f64; 3]> {
-        let entry = |i, axis| match turning.entry(i, axis) {
-            Some((place, negated)) => {
-                if negated {
-                    -x[place]
-                } else {
-                    x[place]
-                }
-            }
-            None => 0.0,
-        };
-        (0..x.len()).map(|i| [0, 1, 2].map(|axis| entry(i, axis))).collect()
-    }
-
     #[test]
     fn turns_keep_the_length_of_euler_parameters_and_the_angles_between_axes() {
         let mut e = [0.3, -0.5, 0.7, 0.2];
         RotationCoordinates::Euler.scale(&mut e);
-        let basis = rows(RotationCoordinates::Euler, &e);
+        let basis = RotationCoordinates::Euler.rows(&e);
         for axis in 0..3 {
             let product: f64 = (0..4).map(|i| e[i] * basis[i][axis]).sum();
             let length: f64 = (0..4).map(|i| basis[i][axis] * basis[i][axis]).sum();
@@ -312,7 +296,7 @@ mod tests {
         }
         let mut axes = [0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0];
         RotationCoordinates::Axes.scale(&mut axes);
-        let basis = rows(RotationCoordinates::Axes, &axes);
+        let basis = RotationCoordinates::Axes.rows(&axes);
         for turn in 0..3 {
             for (first, second) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
                 let product = |a: usize, b: usize| -> f64 { (0..3).map(|i| axes[3 * a + i] * basis[3 * b + i][turn]).sum() };

@@ -1,7 +1,9 @@
+use super::bases::NodeRun;
 use super::batches::{BatchWork, run_lanes};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
-use super::numbering::{NodeConstraint, System};
+use super::numbering::System;
+use super::reduction::NodeReduction;
 use super::{Equations, Level, Rates, StageSystem, Unknowns, Variational, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
@@ -168,13 +170,11 @@ impl<S: RunScalar> Residual<S> {
         }
         self.y.copy_from_slice(&unknowns.y);
         self.add_constraints(system, equations, unknowns, p, t);
-        for local in system.eliminated() {
-            self.eliminate(system, equations, local, unknowns);
-        }
-        for (node, unknowns) in system.model.nodes.iter().zip(&system.nodes) {
-            if unknowns.columns.is_empty() {
-                self.f[node.dofs.clone()].fill(S::zero());
+        for run in &system.node_runs {
+            if let NodeReduction::Fixed { .. } = run.reduction {
+                self.f[run.all_dofs()].fill(S::zero());
             }
+            self.eliminate(system, equations, run, unknowns);
         }
     }
 
@@ -308,31 +308,37 @@ impl<S: RunScalar> Residual<S> {
         }
     }
 
-    /// Sets the multipliers inside a node so that F (and Y) have no part along its reaction, and adds that reaction.
-    fn eliminate(&mut self, system: &System, equations: &Equations, local: &NodeConstraint, unknowns: &mut Unknowns<S>) {
-        let dofs = system.model.nodes[local.node].dofs.clone();
-        if let (Some(unit), true) = (local.form.unit_length(), self.y.is_empty()) {
-            let places = dofs.start + unit.first..dofs.start + unit.first + 4;
-            let mu = {
-                let (q, f) = (&self.reaction_point(equations).q[places.clone()], &self.f[places.clone()]);
-                -(super::local::dot4(q, f) / super::local::dot4(q, q))
-            };
+    /// Sets the multipliers inside nodes so that F (and Y) have no part along their reactions, and adds these.
+    fn eliminate(&mut self, system: &System, equations: &Equations, run: &NodeRun, unknowns: &mut Unknowns<S>) {
+        let locals = run.locals(system);
+        let Some(first) = locals.first() else { return };
+        if let (Some(unit), true) = (first.form.unit_length(), self.y.is_empty()) {
             let Residual { f, constraint_at, reaction_at, .. } = self;
-            let at = if equations.variational.is_some() { &*reaction_at } else { &*constraint_at };
-            f[places.clone()].iter_mut().zip(&at.q[places]).for_each(|(f, &q)| *f += q * mu);
-            unknowns.local_mu[local.equations.start] = mu * (1.0 / unit.second);
+            let q = if equations.variational.is_some() { &reaction_at.q } else { &constraint_at.q };
+            let (places, factor) = (unit.first..unit.first + 4, 1.0 / unit.second);
+            let (mus, count) = (&mut unknowns.local_mu[first.equations.start..], run.reduction.dofs());
+            let nodes = f[run.all_dofs()].chunks_exact_mut(count).zip(q[run.all_dofs()].chunks_exact(count));
+            for ((f, q), own) in nodes.zip(mus) {
+                let (f, q) = (&mut f[places.clone()], &q[places.clone()]);
+                let mu = -(super::local::dot4(q, f) / super::local::dot4(q, q));
+                f.iter_mut().zip(q).for_each(|(f, &q)| *f += q * mu);
+                *own = mu * factor;
+            }
             return;
         }
-        let rows = super::local::reaction_rows(local, &self.reaction_point(equations).q[dofs.clone()]);
-        let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);
-        super::local::add_combination(&rows, &mu, &mut self.f[dofs.clone()]);
-        unknowns.local_mu[local.equations.clone()].copy_from_slice(&mu);
-        if !self.y.is_empty() {
-            // Y = y - A^T eta: the sign of eta is the opposite one
-            let negative = super::local::least_squares(&rows, local.equations.len(), &self.y[dofs.clone()]);
-            super::local::add_combination(&rows, &negative, &mut self.y[dofs]);
-            for (eta, n) in unknowns.local_eta[local.equations.clone()].iter_mut().zip(negative) {
-                *eta = -n;
+        for local in locals {
+            let dofs = system.model.nodes[local.node].dofs.clone();
+            let rows = super::local::reaction_rows(local, &self.reaction_point(equations).q[dofs.clone()]);
+            let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);
+            super::local::add_combination(&rows, &mu, &mut self.f[dofs.clone()]);
+            unknowns.local_mu[local.equations.clone()].copy_from_slice(&mu);
+            if !self.y.is_empty() {
+                // Y = y - A^T eta: the sign of eta is the opposite one
+                let negative = super::local::least_squares(&rows, local.equations.len(), &self.y[dofs.clone()]);
+                super::local::add_combination(&rows, &negative, &mut self.y[dofs]);
+                for (eta, n) in unknowns.local_eta[local.equations.clone()].iter_mut().zip(negative) {
+                    *eta = -n;
+                }
             }
         }
     }

@@ -1,4 +1,5 @@
 use super::Counters;
+use super::lists::add_lists;
 use super::newton::NewtonTolerance;
 use super::pause::TakenUp;
 use super::record::{Guide, Recorder, StageRecord, StepRecord};
@@ -9,6 +10,7 @@ use super::{
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
 use crate::linalg::Backend;
+use smallvec::SmallVec;
 
 /// What is simulated: topology, parameters, start.
 #[derive(Clone, Debug)]
@@ -110,19 +112,12 @@ pub(crate) fn combine<S: RunScalar>(
 ) {
     sum.clear();
     sum.resize(carried[0].len(), S::zero());
-    let mut add = |factor: f64, values: &[S]| {
-        if factor == 1.0 {
-            sum.iter_mut().zip(values).for_each(|(sum, &value)| *sum += value);
-        } else if factor != 0.0 {
-            sum.iter_mut().zip(values).for_each(|(sum, &value)| *sum += value * factor);
-        }
-    };
-    for ((values, kind), coefficient) in carried.iter().zip(&table.carried).zip(&combination.carried) {
-        add(coefficient * h.powi(kind.order() - order), values);
-    }
-    for (stage, coefficient) in stages.iter().zip(&combination.stages) {
-        add(coefficient * h.powi(2 - order), &stage.solve.unknowns.x);
-    }
+    let carried = carried.iter().zip(&table.carried).zip(&combination.carried);
+    let of_carried = carried.map(|((values, kind), coefficient)| (coefficient * h.powi(kind.order() - order), &values[..]));
+    let stages = stages.iter().zip(&combination.stages);
+    let of_stages = stages.map(|(stage, coefficient)| (coefficient * h.powi(2 - order), &stage.solve.unknowns.x[..]));
+    let terms: SmallVec<[(f64, &[S]); 12]> = of_carried.chain(of_stages).filter(|(factor, _)| *factor != 0.0).collect();
+    add_lists(sum, &terms);
 }
 
 /// What the embedded solution of a step differs by: in coordinates (`order` 0) or velocities (1); `carried` is that before the step.

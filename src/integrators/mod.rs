@@ -13,6 +13,7 @@ mod course;
 mod dividing;
 mod error;
 mod grid;
+mod lists;
 mod load_steps;
 mod march;
 mod newton;

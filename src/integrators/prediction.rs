@@ -1,5 +1,7 @@
+use super::lists::{add_lists, exchange, largest_scaled};
 use crate::assembly::{Unknowns, clone_fields};
 use crate::elements::RunScalar;
+use smallvec::SmallVec;
 
 /// Most earlier steps from which a solution is extrapolated: each further one adds a digit or so where the fastest modes turn by a tenth of a
 /// radian in a step, and doubles what round-off does to the guess.
@@ -45,8 +47,12 @@ impl<S: RunScalar> Track<S> {
     /// Adds the increment that is expected in the step of size `h` from `t`.
     pub fn add_expected(&self, t: f64, h: f64, unknowns: &mut Unknowns<S>) {
         let factors = self.factors(t);
-        for (difference, factor) in self.differences.iter().zip(factors).take(self.used) {
-            unknowns.add_scaled(difference, h * factor);
+        let mut terms: SmallVec<[(f64, &[S]); MOST]> = SmallVec::new();
+        for (list, values) in unknowns.extrapolated_mut().into_iter().enumerate() {
+            let used = self.differences.iter().zip(factors).take(self.used);
+            terms.clear();
+            terms.extend(used.map(|(difference, factor)| (h * factor, difference.extrapolated()[list])));
+            add_lists(values, &terms);
         }
     }
 
@@ -77,16 +83,15 @@ impl<S: RunScalar> Track<S> {
         left.set_increment(before, solution, 1.0 / h);
         // what is left by polynomials through none, one, two, .. of the latest increments
         let mut errors = [0.0_f64; MOST + 1];
-        errors[0] = largest(&left.x, coordinate_scales);
-        for ((difference, factor), error) in earlier.iter_mut().zip(factors).zip(&mut errors[1..]) {
-            *error = exchange(&mut difference.x, &mut left.x, factor, coordinate_scales);
-            let others =
-                [(&mut difference.y, &mut left.y), (&mut difference.mu, &mut left.mu), (&mut difference.eta, &mut left.eta)];
-            for (difference, left) in others {
-                difference.iter_mut().zip(left).for_each(|(difference, left)| {
-                    exchange_one(difference, left, factor);
-                });
-            }
+        errors[0] = largest_scaled(&left.x, coordinate_scales, |x, scale| x.value().abs() * scale);
+        for (list, left) in left.extrapolated_mut().into_iter().enumerate() {
+            let own = earlier.iter_mut().zip(factors).map(|(difference, factor)| (factor, difference.extrapolated_at(list)));
+            let mut differences: SmallVec<[(f64, &mut [S]); MOST]> = own.collect();
+            // coordinates are the first list
+            let mut ignored = [0.0; MOST];
+            let (scales, sizes) =
+                if list == 0 { (Some(coordinate_scales), &mut errors[1..]) } else { (None, &mut ignored[..]) };
+            exchange(&mut differences, left, scales, sizes);
         }
         let best = (0..=known).fold(0, |best, used| if errors[used] < errors[best] { used } else { best });
         self.times.insert(0, t);
@@ -94,41 +99,6 @@ impl<S: RunScalar> Track<S> {
         // one more point is worth a try only where all of them served
         self.used = if best == known { (known + 1).min(MOST) } else { best };
     }
-}
-
-/// Numbers of which each keeps its own maximum, so that they are compared side by side.
-const ABREAST: usize = 4;
-
-/// The largest of some numbers, each times its scale.
-fn largest<S: RunScalar>(values: &[S], scales: &[f64]) -> f64 {
-    values.iter().zip(scales).fold(0.0, |largest: f64, (value, scale)| largest.max(value.value().abs() * scale))
-}
-
-/// Puts what is left in the place of a difference and takes the difference, times a factor, from it.
-#[inline(always)]
-fn exchange_one<S: RunScalar>(difference: &mut S, left: &mut S, factor: f64) -> f64 {
-    let expected = *difference * factor;
-    *difference = *left;
-    *left -= expected;
-    left.value().abs()
-}
-
-/// The same for lists. Returns the largest of what is left then, each number times its scale.
-fn exchange<S: RunScalar>(difference: &mut [S], left: &mut [S], factor: f64, scales: &[f64]) -> f64 {
-    let mut largest = [0.0_f64; ABREAST];
-    let (differences, last_differences) = difference.as_chunks_mut::<ABREAST>();
-    let (lefts, last_lefts) = left.as_chunks_mut::<ABREAST>();
-    let (groups, last_scales) = scales.as_chunks::<ABREAST>();
-    for ((difference, left), scales) in differences.iter_mut().zip(lefts).zip(groups) {
-        for i in 0..ABREAST {
-            let size = exchange_one(&mut difference[i], &mut left[i], factor) * scales[i];
-            largest[i] = if size > largest[i] { size } else { largest[i] };
-        }
-    }
-    for ((difference, left), scale) in last_differences.iter_mut().zip(last_lefts).zip(last_scales) {
-        largest[0] = largest[0].max(exchange_one(difference, left, factor) * scale);
-    }
-    largest.into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! How well equal steps resolve a motion.
 
 use super::Table;
+use super::lists::largest_scaled;
 use super::march::embedded_difference;
 use super::record::StepRecord;
 use crate::elements::RunScalar;
@@ -117,12 +118,12 @@ impl<S: RunScalar> Resolution<S> {
         let states = if in_velocity { &step.v } else { &step.q };
         let StepErrors { worst, sizes, .. } = &mut self.errors;
         let (worst, size) = (&mut worst[place], &mut sizes[place]);
-        for ((dof, (error, state)), scale) in errors.iter().zip(states).enumerate().zip(scales) {
-            *size = size.max(state.value().abs() * scale);
-            let share = error.value().abs() * scale;
-            if worst.is_none_or(|worst| share > worst.share) {
-                *worst = Some(StepError { share, step: number, t: step.t, dof, in_velocity });
-            }
+        let scaled = |x: S, scale: f64| x.value().abs() * scale;
+        *size = size.max(largest_scaled(states, scales, scaled));
+        let share = largest_scaled(errors, scales, scaled);
+        if worst.is_none_or(|worst| share > worst.share) {
+            let dof = errors.iter().zip(scales).position(|(&error, &scale)| scaled(error, scale) == share).unwrap_or(0);
+            *worst = Some(StepError { share, step: number, t: step.t, dof, in_velocity });
         }
     }
 

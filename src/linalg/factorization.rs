@@ -400,9 +400,9 @@ impl Factorization {
         errors.extend(worst);
     }
 
-    /// An unknown in the scale of the matrix factored last.
-    pub fn scaled(&self, unknown: usize, value: f64) -> f64 {
-        value / self.scaling.columns[unknown]
+    /// What unknowns are divided by to be in the scale of the matrix factored last: powers of two.
+    pub fn scales(&self) -> &[f64] {
+        &self.scaling.columns
     }
 
     fn entries(&self, column: usize) -> std::ops::Range<usize> {

@@ -18,6 +18,7 @@ pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
 pub use factorization::{Backend, Factorization, SolverPlan, Work};
 pub use rank::{independent_rows, sign_of_determinant};
+pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;
 
 /// A singular or non-finite matrix: the unknown that it does not determine.

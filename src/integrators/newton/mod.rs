@@ -112,6 +112,8 @@ pub struct Newton<'m, S> {
     parameter_length: Option<f64>,
     /// Lever by which each coordinate is measured: 1 for lengths, a length of the model for Euler parameters.
     pub(super) coordinate_scales: Vec<f64>,
+    /// The lever of the latter that stands there.
+    pub(super) turning_length: f64,
 }
 
 /// Entries of L and U above which what is needed once is not kept: a few megabytes.
@@ -160,6 +162,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
             counters: Counters::default(),
             factored: None,
             coordinate_scales: vec![1.0; system.model.dofs],
+            turning_length: 1.0,
             nonholonomic: system.model.constraints.iter().any(|joint| joint.physics.is_nonholonomic()),
             is_constant: None,
             allowed: None,

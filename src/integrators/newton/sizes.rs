@@ -1,8 +1,9 @@
 //! Sizes of unknowns and corrections that no unit changes.
 
 use super::Newton;
-use crate::assembly::{Equations, Level, Model, Node, StageSystem, VectorsAvq};
-use crate::elements::{NodeKind, RunScalar};
+use crate::assembly::{Equations, Level, Model, StageSystem, Unknowns, VectorsAvq};
+use crate::elements::RunScalar;
+use crate::integrators::lists::largest_scaled;
 
 /// Correction beyond which nothing is round-off, as a displacement by the model's length.
 pub(super) const NEAR: f64 = 1e-6;
@@ -12,11 +13,7 @@ const NEGLIGIBLE: f64 = 1e-9;
 impl<S: RunScalar> Newton<'_, S> {
     /// Sets the scales of coordinates from the largest coordinate of a point in the model: sizes then do not depend on the unit of length.
     pub(in crate::integrators) fn set_coordinate_scales(&mut self, base: &VectorsAvq<S>, p: &[S]) {
-        let nodes = &self.system.model.nodes;
-        let lengths = nodes.iter().filter(|node| node.kind != NodeKind::Coordinates(node.dofs.len()));
-        let largest = lengths
-            .flat_map(|node| &base.q[node.dofs.start..node.dofs.start + 3])
-            .fold(0.0, |largest: f64, q| largest.max(q.value().abs()));
+        let largest = self.system.largest_length(&base.q);
         // a body whose frame stays at the origin has its length among the parameters
         let own = *self.parameter_length.get_or_insert_with(|| parameter_length(self.system.model, p));
         let length = match own.max(largest) {
@@ -24,22 +21,38 @@ impl<S: RunScalar> Newton<'_, S> {
             _ if largest > NEGLIGIBLE * own => largest,
             _ => own,
         };
-        let turning = |node: &&Node| matches!(node.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
-        for node in nodes.iter().filter(turning) {
-            self.coordinate_scales[node.dofs.start + 3..node.dofs.end].fill(length);
+        if length != self.turning_length {
+            self.turning_length = length;
+            self.system.set_turning(length, &mut self.coordinate_scales);
         }
         self.length = self.size(&base.q).max(length);
     }
 
     /// Largest number of a list of all coordinates, each scaled.
     pub(in crate::integrators) fn size(&self, values: &[S]) -> f64 {
-        values.iter().zip(&self.coordinate_scales).fold(0.0, |s: f64, (x, scale)| s.max(x.value().abs() * scale))
+        largest_scaled(values, &self.coordinate_scales, |x, scale| x.value().abs() * scale)
     }
 
     /// Largest difference of two lists of all coordinates, each scaled.
     pub(in crate::integrators) fn distance(&self, one: &[S], other: &[S]) -> f64 {
         let differences = one.iter().zip(other).map(|(a, b)| (a.value() - b.value()).abs());
         differences.zip(&self.coordinate_scales).fold(0.0, |s: f64, (difference, scale)| s.max(difference * scale))
+    }
+
+    /// Largest multiplier, forces and moments alike in the scale of the factored matrix, which no unit changes.
+    pub(super) fn multiplier_size(&self, unknowns: &Unknowns<S>) -> f64 {
+        let scales = self.factorization.scales();
+        self.system.multiplier_places_of(&unknowns.mu, &unknowns.eta).fold(0.0, |largest: f64, (values, places)| {
+            largest.max(largest_scaled(values, &scales[places], |x, scale| (x.value() / scale).abs()))
+        })
+    }
+
+    /// Largest correction of a multiplier in the last solution, in the same scale.
+    pub(super) fn multiplier_step(&self) -> f64 {
+        let scales = self.factorization.scales();
+        self.system.multiplier_places_of::<f64>(&[], &[]).fold(0.0, |largest: f64, (_, places)| {
+            largest.max(largest_scaled(&self.rhs[places.clone()], &scales[places], |x, scale| (x / scale).abs()))
+        })
     }
 
     /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.

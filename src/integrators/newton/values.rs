@@ -69,13 +69,14 @@ impl<S: RunScalar> Newton<'_, S> {
         let (mut previous_reaction, mut worst_reaction_rate) = (f64::INFINITY, 0.0_f64);
         for iteration in 1..=MOST_ITERATIONS {
             self.evaluate(stage, unknowns);
-            let size = self.residual_size();
-            if !size.is_finite() {
-                return fail(FailureKind::NotFinite, iteration, size);
-            }
-            if self.tolerance == NewtonTolerance::Residual {
+            // of a residual that is no number the correction is none either
+            if self.factored.is_none() || self.tolerance == NewtonTolerance::Residual {
+                let size = self.residual_size();
+                if !size.is_finite() {
+                    return fail(FailureKind::NotFinite, iteration, size);
+                }
                 let first = *first_residual.get_or_insert(size);
-                if size <= 1e-12 || size <= 1e-9 * first {
+                if self.tolerance == NewtonTolerance::Residual && (size <= 1e-12 || size <= 1e-9 * first) {
                     return Ok(());
                 }
             }
@@ -243,20 +244,6 @@ impl<S: RunScalar> Newton<'_, S> {
             }
         };
         used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
-    }
-
-    /// Largest multiplier, forces and moments alike in the scale of the factored matrix, which no unit changes.
-    fn multiplier_size(&self, unknowns: &Unknowns<S>) -> f64 {
-        let sets = [(self.system.multiplier_places(), &unknowns.mu), (self.system.stabilizer_places(), &unknowns.eta)];
-        let all = sets.into_iter().flat_map(|(places, values)| places.iter().zip(values));
-        let sizes = all.filter_map(|(place, value)| Some(self.factorization.scaled((*place)?, value.value()).abs()));
-        sizes.fold(0.0, f64::max)
-    }
-
-    /// Largest correction of a multiplier in the last solution, in the same scale.
-    pub(super) fn multiplier_step(&self) -> f64 {
-        let places = self.system.multiplier_places().iter().chain(self.system.stabilizer_places()).flatten();
-        places.fold(0.0, |largest: f64, &place| largest.max(self.factorization.scaled(place, self.rhs[place]).abs()))
     }
 
     pub(super) fn residual_size(&self) -> f64 {

@@ -1,0 +1,466 @@
+//! Bases along which the unknowns of nodes move, for all nodes of a kind that follow each other at a time.
+
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
+use super::jacobian::Point;
+use super::numbering::{NodeConstraint, System};
+use super::reduction::{NodeReduction, RotationCoordinates};
+use super::{Equations, Level};
+use crate::elements::{NodeKind, RunScalar, State};
+use std::ops::Range;
+
+/// Nodes that follow each other and whose coordinates follow from their unknowns in the same way: everything that they have stands at equal
+/// distances.
+pub(super) struct NodeRun {
+    /// Numbers of the nodes.
+    pub nodes: Range<usize>,
+    /// Their kind.
+    pub kind: NodeKind,
+    /// The way.
+    pub reduction: NodeReduction,
+    /// First coordinate of the first node.
+    pub first_dof: usize,
+    /// Its first unknown, and the number of unknowns of each node, rate corrections counted.
+    pub first_column: usize,
+    pub columns: usize,
+    /// Where the numbers of its bases N_L and N_R begin, and how many each node has.
+    pub first_number: [usize; 2],
+    pub numbers: [usize; 2],
+    /// Place of the constraint inside the first node, if those inside them are eliminated.
+    pub first_local: Option<usize>,
+}
+
+impl NodeRun {
+    /// All nodes of a system.
+    pub fn all(system: &System) -> Vec<NodeRun> {
+        let mut runs: Vec<NodeRun> = Vec::new();
+        for (node, unknowns) in system.nodes.iter().enumerate() {
+            let (reduction, own) = (system.reduction(node), &system.model.nodes[node]);
+            if let Some(last) = runs.last_mut()
+                && last.reduction == reduction
+                && last.takes(system, node)
+            {
+                last.nodes.end = node + 1;
+                continue;
+            }
+            let first_number =
+                runs.last().map_or([0; 2], |run| [0, 1].map(|side| run.numbers_of(run.nodes.end, side).start));
+            runs.push(NodeRun {
+                nodes: node..node + 1,
+                kind: own.kind,
+                reduction,
+                first_dof: own.dofs.start,
+                first_column: unknowns.columns.start,
+                columns: unknowns.columns.len(),
+                first_number,
+                numbers: reduction.numbers(system.options.stabilized),
+                first_local: unknowns.local,
+            });
+        }
+        runs
+    }
+
+    /// Whether a node that follows has the places that this run would give it, and a constraint of the same form inside.
+    fn takes(&self, system: &System, node: usize) -> bool {
+        let (unknowns, place) = (&system.nodes[node], node - self.nodes.start);
+        let form = |local: usize| system.locals[local].form_address();
+        let own = &system.model.nodes[node];
+        own.kind == self.kind
+            && own.dofs == self.dofs(node)
+            && (unknowns.columns.is_empty() || unknowns.columns == self.columns_of(node))
+            && unknowns.local == self.first_local.map(|first| first + place)
+            && unknowns.local.map(form) == self.first_local.map(form)
+    }
+
+    /// The constraints inside its nodes, if those are eliminated.
+    pub fn locals<'s>(&self, system: &'s System) -> &'s [NodeConstraint] {
+        self.first_local.map_or(&[], |first| &system.locals[first..first + self.nodes.len()])
+    }
+
+    /// First coordinate of each node.
+    pub fn starts(&self) -> impl Iterator<Item = usize> {
+        (self.first_dof..).step_by(self.reduction.dofs().max(1)).take(self.nodes.len())
+    }
+
+    fn dofs(&self, node: usize) -> Range<usize> {
+        let (count, place) = (self.reduction.dofs(), node - self.nodes.start);
+        self.first_dof + place * count..self.first_dof + (place + 1) * count
+    }
+
+    fn columns_of(&self, node: usize) -> Range<usize> {
+        let first = self.first_column + (node - self.nodes.start) * self.columns;
+        first..first + self.columns
+    }
+
+    /// Where the numbers of a node's basis stand, N_L (0) or N_R (1).
+    pub fn numbers_of(&self, node: usize, side: usize) -> Range<usize> {
+        let first = self.first_number[side] + (node - self.nodes.start) * self.numbers[side];
+        first..first + self.numbers[side]
+    }
+
+    /// The same of all its nodes.
+    fn all_numbers(&self, side: usize) -> Range<usize> {
+        self.first_number[side]..self.numbers_of(self.nodes.end, side).start
+    }
+
+    /// Coordinates of all its nodes.
+    pub fn all_dofs(&self) -> Range<usize> {
+        self.first_dof..self.dofs(self.nodes.end).start
+    }
+
+    /// Unknowns of all its nodes.
+    fn all_columns(&self) -> Range<usize> {
+        self.first_column..self.columns_of(self.nodes.end).start
+    }
+}
+
+impl System<'_> {
+    /// Largest coordinate of a point among those of nodes.
+    pub(crate) fn largest_length<S: RunScalar>(&self, q: &[S]) -> f64 {
+        let of_points = self.node_runs.iter().filter(|run| run.kind != NodeKind::Coordinates(run.reduction.dofs()));
+        let places = of_points.flat_map(|run| run.starts()).flat_map(|start| start..start + 3);
+        places.fold(0.0, |largest: f64, place| largest.max(q[place].value().abs()))
+    }
+
+    /// Writes the scale of coordinates that turn, behind the lengths of each node, to a list of all coordinates.
+    pub(crate) fn set_turning(&self, scale: f64, scales: &mut [f64]) {
+        let turning = |run: &&NodeRun| matches!(run.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
+        for run in self.node_runs.iter().filter(turning) {
+            for start in run.starts() {
+                scales[start + 3..start + run.reduction.dofs()].fill(scale);
+            }
+        }
+    }
+
+    /// Multipliers of constraints, then those of rate corrections: numbers of each, from lists of all or none, that follow each other in the
+    /// matrix, and where.
+    pub(crate) fn multiplier_places_of<'v, S>(
+        &self,
+        mu: &'v [S],
+        eta: &'v [S],
+    ) -> impl Iterator<Item = (&'v [S], Range<usize>)> {
+        let sets = [(&self.multiplier_runs, mu), (&self.stabilizer_runs, eta)];
+        sets.into_iter().flat_map(|(runs, values)| {
+            runs.iter().map(move |run| (values.get(run.equations.clone()).unwrap_or_default(), run.unknowns()))
+        })
+    }
+}
+
+/// Bases of all nodes: N_L at right angles to the reaction inside a node, N_R to its equations.
+#[derive(Default)]
+pub(super) struct Bases {
+    /// The numbers that they are made of, node after node: scaled coordinates where the others turn rigidly, all entries (row-major) of
+    /// other bases, none where unknowns are coordinates.
+    numbers: [Vec<f64>; 2],
+    /// Coordinates of one node combined with their rates, and entries of a basis.
+    work: Vec<f64>,
+}
+
+/// The reaction's side: rows of the matrix.
+pub(super) const LEFT: usize = 0;
+/// The unknowns' side: columns of the matrix.
+pub(super) const RIGHT: usize = 1;
+
+impl Bases {
+    /// The numbers of all N_L, or of all N_R.
+    pub fn numbers(&self, side: usize) -> &[f64] {
+        &self.numbers[side]
+    }
+
+    /// The bases at a point.
+    pub fn set(&mut self, system: &System, equations: &Equations, point: &Point) {
+        let (at, reaction_at) = (&point.constraint_at, point.reaction(equations));
+        let Bases { numbers, work } = self;
+        for side in [LEFT, RIGHT] {
+            numbers[side].resize(system.node_runs.last().map_or(0, |run| run.all_numbers(side).end), 0.0);
+        }
+        let [left, right] = numbers;
+        // rows are linear in the coordinates: at this level those of a combination of them and their rates
+        let [by_value, by_rate, by_second] = equations.row_weights();
+        let combined = |i: usize| by_value * at.q[i] + by_rate * at.v[i] + by_second * at.a[i];
+        for run in &system.node_runs {
+            let (lefts, rights) = (&mut left[run.all_numbers(LEFT)], &mut right[run.all_numbers(RIGHT)]);
+            match run.reduction {
+                NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => {}
+                NodeReduction::RotationCoordinates { free, turning } => {
+                    let count = turning.coordinates();
+                    let both = lefts.chunks_exact_mut(count).zip(rights.chunks_exact_mut(count));
+                    for ((left, right), start) in both.zip(run.starts().map(|start| start + free)) {
+                        left.copy_from_slice(&reaction_at.q[start..start + count]);
+                        turning.scale(left);
+                        right.iter_mut().zip(start..).for_each(|(own, i)| *own = combined(i));
+                        turning.scale(right);
+                    }
+                }
+                NodeReduction::Dense { .. } => {
+                    let stabilized = equations.level == Level::Stabilized;
+                    let copies = if stabilized { 2 } else { 1 };
+                    for (place, local) in run.locals(system).iter().enumerate() {
+                        let (dofs, count) = (run.dofs(run.nodes.start + place), local.equations.len());
+                        let reaction = super::local::reaction_rows(local, &reaction_at.q[dofs.clone()]);
+                        super::local::complement(&reaction, count, dofs.len(), work);
+                        lefts[place * run.numbers[LEFT]..][..run.numbers[LEFT]].copy_from_slice(work);
+                        let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
+                        let rows = super::local::equation_rows(local, equations, state);
+                        super::local::complement(&rows, copies * count, copies * dofs.len(), work);
+                        rights[place * run.numbers[RIGHT]..][..run.numbers[RIGHT]].copy_from_slice(work);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Those of one node.
+    pub fn of_node(&self, system: &System, node: usize) -> NodeBases<'_> {
+        let run = &system.node_runs[system.node_runs.partition_point(|run| run.nodes.end <= node)];
+        let of = |side: usize| &self.numbers[side][run.numbers_of(node, side)];
+        NodeBases { reduction: run.reduction, left: of(LEFT), right: of(RIGHT), stabilized: system.options.stabilized }
+    }
+
+    /// N_L^T (f, y) of every node, times a factor, in place of its unknowns.
+    pub fn restrict_left<S: Copy>(
+        &self,
+        system: &System,
+        [f, y]: [&[S]; 2],
+        (value, factor): (impl Fn(S) -> f64, f64),
+        reduced: &mut [f64],
+    ) {
+        let set = |own: &mut f64, sum: f64| *own = sum * factor;
+        for run in &system.node_runs {
+            if !system.options.stabilized {
+                restrict_run(run, &self.numbers[LEFT][run.all_numbers(LEFT)], (f, &value), set, reduced);
+                continue;
+            }
+            for node in run.nodes.clone() {
+                let (bases, dofs) = (self.of_node(system, node), run.dofs(node));
+                let (own, second) = reduced[run.columns_of(node)].split_at_mut(run.columns / 2);
+                for (values, own) in [(f, own), (y, second)] {
+                    for (row, own) in own.iter_mut().enumerate() {
+                        let along = dofs.clone().enumerate().map(|(i, dof)| bases.left(i, row) * value(values[dof]));
+                        *own = along.sum::<f64>() * factor;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds N_R^T (x, y) of every node to its unknowns.
+    pub fn restrict_right(&self, system: &System, [x, y]: [&[f64]; 2], reduced: &mut [f64]) {
+        let add = |own: &mut f64, sum: f64| *own += sum;
+        for run in &system.node_runs {
+            if !system.options.stabilized {
+                restrict_run(run, &self.numbers[RIGHT][run.all_numbers(RIGHT)], (x, &|x| x), add, reduced);
+                continue;
+            }
+            for node in run.nodes.clone() {
+                let (bases, dofs) = (self.of_node(system, node), run.dofs(node));
+                for (column, own) in reduced[run.columns_of(node)].iter_mut().enumerate() {
+                    for (i, dof) in dofs.clone().enumerate() {
+                        let (dx, dy) = bases.direction(i, column);
+                        *own += dx * x[dof] + if dy == 0.0 { 0.0 } else { dy * y[dof] };
+                    }
+                }
+            }
+        }
+    }
+
+    /// (f, y) += N_L reduced for every node.
+    pub fn prolong_left(&self, system: &System, reduced: &[f64], f: &mut [f64], y: &mut [f64]) {
+        let add = |to: &mut [f64], first: usize, changes: &[f64]| {
+            to[first..first + changes.len()].iter_mut().zip(changes).for_each(|(own, change)| *own += change);
+        };
+        for run in &system.node_runs {
+            if !system.options.stabilized {
+                let numbers = &self.numbers[LEFT][run.all_numbers(LEFT)];
+                prolong_run(run, numbers, reduced, |first, changes| add(f, first, changes));
+                continue;
+            }
+            for node in run.nodes.clone() {
+                let (bases, own) = (self.of_node(system, node), &reduced[run.columns_of(node)]);
+                let (own, second) = own.split_at(run.columns / 2);
+                for (i, dof) in run.dofs(node).enumerate() {
+                    let along = |own: &[f64]| own.iter().enumerate().map(|(row, own)| bases.left(i, row) * own).sum::<f64>();
+                    f[dof] += along(own);
+                    y[dof] += along(second);
+                }
+            }
+        }
+    }
+
+    /// Gives out N_R reduced of every node: `change(first, (d x, ..), (d y, ..))` for coordinates that follow each other; d y is empty
+    /// without rate corrections.
+    pub fn prolong_right(&self, system: &System, reduced: &[f64], mut change: impl FnMut(usize, &[f64], &[f64])) {
+        for run in &system.node_runs {
+            if !system.options.stabilized {
+                let numbers = &self.numbers[RIGHT][run.all_numbers(RIGHT)];
+                prolong_run(run, numbers, reduced, |first, changes| change(first, changes, &[]));
+                continue;
+            }
+            for node in run.nodes.clone() {
+                let (bases, own) = (self.of_node(system, node), &reduced[run.columns_of(node)]);
+                for (i, dof) in run.dofs(node).enumerate() {
+                    let (mut x, mut y) = (0.0, 0.0);
+                    for (column, own) in own.iter().enumerate() {
+                        let (dx, dy) = bases.direction(i, column);
+                        (x, y) = (x + dx * own, y + dy * own);
+                    }
+                    change(dof, &[x], &[y]);
+                }
+            }
+        }
+    }
+}
+
+/// Calls `put(unknown, entry of N^T x)` for all unknowns of a run, with the numbers of its bases.
+#[inline(always)]
+fn restrict_run<S: Copy>(
+    run: &NodeRun,
+    numbers: &[f64],
+    (x, value): (&[S], &impl Fn(S) -> f64),
+    put: impl Fn(&mut f64, f64),
+    reduced: &mut [f64],
+) {
+    let (x, reduced) = (&x[run.all_dofs()], &mut reduced[run.all_columns()]);
+    match run.reduction {
+        NodeReduction::Fixed { .. } => {}
+        NodeReduction::Free { .. } => reduced.iter_mut().zip(x).for_each(|(own, &x)| put(own, value(x))),
+        NodeReduction::RotationCoordinates { free: 3, turning: RotationCoordinates::Euler } => {
+            restrict_turning::<S, 4>((3, RotationCoordinates::Euler), numbers, (x, value), put, reduced);
+        }
+        NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Euler } => {
+            restrict_turning::<S, 4>((free, RotationCoordinates::Euler), numbers, (x, value), put, reduced);
+        }
+        NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
+            restrict_turning::<S, 9>((free, RotationCoordinates::Axes), numbers, (x, value), put, reduced);
+        }
+        NodeReduction::Dense { dofs, unknowns } => {
+            let nodes = x.chunks_exact(dofs).zip(reduced.chunks_exact_mut(unknowns));
+            for ((x, own), basis) in nodes.zip(numbers.chunks_exact(dofs * unknowns)) {
+                for (column, own) in own.iter_mut().enumerate() {
+                    let rows = basis.chunks_exact(unknowns).zip(x);
+                    put(own, rows.fold(0.0, |sum, (row, &x)| sum + row[column] * value(x)));
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn restrict_turning<S: Copy, const COORDINATES: usize>(
+    (free, turning): (usize, RotationCoordinates),
+    numbers: &[f64],
+    (x, value): (&[S], &impl Fn(S) -> f64),
+    put: impl Fn(&mut f64, f64),
+    reduced: &mut [f64],
+) {
+    let nodes = x.chunks_exact(free + COORDINATES).zip(reduced.chunks_exact_mut(free + 3));
+    for ((x, own), scaled) in nodes.zip(numbers.as_chunks::<COORDINATES>().0) {
+        let rows = turning.rows(scaled);
+        let ((moving, turned), (own, turns)) = (x.split_at(free), own.split_at_mut(free));
+        own.iter_mut().zip(moving).for_each(|(own, &x)| put(own, value(x)));
+        let mut sums = [0.0; 3];
+        for (row, &x) in rows.iter().zip(turned) {
+            let x = value(x);
+            for axis in 0..3 {
+                sums[axis] += row[axis] * x;
+            }
+        }
+        turns.iter_mut().zip(sums).for_each(|(own, sum)| put(own, sum));
+    }
+}
+
+/// Calls `change(first coordinate, changes)` with N times the unknowns of a run, for coordinates that follow each other.
+#[inline(always)]
+fn prolong_run(run: &NodeRun, numbers: &[f64], reduced: &[f64], mut change: impl FnMut(usize, &[f64])) {
+    let (first, reduced) = (run.first_dof, &reduced[run.all_columns()]);
+    match run.reduction {
+        NodeReduction::Fixed { .. } => {}
+        NodeReduction::Free { .. } => change(first, reduced),
+        NodeReduction::RotationCoordinates { free: 3, turning: RotationCoordinates::Euler } => {
+            prolong_turning::<4>((3, RotationCoordinates::Euler), numbers, reduced, first, change);
+        }
+        NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Euler } => {
+            prolong_turning::<4>((free, RotationCoordinates::Euler), numbers, reduced, first, change);
+        }
+        NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
+            prolong_turning::<9>((free, RotationCoordinates::Axes), numbers, reduced, first, change);
+        }
+        NodeReduction::Dense { dofs, unknowns } => {
+            let rows = numbers.chunks_exact(unknowns.max(1));
+            for (place, row) in rows.enumerate() {
+                let own = &reduced[place / dofs * unknowns..][..unknowns];
+                change(first + place, &[row.iter().zip(own).fold(0.0, |sum, (weight, own)| sum + weight * own)]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn prolong_turning<const COORDINATES: usize>(
+    (free, turning): (usize, RotationCoordinates),
+    numbers: &[f64],
+    reduced: &[f64],
+    first: usize,
+    mut change: impl FnMut(usize, &[f64]),
+) {
+    let nodes = reduced.chunks_exact(free + 3).zip(numbers.as_chunks::<COORDINATES>().0);
+    for ((own, scaled), dof) in nodes.zip((first..).step_by(free + COORDINATES)) {
+        let (moving, turns) = own.split_at(free);
+        change(dof, moving);
+        let turned = turning.rows(scaled).map(|row| row[0] * turns[0] + row[1] * turns[1] + row[2] * turns[2]);
+        change(dof + free, &turned);
+    }
+}
+
+/// The bases of one node.
+pub(super) struct NodeBases<'b> {
+    pub reduction: NodeReduction,
+    left: &'b [f64],
+    right: &'b [f64],
+    stabilized: bool,
+}
+
+impl NodeBases<'_> {
+    /// The numbers of N_L and N_R where coordinates turn like Euler parameters behind lengths, without rate corrections.
+    pub fn of_euler_parameters(&self) -> Option<[&[f64; 4]; 2]> {
+        let euler = NodeReduction::RotationCoordinates { free: 3, turning: RotationCoordinates::Euler };
+        if self.reduction != euler {
+            return None;
+        }
+        Some([self.left.first_chunk()?, self.right.first_chunk()?])
+    }
+
+    /// An entry of N_L.
+    pub fn left(&self, dof: usize, row: usize) -> f64 {
+        self.entry(self.left, dof, row, self.reduction.unknowns())
+    }
+
+    /// (d x, d y) of a coordinate along a column.
+    pub fn direction(&self, dof: usize, column: usize) -> (f64, f64) {
+        let copies = if self.stabilized { 2 } else { 1 };
+        let (dofs, columns) = (self.reduction.dofs(), copies * self.reduction.unknowns());
+        let entry = |row: usize| self.entry(self.right, row, column, columns);
+        (entry(dof), if self.stabilized { entry(dof + dofs) } else { 0.0 })
+    }
+
+    fn entry(&self, numbers: &[f64], row: usize, column: usize, columns: usize) -> f64 {
+        let unit = |row: usize| f64::from(u8::from(row == column));
+        match self.reduction {
+            NodeReduction::Fixed { .. } => 0.0,
+            NodeReduction::Free { .. } => unit(row),
+            NodeReduction::RotationCoordinates { free, .. } if row < free || column < free => unit(row),
+            NodeReduction::RotationCoordinates { free, turning } => {
+                let signed = |(place, negated): (usize, bool)| if negated { -numbers[place] } else { numbers[place] };
+                turning.entry(row - free, column - free).map_or(0.0, signed)
+            }
+            NodeReduction::Dense { .. } => numbers[row * columns + column],
+        }
+    }
+}
+
+/// Where the numbers of each node's bases begin: N_L, N_R.
+pub(super) fn starts_of_numbers(system: &System) -> Vec<[Range<usize>; 2]> {
+    let runs = system.node_runs.iter();
+    runs.flat_map(|run| run.nodes.clone().map(|node| [LEFT, RIGHT].map(|side| run.numbers_of(node, side)))).collect()
+}
