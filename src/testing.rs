@@ -574,10 +574,10 @@ impl<'s> Assembled<'s> {
         let copies = if equations.level == Level::Stabilized { 2 } else { 1 };
         for t in self.times() {
             let mut unknowns = Self::unknowns(&system);
-            let (mut real, mut jacobian) = (Residual::new(&system), Jacobian::new(&system));
+            let (mut real, mut jacobian) = (Residual::default(), Jacobian::default());
             real.evaluate(&system, StageSystem { equations, base: &self.at, p: &self.p, t }, &mut unknowns);
             jacobian.assemble(&system, equations, &real, &unknowns, &self.p, t);
-            let mut complex = Residual::new(&system);
+            let mut complex = Residual::default();
             let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
             // places of the rows of a sample in the matrix: F, Y, G, second set of G
             let places = |index: usize| -> [Vec<usize>; 4] {
@@ -629,7 +629,7 @@ impl<'s> Assembled<'s> {
         let unknowns = Self::unknowns(&system);
         let adjoints = Self::adjoints(&system);
         let (at, p) = (self.complex_at(), lift::<Complex64>(&self.p));
-        let mut complex = Residual::new(&system);
+        let mut complex = Residual::default();
         let mut product_of = |argument: Argument, place: usize| -> Vec<f64> {
             let (mut at, mut p) = (at.clone(), p.clone());
             self.step(argument, place, &mut at, &mut p);

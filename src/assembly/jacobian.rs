@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 /// The matrix of one system at one point, with the bases along which the unknowns of each node move.
 ///
-/// Programs of elements and constraints give N_L^T J N_R of each without J.
+/// Programs of elements and constraints give N_L^T J N_R of each without J. It takes memory when it is first assembled.
+#[derive(Default)]
 pub struct Jacobian {
     /// Values in the order of the system's pattern.
     pub values: Vec<f64>,
@@ -76,19 +77,6 @@ impl Point {
 }
 
 impl Jacobian {
-    /// Storage for a system.
-    pub fn new(system: &System) -> Self {
-        Jacobian {
-            values: vec![0.0; system.pattern.rows.len()],
-            bases: Bases::default(),
-            point: Point::default(),
-            work: BatchWork::default(),
-            evaluated: 0,
-            relief: Relief::default(),
-            is_relieved: false,
-        }
-    }
-
     /// From now on the stresses in the matrix at the point of `residual` are those that a linear course of all strains along `change` from
     /// the coordinates `before` gives: a bent beam of great axial stiffness is stretched by the correction that bends it, which the next one
     /// takes back without fighting the stress that it makes. Once corrections vanish, so does the difference.
@@ -162,7 +150,8 @@ impl Jacobian {
         let mut point = std::mem::take(&mut self.point);
         point.set(residual, unknowns);
         self.bases.set(system, equations, &point);
-        self.values.fill(0.0);
+        self.values.clear();
+        self.values.resize(system.pattern.rows.len(), 0.0);
         self.add_elements(system, (equations, Force::of(equations)), &point, p, t);
         if self.is_relieved {
             point.unknowns.local_mu.iter_mut().zip(&self.relief.local_mu).for_each(|(mu, own)| *mu += own);

@@ -4,11 +4,13 @@
 //! (at acceleration level A + 2 beta dA/dt + ..., so C is not B^T), the matrix gets N_L^T J N_R, where N_L is orthogonal to B and
 //! N_R to C, both orthonormal. Unknowns move along N_R and are then brought back onto the node's equations.
 
+use super::bases::NodeRun;
 use super::numbering::{NodeConstraint, System};
 use super::quadratic::UnitLength;
 use super::residual::{LocalVec, select};
 use super::{Equations, Level, Rates, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{RunScalar, State};
+use crate::linalg::{Kernel, dispatch};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
 
@@ -195,9 +197,7 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
     for run in &system.node_runs {
         let locals = run.locals(system);
         if let Some(unit) = locals.first().and_then(|local| local.form.unit_length()) {
-            for start in run.starts() {
-                correct_unit_length(unit, start, equations, [by_value, by_rate, by_second], base, unknowns);
-            }
+            dispatch(CorrectUnitLengths { unit, run, equations, weights: [by_value, by_rate, by_second], base, unknowns });
             continue;
         }
         for local in locals {
@@ -228,6 +228,27 @@ fn correct_once<S: RunScalar>(system: &System, equations: &Equations, base: &Vec
     }
 }
 
+/// One correction of the Euler parameters of all nodes of a run.
+struct CorrectUnitLengths<'r, S> {
+    unit: UnitLength,
+    run: &'r NodeRun,
+    equations: &'r Equations,
+    weights: [f64; 3],
+    base: &'r VectorsAvq<S>,
+    unknowns: &'r mut Unknowns<S>,
+}
+
+impl<S: RunScalar> Kernel for CorrectUnitLengths<'_, S> {
+    type Output = ();
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) {
+        let CorrectUnitLengths { unit, run, equations, weights, base, unknowns } = self;
+        for start in run.starts() {
+            correct_unit_length(unit, start, equations, weights, base, unknowns);
+        }
+    }
+}
+
 /// Corrects Euler parameters of a node until they have unit length to round-off.
 fn restore_unit_length<S: RunScalar>(
     unit: UnitLength,
@@ -249,6 +270,7 @@ fn restore_unit_length<S: RunScalar>(
 }
 
 /// One correction of Euler parameters of a node that starts at a coordinate. Returns what was corrected, 0 for round-off.
+#[inline(always)]
 fn correct_unit_length<S: RunScalar>(
     unit: UnitLength,
     start: usize,
@@ -259,8 +281,11 @@ fn correct_unit_length<S: RunScalar>(
 ) -> f64 {
     let StageCoefficients { gamma, beta, alpha } = equations.constraint;
     let places = start + unit.first..start + unit.first + 4;
-    let x = &mut unknowns.x[places.clone()];
-    let own = |base: &[S], factor: f64| std::array::from_fn::<S, 4, _>(|i| base[places.start + i] + x[i] * factor);
+    let x: &mut [S; 4] = unknowns.x[places.clone()].first_chunk_mut().expect("four parameters");
+    let own = |base: &[S], factor: f64| -> [S; 4] {
+        let base: &[S; 4] = base[places.clone()].first_chunk().expect("four parameters");
+        std::array::from_fn(|i| base[i] + x[i] * factor)
+    };
     let (a, v, q) = (own(&base.a, gamma), own(&base.v, beta), own(&base.q, alpha));
     let size = |x: &[S; 4], y: &[S; 4]| (0..4).fold(0.0, |sum, i| sum + (x[i].value() * y[i].value()).abs());
     let (gap, terms) = match equations.level {

@@ -26,7 +26,7 @@ fn neighbour<S: Scalar>(value: S, place: usize) -> S {
     value * (1.0 + if up { f64::EPSILON } else { -f64::EPSILON })
 }
 
-/// Residuals of one system at one point, with the workspace to evaluate them.
+/// Residuals of one system at one point, with the workspace to evaluate them, which takes memory at its first use.
 pub struct Residual<S> {
     /// Point at which R is evaluated.
     pub at: VectorsAvq<S>,
@@ -66,27 +66,39 @@ struct Floor {
     own_p: Vec<f64>,
 }
 
-impl<S: RunScalar> Residual<S> {
-    /// Workspace for a system.
-    pub fn new(system: &System) -> Self {
-        let dofs = system.model.dofs;
-        let second = |n: usize| vec![S::zero(); if system.options.stabilized { n } else { 0 }];
+impl<S> Default for Residual<S> {
+    fn default() -> Self {
         Residual {
-            at: VectorsAvq::zeros(dofs),
-            constraint_at: VectorsAvq::zeros(dofs),
-            f: vec![S::zero(); dofs],
-            y: second(dofs),
-            g: vec![S::zero(); system.multipliers()],
-            g_second: second(system.multipliers()),
+            at: VectorsAvq::default(),
+            constraint_at: VectorsAvq::default(),
+            f: Vec::new(),
+            y: Vec::new(),
+            g: Vec::new(),
+            g_second: Vec::new(),
             keep_values: false,
             last_bits: false,
             reaction_at: VectorsAvq::default(),
-            base: vec![S::zero(); dofs],
+            base: Vec::new(),
             constraint_base: VectorsAvq::default(),
             work: BatchWork::default(),
             restored: VectorsAvq::default(),
             floor: Floor::default(),
         }
+    }
+}
+
+impl<S: RunScalar> Residual<S> {
+    /// Numbers for a system.
+    fn make_room(&mut self, system: &System) {
+        let (dofs, rows) = (system.model.dofs, system.multipliers());
+        if self.f.len() == dofs && self.g.len() == rows {
+            return;
+        }
+        let second = |n: usize| if system.options.stabilized { n } else { 0 };
+        let lists = [(&mut self.f, dofs), (&mut self.base, dofs), (&mut self.g, rows)];
+        let seconds = [(&mut self.y, second(dofs)), (&mut self.g_second, second(rows))];
+        lists.into_iter().chain(seconds).for_each(|(list, length)| list.resize(length, S::zero()));
+        (self.at, self.constraint_at) = (VectorsAvq::zeros(dofs), VectorsAvq::zeros(dofs));
     }
 
     /// Zero unknowns for a system.
@@ -113,6 +125,7 @@ impl<S: RunScalar> Residual<S> {
     /// Prepares for a solve from `base`: of a metric that is a difference, R there is what is subtracted.
     pub fn start(&mut self, system: &System, stage: StageSystem<S>) {
         let StageSystem { equations, base, p, t } = stage;
+        self.make_room(system);
         if equations.is_difference() {
             self.add_elements(system, Force::Residual, base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
@@ -136,6 +149,7 @@ impl<S: RunScalar> Residual<S> {
     /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F, Y and G.
     pub fn evaluate(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
         let StageSystem { equations, base, p, t } = stage;
+        self.make_room(system);
         // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
         let corrections = if S::PARTS == 0 { 1 } else { RESTORATIONS };
         let mut moved = std::mem::take(&mut self.constraint_base);

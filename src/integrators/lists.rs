@@ -78,10 +78,9 @@ impl<S: RunScalar> Kernel for Exchange<'_, '_, S> {
             let mut own = *left;
             for ((factor, list), most) in differences.iter_mut().zip(&mut most) {
                 let list: &mut [S; BLOCK] = list[place * BLOCK..].first_chunk_mut().expect("lists of one length");
+                let before = std::mem::replace(list, own);
                 for i in 0..BLOCK {
-                    let expected = list[i] * *factor;
-                    list[i] = own[i];
-                    own[i] -= expected;
+                    own[i] -= before[i] * *factor;
                 }
                 if let Some(scales) = scales {
                     let scales = block(scales, place * BLOCK);

@@ -50,7 +50,7 @@ pub(super) fn dependent_equations<S: RunScalar>(
     let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
     let (model, p) = (problem.model, real(&problem.p));
     let system = System::new(model, SystemOptions::default());
-    let (mut residual, mut jacobian) = (Residual::<f64>::new(&system), Jacobian::new(&system));
+    let (mut residual, mut jacobian) = (Residual::<f64>::default(), Jacobian::default());
     let mut unknowns = Residual::unknowns(&system);
     let base = VectorsAvq { a: vec![0.0; model.dofs], v: real(v), q: real(q) };
     let equations = Equations::acceleration();

@@ -91,7 +91,7 @@ pub fn vibrations(
     }
     let zeros = vec![0.0; problem.model.dofs];
     let base = VectorsAvq { a: zeros.clone(), v: zeros, q: problem.start.q.clone() };
-    let mass = Jacobian::new(&system);
+    let mass = Jacobian::default();
     let mut operator = Operator { problem, newton, mass, nodes, base, t };
     let largest = operator.largest_ratio();
     let floor = |shift: f64| ZERO * shift + NOISE * largest;
@@ -189,7 +189,7 @@ impl Operator<'_> {
         self.assemble_mass();
         let equations = Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position);
         let Newton { system, residual, .. } = &mut self.newton;
-        let mut stiffness = Jacobian::new(system);
+        let mut stiffness = Jacobian::default();
         let stage = StageSystem { equations: &equations, base: &self.base, p, t: self.t };
         residual.evaluate(system, stage, &mut unknowns);
         stiffness.assemble(system, &equations, residual, &unknowns, p, self.t);

@@ -133,15 +133,15 @@ impl Factorization {
             Backend::Multifrontal | Backend::Automatic => multifrontal(),
         };
         let plan = SolverPlan { backend, unknowns: n, entries: pattern.rows.len(), work };
-        Ok(Self::of(solver, plan, pattern.clone()))
+        Ok(Self::of(solver, plan, pattern.clone(), Scaling::new(pattern.clone())))
     }
 
-    fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>) -> Self {
+    fn of(solver: Box<dyn LinearSolver>, plan: SolverPlan, pattern: Arc<SparsePattern>, scaling: Scaling) -> Self {
         Factorization {
             plan,
             solver,
-            scaled: vec![0.0; pattern.rows.len()],
-            scaling: Scaling::new(pattern.clone()),
+            scaled: Vec::new(),
+            scaling,
             largest: 0.0,
             is_careful: false,
             pattern,
@@ -161,7 +161,7 @@ impl Factorization {
     /// As for [`Factorization::new`].
     pub fn another(&self) -> Result<Self, Singular> {
         let Some(solver) = self.solver.another() else { return Factorization::new(&self.pattern, self.plan.backend) };
-        Ok(Self::of(solver, self.plan, self.pattern.clone()))
+        Ok(Self::of(solver, self.plan, self.pattern.clone(), self.scaling.another()))
     }
 
     /// Factors values given in the order of the pattern; the first ones are examined for singularity.
@@ -189,6 +189,7 @@ impl Factorization {
 
     fn factor_scaled(&mut self, values: &[f64]) -> Result<(), Singular> {
         self.scaling.set(values, self.largest, self.is_careful);
+        self.scaled.resize(values.len(), 0.0);
         self.scaling.apply(values, &mut self.scaled);
         self.solver.factor(&self.scaled)?;
         if !self.checked {

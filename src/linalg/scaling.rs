@@ -32,9 +32,7 @@ pub struct Scaling {
     pub rows: Vec<f64>,
     /// Scales of columns.
     pub columns: Vec<f64>,
-    groups: ColumnGroups,
-    /// Place of each diagonal entry.
-    diagonal: Vec<u32>,
+    layout: Arc<Layout>,
     /// Unknowns without a diagonal entry to be scaled by, as multipliers.
     weak: Vec<u32>,
     /// Places and columns of the entries in their rows, and where those of each begin.
@@ -45,30 +43,44 @@ pub struct Scaling {
     weak_rows: Vec<[u32; 2]>,
     /// Numbers of weak unknowns whose columns have the same rows: first and end.
     weak_columns: Vec<[u32; 2]>,
-    /// Workspace: rows, places and columns while they are sorted, and strengths of ties with the numbers of weak
-    /// unknowns.
-    listed: Vec<(u32, u32, u32)>,
+    /// Workspace: strengths of ties with the numbers of weak unknowns.
     order: Vec<(f64, usize)>,
     /// Whether some of them are tied to each other.
     is_mixed: bool,
 }
 
+/// What all scalings of a pattern share.
+struct Layout {
+    groups: ColumnGroups,
+    /// Place of each diagonal entry.
+    diagonal: Vec<u32>,
+}
+
 impl Scaling {
-    /// Of a pattern; all scales are 1.
+    /// Of a pattern; there are no scales before values are given.
     pub fn new(pattern: Arc<SparsePattern>) -> Self {
-        let n = pattern.size;
         assert!(pattern.rows.len() < NO_PLACE as usize, "{} entries are more than 2^32", pattern.rows.len());
+        let place = |i: usize| pattern.position(i, i).map_or(NO_PLACE, |place| place as u32);
+        let diagonal = (0..pattern.size).map(place).collect();
+        let layout = Arc::new(Layout { groups: ColumnGroups::new(pattern.clone()), diagonal });
+        Self::of(pattern, layout)
+    }
+
+    /// Another one of the pattern.
+    pub fn another(&self) -> Self {
+        Self::of(self.pattern.clone(), self.layout.clone())
+    }
+
+    fn of(pattern: Arc<SparsePattern>, layout: Arc<Layout>) -> Self {
         Scaling {
-            rows: vec![1.0; n],
-            columns: vec![1.0; n],
-            groups: ColumnGroups::new(pattern.clone()),
-            diagonal: (0..n).map(|i| pattern.position(i, i).map_or(NO_PLACE, |place| place as u32)).collect(),
+            rows: Vec::new(),
+            columns: Vec::new(),
+            layout,
             weak: Vec::new(),
             weak_entries: Vec::new(),
             weak_starts: vec![0],
             weak_rows: Vec::new(),
             weak_columns: Vec::new(),
-            listed: Vec::new(),
             order: Vec::new(),
             is_mixed: false,
             pattern,
@@ -84,6 +96,8 @@ impl Scaling {
     /// * `largest`    of the values
     /// * `is_careful` whether unknowns that multipliers tie to far stiffer ones count as weak
     pub fn set(&mut self, values: &[f64], largest: f64, is_careful: bool) {
+        let size = self.pattern.size;
+        [&mut self.rows, &mut self.columns].into_iter().for_each(|scales| scales.resize(size, 1.0));
         let found = dispatch_vectors(ByDiagonals { scaling: self, values, largest });
         if !found {
             self.find_weak();
@@ -100,7 +114,7 @@ impl Scaling {
 
     /// The values in the scales of now.
     pub fn apply(&self, values: &[f64], scaled: &mut [f64]) {
-        self.groups.scale(values, &self.rows, &self.columns, scaled);
+        self.layout.groups.scale(values, &self.rows, &self.columns, scaled);
     }
 
     /// Largest entry of a row of a weak unknown in the columns scaled by now.
@@ -145,7 +159,7 @@ impl Scaling {
                 let is_tied = row > 0.0 && column > 0.0;
                 if is_tied {
                     let (row, column) = (inverse_power(row), inverse_power(column));
-                    let diagonal = values.get(self.diagonal[unknown] as usize).map_or(0.0, |value| value.abs());
+                    let diagonal = values.get(self.layout.diagonal[unknown] as usize).map_or(0.0, |value| value.abs());
                     let own = diagonal * row * column;
                     // what is left of a diagonal does not outgrow the rest
                     let shrunk = if own > 1.0 { inverse_power(own.sqrt()) } else { 1.0 };
@@ -188,8 +202,7 @@ impl Scaling {
     fn find_weak(&mut self) {
         self.weak.clear();
         self.weak.extend((0..self.pattern.size as u32).filter(|&unknown| self.columns[unknown as usize] == 0.0));
-        let mut entries = std::mem::take(&mut self.listed);
-        entries.clear();
+        let mut entries: Vec<(u32, u32, u32)> = Vec::new();
         for column in 0..self.pattern.size {
             let own = self.entries(column).map(|place| (self.pattern.rows[place] as u32, place as u32, column as u32));
             entries.extend(own.filter(|&(row, ..)| self.columns[row as usize] == 0.0));
@@ -200,7 +213,6 @@ impl Scaling {
         let start = |&row: &u32| entries.partition_point(|entry| entry.0 < row) as u32;
         self.weak_starts.clear();
         self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len() as u32]));
-        self.listed = entries;
         self.group_weak();
         self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.columns[column as usize] == 0.0);
     }
@@ -209,12 +221,12 @@ impl Scaling {
 impl Scaling {
     /// Finds weak unknowns whose rows, or columns, are looked at together.
     fn group_weak(&mut self) {
-        let Scaling { pattern, groups, weak, weak_entries, weak_starts, weak_rows, weak_columns, .. } = self;
+        let Scaling { pattern, layout, weak, weak_entries, weak_starts, weak_rows, weak_columns, .. } = self;
         let entries = |number: u32| {
             let number = number as usize;
             &weak_entries[weak_starts[number] as usize..weak_starts[number + 1] as usize]
         };
-        let group = |number: u32| groups.of(weak[number as usize]);
+        let group = |number: u32| layout.groups.of(weak[number as usize]);
         weak_rows.clear();
         weak_columns.clear();
         for number in 0..weak.len() as u32 {
@@ -283,13 +295,13 @@ impl VectorKernel for ByDiagonals<'_> {
     type Output = bool;
     #[inline(always)]
     fn run<I: Instructions>(self) -> bool {
-        let Scaling { pattern, rows, columns, diagonal, weak, .. } = self.scaling;
+        let Scaling { pattern, rows, columns, layout, weak, .. } = self.scaling;
         let values = self.values;
         assert_eq!(values.len(), pattern.rows.len(), "values and entries of the pattern");
         // what is large enough beside all values is so beside those of its column
         let surely_large = SMALL_DIAGONAL * self.largest;
         let (mut next, mut same) = (0, true);
-        for (unknown, (&place, (row, column))) in diagonal.iter().zip(rows.iter_mut().zip(columns)).enumerate() {
+        for (unknown, (&place, (row, column))) in layout.diagonal.iter().zip(rows.iter_mut().zip(columns)).enumerate() {
             let diagonal = if let Some(value) = values.get(place as usize) { value.abs() } else { 0.0 };
             let is_large = diagonal > surely_large
                 || diagonal > 0.0 && {

@@ -151,8 +151,8 @@ impl<'m> TransposedSolver<'m> {
 
     fn of(system: Arc<System<'m>>, factorization: Factorization, active: &'m [bool]) -> Self {
         TransposedSolver {
-            residual: Residual::new(&system),
-            jacobian: Jacobian::new(&system),
+            residual: Residual::default(),
+            jacobian: Jacobian::default(),
             system,
             factorization,
             unknowns: Unknowns::default(),

@@ -173,12 +173,12 @@ pub fn assembled<'s>(system: &'s System<'s>) -> [Measured<'s>; 2] {
     let numbers = |scale: f64, n: usize| -> Vec<f64> { (0..n).map(|i| scale * (1.3 * i as f64).sin()).collect() };
     let base = VectorsAvq { a: numbers(1.0, n), v: numbers(0.5, n), q: start(system.model) };
     let p: Vec<f64> = (0..system.model.parameters).map(number).collect();
-    let mut residual = Residual::<f64>::new(system);
+    let mut residual = Residual::<f64>::default();
     let mut unknowns = Residual::unknowns(system);
     unknowns.mu.iter_mut().enumerate().for_each(|(i, mu)| *mu = (0.7 * i as f64).cos());
-    let (mut other, mut at) = (Residual::<f64>::new(system), unknowns.clone());
+    let (mut other, mut at) = (Residual::<f64>::default(), unknowns.clone());
     other.evaluate(system, StageSystem { equations: &equations, base: &base, p: &p, t: 0.3 }, &mut at);
-    let mut jacobian = Jacobian::new(system);
+    let mut jacobian = Jacobian::default();
     let parameters = p.clone();
     [
         Measured::new(move || {

@@ -168,10 +168,10 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
     report.inform(name("unknowns"), system.size() as f64);
 
     let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
-    let (mut residual, mut unknowns) = (Residual::new(system), solve.unknowns.clone());
+    let (mut residual, mut unknowns) = (Residual::default(), solve.unknowns.clone());
     residual.start(system, at);
     let of_residual = fastest(|| residual.evaluate(system, at, &mut unknowns));
-    let mut jacobian = Jacobian::new(system);
+    let mut jacobian = Jacobian::default();
     let of_matrix = fastest(|| jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t));
     let singular = |_| RunError::Input("a singular matrix".into());
     let mut factorization = Factorization::new(&system.pattern, Backend::Multifrontal).map_err(singular)?;

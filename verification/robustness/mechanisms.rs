@@ -202,12 +202,12 @@ fn check_steps(prepared: &Prepared, forward: &Forward) -> Result<(), String> {
         for stage in step.stages.iter().filter(|stage| stage.known.is_none()) {
             let solve = &stage.solve;
             let system = &systems.stage;
-            let mut residual = Residual::new(system);
+            let mut residual = Residual::default();
             let at = StageSystem { equations: &solve.equations, base: &solve.base, p: &problem.p, t: solve.t };
             let mut unknowns = solve.unknowns.clone();
             residual.start(system, at);
             residual.evaluate(system, at, &mut unknowns);
-            let mut jacobian = Jacobian::new(system);
+            let mut jacobian = Jacobian::default();
             jacobian.assemble(system, &solve.equations, &residual, &unknowns, &problem.p, solve.t);
             let mut correction = vec![0.0; system.size()];
             jacobian.reduce(system, &residual, None, &mut correction);

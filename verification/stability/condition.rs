@@ -21,7 +21,7 @@ pub fn condition(prepared: &Prepared) -> Result<f64, String> {
     };
     let equations = Equations::stage(shift, level);
     let base = VectorsAvq { a: vec![0.0; problem.model.dofs], v: problem.start.v.clone(), q: problem.start.q.clone() };
-    let (mut residual, mut jacobian) = (Residual::new(system), Jacobian::new(system));
+    let (mut residual, mut jacobian) = (Residual::default(), Jacobian::default());
     let mut unknowns = Residual::unknowns(system);
     let stage = StageSystem { equations: &equations, base: &base, p: &problem.p, t };
     residual.start(system, stage);

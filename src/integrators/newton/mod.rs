@@ -143,19 +143,19 @@ impl<'m, S: RunScalar> Newton<'m, S> {
     /// As for [`Newton::new`].
     pub fn release(&mut self) -> Result<(), Singular> {
         if self.factorization.plan().work.is_some_and(|work| work.fill > LARGE_FILL) {
-            self.factorization = self.factorization.another()?;
-            self.jacobian = Jacobian::new(&self.system);
-            self.factored = None;
+            let emptied = self.another()?;
+            let Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, .. } = *self;
+            *self = Newton { counters, floors, measured, measured_for, contractions, renewal, parameter_length, ..emptied };
         }
         Ok(())
     }
 
     fn of(system: Arc<System<'m>>, tolerance: NewtonTolerance, factorization: Factorization) -> Self {
         Newton {
-            residual: Residual::new(&system),
-            jacobian: Jacobian::new(&system),
-            rhs: vec![0.0; system.size()],
-            exact: vec![0.0; system.size()],
+            residual: Residual::default(),
+            jacobian: Jacobian::default(),
+            rhs: Vec::new(),
+            exact: Vec::new(),
             p: Vec::new(),
             t: 0.0,
             guess: Unknowns::default(),
@@ -243,6 +243,7 @@ impl<'m, S: RunScalar> Newton<'m, S> {
 
     pub(in crate::integrators) fn evaluate(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
         self.counters.residuals += 1;
+        [&mut self.rhs, &mut self.exact].into_iter().for_each(|list| list.resize(self.system.size(), 0.0));
         // a factorization follows
         if self.factored.is_none() && S::PARTS == 0 {
             self.factored_at.t = stage.t;

@@ -38,7 +38,7 @@ struct Grown {
     columns: Vec<u32>,
 }
 
-/// Factors of all fronts.
+/// Factors of all fronts; none before the first factorization.
 #[derive(Default)]
 pub struct Factors {
     values: Vec<f64>,
@@ -92,24 +92,20 @@ pub struct Part<'f> {
 }
 
 impl Factors {
-    /// Space for all fronts without delayed pivots.
-    pub fn new(symbolic: &Symbolic) -> Self {
-        let outcomes = symbolic.fronts.iter().map(|_| Outcome::default()).collect();
-        let eliminated = symbolic.fronts.iter().map(|front| front.pivots).sum();
-        Factors {
-            values: vec![0.0; symbolic.factor_storage()],
-            small: Lines::new(symbolic.small_storage() + LANES),
-            transposed: Lines::default(),
-            is_transposed: false,
-            rows: vec![0; eliminated],
-            columns: vec![0; eliminated],
-            outcomes,
-        }
-    }
-
-    /// All fronts, to be factored anew.
-    pub fn part(&mut self) -> Part<'_> {
+    /// All fronts, to be factored anew; the first time there is no space yet.
+    pub fn part(&mut self, symbolic: &Symbolic) -> Part<'_> {
         self.is_transposed = false;
+        if self.outcomes.len() != symbolic.fronts.len() {
+            let eliminated = symbolic.fronts.iter().map(|front| front.pivots).sum();
+            *self = Factors {
+                values: vec![0.0; symbolic.factor_storage()],
+                small: Lines::new(symbolic.small_storage() + LANES),
+                rows: vec![0; eliminated],
+                columns: vec![0; eliminated],
+                outcomes: symbolic.fronts.iter().map(|_| Outcome::default()).collect(),
+                ..Factors::default()
+            };
+        }
         Part {
             first_front: 0,
             first_place: 0,

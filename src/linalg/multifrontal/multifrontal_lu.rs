@@ -36,8 +36,7 @@ impl MultifrontalLu {
 
     fn of(symbolic: Arc<Symbolic>, threads: usize) -> Self {
         let traversal = Traversal::new(&symbolic, threads);
-        let factors = Factors::new(&symbolic);
-        MultifrontalLu { symbolic, traversal, factors, substitution: Substitution::default() }
+        MultifrontalLu { symbolic, traversal, factors: Factors::default(), substitution: Substitution::default() }
     }
 
     /// What a factorization takes without delayed pivots.

@@ -85,9 +85,9 @@ impl Traversal {
     /// [`Singular`] with the column that has no pivot.
     pub fn factor(&mut self, symbolic: &Symbolic, values: &[f64], factors: &mut Factors) -> Result<(), Singular> {
         if let [task] = &mut self.tasks[..] {
-            return task.factor_subtree(symbolic, values, &mut factors.part());
+            return task.factor_subtree(symbolic, values, &mut factors.part(symbolic));
         }
-        let (mut running, mut rest) = (Vec::with_capacity(self.tasks.len()), factors.part());
+        let (mut running, mut rest) = (Vec::with_capacity(self.tasks.len()), factors.part(symbolic));
         for task in &mut self.tasks {
             let (part, after) = rest.split_at(symbolic, task.fronts.end);
             running.push(Running { task, part });
