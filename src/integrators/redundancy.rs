@@ -31,7 +31,7 @@ pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Vec<f
     let mut rows = vec![vec![0.0; nodes]; places.len()];
     for column in 0..nodes {
         for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            if let Some(row) = row_of[pattern.rows[place]] {
+            if let Some(row) = row_of[pattern.rows[place] as usize] {
                 rows[row][column] = jacobian.values[place];
             }
         }

@@ -253,8 +253,8 @@ impl Operator<'_> {
         let mut product = vec![0.0; self.nodes];
         for (column, &x) in x.iter().enumerate() {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if pattern.rows[place] < self.nodes {
-                    product[pattern.rows[place]] += self.mass.values[place] * x;
+                if (pattern.rows[place] as usize) < self.nodes {
+                    product[pattern.rows[place] as usize] += self.mass.values[place] * x;
                 }
             }
         }
@@ -273,7 +273,7 @@ impl Operator<'_> {
             left.copy_from_slice(rhs);
             for (column, &x) in x.iter().enumerate() {
                 for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                    left[pattern.rows[place]] -= jacobian.values[place] * x;
+                    left[pattern.rows[place] as usize] -= jacobian.values[place] * x;
                 }
             }
         }
@@ -294,8 +294,8 @@ impl Operator<'_> {
         let mut rhs = vec![0.0; self.newton.system.size()];
         for (column, &x) in vector.iter().enumerate() {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                if pattern.rows[place] >= self.nodes {
-                    rhs[pattern.rows[place]] -= self.mass.values[place] * x;
+                if (pattern.rows[place] as usize) >= self.nodes {
+                    rhs[pattern.rows[place] as usize] -= self.mass.values[place] * x;
                 }
             }
         }

@@ -22,7 +22,7 @@ impl ColumnGroups {
     /// Of a pattern.
     pub fn new(pattern: Arc<SparsePattern>) -> Self {
         let n = pattern.size;
-        assert!(pattern.rows.iter().all(|&row| row < n), "rows of a pattern of size {n}");
+        assert!(pattern.rows.iter().all(|&row| (row as usize) < n), "rows of a pattern of size {n}");
         assert!(pattern.column_starts.len() == n + 1 && pattern.column_starts.is_sorted());
         assert_eq!(pattern.column_starts.last(), Some(&pattern.rows.len()), "entries of a pattern");
         let rows_of = |column: usize| &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
@@ -47,10 +47,10 @@ impl ColumnGroups {
 /// # Safety
 /// There is one for each row.
 #[inline(always)]
-pub unsafe fn fetch(numbers: &[f64], rows: &[usize], fetched: &mut [f64; FETCHED]) {
+pub unsafe fn fetch(numbers: &[f64], rows: &[u32], fetched: &mut [f64; FETCHED]) {
     for (fetched, &row) in fetched.iter_mut().zip(rows) {
         // SAFETY: promised by the caller.
-        *fetched = unsafe { *numbers.get_unchecked(row) };
+        *fetched = unsafe { *numbers.get_unchecked(row as usize) };
     }
 }
 
@@ -89,7 +89,7 @@ impl VectorKernel for Scale<'_> {
                     }
                 } else {
                     for (offset, &row) in rows.iter().enumerate() {
-                        scaled[place + offset] = values[place + offset] * (row_scales[row] * column);
+                        scaled[place + offset] = values[place + offset] * (row_scales[row as usize] * column);
                     }
                 }
                 place += rows.len();
@@ -160,7 +160,10 @@ mod tests {
         groups.scale(&values, &row_scales, &column_scales, &mut scaled);
         for column in 0..size {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                assert_eq!(scaled[place], values[place] * (row_scales[pattern.rows[place]] * column_scales[column]));
+                assert_eq!(
+                    scaled[place],
+                    values[place] * (row_scales[pattern.rows[place] as usize] * column_scales[column])
+                );
             }
         }
     }

@@ -74,7 +74,7 @@ impl LinearSolver for DenseLu {
         self.lu.fill(0.0);
         for column in 0..n {
             for place in self.pattern.column_starts[column]..self.pattern.column_starts[column + 1] {
-                self.lu[self.pattern.rows[place] + column * n] = values[place];
+                self.lu[self.pattern.rows[place] as usize + column * n] = values[place];
             }
         }
         self.eliminate();

@@ -375,9 +375,9 @@ impl Factorization {
             let own = self.entries(column);
             // sums of every other entry do not wait for each other
             let [mut sums, mut sizes] = [[[0.0_f64; W]; 2]; 2];
-            let mut add = |which: usize, entry: f64, row: usize| {
+            let mut add = |which: usize, entry: f64, row: u32| {
                 for w in 0..W {
-                    let term = entry * beside[row][w];
+                    let term = entry * beside[row as usize][w];
                     sums[which][w] += term;
                     if MEASURED {
                         sizes[which][w] += term.abs();

@@ -135,7 +135,7 @@ impl Scaling {
         let own = self.entries(column);
         let mut most = 0.0;
         for (value, &row) in values[own.clone()].iter().zip(&self.pattern.rows[own]) {
-            let size = value.abs() * self.rows[row];
+            let size = value.abs() * self.rows[row as usize];
             most = if size > most { size } else { most };
         }
         most
@@ -204,7 +204,7 @@ impl Scaling {
         self.weak.extend((0..self.pattern.size as u32).filter(|&unknown| self.columns[unknown as usize] == 0.0));
         let mut entries: Vec<(u32, u32, u32)> = Vec::new();
         for column in 0..self.pattern.size {
-            let own = self.entries(column).map(|place| (self.pattern.rows[place] as u32, place as u32, column as u32));
+            let own = self.entries(column).map(|place| (self.pattern.rows[place], place as u32, column as u32));
             entries.extend(own.filter(|&(row, ..)| self.columns[row as usize] == 0.0));
         }
         entries.sort_unstable();
@@ -381,7 +381,7 @@ impl VectorKernel for ByNeighbours<'_> {
                 } else {
                     let mut most = 0.0;
                     for (value, &row) in values.iter().zip(own) {
-                        most = larger_number(most, value.abs() * rows[row]);
+                        most = larger_number(most, value.abs() * rows[row as usize]);
                     }
                     most
                 };

@@ -8,12 +8,13 @@ pub struct SparsePattern {
     /// Where each column starts in `rows`; length `size + 1`.
     pub column_starts: Vec<usize>,
     /// Row of each entry, increasing within a column.
-    pub rows: Vec<usize>,
+    pub rows: Vec<u32>,
 }
 
 impl SparsePattern {
     /// From (column, row) pairs in any order, repeated or not.
     pub fn from_entries(size: usize, mut entries: Vec<(usize, usize)>) -> Self {
+        assert!(size < u32::MAX as usize, "{size} unknowns, more than 2^32 - 2");
         entries.sort_unstable();
         entries.dedup();
         let mut column_starts = vec![0; size + 1];
@@ -23,7 +24,7 @@ impl SparsePattern {
         for column in 0..size {
             column_starts[column + 1] += column_starts[column];
         }
-        SparsePattern { size, column_starts, rows: entries.into_iter().map(|(_, row)| row).collect() }
+        SparsePattern { size, column_starts, rows: entries.into_iter().map(|(_, row)| row as u32).collect() }
     }
 
     /// From runs of rows in columns, in any order, overlapping or not; returns the place of each run's first entry, too.
@@ -63,7 +64,7 @@ impl SparsePattern {
                     let run = run(number);
                     // of rows that are there, all from the start of the run on follow each other
                     places[number as usize] = rows.len() as u32 - end.saturating_sub(run.start);
-                    rows.extend((run.start.max(end)..run.end).map(|row| row as usize));
+                    rows.extend(run.start.max(end)..run.end);
                     end = end.max(run.end);
                 }
             }
@@ -79,7 +80,7 @@ impl SparsePattern {
     pub fn position(&self, row: usize, column: usize) -> Option<usize> {
         let start = self.column_starts[column];
         let rows = &self.rows[start..self.column_starts[column + 1]];
-        rows.binary_search(&row).ok().map(|place| start + place)
+        rows.binary_search(&(row as u32)).ok().map(|place| start + place)
     }
 }
 

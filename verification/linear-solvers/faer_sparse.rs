@@ -10,14 +10,16 @@ use faer::{Conj, Par};
 /// Sparse LU with partial pivoting and a column ordering found once.
 pub struct FaerSparse<'m> {
     matrix: &'m Matrix,
+    /// Rows of its entries, in the width that faer asks for.
+    rows: Vec<usize>,
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
     memory: MemBuffer,
 }
 
-fn view(matrix: &Matrix) -> SymbolicSparseColMatRef<'_, usize> {
+fn view<'m>(matrix: &'m Matrix, rows: &'m [usize]) -> SymbolicSparseColMatRef<'m, usize> {
     let pattern = &matrix.pattern;
-    SymbolicSparseColMatRef::new_checked(pattern.size, pattern.size, &pattern.column_starts, None, &pattern.rows)
+    SymbolicSparseColMatRef::new_checked(pattern.size, pattern.size, &pattern.column_starts, None, rows)
 }
 
 impl<'m> FaerSparse<'m> {
@@ -26,20 +28,21 @@ impl<'m> FaerSparse<'m> {
     /// # Errors
     /// In words, with the error of faer.
     pub fn new(matrix: &'m Matrix) -> Result<Self, String> {
-        let symbolic =
-            factorize_symbolic_lu(view(matrix), Default::default()).map_err(|error| format!("faer: {error:?}"))?;
+        let rows: Vec<usize> = matrix.pattern.rows.iter().map(|&row| row as usize).collect();
+        let symbolic = factorize_symbolic_lu(view(matrix, &rows), Default::default());
+        let symbolic = symbolic.map_err(|error| format!("faer: {error:?}"))?;
         let memory = StackReq::any_of(&[
             symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default()),
             symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
             symbolic.solve_transpose_in_place_scratch::<f64>(1, Par::Seq),
         ]);
-        Ok(FaerSparse { matrix, symbolic, numeric: NumericLu::new(), memory: MemBuffer::new(memory) })
+        Ok(FaerSparse { matrix, rows, symbolic, numeric: NumericLu::new(), memory: MemBuffer::new(memory) })
     }
 }
 
 impl Foreign for FaerSparse<'_> {
     fn factor(&mut self) -> Result<(), String> {
-        let matrix = SparseColMatRef::new(view(self.matrix), &self.matrix.values);
+        let matrix = SparseColMatRef::new(view(self.matrix, &self.rows), &self.matrix.values);
         let memory = MemStack::new(&mut self.memory);
         let factored = self.symbolic.factorize_numeric_lu(&mut self.numeric, matrix, Par::Seq, memory, Default::default());
         factored.map(|_| ()).map_err(|error| format!("faer: {error:?}"))

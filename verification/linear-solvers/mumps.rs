@@ -31,7 +31,7 @@ impl Mumps {
         let pattern = &matrix.pattern;
         let number =
             |place: usize| c_int::try_from(place + 1).map_err(|_| format!("{place} unknowns are too many for MUMPS"));
-        let mut rows = pattern.rows.iter().map(|&row| number(row)).collect::<Result<Vec<_>, _>>()?;
+        let mut rows = pattern.rows.iter().map(|&row| number(row as usize)).collect::<Result<Vec<_>, _>>()?;
         let mut columns = Vec::with_capacity(rows.len());
         for column in 0..pattern.size {
             let count = pattern.column_starts[column + 1] - pattern.column_starts[column];

@@ -212,7 +212,7 @@ fn backward_error(Matrix { pattern, values, .. }: &Matrix, transposed: bool, x: 
     let (mut residual, mut rows) = (b.to_vec(), vec![0.0; pattern.size]);
     for column in 0..pattern.size {
         for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            let (row, value) = (pattern.rows[place], values[place]);
+            let (row, value) = (pattern.rows[place] as usize, values[place]);
             let (row, column) = if transposed { (column, row) } else { (row, column) };
             residual[row] -= value * x[column];
             rows[row] += value.abs();

@@ -35,9 +35,10 @@ fn of_scaled(pattern: &SparsePattern, values: &[f64]) -> Result<f64, String> {
     let entries = |column: usize| pattern.column_starts[column]..pattern.column_starts[column + 1];
     let mut rows = vec![0.0_f64; n];
     for (&row, value) in pattern.rows.iter().zip(values) {
-        rows[row] = rows[row].max(value.abs());
+        let own = &mut rows[row as usize];
+        *own = own.max(value.abs());
     }
-    let mut scaled: Vec<f64> = pattern.rows.iter().zip(values).map(|(&row, value)| value / rows[row]).collect();
+    let mut scaled: Vec<f64> = pattern.rows.iter().zip(values).map(|(&row, value)| value / rows[row as usize]).collect();
     let mut norm = 0.0_f64;
     for column in 0..n {
         let largest = scaled[entries(column)].iter().fold(0.0_f64, |most, value| most.max(value.abs()));

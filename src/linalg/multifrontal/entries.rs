@@ -32,10 +32,10 @@ struct Segment {
 }
 
 /// Divides the entries of a column.
-fn find_segments(rows: &[usize], place: &[u32], front_of: &[u32], segments: &mut Vec<Segment>) {
+fn find_segments(rows: &[u32], place: &[u32], front_of: &[u32], segments: &mut Vec<Segment>) {
     segments.clear();
     for (first, &row) in (0u32..).zip(rows) {
-        let row = place[row];
+        let row = place[row as usize];
         let front = front_of[row as usize];
         match segments.last_mut() {
             Some(last) if last.row + last.length == row && last.front == front => last.length += 1,

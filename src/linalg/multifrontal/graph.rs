@@ -35,7 +35,7 @@ impl Graph {
         for vertex in 0..vertices {
             last_seen[vertex] = vertex as u32;
             for &row in rows_of(pattern, members[member_starts[vertex]] as usize) {
-                let other = vertex_of[row] as usize;
+                let other = vertex_of[row as usize] as usize;
                 if last_seen[other] != vertex as u32 {
                     last_seen[other] = vertex as u32;
                     rows.push(other as u32);
@@ -79,7 +79,7 @@ impl Graph {
 }
 
 /// Rows of the entries of a column.
-pub fn rows_of(pattern: &SparsePattern, column: usize) -> &[usize] {
+pub fn rows_of(pattern: &SparsePattern, column: usize) -> &[u32] {
     &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]]
 }
 
@@ -132,10 +132,10 @@ fn equal_patterns(pattern: &SparsePattern, roles: &[Role]) -> Vec<u32> {
         let equal = (first + 1..pattern.size).take_while(|&column| rows_of(pattern, column) == rows).count();
         let columns = first..first + 1 + equal;
         first = columns.end;
-        let of_rows = rows.iter().fold(0, |sum: u64, &row| sum.wrapping_add(number[row]));
+        let of_rows = rows.iter().fold(0, |sum: u64, &row| sum.wrapping_add(number[row as usize]));
         let of_columns = other_number[columns.clone()].iter().fold(0, |sum: u64, &number| sum.wrapping_add(number));
         columns.clone().for_each(|column| in_column[column] = in_column[column].wrapping_add(of_rows));
-        for &row in rows {
+        for row in rows.iter().map(|&row| row as usize) {
             in_row[row] = in_row[row].wrapping_add(of_columns);
             // without the diagonal
             if columns.contains(&row) {

@@ -103,7 +103,7 @@ mod tests {
                 let mut values = noise.vector(pattern.rows.len());
                 for column in (0..pattern.size).filter(|_| case % 2 == 1) {
                     for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                        values[place] *= if pattern.rows[place].abs_diff(column) < 4 { 1e-6 } else { 1.0 };
+                        values[place] *= if (pattern.rows[place] as usize).abs_diff(column) < 4 { 1e-6 } else { 1.0 };
                     }
                 }
                 let reference = Reference::new(&pattern, &values);
@@ -168,7 +168,7 @@ mod tests {
         let mut values = noise.vector(pattern.rows.len());
         for column in 0..pattern.size {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                let row = pattern.rows[place];
+                let row = pattern.rows[place] as usize;
                 if row.max(column) < 6 * pattern.size / 9 {
                     values[place] = if row == column { 2.0 } else { 0.1 * values[place] };
                 } else if row < column {

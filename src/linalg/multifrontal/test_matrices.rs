@@ -34,7 +34,7 @@ impl Reference {
         let mut lu = vec![vec![0.0; size]; size];
         for column in 0..size {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-                lu[pattern.rows[place]][column] = values[place];
+                lu[pattern.rows[place] as usize][column] = values[place];
             }
         }
         let (mut rows, mut columns): (Vec<_>, Vec<_>) = ((0..size).collect(), (0..size).collect());
@@ -84,7 +84,7 @@ pub fn transposed(pattern: &SparsePattern, values: &[f64]) -> (SparsePattern, Ve
     let mut entries: Vec<(usize, usize, f64)> = Vec::new();
     for column in 0..pattern.size {
         for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
-            entries.push((pattern.rows[place], column, values[place]));
+            entries.push((pattern.rows[place] as usize, column, values[place]));
         }
     }
     entries.sort_unstable_by_key(|&(column, row, _)| (column, row));
@@ -170,7 +170,7 @@ pub fn dominant(noise: &mut Noise, pattern: &SparsePattern) -> Vec<f64> {
     let mut values = Vec::with_capacity(pattern.rows.len());
     for column in 0..pattern.size {
         let rows = &pattern.rows[pattern.column_starts[column]..pattern.column_starts[column + 1]];
-        values.extend(rows.iter().map(|&row| if row == column { rows.len() as f64 } else { noise.next() }));
+        values.extend(rows.iter().map(|&row| if row as usize == column { rows.len() as f64 } else { noise.next() }));
     }
     values
 }
