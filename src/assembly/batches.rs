@@ -1,8 +1,8 @@
 //! Parts with the same program are evaluated side by side.
 
-use super::bases::{Bases, LEFT, RIGHT, starts_of_numbers};
 use super::constraint_programs::ConstraintLayout;
 use super::element_programs::{ElementLayout, Force};
+use super::null_spaces::{LEFT, NullSpaces, RIGHT, starts_of_numbers};
 use super::numbering::{DofMap, System};
 use super::reduction::NodeReduction;
 use crate::elements::{ConstraintPhysics, RunScalar};
@@ -270,7 +270,7 @@ impl<S: RunScalar> Lanes<'_, S> {
 impl Lanes<'_, f64> {
     /// The next numbers of each part are those that the bases of its nodes are made of.
     #[inline(always)]
-    pub fn gather_bases<L>(&mut self, batch: &Batch<L>, bases: &Bases) {
+    pub fn gather_bases<L>(&mut self, batch: &Batch<L>, bases: &NullSpaces) {
         for starts in &batch.bases {
             for side in [LEFT, RIGHT] {
                 self.gather(&starts[side], bases.numbers(side));

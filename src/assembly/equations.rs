@@ -368,15 +368,4 @@ impl<S: Scalar> Unknowns<S> {
     pub fn extrapolated_mut(&mut self) -> [&mut [S]; 4] {
         [&mut self.x, &mut self.y, &mut self.mu, &mut self.eta]
     }
-
-    /// One of them.
-    pub fn extrapolated_at(&mut self, list: usize) -> &mut [S] {
-        let [x, y, mu, eta] = self.extrapolated_mut();
-        match list {
-            0 => x,
-            1 => y,
-            2 => mu,
-            _ => eta,
-        }
-    }
 }

@@ -1,12 +1,13 @@
-use super::bases::Bases;
 use super::batches::{BatchWork, ElementBatch, LaneResults, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
+use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};
 use super::reduction::{Columns, RotationCoordinates};
 use super::{Equations, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::program::Program;
+use crate::scalar::larger;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ use std::sync::Arc;
 pub struct Jacobian {
     /// Values in the order of the system's pattern.
     pub values: Vec<f64>,
-    bases: Bases,
+    bases: NullSpaces,
     point: Point,
     work: BatchWork<f64>,
     /// Elements evaluated so far.
@@ -407,8 +408,7 @@ impl Jacobian {
                 let dy = of_y.get(place).copied().unwrap_or(0.0);
                 add(x, dx);
                 // a maximum that keeps NaN
-                let size = (dx + dy).abs() * scale;
-                largest = if size <= largest { largest } else { size };
+                largest = larger(largest, (dx + dy).abs() * scale);
             }
             let moved = y.get_mut(places).unwrap_or_default().iter_mut().zip(of_y);
             moved.filter(|(_, dy)| **dy != 0.0).for_each(|(y, &dy)| add(y, dy));

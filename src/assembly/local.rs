@@ -4,7 +4,7 @@
 //! (at acceleration level A + 2 beta dA/dt + ..., so C is not B^T), the matrix gets N_L^T J N_R, where N_L is orthogonal to B and
 //! N_R to C, both orthonormal. Unknowns move along N_R and are then brought back onto the node's equations.
 
-use super::bases::NodeRun;
+use super::node_runs::NodeRun;
 use super::numbering::{NodeConstraint, System};
 use super::quadratic::UnitLength;
 use super::residual::{LocalVec, select};

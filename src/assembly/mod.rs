@@ -11,7 +11,6 @@
 //! which is a Runge-Kutta stage, an initial acceleration or a projection, depending on the shifts (see
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
-mod bases;
 mod batches;
 mod constraint_programs;
 mod driven;
@@ -20,6 +19,8 @@ mod equations;
 mod jacobian;
 mod local;
 mod model;
+mod node_runs;
+mod null_spaces;
 mod numbering;
 mod part_programs;
 mod products;

@@ -1,8 +1,8 @@
 use super::Jacobian;
-use super::bases::NodeRun;
 use super::batches::{ConstraintBatch, ElementBatch};
 use super::element_programs::Force;
 use super::model::{Model, NodeId};
+use super::node_runs::NodeRun;
 use super::quadratic::Quadratic;
 use crate::elements::{ConstraintPhysics, NodeKind};
 use crate::linalg::SparsePattern;
@@ -102,7 +102,7 @@ pub(super) enum ScatterMap {
     /// Place in the matrix values of each entry; `NOWHERE` where nothing is added.
     Entries(Vec<u32>),
     /// Of a large block without gaps.
-    Columns(ScatterColumns),
+    Columns(Box<ScatterColumns>),
 }
 
 /// Where the columns of a block stand, by runs of rows that follow each other in the block and in the matrix, the same in all columns.
@@ -441,7 +441,7 @@ impl Coupled {
             own.extend(places.next());
         });
         rows.push(size);
-        ScatterMap::Columns(ScatterColumns { size, rows, places: own })
+        ScatterMap::Columns(Box::new(ScatterColumns { size, rows, places: own }))
     }
 
     /// Place of each entry of the block, `NOWHERE` where there is none.

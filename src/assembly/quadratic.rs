@@ -87,10 +87,7 @@ impl Quadratic {
         self.rows(probe, &mut rows);
         // of a row and a turn about an axis
         let product = |row: &[f64], axis: usize| -> f64 {
-            let moved = |(coordinate, weight): (usize, &f64)| match turning.entry(coordinate, axis) {
-                Some((place, negated)) => weight * if negated { -scaled[place] } else { scaled[place] },
-                None => 0.0,
-            };
+            let moved = |(coordinate, weight): (usize, &f64)| weight * turning.value(coordinate, axis, &scaled);
             row[free..].iter().enumerate().map(moved).sum()
         };
         let is_free =

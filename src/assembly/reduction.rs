@@ -70,12 +70,20 @@ impl RotationCoordinates {
         let mut rows = [[0.0; 3]; COORDINATES];
         for coordinate in 0..COORDINATES {
             for axis in 0..3 {
-                if let Some((place, negated)) = self.entry(coordinate, axis) {
-                    rows[coordinate][axis] = if negated { -scaled[place] } else { scaled[place] };
-                }
+                rows[coordinate][axis] = self.value(coordinate, axis, scaled);
             }
         }
         rows
+    }
+
+    /// What a coordinate moves by in a turn about one of three axes, from the scaled coordinates.
+    #[inline(always)]
+    pub fn value(self, coordinate: usize, axis: usize, scaled: &[f64]) -> f64 {
+        match self.entry(coordinate, axis) {
+            Some((place, true)) => -scaled[place],
+            Some((place, false)) => scaled[place],
+            None => 0.0,
+        }
     }
 
     /// What a coordinate moves by in a turn about one of three axes: the place of one of the scaled coordinates, and whether it is negated.

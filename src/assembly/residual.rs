@@ -1,7 +1,7 @@
-use super::bases::NodeRun;
 use super::batches::{BatchWork, run_lanes};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
+use super::node_runs::NodeRun;
 use super::numbering::System;
 use super::reduction::NodeReduction;
 use super::{Equations, Level, Rates, StageSystem, Unknowns, Variational, VectorsAvq};

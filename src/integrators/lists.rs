@@ -6,6 +6,7 @@
 
 use crate::elements::RunScalar;
 use crate::linalg::{Kernel, dispatch};
+use crate::scalar::larger;
 
 /// Numbers that stay in registers while all lists pass.
 const BLOCK: usize = 8;
@@ -49,28 +50,27 @@ impl<S: RunScalar> Kernel for AddLists<'_, S> {
 }
 
 /// For each of some differences with its factor: puts what is left in its place and takes the difference, times the factor, from what is
-/// left. Writes the largest of what is left then, each number times its scale; without scales nothing.
+/// left. Given scales, writes the largest of what is left then, each number times its scale.
 pub(super) fn exchange<S: RunScalar>(
     differences: &mut [(f64, &mut [S])],
     left: &mut [S],
-    scales: Option<&[f64]>,
-    largest: &mut [f64],
+    measured: Option<(&[f64], &mut [f64])>,
 ) {
-    dispatch(Exchange { differences, left, scales, largest });
+    dispatch(Exchange { differences, left, measured });
 }
 
 struct Exchange<'l, 'd, S> {
     differences: &'l mut [(f64, &'d mut [S])],
     left: &'l mut [S],
-    scales: Option<&'l [f64]>,
-    largest: &'l mut [f64],
+    measured: Option<(&'l [f64], &'l mut [f64])>,
 }
 
 impl<S: RunScalar> Kernel for Exchange<'_, '_, S> {
     type Output = ();
     #[inline(always)]
     fn run<const FUSED: bool>(self) {
-        let Exchange { differences, left, scales, largest } = self;
+        let Exchange { differences, left, measured } = self;
+        let (scales, largest) = measured.unzip();
         let mut most = [[0.0_f64; BLOCK]; super::prediction::MOST];
         let (blocks, last) = left.as_chunks_mut::<BLOCK>();
         let first_left = blocks.len() * BLOCK;
@@ -101,9 +101,37 @@ impl<S: RunScalar> Kernel for Exchange<'_, '_, S> {
                 most[0] = most[0].max(own.value().abs() * scale);
             }
         }
-        for (largest, most) in largest.iter_mut().zip(most) {
+        for (largest, most) in largest.into_iter().flatten().zip(most) {
             *largest = most.into_iter().fold(0.0, f64::max);
         }
+    }
+}
+
+/// The largest absolute value, or what is no number.
+pub(super) fn largest_number<S: RunScalar>(list: &[S]) -> f64 {
+    dispatch(LargestNumber { list })
+}
+
+struct LargestNumber<'l, S> {
+    list: &'l [S],
+}
+
+impl<S: RunScalar> Kernel for LargestNumber<'_, S> {
+    type Output = f64;
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> f64 {
+        let (groups, others) = self.list.as_chunks::<BLOCK>();
+        let (mut largest, mut sums) = ([0.0_f64; BLOCK], [0.0_f64; BLOCK]);
+        for group in groups {
+            for i in 0..BLOCK {
+                let own = group[i].value().abs();
+                largest[i] = if own > largest[i] { own } else { largest[i] };
+                // no number where one of them is none
+                sums[i] += own * 0.0;
+            }
+        }
+        let all = others.iter().map(|x| x.value().abs()).chain(largest).fold(0.0, larger);
+        sums.into_iter().fold(all, |all, sum| if sum == 0.0 { all } else { all.max(f64::INFINITY) * sum })
     }
 }
 
@@ -123,9 +151,9 @@ impl<S: Copy, F: Fn(S, f64) -> f64> Kernel for LargestScaled<'_, S, F> {
     #[inline(always)]
     fn run<const FUSED: bool>(self) -> f64 {
         let LargestScaled { values, scales, size } = self;
-        let count = values.len().min(scales.len());
-        let (groups, last) = values[..count].as_chunks::<BLOCK>();
-        let (scales, last_scales) = scales[..count].as_chunks::<BLOCK>();
+        assert!(values.len() <= scales.len(), "a scale for each number");
+        let (groups, last) = values.as_chunks::<BLOCK>();
+        let (scales, last_scales) = scales[..values.len()].as_chunks::<BLOCK>();
         let mut largest = [0.0_f64; BLOCK];
         for (values, scales) in groups.iter().zip(scales) {
             for i in 0..BLOCK {
@@ -152,7 +180,20 @@ mod tests {
             values[(place + 1) % 21] = f64::NAN;
             assert_eq!(largest_scaled(&values, &scales, |x: f64, scale| x.abs() * scale), 2.0 * scales[place]);
         }
-        assert_eq!(largest_scaled(&[3.0; 2], &[], |x: f64, scale| x * scale), 0.0);
+        assert_eq!(largest_scaled(&[], &scales, |x: f64, scale| x * scale), 0.0);
+    }
+
+    #[test]
+    fn the_largest_number_is_none_where_one_is_none() {
+        for place in 0..21 {
+            let mut values = [0.5; 21];
+            values[place] = -2.0;
+            assert_eq!(largest_number(&values), 2.0);
+            for none in [f64::NAN, f64::INFINITY] {
+                values[place] = none;
+                assert!(!largest_number(&values).is_finite());
+            }
+        }
     }
 
     #[test]
@@ -168,7 +209,7 @@ mod tests {
 
             let (scales, mut left, mut largest) = (list(4, length), given.clone(), [0.0; 2]);
             let [mut one, mut other] = [first.clone(), second.clone()];
-            exchange(&mut [(0.3, &mut one), (-1.7, &mut other)], &mut left, Some(&scales), &mut largest);
+            exchange(&mut [(0.3, &mut one), (-1.7, &mut other)], &mut left, Some((&scales, &mut largest)));
             let between: Vec<f64> = (0..length).map(|i| given[i] - first[i] * 0.3).collect();
             let last: Vec<f64> = (0..length).map(|i| between[i] - second[i] * -1.7).collect();
             assert!(one == given && other == between && left == last, "{length} numbers");

@@ -85,13 +85,14 @@ impl<S: RunScalar> Track<S> {
         let mut errors = [0.0_f64; MOST + 1];
         errors[0] = largest_scaled(&left.x, coordinate_scales, |x, scale| x.value().abs() * scale);
         for (list, left) in left.extrapolated_mut().into_iter().enumerate() {
-            let own = earlier.iter_mut().zip(factors).map(|(difference, factor)| (factor, difference.extrapolated_at(list)));
+            let own = earlier
+                .iter_mut()
+                .zip(factors)
+                .filter_map(|(difference, factor)| Some((factor, difference.extrapolated_mut().into_iter().nth(list)?)));
             let mut differences: SmallVec<[(f64, &mut [S]); MOST]> = own.collect();
             // coordinates are the first list
-            let mut ignored = [0.0; MOST];
-            let (scales, sizes) =
-                if list == 0 { (Some(coordinate_scales), &mut errors[1..]) } else { (None, &mut ignored[..]) };
-            exchange(&mut differences, left, scales, sizes);
+            let measured = (list == 0).then_some((coordinate_scales, &mut errors[1..]));
+            exchange(&mut differences, left, measured);
         }
         let best = (0..=known).fold(0, |best, used| if errors[used] < errors[best] { used } else { best });
         self.times.insert(0, t);

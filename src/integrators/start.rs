@@ -262,6 +262,10 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     let Err(failure) = newton.solve(stage, &mut unknowns) else {
         return Ok(Vec::new());
     };
+    if newton.jacobian.values.is_empty() {
+        // what is no number came before a matrix
+        return Err(newton.describe(&failure, &Equations::acceleration(), place));
+    }
     let rows = constraint_rows(&system, &newton.jacobian);
     let kept = independent_rows(&rows, None);
     if kept.len() == rows.len() {

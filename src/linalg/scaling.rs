@@ -43,7 +43,9 @@ pub struct Scaling {
     weak_rows: Vec<[u32; 2]>,
     /// Numbers of weak unknowns whose columns have the same rows: first and end.
     weak_columns: Vec<[u32; 2]>,
-    /// Workspace: strengths of ties with the numbers of weak unknowns.
+    /// Workspace: rows, places and columns while they are sorted, and strengths of ties with the numbers of weak
+    /// unknowns.
+    listed: Vec<(u32, u32, u32)>,
     order: Vec<(f64, usize)>,
     /// Whether some of them are tied to each other.
     is_mixed: bool,
@@ -81,6 +83,7 @@ impl Scaling {
             weak_starts: vec![0],
             weak_rows: Vec::new(),
             weak_columns: Vec::new(),
+            listed: Vec::new(),
             order: Vec::new(),
             is_mixed: false,
             pattern,
@@ -104,6 +107,10 @@ impl Scaling {
         }
         if is_careful && self.release(values) {
             self.find_weak();
+        }
+        if !is_careful {
+            // listed once as a rule
+            self.listed = Vec::new();
         }
         if self.is_mixed {
             self.scale_mixed(values);
@@ -202,7 +209,8 @@ impl Scaling {
     fn find_weak(&mut self) {
         self.weak.clear();
         self.weak.extend((0..self.pattern.size as u32).filter(|&unknown| self.columns[unknown as usize] == 0.0));
-        let mut entries: Vec<(u32, u32, u32)> = Vec::new();
+        let mut entries = std::mem::take(&mut self.listed);
+        entries.clear();
         for column in 0..self.pattern.size {
             let own = self.entries(column).map(|place| (self.pattern.rows[place], place as u32, column as u32));
             entries.extend(own.filter(|&(row, ..)| self.columns[row as usize] == 0.0));
@@ -213,6 +221,7 @@ impl Scaling {
         let start = |&row: &u32| entries.partition_point(|entry| entry.0 < row) as u32;
         self.weak_starts.clear();
         self.weak_starts.extend(self.weak.iter().map(start).chain([entries.len() as u32]));
+        self.listed = entries;
         self.group_weak();
         self.is_mixed = self.weak_entries.iter().any(|&(_, column)| self.columns[column as usize] == 0.0);
     }

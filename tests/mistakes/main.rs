@@ -347,6 +347,8 @@ fn a_step_that_is_too_large_says_where_newton_stopped() {
 /// A bead whose formula takes the root of its place.
 struct Root {
     place: f64,
+    /// Points beside it that nothing connects with it.
+    others: usize,
 }
 
 impl Element for Root {
@@ -375,7 +377,12 @@ impl Scene for Root {
         m.rigid_body("rod", rod, S::one(), Vector3::zeros(), [1.0, 1.0, 1.0, 0.0, 0.0, 0.0].map(S::from));
         m.revolute("hinge", [ground, rod], Vector3::zeros(), Vector3::from_f64([0.0, 1.0, 0.0]));
         let bead = m.coordinates("bead", &[S::from(self.place)], &[S::zero()]);
-        m.element("rooted bead", &[bead], Root { place: 0.0 }, &[x[0], S::from(3.0)]);
+        m.element("rooted bead", &[bead], Root { place: 0.0, others: 0 }, &[x[0], S::from(3.0)]);
+        for other in 0..self.others {
+            let name = format!("point {other}");
+            let point = m.point(&name, Vector3::zeros());
+            m.point_mass(&name, point, S::one());
+        }
         m.coordinate_functional("place", Over::Terminal, bead, 0);
         Ok(())
     }
@@ -383,16 +390,18 @@ impl Scene for Root {
 
 #[test]
 fn an_element_that_gives_no_number_is_named_with_its_arguments() {
-    let message = match Prepared::new(&Root { place: -0.25 }) {
+    let message = match Prepared::new(&Root { place: -0.25, others: 0 }) {
         Err(error) => error.to_string(),
         Ok(_) => panic!("a root of a negative number went unnoticed"),
     };
     assert_says(&message, &["start", "\"rooted bead\"", "row 0 of its formula is NaN", "q = (-2.5000e-1)", "mass = 2 kg"]);
-    // later: the bead falls below zero
-    let scene = Root { place: 0.5 };
-    let prepared = Prepared::new(&scene).expect("the start is sound");
-    let message = prepared.analysis().forward(&prepared.x).expect_err("falls out of its formula").to_string();
-    assert_says(&message, &["step ", "\"rooted bead\"", "row 0 of its formula is NaN", "q = (-", "pull = 3 N"]);
+    // later: the bead falls below zero, whatever moves on beside it
+    for others in [0, 5] {
+        let scene = Root { place: 0.5, others };
+        let prepared = Prepared::new(&scene).expect("the start is sound");
+        let message = prepared.analysis().forward(&prepared.x).expect_err("falls out of its formula").to_string();
+        assert_says(&message, &["step ", "\"rooted bead\"", "row 0 of its formula is NaN", "q = (-", "pull = 3 N"]);
+    }
 }
 
 /// A spring between points that coincide has no direction.

@@ -2,9 +2,11 @@
 
 use crate::allocations;
 use crate::verification::{Clock, Form, Report, Study, on_one_thread};
+use costate::history::Keep;
 use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, measure_phases, table_by_name};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings};
+use costate::sensitivity::Analysis;
 use std::time::Instant;
 
 /// The study.
@@ -29,6 +31,9 @@ const METHODS: [(&str, ConstraintLevel); 4] = [
 ];
 /// What the times of a step are spent on, in the order of [`Counters::nanoseconds`].
 const PHASES: [&str; 4] = ["residuals", "matrices", "factorizations", "solutions"];
+/// Most memory of a body of the longest one [KB], and the steps in which it is found: first guesses look back as many.
+const MEMORY: f64 = 22.0;
+const FEW: usize = 9;
 /// Steps of 0.5 s in the comparison of errors, and the bars of its chain.
 const LADDER: [usize; 3] = [250, 500, 1000];
 const LADDER_BODIES: usize = 10;
@@ -81,6 +86,8 @@ fn measure_all(report: &mut Report) -> Result<(), String> {
                 let long = measure(&method, LONG, REPEATS)?;
                 write_one(report, &label, LONG, &long);
                 report.inform(format!("{label}/{} bodies/preparation [s]", LONG.0), long.prepare_s);
+                let bytes = bytes_of_a_body(&method, LONG.0)?;
+                report.at_most(format!("{label}/{} bodies/heap at its peak by a body [KB]", LONG.0), 1e-3 * bytes, MEMORY);
                 let per_body = |cost: &Cost, (bodies, _): (usize, usize)| cost.forward_us / bodies as f64;
                 let growth = per_body(&long, LONG) / per_body(&costs[1], SIZES[1]);
                 report.inform(format!("{label}/time per body at 10,000 bodies against 100"), growth);
@@ -167,6 +174,20 @@ fn write_one(report: &mut Report, method: &str, (bodies, steps): (usize, usize),
     report.inform(figure("share of the rest"), 1.0 - cost.shares.iter().sum::<f64>());
 }
 
+/// Bytes of the heap that building, preparing and running a chain take at most, by a body.
+fn bytes_of_a_body(method: &Method, bodies: usize) -> Result<f64, String> {
+    let (run, bytes) = allocations::most_bytes(|| -> Result<(), String> {
+        let scene = Chain { bodies, variables: ChainVariables::Common };
+        let scene: &dyn AnyScene = scene.as_ref();
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let settings = Settings { end: STEP * FEW as f64, steps: FEW, ..scene.settings().without_method() };
+        let prepared = Prepared::with(scene, &x, method.clone(), settings).map_err(|error| error.to_string())?;
+        prepared.analysis().values(&x).map(|_| ()).map_err(|error| error.to_string())
+    });
+    run?;
+    Ok(bytes as f64 / bodies as f64)
+}
+
 /// Steps of one chain without a history, and with one the adjoint of its two functionals.
 fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> Result<Cost, String> {
     let scene = Chain { bodies, variables: ChainVariables::Common };
@@ -207,7 +228,8 @@ fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> 
     let phases = |prepared: &Prepared| -> Result<([f64; 4], f64), String> {
         measure_phases(true);
         let begun = Instant::now();
-        let run = prepared.analysis().forward(&x);
+        // no history is kept, as in the other times
+        let run = Analysis { keep: &Keep::Nothing, ..prepared.analysis() }.forward(&x);
         let total = begun.elapsed().as_secs_f64();
         measure_phases(false);
         Ok((run.map_err(|error| error.to_string())?.counters.nanoseconds.map(|own| 1e-9 * own as f64), total))

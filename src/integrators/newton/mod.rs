@@ -137,7 +137,8 @@ impl<'m, S: RunScalar> Newton<'m, S> {
         Ok(Self::of(self.system.clone(), self.tolerance, self.factorization.another()?))
     }
 
-    /// Gives the memory of a large matrix and its factors back: the next search has new ones.
+    /// Gives all memory of a large system back: the next search finds what it sets itself and takes new memory; counts, measured round-off and
+    /// rates stay.
     ///
     /// # Errors
     /// As for [`Newton::new`].

@@ -1,9 +1,10 @@
 //! Sizes of unknowns and corrections that no unit changes.
 
 use super::Newton;
-use crate::assembly::{Equations, Level, Model, StageSystem, Unknowns, VectorsAvq};
+use crate::assembly::{Equations, Level, Model, Residual, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::lists::largest_scaled;
+use crate::integrators::lists::{largest_number, largest_scaled};
+use crate::scalar::larger;
 
 /// Correction beyond which nothing is round-off, as a displacement by the model's length.
 pub(super) const NEAR: f64 = 1e-6;
@@ -23,7 +24,7 @@ impl<S: RunScalar> Newton<'_, S> {
         };
         if length != self.turning_length {
             self.turning_length = length;
-            self.system.set_turning(length, &mut self.coordinate_scales);
+            self.system.set_turning_scales(length, &mut self.coordinate_scales);
         }
         self.length = self.size(&base.q).max(length);
     }
@@ -42,7 +43,7 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Largest multiplier, forces and moments alike in the scale of the factored matrix, which no unit changes.
     pub(super) fn multiplier_size(&self, unknowns: &Unknowns<S>) -> f64 {
         let scales = self.factorization.scales();
-        self.system.multiplier_places_of(&unknowns.mu, &unknowns.eta).fold(0.0, |largest: f64, (values, places)| {
+        self.system.multipliers_with_places([&unknowns.mu, &unknowns.eta]).fold(0.0, |largest: f64, (values, places)| {
             largest.max(largest_scaled(values, &scales[places], |x, scale| (x.value() / scale).abs()))
         })
     }
@@ -50,9 +51,15 @@ impl<S: RunScalar> Newton<'_, S> {
     /// Largest correction of a multiplier in the last solution, in the same scale.
     pub(super) fn multiplier_step(&self) -> f64 {
         let scales = self.factorization.scales();
-        self.system.multiplier_places_of::<f64>(&[], &[]).fold(0.0, |largest: f64, (_, places)| {
+        self.system.places_of_multipliers().fold(0.0, |largest: f64, places| {
             largest.max(largest_scaled(&self.rhs[places.clone()], &scales[places], |x, scale| (x / scale).abs()))
         })
+    }
+
+    /// Largest number of the residual evaluated last, or what is no number.
+    pub(super) fn residual_size(&self) -> f64 {
+        let Residual { f, y, g, g_second, .. } = &self.residual;
+        [f, y, g, g_second].into_iter().fold(0.0, |size: f64, list| larger(size, largest_number(list)))
     }
 
     /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.

@@ -4,9 +4,8 @@ use super::failure::{Failure, FailureKind};
 use super::round_off::kind;
 use super::sizes::NEAR;
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance, ROUND_OFF};
-use crate::assembly::{Equations, Level, Residual, StageSystem, Unknowns};
+use crate::assembly::{Equations, Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
-use crate::scalar::larger;
 
 /// Corrections that shrink less than this ask for a fresh factorization.
 const SLOW: f64 = 0.1;
@@ -35,23 +34,6 @@ const MOST_GROWN: usize = 4;
 const MOST_GROWN_STRESSED: usize = 1;
 /// Growth of a correction after which stresses are relieved at once.
 const WILD: f64 = 100.0;
-
-/// The largest absolute value, or what is no number.
-fn largest<S: RunScalar>(list: &[S]) -> f64 {
-    // numbers that are compared side by side
-    const ABREAST: usize = 4;
-    let (groups, others) = list.as_chunks::<ABREAST>();
-    let (mut largest, mut sums) = ([0.0_f64; ABREAST], [0.0_f64; ABREAST]);
-    for group in groups {
-        for (i, own) in group.iter().map(|x| x.value().abs()).enumerate() {
-            largest[i] = if own > largest[i] { own } else { largest[i] };
-            // no number where one of them is none
-            sums[i] += own * 0.0;
-        }
-    }
-    let all = others.iter().map(|x| x.value().abs()).chain(largest).fold(0.0, larger);
-    sums.into_iter().fold(all, |all, sum| if sum == 0.0 { all } else { all.max(f64::INFINITY) * sum })
-}
 
 impl<S: RunScalar> Newton<'_, S> {
     pub(super) fn solve_value(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
@@ -244,10 +226,5 @@ impl<S: RunScalar> Newton<'_, S> {
             }
         };
         used <= 1.0 && (equations.metric || reactions.is_nan() || reactions * size * used <= left)
-    }
-
-    pub(super) fn residual_size(&self) -> f64 {
-        let Residual { f, y, g, g_second, .. } = &self.residual;
-        [f, y, g, g_second].into_iter().fold(0.0, |size: f64, list| larger(size, largest(list)))
     }
 }

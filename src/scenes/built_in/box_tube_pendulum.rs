@@ -70,6 +70,8 @@ impl Scene for BoxTubePendulum {
         m.von_mises_functional("failure ratio, smooth maximum", failure.at(Times::Run), &all, S::from(YIELD));
         m.position_functional("height of the tip at the end", Over::Terminal, tip, m.position(tip), vector(0.0, 0.0, 1.0));
         m.mass_functional("mass", Over::Initial);
+        let mean = Aggregate::new(AggregateKind::Exponential, 1e4).continuous();
+        m.von_mises_functional("failure ratio, induced", mean.at(Times::Run), &all, S::from(YIELD));
         Ok(())
     }
 }

@@ -3,153 +3,17 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use super::Equations;
 use super::jacobian::Point;
-use super::numbering::{NodeConstraint, System};
+use super::node_runs::NodeRun;
+use super::numbering::System;
 use super::reduction::{NodeReduction, RotationCoordinates};
-use super::{Equations, Level};
-use crate::elements::{NodeKind, RunScalar, State};
+use crate::elements::State;
 use std::ops::Range;
-
-/// Nodes that follow each other and whose coordinates follow from their unknowns in the same way: everything that they have stands at equal
-/// distances.
-pub(super) struct NodeRun {
-    /// Numbers of the nodes.
-    pub nodes: Range<usize>,
-    /// Their kind.
-    pub kind: NodeKind,
-    /// The way.
-    pub reduction: NodeReduction,
-    /// First coordinate of the first node.
-    pub first_dof: usize,
-    /// Its first unknown, and the number of unknowns of each node, rate corrections counted.
-    pub first_column: usize,
-    pub columns: usize,
-    /// Where the numbers of its bases N_L and N_R begin, and how many each node has.
-    pub first_number: [usize; 2],
-    pub numbers: [usize; 2],
-    /// Place of the constraint inside the first node, if those inside them are eliminated.
-    pub first_local: Option<usize>,
-}
-
-impl NodeRun {
-    /// All nodes of a system.
-    pub fn all(system: &System) -> Vec<NodeRun> {
-        let mut runs: Vec<NodeRun> = Vec::new();
-        for (node, unknowns) in system.nodes.iter().enumerate() {
-            let (reduction, own) = (system.reduction(node), &system.model.nodes[node]);
-            if let Some(last) = runs.last_mut()
-                && last.reduction == reduction
-                && last.takes(system, node)
-            {
-                last.nodes.end = node + 1;
-                continue;
-            }
-            let first_number =
-                runs.last().map_or([0; 2], |run| [0, 1].map(|side| run.numbers_of(run.nodes.end, side).start));
-            runs.push(NodeRun {
-                nodes: node..node + 1,
-                kind: own.kind,
-                reduction,
-                first_dof: own.dofs.start,
-                first_column: unknowns.columns.start,
-                columns: unknowns.columns.len(),
-                first_number,
-                numbers: reduction.numbers(system.options.stabilized),
-                first_local: unknowns.local,
-            });
-        }
-        runs
-    }
-
-    /// Whether a node that follows has the places that this run would give it, and a constraint of the same form inside.
-    fn takes(&self, system: &System, node: usize) -> bool {
-        let (unknowns, place) = (&system.nodes[node], node - self.nodes.start);
-        let form = |local: usize| system.locals[local].form_address();
-        let own = &system.model.nodes[node];
-        own.kind == self.kind
-            && own.dofs == self.dofs(node)
-            && (unknowns.columns.is_empty() || unknowns.columns == self.columns_of(node))
-            && unknowns.local == self.first_local.map(|first| first + place)
-            && unknowns.local.map(form) == self.first_local.map(form)
-    }
-
-    /// The constraints inside its nodes, if those are eliminated.
-    pub fn locals<'s>(&self, system: &'s System) -> &'s [NodeConstraint] {
-        self.first_local.map_or(&[], |first| &system.locals[first..first + self.nodes.len()])
-    }
-
-    /// First coordinate of each node.
-    pub fn starts(&self) -> impl Iterator<Item = usize> {
-        (self.first_dof..).step_by(self.reduction.dofs().max(1)).take(self.nodes.len())
-    }
-
-    fn dofs(&self, node: usize) -> Range<usize> {
-        let (count, place) = (self.reduction.dofs(), node - self.nodes.start);
-        self.first_dof + place * count..self.first_dof + (place + 1) * count
-    }
-
-    fn columns_of(&self, node: usize) -> Range<usize> {
-        let first = self.first_column + (node - self.nodes.start) * self.columns;
-        first..first + self.columns
-    }
-
-    /// Where the numbers of a node's basis stand, N_L (0) or N_R (1).
-    pub fn numbers_of(&self, node: usize, side: usize) -> Range<usize> {
-        let first = self.first_number[side] + (node - self.nodes.start) * self.numbers[side];
-        first..first + self.numbers[side]
-    }
-
-    /// The same of all its nodes.
-    fn all_numbers(&self, side: usize) -> Range<usize> {
-        self.first_number[side]..self.numbers_of(self.nodes.end, side).start
-    }
-
-    /// Coordinates of all its nodes.
-    pub fn all_dofs(&self) -> Range<usize> {
-        self.first_dof..self.dofs(self.nodes.end).start
-    }
-
-    /// Unknowns of all its nodes.
-    fn all_columns(&self) -> Range<usize> {
-        self.first_column..self.columns_of(self.nodes.end).start
-    }
-}
-
-impl System<'_> {
-    /// Largest coordinate of a point among those of nodes.
-    pub(crate) fn largest_length<S: RunScalar>(&self, q: &[S]) -> f64 {
-        let of_points = self.node_runs.iter().filter(|run| run.kind != NodeKind::Coordinates(run.reduction.dofs()));
-        let places = of_points.flat_map(|run| run.starts()).flat_map(|start| start..start + 3);
-        places.fold(0.0, |largest: f64, place| largest.max(q[place].value().abs()))
-    }
-
-    /// Writes the scale of coordinates that turn, behind the lengths of each node, to a list of all coordinates.
-    pub(crate) fn set_turning(&self, scale: f64, scales: &mut [f64]) {
-        let turning = |run: &&NodeRun| matches!(run.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
-        for run in self.node_runs.iter().filter(turning) {
-            for start in run.starts() {
-                scales[start + 3..start + run.reduction.dofs()].fill(scale);
-            }
-        }
-    }
-
-    /// Multipliers of constraints, then those of rate corrections: numbers of each, from lists of all or none, that follow each other in the
-    /// matrix, and where.
-    pub(crate) fn multiplier_places_of<'v, S>(
-        &self,
-        mu: &'v [S],
-        eta: &'v [S],
-    ) -> impl Iterator<Item = (&'v [S], Range<usize>)> {
-        let sets = [(&self.multiplier_runs, mu), (&self.stabilizer_runs, eta)];
-        sets.into_iter().flat_map(|(runs, values)| {
-            runs.iter().map(move |run| (values.get(run.equations.clone()).unwrap_or_default(), run.unknowns()))
-        })
-    }
-}
 
 /// Bases of all nodes: N_L at right angles to the reaction inside a node, N_R to its equations.
 #[derive(Default)]
-pub(super) struct Bases {
+pub(super) struct NullSpaces {
     /// The numbers that they are made of, node after node: scaled coordinates where the others turn rigidly, all entries (row-major) of
     /// other bases, none where unknowns are coordinates.
     numbers: [Vec<f64>; 2],
@@ -162,7 +26,7 @@ pub(super) const LEFT: usize = 0;
 /// The unknowns' side: columns of the matrix.
 pub(super) const RIGHT: usize = 1;
 
-impl Bases {
+impl NullSpaces {
     /// The numbers of all N_L, or of all N_R.
     pub fn numbers(&self, side: usize) -> &[f64] {
         &self.numbers[side]
@@ -171,7 +35,7 @@ impl Bases {
     /// The bases at a point.
     pub fn set(&mut self, system: &System, equations: &Equations, point: &Point) {
         let (at, reaction_at) = (&point.constraint_at, point.reaction(equations));
-        let Bases { numbers, work } = self;
+        let NullSpaces { numbers, work } = self;
         for side in [LEFT, RIGHT] {
             numbers[side].resize(system.node_runs.last().map_or(0, |run| run.all_numbers(side).end), 0.0);
         }
@@ -194,8 +58,7 @@ impl Bases {
                     }
                 }
                 NodeReduction::Dense { .. } => {
-                    let stabilized = equations.level == Level::Stabilized;
-                    let copies = if stabilized { 2 } else { 1 };
+                    let copies = if system.options.stabilized { 2 } else { 1 };
                     for (place, local) in run.locals(system).iter().enumerate() {
                         let (dofs, count) = (run.dofs(run.nodes.start + place), local.equations.len());
                         let reaction = super::local::reaction_rows(local, &reaction_at.q[dofs.clone()]);
@@ -212,10 +75,10 @@ impl Bases {
     }
 
     /// Those of one node.
-    pub fn of_node(&self, system: &System, node: usize) -> NodeBases<'_> {
+    pub fn of_node(&self, system: &System, node: usize) -> NodeNullSpaces<'_> {
         let run = &system.node_runs[system.node_runs.partition_point(|run| run.nodes.end <= node)];
         let of = |side: usize| &self.numbers[side][run.numbers_of(node, side)];
-        NodeBases { reduction: run.reduction, left: of(LEFT), right: of(RIGHT), stabilized: system.options.stabilized }
+        NodeNullSpaces { reduction: run.reduction, left: of(LEFT), right: of(RIGHT), stabilized: system.options.stabilized }
     }
 
     /// N_L^T (f, y) of every node, times a factor, in place of its unknowns.
@@ -297,7 +160,8 @@ impl Bases {
                 prolong_run(run, numbers, reduced, |first, changes| change(first, changes, &[]));
                 continue;
             }
-            for node in run.nodes.clone() {
+            // fixed nodes do not move
+            for node in run.nodes.clone().filter(|_| run.columns > 0) {
                 let (bases, own) = (self.of_node(system, node), &reduced[run.columns_of(node)]);
                 for (i, dof) in run.dofs(node).enumerate() {
                     let (mut x, mut y) = (0.0, 0.0);
@@ -311,6 +175,9 @@ impl Bases {
         }
     }
 }
+
+/// All constraints inside nodes let coordinates turn: other bases are those of coordinates together with their rate corrections.
+const OF_RATES: &str = "dense bases have rate corrections";
 
 /// Calls `put(unknown, entry of N^T x)` for all unknowns of a run, with the numbers of its bases.
 #[inline(always)]
@@ -334,15 +201,7 @@ fn restrict_run<S: Copy>(
         NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
             restrict_turning::<S, 9>((free, RotationCoordinates::Axes), numbers, (x, value), put, reduced);
         }
-        NodeReduction::Dense { dofs, unknowns } => {
-            let nodes = x.chunks_exact(dofs).zip(reduced.chunks_exact_mut(unknowns));
-            for ((x, own), basis) in nodes.zip(numbers.chunks_exact(dofs * unknowns)) {
-                for (column, own) in own.iter_mut().enumerate() {
-                    let rows = basis.chunks_exact(unknowns).zip(x);
-                    put(own, rows.fold(0.0, |sum, (row, &x)| sum + row[column] * value(x)));
-                }
-            }
-        }
+        NodeReduction::Dense { .. } => unreachable!("{OF_RATES}"),
     }
 }
 
@@ -386,13 +245,7 @@ fn prolong_run(run: &NodeRun, numbers: &[f64], reduced: &[f64], mut change: impl
         NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
             prolong_turning::<9>((free, RotationCoordinates::Axes), numbers, reduced, first, change);
         }
-        NodeReduction::Dense { dofs, unknowns } => {
-            let rows = numbers.chunks_exact(unknowns.max(1));
-            for (place, row) in rows.enumerate() {
-                let own = &reduced[place / dofs * unknowns..][..unknowns];
-                change(first + place, &[row.iter().zip(own).fold(0.0, |sum, (weight, own)| sum + weight * own)]);
-            }
-        }
+        NodeReduction::Dense { .. } => unreachable!("{OF_RATES}"),
     }
 }
 
@@ -414,14 +267,14 @@ fn prolong_turning<const COORDINATES: usize>(
 }
 
 /// The bases of one node.
-pub(super) struct NodeBases<'b> {
+pub(super) struct NodeNullSpaces<'b> {
     pub reduction: NodeReduction,
     left: &'b [f64],
     right: &'b [f64],
     stabilized: bool,
 }
 
-impl NodeBases<'_> {
+impl NodeNullSpaces<'_> {
     /// The numbers of N_L and N_R where coordinates turn like Euler parameters behind lengths, without rate corrections.
     pub fn of_euler_parameters(&self) -> Option<[&[f64; 4]; 2]> {
         let euler = NodeReduction::RotationCoordinates { free: 3, turning: RotationCoordinates::Euler };
@@ -450,10 +303,7 @@ impl NodeBases<'_> {
             NodeReduction::Fixed { .. } => 0.0,
             NodeReduction::Free { .. } => unit(row),
             NodeReduction::RotationCoordinates { free, .. } if row < free || column < free => unit(row),
-            NodeReduction::RotationCoordinates { free, turning } => {
-                let signed = |(place, negated): (usize, bool)| if negated { -numbers[place] } else { numbers[place] };
-                turning.entry(row - free, column - free).map_or(0.0, signed)
-            }
+            NodeReduction::RotationCoordinates { free, turning } => turning.value(row - free, column - free, numbers),
             NodeReduction::Dense { .. } => numbers[row * columns + column],
         }
     }

@@ -1,0 +1,145 @@
+//! Nodes of a kind that follow each other: what is done with each is done with all in one pass.
+
+use super::numbering::{MultiplierRun, NodeConstraint, System};
+use super::reduction::NodeReduction;
+use crate::elements::{NodeKind, RunScalar};
+use std::ops::Range;
+
+/// Nodes that follow each other and whose coordinates follow from their unknowns in the same way: everything that they have stands at equal
+/// distances.
+pub(super) struct NodeRun {
+    /// Numbers of the nodes.
+    pub nodes: Range<usize>,
+    /// Their kind.
+    pub kind: NodeKind,
+    /// The way.
+    pub reduction: NodeReduction,
+    /// First coordinate of the first node.
+    pub first_dof: usize,
+    /// Its first unknown, and the number of unknowns of each node, rate corrections counted.
+    pub first_column: usize,
+    pub columns: usize,
+    /// Where the numbers of its bases N_L and N_R begin, and how many each node has.
+    pub first_number: [usize; 2],
+    pub numbers: [usize; 2],
+    /// Place of the constraint inside the first node, if those inside them are eliminated.
+    pub first_local: Option<usize>,
+}
+
+impl NodeRun {
+    /// All nodes of a system.
+    pub fn all(system: &System) -> Vec<NodeRun> {
+        let mut runs: Vec<NodeRun> = Vec::new();
+        for (node, unknowns) in system.nodes.iter().enumerate() {
+            let (reduction, own) = (system.reduction(node), &system.model.nodes[node]);
+            if let Some(last) = runs.last_mut()
+                && last.reduction == reduction
+                && last.takes(system, node)
+            {
+                last.nodes.end = node + 1;
+                continue;
+            }
+            let first_number =
+                runs.last().map_or([0; 2], |run| [0, 1].map(|side| run.numbers_of(run.nodes.end, side).start));
+            runs.push(NodeRun {
+                nodes: node..node + 1,
+                kind: own.kind,
+                reduction,
+                first_dof: own.dofs.start,
+                first_column: unknowns.columns.start,
+                columns: unknowns.columns.len(),
+                first_number,
+                numbers: reduction.numbers(system.options.stabilized),
+                first_local: unknowns.local,
+            });
+        }
+        runs
+    }
+
+    /// Whether a node that follows has the places that this run would give it, and a constraint of the same form inside.
+    fn takes(&self, system: &System, node: usize) -> bool {
+        let (unknowns, place) = (&system.nodes[node], node - self.nodes.start);
+        let form = |local: usize| system.locals[local].form_address();
+        let own = &system.model.nodes[node];
+        own.kind == self.kind
+            && own.dofs == self.dofs(node)
+            && (unknowns.columns.is_empty() || unknowns.columns == self.columns_of(node))
+            && unknowns.local == self.first_local.map(|first| first + place)
+            && unknowns.local.map(form) == self.first_local.map(form)
+    }
+
+    /// The constraints inside its nodes, if those are eliminated.
+    pub fn locals<'s>(&self, system: &'s System) -> &'s [NodeConstraint] {
+        self.first_local.map_or(&[], |first| &system.locals[first..first + self.nodes.len()])
+    }
+
+    /// First coordinate of each node.
+    pub fn starts(&self) -> impl Iterator<Item = usize> {
+        (self.first_dof..).step_by(self.reduction.dofs().max(1)).take(self.nodes.len())
+    }
+
+    pub fn dofs(&self, node: usize) -> Range<usize> {
+        let (count, place) = (self.reduction.dofs(), node - self.nodes.start);
+        self.first_dof + place * count..self.first_dof + (place + 1) * count
+    }
+
+    pub fn columns_of(&self, node: usize) -> Range<usize> {
+        let first = self.first_column + (node - self.nodes.start) * self.columns;
+        first..first + self.columns
+    }
+
+    /// Where the numbers of a node's basis stand, N_L (0) or N_R (1).
+    pub fn numbers_of(&self, node: usize, side: usize) -> Range<usize> {
+        let first = self.first_number[side] + (node - self.nodes.start) * self.numbers[side];
+        first..first + self.numbers[side]
+    }
+
+    /// The same of all its nodes.
+    pub fn all_numbers(&self, side: usize) -> Range<usize> {
+        self.first_number[side]..self.numbers_of(self.nodes.end, side).start
+    }
+
+    /// Coordinates of all its nodes.
+    pub fn all_dofs(&self) -> Range<usize> {
+        self.first_dof..self.dofs(self.nodes.end).start
+    }
+
+    /// Unknowns of all its nodes.
+    pub fn all_columns(&self) -> Range<usize> {
+        self.first_column..self.columns_of(self.nodes.end).start
+    }
+}
+
+impl System<'_> {
+    /// Largest coordinate of a point among those of nodes.
+    pub(crate) fn largest_length<S: RunScalar>(&self, q: &[S]) -> f64 {
+        let of_points = self.node_runs.iter().filter(|run| run.kind != NodeKind::Coordinates(run.reduction.dofs()));
+        let places = of_points.flat_map(|run| run.starts()).flat_map(|start| start..start + 3);
+        places.fold(0.0, |largest: f64, place| largest.max(q[place].value().abs()))
+    }
+
+    /// Writes the scale of coordinates that turn, behind the lengths of each node, to a list of all coordinates.
+    pub(crate) fn set_turning_scales(&self, scale: f64, scales: &mut [f64]) {
+        let turning = |run: &&NodeRun| matches!(run.kind, NodeKind::Body | NodeKind::Natural | NodeKind::Slope);
+        for run in self.node_runs.iter().filter(turning) {
+            for start in run.starts() {
+                scales[start + 3..start + run.reduction.dofs()].fill(scale);
+            }
+        }
+    }
+
+    /// Multipliers of constraints, then those of rate corrections: those of each that follow each other in the matrix, and where.
+    pub(crate) fn multipliers_with_places<'v, S>(
+        &self,
+        [mu, eta]: [&'v [S]; 2],
+    ) -> impl Iterator<Item = (&'v [S], Range<usize>)> {
+        let sets = [(&self.multiplier_runs, mu), (&self.stabilizer_runs, eta)];
+        sets.into_iter()
+            .flat_map(|(runs, values)| runs.iter().map(move |run| (&values[run.equations.clone()], run.unknowns())))
+    }
+
+    /// The places alone.
+    pub(crate) fn places_of_multipliers(&self) -> impl Iterator<Item = Range<usize>> {
+        self.multiplier_runs.iter().chain(&self.stabilizer_runs).map(MultiplierRun::unknowns)
+    }
+}
