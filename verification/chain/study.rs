@@ -18,8 +18,10 @@ const SIZES: [(usize, usize); 3] = [(10, 200), (100, 100), (1000, 60)];
 const LONG: (usize, usize) = (10_000, 24);
 /// Size of a step [s].
 const STEP: f64 = 1e-3;
-/// Runs of each chain; the fastest counts, since anything else on the machine only adds time.
+/// Runs of each chain; the fastest counts, since anything else on the machine only adds time. Of short ones, which take less time than what
+/// disturbs them, there are more.
 const REPEATS: usize = 3;
+const REPEATS_OF_SHORT: usize = 15;
 /// Exudyn 1.13 (generalized-alpha, sparse, one thread of a like machine) on the same kind of chain [us per step].
 const EXUDYN: [f64; 3] = [141.0, 1321.0, 70_131.0];
 /// The methods that are measured, with the level of their constraints.
@@ -78,7 +80,8 @@ fn measure_all(report: &mut Report) -> Result<(), String> {
             let method = Method { tolerance, ..Method::new(table.clone(), level) };
             let mut costs = Vec::new();
             for size in SIZES {
-                costs.push(measure(&method, size, if short { 1 } else { REPEATS })?);
+                let repeats = if size.0 < SIZES[2].0 { REPEATS_OF_SHORT } else { REPEATS };
+                costs.push(measure(&method, size, if short { 1 } else { repeats })?);
             }
             let label = format!("{name}/{}/{}", level.name(), tolerance.name());
             write(report, &label, tolerance, &costs);
