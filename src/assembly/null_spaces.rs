@@ -17,7 +17,7 @@ pub(super) struct NullSpaces {
     /// The numbers that they are made of, node after node: scaled coordinates where the others turn rigidly, all entries (row-major) of
     /// other bases, none where unknowns are coordinates.
     numbers: [Vec<f64>; 2],
-    /// Coordinates of one node combined with their rates, and entries of a basis.
+    /// Entries of one basis.
     work: Vec<f64>,
 }
 
