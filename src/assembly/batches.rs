@@ -4,6 +4,7 @@ use super::constraint_programs::ConstraintLayout;
 use super::element_programs::{ElementLayout, Force};
 use super::null_spaces::{LEFT, NullSpaces, RIGHT, starts_of_numbers};
 use super::numbering::{DofMap, System};
+use super::places::{MOST_LANES, Places, Starts};
 use super::reduction::NodeReduction;
 use crate::elements::{ConstraintPhysics, RunScalar};
 use crate::program::{Formula, Program, ProgramCache, ProgramWork};
@@ -23,47 +24,12 @@ pub(super) struct Batch<L> {
     pub formula: Arc<Formula>,
     /// Places of arguments.
     pub layout: L,
-    /// Where the coordinates of each node begin.
-    pub segments: SmallVec<[Starts; 3]>,
+    /// Where the numbers of the parts stand.
+    pub places: Places,
     /// Where the numbers of the bases of each node begin, N_L and N_R.
     pub bases: SmallVec<[[Starts; 2]; 3]>,
-    /// Where the parameters begin.
-    pub parameters: Starts,
-    /// Where the multipliers begin; none for elements.
-    pub multipliers: Starts,
     /// Its programs.
     pub programs: ProgramCache,
-}
-
-/// Where the numbers of each part of a batch begin in a list, and how many they are.
-#[derive(Debug, Default)]
-pub(super) struct Starts {
-    /// Behind the last part some more that are like it, so that each group has one for each lane.
-    places: Vec<u32>,
-    length: usize,
-}
-
-/// Most parts that are evaluated side by side.
-const MOST_LANES: usize = 8;
-
-impl Starts {
-    fn of_parts(numbers: impl Iterator<Item = Range<usize>>) -> Self {
-        let mut starts = Starts::default();
-        for own in numbers {
-            starts.length = own.len();
-            starts.places.push(own.start as u32);
-        }
-        let last = starts.places.last().copied().unwrap_or(0);
-        starts.places.resize(starts.places.len() + MOST_LANES, last);
-        starts
-    }
-
-    /// The numbers of a part.
-    #[inline(always)]
-    pub fn of(&self, part: usize) -> Range<usize> {
-        let start = self.places[part] as usize;
-        start..start + self.length
-    }
 }
 
 /// Elements.
@@ -89,10 +55,8 @@ fn sorted<'p, L>(
                 nodes,
                 formula,
                 layout: layout(part),
-                segments: SmallVec::new(),
+                places: Places::default(),
                 bases: SmallVec::new(),
-                parameters: Starts::default(),
-                multipliers: Starts::default(),
                 programs: ProgramCache::default(),
             });
             batches.len() - 1
@@ -100,17 +64,12 @@ fn sorted<'p, L>(
         batches[place].parts.push(part);
     }
     for batch in &mut batches {
-        let own = |part: &usize| numbers(*part).0;
-        let nodes = 0..own(&batch.parts[0]).segments.len();
-        let coordinates =
-            nodes.clone().map(|node| Starts::of_parts(batch.parts.iter().map(|part| own(part).segments[node].clone())));
-        batch.segments = coordinates.collect();
+        batch.places = Places::of(batch.parts.iter().map(|&part| numbers(part)));
         let of_node = |node: usize, side: usize| {
-            Starts::of_parts(batch.parts.iter().map(|part| bases[own(part).nodes[node]][side].clone()))
+            Starts::of_parts(batch.parts.iter().map(|&part| bases[numbers(part).0.nodes[node]][side].clone()))
         };
+        let nodes = 0..batch.places.nodes.len();
         batch.bases = nodes.map(|node| [LEFT, RIGHT].map(|side| of_node(node, side))).collect();
-        batch.parameters = Starts::of_parts(batch.parts.iter().map(|part| own(part).parameters.clone()));
-        batch.multipliers = Starts::of_parts(batch.parts.iter().map(|part| numbers(*part).1));
     }
     batches
 }
@@ -190,11 +149,6 @@ impl<S: Copy> Lane<'_, S> {
         self.0[first..end].iter_mut().zip(values).for_each(|(own, &value)| *own = value);
         end
     }
-    /// Sets arguments from a place on to those of a part's coordinates.
-    #[inline(always)]
-    pub(super) fn copy_segments(&mut self, first: usize, part: &DofMap, values: &[S]) -> usize {
-        part.segments.iter().fold(first, |place, segment| self.copy(place, &values[segment.clone()]))
-    }
 }
 
 /// Arguments of parts that are evaluated side by side, written one after the other: number i of lane l stands at i times their width + l.
@@ -217,7 +171,7 @@ impl<S: RunScalar> Lanes<'_, S> {
     #[inline(always)]
     fn gather_at(&mut self, place: usize, starts: &Starts, values: &[S]) {
         let target = &mut self.numbers[place * self.width..(place + starts.length) * self.width];
-        let places = &starts.places[self.parts.start..];
+        let places = starts.places_from(self.parts.start);
         match self.width {
             1 => target.copy_from_slice(&values[starts.of(self.parts.start)]),
             4 => gather::<S, 4>(starts.length, places, values, target),
@@ -319,6 +273,37 @@ fn gather<S: Copy, const WIDTH: usize>(length: usize, starts: &[u32], values: &[
     }
 }
 
+/// values += factor times the numbers of a lane.
+#[inline(always)]
+fn add_lane<S: RunScalar, const WIDTH: usize>(own: &[[S; WIDTH]], lane: usize, factor: f64, values: &mut [S]) {
+    match (<&[[S; WIDTH]; 7]>::try_from(own), <&mut [S; 7]>::try_from(&mut *values)) {
+        (Ok(own), Ok(values)) if factor == 1.0 => (0..7).for_each(|place| values[place] += own[place][lane]),
+        _ => values.iter_mut().zip(own).for_each(|(value, row)| *value += row[lane] * factor),
+    }
+}
+
+/// Results that follow each other and go to numbers of a part that do so, too.
+pub(super) struct ResultRun {
+    /// The results.
+    pub results: Range<usize>,
+    /// In which list of starts the part's numbers begin.
+    pub list: usize,
+    /// How far behind their begin.
+    pub offset: usize,
+}
+
+impl ResultRun {
+    /// Adds a result, behind those of the last run if it goes on there.
+    pub fn extend(runs: &mut Vec<ResultRun>, result: usize, list: usize, offset: usize) {
+        match runs.last_mut() {
+            Some(last) if last.list == list && last.results.end == result && last.offset + last.results.len() == offset => {
+                last.results.end += 1;
+            }
+            _ => runs.push(ResultRun { results: result..result + 1, list, offset }),
+        }
+    }
+}
+
 /// Results of parts that were evaluated side by side.
 pub(super) struct LaneResults<'r, S> {
     numbers: &'r [S],
@@ -348,16 +333,39 @@ impl<S: RunScalar> LaneResults<'_, S> {
             for starts in segments {
                 let own = &rows[behind..behind + starts.length];
                 behind += starts.length;
-                let values = &mut values[starts.of(self.parts.start + lane)];
-                match (<&[[S; WIDTH]; 7]>::try_from(own), <&mut [S; 7]>::try_from(&mut *values)) {
-                    (Ok(own), Ok(values)) if factor == 1.0 => {
-                        (0..7).for_each(|place| values[place] += own[place][lane]);
-                    }
-                    _ => values.iter_mut().zip(own).for_each(|(value, row)| *value += row[lane] * factor),
-                }
+                add_lane(own, lane, factor, &mut values[starts.of(self.parts.start + lane)]);
             }
         }
         behind
+    }
+
+    /// Adds runs of results, the first of which stands at a place, times a factor, to the numbers of the parts, part by part.
+    #[inline(always)]
+    pub fn add_runs(&self, first: usize, runs: &[ResultRun], lists: &[Starts], factor: f64, values: &mut [S]) {
+        match self.width {
+            1 => self.add_runs_of::<1>(first, runs, lists, factor, values),
+            4 => self.add_runs_of::<4>(first, runs, lists, factor, values),
+            8 => self.add_runs_of::<8>(first, runs, lists, factor, values),
+            _ => unreachable!("programs have 4 or 8 lanes"),
+        }
+    }
+
+    fn add_runs_of<const WIDTH: usize>(
+        &self,
+        first: usize,
+        runs: &[ResultRun],
+        lists: &[Starts],
+        factor: f64,
+        values: &mut [S],
+    ) {
+        let rows = &self.numbers.as_chunks::<WIDTH>().0[first..];
+        for lane in 0..self.parts.len().min(WIDTH) {
+            for run in runs {
+                let start = lists[run.list].of(self.parts.start + lane).start + run.offset;
+                let own = &rows[run.results.clone()];
+                add_lane(own, lane, factor, &mut values[start..start + own.len()]);
+            }
+        }
     }
 
     /// Writes results from a place on to a list where `wanted` says so; returns the place behind them.

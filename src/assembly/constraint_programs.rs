@@ -3,14 +3,13 @@
 //! All of them come from g(q, p, t) or h(v, q, p, t) alone: the reaction A^T mu is the gradient of mu . g with respect to q (of mu . h with
 //! respect to v), and time derivatives follow along the motion.
 
-use super::batches::{ConstraintBatch, Lane, Lanes};
+use super::batches::Lanes;
 use super::element_programs::gradient;
-use super::numbering::DofMap;
+use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Level, Unknowns, VectorsAvq};
 use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives};
 use crate::program::{Graph, Node, Program};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Which of a constraint's equations is asked for.
@@ -69,46 +68,27 @@ impl ConstraintLayout {
     fn own(&self) -> usize {
         self.a()
     }
-    /// Writes the arguments of one constraint; without `eta` those stay as they are. Returns the place behind them.
-    #[inline(always)]
-    pub fn write<S: RunScalar>(
-        &self,
-        lane: &mut Lane<S>,
-        part: &DofMap,
-        (at, p, t): (&VectorsAvq<S>, &[S], f64),
-        [mu, eta]: [&[S]; 2],
-        scales: [f64; 2],
-    ) -> usize {
-        let mut place = lane.copy_segments(0, part, &at.v);
-        place = lane.copy_segments(place, part, &at.q);
-        place = lane.copy(place, &p[part.parameters.clone()]);
-        lane.set(place, S::from(t));
-        place = lane.copy_segments(place + 1, part, &at.a);
-        place = lane.copy(place, mu);
-        lane.copy(place, eta);
-        lane.copy(self.scales(), &scales.map(S::from))
-    }
 }
 
-impl ConstraintBatch {
+impl Places {
     /// Writes the arguments for constraints side by side; those of rate corrections stay what they are where there are none.
     #[inline(always)]
-    pub fn write<S: RunScalar>(
+    pub fn write_constraints<S: RunScalar>(
         &self,
         lanes: &mut Lanes<S>,
         (at, p, t): (&VectorsAvq<S>, &[S], f64),
         (unknowns, stabilized): (&Unknowns<S>, bool),
         scales: [f64; 2],
     ) {
-        lanes.gather_nodes(&self.segments, [&at.v, &at.q]);
+        lanes.gather_nodes(&self.nodes, [&at.v, &at.q]);
         lanes.gather(&self.parameters, p);
         lanes.spread(S::from(t));
-        lanes.gather_nodes(&self.segments, [&at.a]);
+        lanes.gather_nodes(&self.nodes, [&at.a]);
         lanes.gather(&self.multipliers, &unknowns.mu);
         if stabilized {
             lanes.gather(&self.multipliers, &unknowns.eta);
         } else {
-            lanes.skip(self.layout.equations);
+            lanes.skip(self.multipliers.length);
         }
         scales.into_iter().for_each(|scale| lanes.spread(S::from(scale)));
     }
@@ -177,13 +157,6 @@ impl Asked {
             ConstraintPart::Reactions(_) => asked.equations = [None; 2],
         }
         (asked, scales)
-    }
-
-    /// The multipliers among those of all constraints that are read.
-    #[inline(always)]
-    pub fn multipliers<'u, S>(&self, unknowns: &'u Unknowns<S>, rows: Range<usize>) -> [&'u [S]; 2] {
-        let eta = if self.stabilized() { &unknowns.eta[rows.clone()] } else { &[] };
-        [&unknowns.mu[rows], eta]
     }
 
     /// Whether there are rate corrections.

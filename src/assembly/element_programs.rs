@@ -1,7 +1,7 @@
 //! Programs of elements: residual or impulse, its matrix along reduced columns, and products with adjoint variables.
 
-use super::batches::{ElementBatch, Lane, Lanes};
-use super::numbering::DofMap;
+use super::batches::Lanes;
+use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
 use super::{Equations, Impulse, VectorsAvq};
 use crate::elements::{ElementPhysics, RunScalar};
@@ -56,33 +56,13 @@ impl ElementLayout {
     pub fn extra(&self) -> usize {
         self.weights() + self.weights
     }
-    /// Writes the arguments of one element's formula; returns the place behind them.
-    #[inline(always)]
-    pub fn write<S: RunScalar>(
-        &self,
-        lane: &mut Lane<S>,
-        part: &DofMap,
-        (at, p, t): (&VectorsAvq<S>, &[S], f64),
-        force: Force,
-    ) -> usize {
-        let mut place = 0;
-        for values in [&at.a, &at.v, &at.q] {
-            place = lane.copy_segments(place, part, values);
-        }
-        place = lane.copy(place, &p[part.parameters.clone()]);
-        lane.set(place, S::from(t));
-        if let Force::Impulse(impulse) = force {
-            lane.copy(self.weights(), &impulse.weights().map(S::from));
-        }
-        self.extra()
-    }
 }
 
-impl ElementBatch {
+impl Places {
     /// Writes the arguments of the formula for elements side by side.
     #[inline(always)]
-    pub fn write<S: RunScalar>(&self, lanes: &mut Lanes<S>, (at, p, t): (&VectorsAvq<S>, &[S], f64), force: Force) {
-        lanes.gather_nodes(&self.segments, [&at.a, &at.v, &at.q]);
+    pub fn write_elements<S: RunScalar>(&self, lanes: &mut Lanes<S>, (at, p, t): (&VectorsAvq<S>, &[S], f64), force: Force) {
+        lanes.gather_nodes(&self.nodes, [&at.a, &at.v, &at.q]);
         lanes.gather(&self.parameters, p);
         lanes.spread(S::from(t));
         if let Force::Impulse(impulse) = force {

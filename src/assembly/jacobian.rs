@@ -195,7 +195,7 @@ impl Jacobian {
                 batch.parts.len(),
                 work,
                 |mut lanes, numbers| {
-                    batch.write(&mut lanes, (&point.at, p, t), force);
+                    batch.places.write_elements(&mut lanes, (&point.at, p, t), force);
                     if force == Force::Stresses {
                         let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
                         lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));
@@ -252,7 +252,7 @@ impl Jacobian {
                 batch.parts.len(),
                 work,
                 |mut lanes, _| {
-                    batch.write(&mut lanes, (at, p, t), unknowns, scales);
+                    batch.places.write_constraints(&mut lanes, (at, p, t), unknowns, scales);
                     shift.into_iter().for_each(|coefficient| lanes.spread(coefficient));
                     lanes.gather_bases(batch, bases);
                 },

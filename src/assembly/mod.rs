@@ -23,6 +23,7 @@ mod node_runs;
 mod null_spaces;
 mod numbering;
 mod part_programs;
+mod places;
 mod products;
 mod quadratic;
 mod reduction;

@@ -1,8 +1,9 @@
-use super::batches::{BatchWork, run_parts};
+use super::batches::{Batch, BatchWork, LaneResults, ResultRun, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::local::dot4;
 use super::numbering::{DofMap, System};
+use super::places::{Places, Starts};
 use super::residual::LocalVec;
 use super::{Equations, Level, Rates, Unknowns, VectorsAvq};
 use crate::elements::State;
@@ -75,20 +76,59 @@ struct Selection {
     asked: Vec<bool>,
     /// Parts.
     parts: Vec<usize>,
+    /// Where their numbers stand, unless they are the whole batch.
+    own: Option<Places>,
+    chosen: Chosen,
     programs: HashMap<u32, ProductProgram>,
 }
 
-fn select<'p>(parts: impl Iterator<Item = &'p [usize]>, all: &[DofMap], active: &[bool]) -> Vec<Selection> {
+/// Parts of a selection whose adjoint variables are not all zero.
+#[derive(Default)]
+struct Chosen {
+    /// Those of now.
+    now: Vec<usize>,
+    /// Some that were chosen before, and where their numbers stand.
+    before: Vec<usize>,
+    places: Places,
+}
+
+impl Chosen {
+    /// Chooses among so many parts; returns how many are, and where their numbers stand, given where those of all do.
+    fn places<'p>(&'p mut self, all: &'p Places, parts: usize, is_chosen: impl Fn(usize) -> bool) -> (usize, &'p Places) {
+        self.now.clear();
+        self.now.extend((0..parts).filter(|&part| is_chosen(part)));
+        if self.now.len() == parts {
+            return (parts, all);
+        }
+        if self.now != self.before {
+            self.places = all.of_chosen(&self.now);
+            self.before.clone_from(&self.now);
+        }
+        (self.now.len(), &self.places)
+    }
+}
+
+fn select<L>(batches: &[Batch<L>], all: &[DofMap], active: &[bool]) -> Vec<Selection> {
     let mut selections: Vec<Selection> = Vec::new();
-    for (batch, parts) in parts.enumerate() {
+    for (batch, of_batch) in batches.iter().enumerate() {
         let mut places: HashMap<&[bool], usize> = HashMap::new();
-        for &part in parts {
+        // the parts of each selection by their places in the batch
+        let mut members: Vec<Vec<usize>> = Vec::new();
+        let first = selections.len();
+        for (place, &part) in of_batch.parts.iter().enumerate() {
             let asked = &active[all[part].parameters.clone()];
-            let place = *places.entry(asked).or_insert_with(|| {
-                selections.push(Selection { batch, asked: asked.to_vec(), parts: Vec::new(), programs: HashMap::new() });
-                selections.len() - 1
-            });
-            selections[place].parts.push(part);
+            let selection = *places.entry(asked).or_insert(members.len());
+            if selection == members.len() {
+                let (own, chosen, programs) = (None, Chosen::default(), HashMap::new());
+                selections.push(Selection { batch, asked: asked.to_vec(), parts: Vec::new(), own, chosen, programs });
+                members.push(Vec::new());
+            }
+            selections[first + selection].parts.push(part);
+            members[selection].push(place);
+        }
+        if members.len() > 1 {
+            let own = selections[first..].iter_mut().zip(&members);
+            own.for_each(|(selection, members)| selection.own = Some(of_batch.places.of_chosen(members)));
         }
     }
     selections
@@ -110,20 +150,18 @@ struct ProductProgram {
     program: Arc<Program>,
     /// Results for one functional.
     count: usize,
-    /// Which of them belong to parameters.
-    of_parameters: Range<usize>,
-    /// Places of the results of one functional in (a, v, q) or p, part by part.
-    places: Vec<u32>,
+    /// Those of them that belong to coordinates of (a, v, q), and those that belong to parameters.
+    coordinates: Vec<ResultRun>,
+    parameters: Vec<ResultRun>,
 }
 
 impl ProductProgram {
-    /// For some parts of a model with so many coordinates. Results are labelled by `size` times the number of the functional, and the number of
-    /// an argument, of which `argument` tells what it is; those of parameters stand together.
-    fn new<'s>(
+    /// For parts with such nodes, of a model with so many coordinates. Results are labelled by `size` times the number of the functional, and
+    /// the number of an argument, of which `argument` tells what it is.
+    fn new(
         program: Arc<Program>,
         size: usize,
-        dofs: usize,
-        parts: impl Iterator<Item = &'s DofMap>,
+        (dofs, nodes): (usize, &[Starts]),
         argument: impl Fn(usize) -> ProductArgument,
     ) -> Self {
         let labels = program.labels();
@@ -132,35 +170,29 @@ impl ProductProgram {
         let shifted = others.chunks(count.max(1)).zip(1..);
         let alike = |(labels, k): (&[u32], u32)| labels.iter().map(|label| label - k * size as u32).eq(own.iter().copied());
         assert!(shifted.into_iter().all(alike), "products for further functionals have the places of those for the first");
-        let arguments: Vec<ProductArgument> = own.iter().map(|&label| argument(label as usize)).collect();
-        let is_parameter = |argument: &ProductArgument| matches!(argument, ProductArgument::Parameter(_));
-        let first = arguments.iter().position(is_parameter).unwrap_or(count);
-        let of_parameters = first..first + arguments[first..].iter().take_while(|own| is_parameter(own)).count();
-        assert!(!arguments[of_parameters.end..].iter().any(is_parameter), "parameters stand together");
-        let mut places = Vec::new();
-        for part in parts {
-            let coordinates: SmallVec<[usize; 64]> = part.segments.iter().cloned().flatten().collect();
-            places.extend(arguments.iter().map(|argument| match *argument {
-                ProductArgument::Coordinate(vector, place) => (vector * dofs + coordinates[place]) as u32,
-                ProductArgument::Parameter(place) => (part.parameters.start + place) as u32,
-            }));
+        let coordinates: Vec<(usize, usize)> =
+            nodes.iter().enumerate().flat_map(|(node, starts)| (0..starts.length).map(move |place| (node, place))).collect();
+        let mut runs = [Vec::new(), Vec::new()];
+        for (result, &label) in own.iter().enumerate() {
+            let (runs, list, offset) = match argument(label as usize) {
+                ProductArgument::Coordinate(vector, place) => {
+                    let (node, place) = coordinates[place];
+                    (&mut runs[0], node, vector * dofs + place)
+                }
+                ProductArgument::Parameter(place) => (&mut runs[1], 0, place),
+            };
+            ResultRun::extend(runs, result, list, offset);
         }
-        ProductProgram { program, count, of_parameters, places }
+        let [coordinates, parameters] = runs;
+        ProductProgram { program, count, coordinates, parameters }
     }
 
-    /// Adds the results for a part of the selection, times a factor.
+    /// Adds the results for some parts, times a factor.
     #[inline(always)]
-    fn add(&self, part: usize, results: &[f64], factor: f64, bars: &mut [ProductBars]) {
-        let places = &self.places[part * self.count..][..self.count];
-        let Range { start, end } = self.of_parameters;
-        let add = |values: &mut [f64], own: Range<usize>, results: &[f64]| {
-            let places = places[own.clone()].iter().zip(&results[own]);
-            places.for_each(|(&place, result)| values[place as usize] += factor * result);
-        };
-        for (bar, results) in bars.iter_mut().zip(results.chunks_exact(self.count.max(1))) {
-            add(bar.avq, 0..start, results);
-            add(bar.p, start..end, results);
-            add(bar.avq, end..self.count, results);
+    fn add(&self, results: &LaneResults<f64>, places: &Places, factor: f64, bars: &mut [ProductBars]) {
+        for (k, bar) in bars.iter_mut().enumerate() {
+            results.add_runs(k * self.count, &self.coordinates, &places.nodes, factor, bar.avq);
+            results.add_runs(k * self.count, &self.parameters, std::slice::from_ref(&places.parameters), factor, bar.p);
         }
     }
 }
@@ -172,8 +204,6 @@ pub struct Products {
     constraints: Option<Vec<Selection>>,
     active: Vec<bool>,
     work: BatchWork<f64>,
-    /// Places in a selection of the parts whose adjoint variables are not all zero.
-    chosen: Vec<usize>,
 }
 
 impl Products {
@@ -184,7 +214,6 @@ impl Products {
             constraints: None,
             active: active.to_vec(),
             work: BatchWork::default(),
-            chosen: Vec::new(),
         }
     }
 
@@ -198,37 +227,31 @@ impl Products {
         bars: &mut [ProductBars],
     ) {
         let batches = system.element_batches(force);
-        let Products { elements, active, work, chosen, .. } = self;
-        let selections = elements[force.kind()].get_or_insert_with(|| {
-            select(batches.iter().map(|batch| batch.parts.as_slice()), &system.element_parts, active)
-        });
-        for Selection { batch, asked, parts, programs } in selections {
+        let Products { elements, active, work, .. } = self;
+        let selections = elements[force.kind()].get_or_insert_with(|| select(batches, &system.element_parts, active));
+        for Selection { batch, asked, parts, own, chosen, programs } in selections {
             let batch = &batches[*batch];
             let (layout, n) = (batch.layout, batch.layout.n);
+            let all = own.as_ref().unwrap_or(&batch.places);
             for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
                 let own = programs.entry(adjoints.len() as u32).or_insert_with(|| {
                     let program = element_programs::products(&batch.formula, layout, asked, adjoints.len());
-                    let all = parts.iter().map(|&part| &system.element_parts[part]);
-                    ProductProgram::new(program, layout.t(), system.model.dofs, all, |place| match place {
+                    ProductProgram::new(program, layout.t(), (system.model.dofs, &all.nodes), |place| match place {
                         place if place < 3 * n => ProductArgument::Coordinate(place / n, place % n),
                         place => ProductArgument::Parameter(place - layout.p()),
                     })
                 });
-                let part = |place: usize| &system.element_parts[parts[place]];
-                chosen.clear();
-                chosen.extend((0..parts.len()).filter(|&place| adjoints.iter().any(|own| any(part(place), &own.f))));
-                run_parts(
+                let weighs = |place: usize| adjoints.iter().any(|own| any(&system.element_parts[parts[place]], &own.f));
+                let (count, places) = chosen.places(all, parts.len(), weighs);
+                run_lanes(
                     &own.program,
-                    chosen.len(),
+                    count,
                     work,
-                    |index, lane| {
-                        let part = part(chosen[index]);
-                        let mut place = layout.write(lane, part, (at, p, t), force);
-                        for adjoint in adjoints {
-                            place = lane.copy_segments(place, part, &adjoint.f);
-                        }
+                    |mut lanes, _| {
+                        places.write_elements(&mut lanes, (at, p, t), force);
+                        adjoints.iter().for_each(|adjoint| lanes.gather_nodes(&places.nodes, [&adjoint.f]));
                     },
-                    |index, results| own.add(chosen[index], results, sign, bars),
+                    |results| own.add(&results, places, sign, bars),
                 );
             }
         }
@@ -245,22 +268,20 @@ impl Products {
         bars: &mut [ProductBars],
     ) {
         let batches = system.constraint_batches();
-        let Products { constraints, active, work, chosen, .. } = self;
-        let selections = constraints.get_or_insert_with(|| {
-            select(batches.iter().map(|batch| batch.parts.as_slice()), &system.constraint_parts, active)
-        });
-        for Selection { batch, asked: parameters, parts, programs } in selections {
+        let Products { constraints, active, work, .. } = self;
+        let selections = constraints.get_or_insert_with(|| select(batches, &system.constraint_parts, active));
+        for Selection { batch, asked: parameters, parts, own, chosen, programs } in selections {
             let batch = &batches[*batch];
             let (physics, layout) = (system.constraint_of(batch), batch.layout);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let n = layout.n;
+            let all = own.as_ref().unwrap_or(&batch.places);
             for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
                 let count = adjoints.len();
                 let code = asked.short_code([false; 3]) * (TOGETHER + 1) as u32 + count as u32;
                 let own = programs.entry(code).or_insert_with(|| {
                     let program = constraint_programs::products(physics, asked, parameters, count);
-                    let all = parts.iter().map(|&part| &system.constraint_parts[part]);
-                    ProductProgram::new(program, layout.mu(), system.model.dofs, all, |place| match place {
+                    ProductProgram::new(program, layout.mu(), (system.model.dofs, &all.nodes), |place| match place {
                         place if place < 2 * n => ProductArgument::Coordinate(1 + place / n, place % n),
                         place if place < layout.t() => ProductArgument::Parameter(place - layout.p()),
                         place => ProductArgument::Coordinate(0, place - layout.a()),
@@ -273,34 +294,25 @@ impl Products {
                     (asked.reactions && (any(part, &adjoint.f) || any(part, &adjoint.y)))
                         || (asked.equations[0].is_some() && equations)
                 };
-                chosen.clear();
-                let places = 0..parts.len();
-                chosen.extend(places.filter(|&place| adjoints.iter().any(|adjoint| weighs(adjoint, parts[place]))));
-                run_parts(
+                let is_chosen = |place: usize| adjoints.iter().any(|adjoint| weighs(adjoint, parts[place]));
+                let (chosen, places) = chosen.places(all, parts.len(), is_chosen);
+                let stabilized = asked.stabilized();
+                run_lanes(
                     &own.program,
-                    chosen.len(),
+                    chosen,
                     work,
-                    |index, lane| {
-                        let index = parts[chosen[index]];
-                        let (part, rows) = (&system.constraint_parts[index], system.equations_of(index));
-                        let multipliers = asked.multipliers(unknowns, rows.clone());
-                        let mut place = layout.write(lane, part, (at, p, t), multipliers, scales);
+                    |mut lanes, _| {
+                        places.write_constraints(&mut lanes, (at, p, t), (unknowns, stabilized), scales);
                         for adjoint in adjoints {
-                            if asked.reactions {
-                                place = lane.copy_segments(place, part, &adjoint.f);
-                                if asked.stabilized() {
-                                    place = lane.copy_segments(place, part, &adjoint.y);
-                                }
-                            }
-                            if asked.equations[0].is_some() {
-                                place = lane.copy(place, &adjoint.g[rows.clone()]);
-                            }
-                            if asked.equations[1].is_some() {
-                                place = lane.copy(place, &adjoint.g_second[rows.clone()]);
-                            }
+                            let reactions = [(&adjoint.f, asked.reactions), (&adjoint.y, asked.reactions && stabilized)];
+                            let read = reactions.into_iter().filter(|(_, is_read)| *is_read);
+                            read.for_each(|(values, _)| lanes.gather_nodes(&places.nodes, [values]));
+                            let equations = [&adjoint.g, &adjoint.g_second].into_iter().zip(asked.equations);
+                            let read = equations.filter(|(_, order)| order.is_some());
+                            read.for_each(|(values, _)| lanes.gather(&places.multipliers, values));
                         }
                     },
-                    |index, results| own.add(chosen[index], results, factor, bars),
+                    |results| own.add(&results, places, factor, bars),
                 );
             }
         }

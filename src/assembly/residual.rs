@@ -264,9 +264,9 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 &mut self.work,
-                |mut lanes, _| batch.write(&mut lanes, (at, p, t), force),
+                |mut lanes, _| batch.places.write_elements(&mut lanes, (at, p, t), force),
                 |results| {
-                    results.add_to_nodes(0, &batch.segments, 1.0, f);
+                    results.add_to_nodes(0, &batch.places.nodes, 1.0, f);
                 },
             );
         }
@@ -304,18 +304,18 @@ impl<S: RunScalar> Residual<S> {
                 &program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| batch.write(&mut lanes, (at, p, t), (unknowns, stabilized), scales),
+                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, t), (unknowns, stabilized), scales),
                 |results| {
                     let mut place = 0;
                     if asked.reactions {
                         let sets = [(&mut *f, factor), (&mut *y, 1.0)].into_iter().take(1 + usize::from(stabilized));
                         for (target, factor) in sets {
-                            place = results.add_to_nodes(place, &batch.segments, factor, target);
+                            place = results.add_to_nodes(place, &batch.places.nodes, factor, target);
                         }
                     }
                     let sets = [&mut *g, &mut *g_second].into_iter().zip(asked.equations);
                     for (target, _) in sets.filter(|(_, order)| order.is_some()) {
-                        place = results.write(place, &batch.multipliers, &system.multiplier_columns, target);
+                        place = results.write(place, &batch.places.multipliers, &system.multiplier_columns, target);
                     }
                 },
             );
