@@ -276,9 +276,21 @@ fn gather<S: Copy, const WIDTH: usize>(length: usize, starts: &[u32], values: &[
 /// values += factor times the numbers of a lane.
 #[inline(always)]
 fn add_lane<S: RunScalar, const WIDTH: usize>(own: &[[S; WIDTH]], lane: usize, factor: f64, values: &mut [S]) {
-    match (<&[[S; WIDTH]; 7]>::try_from(own), <&mut [S; 7]>::try_from(&mut *values)) {
-        (Ok(own), Ok(values)) if factor == 1.0 => (0..7).for_each(|place| values[place] += own[place][lane]),
-        _ => values.iter_mut().zip(own).for_each(|(value, row)| *value += row[lane] * factor),
+    #[inline(always)]
+    fn add<S: RunScalar, const WIDTH: usize>(own: &[[S; WIDTH]], lane: usize, factor: f64, values: &mut [S]) {
+        if factor == 1.0 {
+            values.iter_mut().zip(own).for_each(|(value, row)| *value += row[lane]);
+        } else {
+            values.iter_mut().zip(own).for_each(|(value, row)| *value += row[lane] * factor);
+        }
+    }
+    // a body, Euler parameters alone: without a loop
+    if let (Ok(own), Ok(values)) = (<&[[S; WIDTH]; 7]>::try_from(own), <&mut [S; 7]>::try_from(&mut *values)) {
+        add(own, lane, factor, values);
+    } else if let (Ok(own), Ok(values)) = (<&[[S; WIDTH]; 4]>::try_from(own), <&mut [S; 4]>::try_from(&mut *values)) {
+        add(own, lane, factor, values);
+    } else {
+        add(own, lane, factor, values);
     }
 }
 
@@ -364,6 +376,18 @@ impl<S: RunScalar> LaneResults<'_, S> {
                 let start = lists[run.list].of(self.parts.start + lane).start + run.offset;
                 let own = &rows[run.results.clone()];
                 add_lane(own, lane, factor, &mut values[start..start + own.len()]);
+            }
+        }
+    }
+
+    /// Adds results from a place on, times a factor, to numbers of the parts: as far behind their begin as `offsets` say.
+    #[inline(always)]
+    pub fn add_numbers(&self, first: usize, offsets: &[u32], starts: &Starts, factor: f64, values: &mut [S]) {
+        let rows = self.numbers[first * self.width..].chunks_exact(self.width);
+        for (lane, part) in self.parts.clone().enumerate() {
+            let values = &mut values[starts.of(part)];
+            for (&offset, row) in offsets.iter().zip(rows.clone()) {
+                values[offset as usize] += row[lane] * factor;
             }
         }
     }

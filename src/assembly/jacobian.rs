@@ -4,7 +4,7 @@ use super::element_programs::{self, Force};
 use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};
 use super::reduction::{Columns, RotationCoordinates};
-use super::{Equations, Residual, StageCoefficients, Unknowns, VectorsAvq};
+use super::{Adjoints, Equations, Residual, StageCoefficients, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::program::Program;
 use crate::scalar::larger;
@@ -361,14 +361,28 @@ impl Jacobian {
         self.bases.restrict_left(system, [f, y], (|own| own, 1.0), reduced);
     }
 
-    /// Adds N_R^T (x, y) of every node: the node part of the right-hand side of a transposed solve.
-    pub fn restrict_right(&self, system: &System, x: &[f64], y: &[f64], reduced: &mut [f64]) {
-        self.bases.restrict_right(system, [x, y], reduced);
+    /// N_R^T x for every node, without rate corrections.
+    pub fn restrict_right(&self, system: &System, x: &[f64], reduced: &mut [f64]) {
+        self.bases.restrict_right(system, [x, &[]], 1.0, reduced);
     }
 
-    /// (f, y) += N_L reduced for every node: the adjoint of F and Y from a transposed solve.
-    pub fn prolong_left(&self, system: &System, reduced: &[f64], f: &mut [f64], y: &mut [f64]) {
-        self.bases.prolong_left(system, reduced, f, y);
+    /// Right-hand side of the transposed matrix: minus the reduced adjoints (x, y, mu) of a solution.
+    pub fn reduce_adjoint(&self, system: &System, [x, y, mu]: [&[f64]; 3], rhs: &mut [f64]) {
+        self.bases.restrict_right(system, [x, y], -1.0, rhs);
+        for run in &system.multiplier_runs {
+            rhs[run.unknowns()].iter_mut().zip(&mu[run.equations.clone()]).for_each(|(own, mu)| *own = -mu);
+        }
+        system.stabilizer_runs.iter().for_each(|run| rhs[run.unknowns()].fill(0.0));
+    }
+
+    /// Adjoint variables of the rows of (F, Y, G) from a transposed solution.
+    pub fn set_adjoints(&self, system: &System, solution: &[f64], adjoints: &mut Adjoints) {
+        let Adjoints { f, y, g, g_second } = adjoints;
+        self.bases.prolong_left(system, solution, f, y);
+        for (runs, g) in [(&system.multiplier_runs, g), (&system.stabilizer_runs, g_second)] {
+            // those of equations that are left out stay zero
+            runs.iter().for_each(|run| g[run.equations.clone()].copy_from_slice(&solution[run.unknowns()]));
+        }
     }
 
     /// Adds the step `reduced` to the unknowns: (x, y) += N_R z, multipliers directly. Returns the largest |d x + d y|,

@@ -89,10 +89,9 @@ impl NullSpaces {
         (value, factor): (impl Fn(S) -> f64, f64),
         reduced: &mut [f64],
     ) {
-        let set = |own: &mut f64, sum: f64| *own = sum * factor;
         for run in &system.node_runs {
             if !system.options.stabilized {
-                restrict_run(run, &self.numbers[LEFT][run.all_numbers(LEFT)], (f, &value), set, reduced);
+                restrict_run(run, &self.numbers[LEFT][run.all_numbers(LEFT)], (f, &value), factor, reduced);
                 continue;
             }
             for node in run.nodes.clone() {
@@ -108,35 +107,38 @@ impl NullSpaces {
         }
     }
 
-    /// Adds N_R^T (x, y) of every node to its unknowns.
-    pub fn restrict_right(&self, system: &System, [x, y]: [&[f64]; 2], reduced: &mut [f64]) {
-        let add = |own: &mut f64, sum: f64| *own += sum;
+    /// N_R^T (x, y) of every node, times a factor, in place of its unknowns.
+    pub fn restrict_right(&self, system: &System, [x, y]: [&[f64]; 2], factor: f64, reduced: &mut [f64]) {
         for run in &system.node_runs {
             if !system.options.stabilized {
-                restrict_run(run, &self.numbers[RIGHT][run.all_numbers(RIGHT)], (x, &|x| x), add, reduced);
+                restrict_run(run, &self.numbers[RIGHT][run.all_numbers(RIGHT)], (x, &|x| x), factor, reduced);
                 continue;
             }
             for node in run.nodes.clone() {
                 let (bases, dofs) = (self.of_node(system, node), run.dofs(node));
                 for (column, own) in reduced[run.columns_of(node)].iter_mut().enumerate() {
+                    let mut sum = 0.0;
                     for (i, dof) in dofs.clone().enumerate() {
                         let (dx, dy) = bases.direction(i, column);
-                        *own += dx * x[dof] + if dy == 0.0 { 0.0 } else { dy * y[dof] };
+                        sum += dx * x[dof] + if dy == 0.0 { 0.0 } else { dy * y[dof] };
                     }
+                    *own = sum * factor;
                 }
             }
         }
     }
 
-    /// (f, y) += N_L reduced for every node.
+    /// (f, y) = N_L reduced for every node.
     pub fn prolong_left(&self, system: &System, reduced: &[f64], f: &mut [f64], y: &mut [f64]) {
-        let add = |to: &mut [f64], first: usize, changes: &[f64]| {
-            to[first..first + changes.len()].iter_mut().zip(changes).for_each(|(own, change)| *own += change);
-        };
         for run in &system.node_runs {
+            if let NodeReduction::Fixed { .. } = run.reduction {
+                f[run.all_dofs()].fill(0.0);
+                y.get_mut(run.all_dofs()).into_iter().for_each(|y| y.fill(0.0));
+                continue;
+            }
             if !system.options.stabilized {
                 let numbers = &self.numbers[LEFT][run.all_numbers(LEFT)];
-                prolong_run(run, numbers, reduced, |first, changes| add(f, first, changes));
+                prolong_run(run, numbers, reduced, |first, own| f[first..first + own.len()].copy_from_slice(own));
                 continue;
             }
             for node in run.nodes.clone() {
@@ -144,8 +146,7 @@ impl NullSpaces {
                 let (own, second) = own.split_at(run.columns / 2);
                 for (i, dof) in run.dofs(node).enumerate() {
                     let along = |own: &[f64]| own.iter().enumerate().map(|(row, own)| bases.left(i, row) * own).sum::<f64>();
-                    f[dof] += along(own);
-                    y[dof] += along(second);
+                    (f[dof], y[dof]) = (along(own), along(second));
                 }
             }
         }
@@ -179,27 +180,27 @@ impl NullSpaces {
 /// All constraints inside nodes let coordinates turn: other bases are those of coordinates together with their rate corrections.
 const OF_RATES: &str = "dense bases have rate corrections";
 
-/// Calls `put(unknown, entry of N^T x)` for all unknowns of a run, with the numbers of its bases.
+/// Sets the unknowns of a run to N^T x, times a factor, with the numbers of its bases.
 #[inline(always)]
 fn restrict_run<S: Copy>(
     run: &NodeRun,
     numbers: &[f64],
     (x, value): (&[S], &impl Fn(S) -> f64),
-    put: impl Fn(&mut f64, f64),
+    factor: f64,
     reduced: &mut [f64],
 ) {
     let (x, reduced) = (&x[run.all_dofs()], &mut reduced[run.all_columns()]);
     match run.reduction {
         NodeReduction::Fixed { .. } => {}
-        NodeReduction::Free { .. } => reduced.iter_mut().zip(x).for_each(|(own, &x)| put(own, value(x))),
+        NodeReduction::Free { .. } => reduced.iter_mut().zip(x).for_each(|(own, &x)| *own = value(x) * factor),
         NodeReduction::RotationCoordinates { free: 3, turning: RotationCoordinates::Euler } => {
-            restrict_turning::<S, 4>((3, RotationCoordinates::Euler), numbers, (x, value), put, reduced);
+            restrict_turning::<S, 4>((3, RotationCoordinates::Euler), numbers, (x, value), factor, reduced);
         }
         NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Euler } => {
-            restrict_turning::<S, 4>((free, RotationCoordinates::Euler), numbers, (x, value), put, reduced);
+            restrict_turning::<S, 4>((free, RotationCoordinates::Euler), numbers, (x, value), factor, reduced);
         }
         NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
-            restrict_turning::<S, 9>((free, RotationCoordinates::Axes), numbers, (x, value), put, reduced);
+            restrict_turning::<S, 9>((free, RotationCoordinates::Axes), numbers, (x, value), factor, reduced);
         }
         NodeReduction::Dense { .. } => unreachable!("{OF_RATES}"),
     }
@@ -210,14 +211,14 @@ fn restrict_turning<S: Copy, const COORDINATES: usize>(
     (free, turning): (usize, RotationCoordinates),
     numbers: &[f64],
     (x, value): (&[S], &impl Fn(S) -> f64),
-    put: impl Fn(&mut f64, f64),
+    factor: f64,
     reduced: &mut [f64],
 ) {
     let nodes = x.chunks_exact(free + COORDINATES).zip(reduced.chunks_exact_mut(free + 3));
     for ((x, own), scaled) in nodes.zip(numbers.as_chunks::<COORDINATES>().0) {
         let rows = turning.rows(scaled);
         let ((moving, turned), (own, turns)) = (x.split_at(free), own.split_at_mut(free));
-        own.iter_mut().zip(moving).for_each(|(own, &x)| put(own, value(x)));
+        own.iter_mut().zip(moving).for_each(|(own, &x)| *own = value(x) * factor);
         let mut sums = [0.0; 3];
         for (row, &x) in rows.iter().zip(turned) {
             let x = value(x);
@@ -225,7 +226,7 @@ fn restrict_turning<S: Copy, const COORDINATES: usize>(
                 sums[axis] += row[axis] * x;
             }
         }
-        turns.iter_mut().zip(sums).for_each(|(own, sum)| put(own, sum));
+        turns.iter_mut().zip(sums).for_each(|(own, sum)| *own = sum * factor);
     }
 }
 

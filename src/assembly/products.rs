@@ -24,28 +24,14 @@ pub struct Adjoints {
     pub g: Vec<f64>,
     /// Of the second set; empty unless stabilized.
     pub g_second: Vec<f64>,
-    /// Of the scaled equations inside nodes (both sets one after the other if stabilized).
-    pub local: Vec<f64>,
 }
 
 impl Adjoints {
     /// Zeros for a system.
     pub fn zeros(system: &System) -> Self {
-        let mut adjoints = Adjoints::default();
-        adjoints.set_zeros(system);
-        adjoints
-    }
-
-    /// Zeros for a system, in the memory that is there.
-    pub fn set_zeros(&mut self, system: &System) {
-        let copies = if system.options.stabilized { 2 } else { 1 };
         let (dofs, rows) = (system.model.dofs, system.multipliers());
-        let Adjoints { f, y, g, g_second, local } = self;
-        let lengths = [dofs, (copies - 1) * dofs, rows, (copies - 1) * rows, copies * system.local_equations];
-        for (values, length) in [f, y, g, g_second, local].into_iter().zip(lengths) {
-            values.clear();
-            values.resize(length, 0.0);
-        }
+        let second = |count: usize| vec![0.0; if system.options.stabilized { count } else { 0 }];
+        Adjoints { f: vec![0.0; dofs], y: second(dofs), g: vec![0.0; rows], g_second: second(rows) }
     }
 }
 
@@ -150,9 +136,10 @@ struct ProductProgram {
     program: Arc<Program>,
     /// Results for one functional.
     count: usize,
-    /// Those of them that belong to coordinates of (a, v, q), and those that belong to parameters.
+    /// Those of them that belong to coordinates of (a, v, q).
     coordinates: Vec<ResultRun>,
-    parameters: Vec<ResultRun>,
+    /// Those that belong to parameters, and to which ones of the part.
+    parameters: (Range<usize>, Vec<u32>),
 }
 
 impl ProductProgram {
@@ -172,27 +159,31 @@ impl ProductProgram {
         assert!(shifted.into_iter().all(alike), "products for further functionals have the places of those for the first");
         let coordinates: Vec<(usize, usize)> =
             nodes.iter().enumerate().flat_map(|(node, starts)| (0..starts.length).map(move |place| (node, place))).collect();
-        let mut runs = [Vec::new(), Vec::new()];
+        let (mut runs, mut results, mut offsets) = (Vec::new(), 0..0, Vec::new());
         for (result, &label) in own.iter().enumerate() {
-            let (runs, list, offset) = match argument(label as usize) {
+            match argument(label as usize) {
                 ProductArgument::Coordinate(vector, place) => {
                     let (node, place) = coordinates[place];
-                    (&mut runs[0], node, vector * dofs + place)
+                    ResultRun::extend(&mut runs, result, node, vector * dofs + place);
                 }
-                ProductArgument::Parameter(place) => (&mut runs[1], 0, place),
-            };
-            ResultRun::extend(runs, result, list, offset);
+                ProductArgument::Parameter(place) => {
+                    results = if offsets.is_empty() { result..result + 1 } else { results.start..result + 1 };
+                    offsets.push(place as u32);
+                }
+            }
         }
-        let [coordinates, parameters] = runs;
-        ProductProgram { program, count, coordinates, parameters }
+        assert_eq!(results.len(), offsets.len(), "results of parameters stand together");
+        ProductProgram { program, count, coordinates: runs, parameters: (results, offsets) }
     }
 
     /// Adds the results for some parts, times a factor.
     #[inline(always)]
     fn add(&self, results: &LaneResults<f64>, places: &Places, factor: f64, bars: &mut [ProductBars]) {
         for (k, bar) in bars.iter_mut().enumerate() {
-            results.add_runs(k * self.count, &self.coordinates, &places.nodes, factor, bar.avq);
-            results.add_runs(k * self.count, &self.parameters, std::slice::from_ref(&places.parameters), factor, bar.p);
+            let first = k * self.count;
+            results.add_runs(first, &self.coordinates, &places.nodes, factor, bar.avq);
+            let (own, offsets) = &self.parameters;
+            results.add_numbers(first + own.start, offsets, &places.parameters, factor, bar.p);
         }
     }
 }
@@ -330,8 +321,8 @@ pub struct NodeBars<'b> {
     pub x: &'b [f64],
     /// Adjoint of y; empty unless stabilized.
     pub y: &'b [f64],
-    /// Adjoint variables; those of the equations inside nodes are set.
-    pub adjoints: &'b mut Adjoints,
+    /// Adjoint variables.
+    pub adjoints: &'b Adjoints,
     /// Products with the derivatives of elements towards a, v and q.
     pub elements: &'b [f64],
     /// The same of constraints, to which those inside nodes are added.
@@ -341,9 +332,9 @@ pub struct NodeBars<'b> {
 }
 
 impl System<'_> {
-    /// Adds the products with the reactions inside nodes, sets the adjoints of the equations there so that the gradient with respect to each
-    /// node's unknowns vanishes along the directions that were eliminated, x_bar + J^T lambda + C^T lambda_local = 0, and adds the products
-    /// of these equations; in closed form.
+    /// Adds the products with the reactions inside nodes, and those of the equations there, whose adjoints are such that the gradient with
+    /// respect to each node's unknowns vanishes along the directions that were eliminated, x_bar + J^T lambda + C^T lambda_local = 0; in
+    /// closed form.
     pub fn add_node_products(
         &self,
         equations: &Equations,
@@ -360,7 +351,7 @@ impl System<'_> {
             let (own, n) = (local.equations.clone(), dofs.len());
             if let Some(unit) = local.form.unit_length().filter(|_| equations.level != Level::Stabilized) {
                 let four = dofs.start + unit.first..dofs.start + unit.first + 4;
-                let node = UnitNode { all, dofs: four, equation: own.start, second: unit.second };
+                let node = UnitNode { all, dofs: four, second: unit.second };
                 node.add_products(equations, unknowns.local_mu[own.start], at, functionals);
                 continue;
             }
@@ -391,11 +382,6 @@ impl System<'_> {
                 }
                 let count = rows.len() / unbalanced.len();
                 let multipliers = super::local::least_squares(&rows, count, &unbalanced);
-                adjoints.local[own.clone()].copy_from_slice(&multipliers[..own.len()]);
-                if count > own.len() {
-                    let start = self.local_equations + own.start;
-                    adjoints.local[start..start + own.len()].copy_from_slice(&multipliers[own.len()..]);
-                }
                 for (row, equation) in gradients.chunks_exact(n).zip(0..) {
                     let second = multipliers.get(equation + own.len()).copied().unwrap_or(0.0);
                     let weights = [multipliers[equation] * scales[0], second * scales[1]];
@@ -411,8 +397,6 @@ struct UnitNode {
     /// Number of coordinates of the model.
     all: usize,
     dofs: Range<usize>,
-    /// Their equation.
-    equation: usize,
     /// h.
     second: f64,
 }
@@ -420,26 +404,32 @@ struct UnitNode {
 impl UnitNode {
     /// What [`System::add_node_products`] does, in a few multiplications.
     fn add_products(&self, equations: &Equations, mu: f64, at: &VectorsAvq<f64>, functionals: &mut [NodeBars]) {
-        let UnitNode { all, dofs, equation, second } = self;
-        let four = |values: &[f64]| -> [f64; 4] { std::array::from_fn(|i| values[dofs.start + i]) };
+        let UnitNode { all, dofs, second } = self;
+        let four = |values: &[f64]| -> [f64; 4] { *values[dofs.start..].first_chunk().expect("four coordinates") };
         let (a, v, q) = (four(&at.a), four(&at.v), four(&at.q));
         let (outer, inner, weights) = (equations.residual, equations.constraint, equations.row_weights());
-        let row: [f64; 4] = std::array::from_fn(|i| (weights[0] * q[i] + weights[1] * v[i] + weights[2] * a[i]) * second);
-        let along = 1.0 / dot4(&row, &row);
+        let mut row = [0.0; 4];
+        for i in 0..4 {
+            row[i] = (weights[0] * q[i] + weights[1] * v[i] + weights[2] * a[i]) * second;
+        }
+        let along = equations.row_scales()[0] * second / dot4(&row, &row);
         for NodeBars { x, adjoints, elements, constraints, reactions, .. } in functionals {
-            let places = [0, 1, 2].map(|vector| vector * all + dofs.start);
+            let places = [dofs.start, all + dofs.start, 2 * all + dofs.start];
             let target = &mut reactions.as_deref_mut().unwrap_or(&mut **constraints)[places[2]..][..4];
-            target.iter_mut().zip(four(&adjoints.f)).for_each(|(target, lambda)| *target += mu * second * lambda);
-            let unbalanced: [f64; 4] = std::array::from_fn(|i| {
-                let [of_a, of_v, of_q] = places.map(|place| (elements[place + i], constraints[place + i]));
-                let rates = outer.gamma * of_a.0 + outer.beta * of_v.0 + (inner.gamma * of_a.1 + inner.beta * of_v.1);
-                x[dofs.start + i] + rates + (outer.alpha * of_q.0 + inner.alpha * of_q.1)
-            });
-            let multiplier = -dot4(&row, &unbalanced) * along;
-            adjoints.local[*equation] = multiplier;
-            let weight = multiplier * equations.row_scales()[0] * second;
+            let (x, f) = (four(x), four(&adjoints.f));
             for i in 0..4 {
-                let [in_a, in_v, in_q] = places.map(|place| place + i);
+                target[i] += mu * second * f[i];
+            }
+            let mut sum = 0.0;
+            for i in 0..4 {
+                let of = |vector: usize| (elements[places[vector] + i], constraints[places[vector] + i]);
+                let (of_a, of_v, of_q) = (of(0), of(1), of(2));
+                let rates = outer.gamma * of_a.0 + outer.beta * of_v.0 + (inner.gamma * of_a.1 + inner.beta * of_v.1);
+                sum += row[i] * (x[i] + rates + (outer.alpha * of_q.0 + inner.alpha * of_q.1));
+            }
+            let weight = -sum * along;
+            for i in 0..4 {
+                let (in_a, in_v, in_q) = (places[0] + i, places[1] + i, places[2] + i);
                 match equations.level {
                     Level::Position => constraints[in_q] += weight * q[i],
                     Level::Velocity => {

@@ -3,9 +3,10 @@
 //! The chain (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar is one reverse sweep over the recorded map, whatever the
 //! number of variables.
 
-use crate::program::{Listing, Node, Program, ProgramWork, Recorded, Recording, record};
+use crate::program::{Graph, Node, Recorded, Recording, record};
 use crate::scalar::Scalar;
 use std::collections::HashSet;
+use std::sync::OnceLock;
 
 /// A named number that may be changed by design.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,12 +99,21 @@ pub trait DesignMap {
 /// The recorded map at one design.
 pub struct DesignChain {
     x: Vec<f64>,
-    /// Lengths of p, q and v.
-    lengths: [usize; 3],
+    real: ModelNumbers<f64>,
     active: Vec<bool>,
-    values: Program,
-    tangent: Program,
-    transposed: Program,
+    recording: Graph,
+    /// p, q0 and v0, one behind the other.
+    outputs: Vec<Node>,
+    /// Values of the recording at the design.
+    values: Vec<f64>,
+    tangent: OnceLock<Derivative>,
+    transposed: OnceLock<Derivative>,
+}
+
+/// The recording with a derivative behind it.
+struct Derivative {
+    graph: Graph,
+    results: Vec<Node>,
 }
 
 impl DesignChain {
@@ -112,24 +122,21 @@ impl DesignChain {
     /// # Errors
     /// Those of the map.
     pub fn record(map: &dyn DesignMap, x: &[f64]) -> Result<Self, String> {
-        let (numbers, Recording { mut graph, .. }) = record(x, |x| map.recorded(x));
+        let (numbers, Recording { graph: mut recording, .. }) = record(x, |x| map.recorded(x));
         let ModelNumbers { p, q, v } = numbers?;
-        let (lengths, active) = ([p.len(), q.len(), v.len()], p.iter().map(|p| !p.is_constant()).collect());
-        let outputs: Vec<Node> = p.into_iter().chain(q).chain(v).map(|number| number.node(&mut graph)).collect();
-        let inputs: Vec<Node> = (0..x.len() + outputs.len()).map(|input| graph.input(input)).collect();
-        let (towards, weights) = inputs.split_at(x.len());
-        let values = Program::new(Listing::of(&graph, &outputs, x.len()), Vec::new());
-        let directions: Vec<Node> = (0..x.len()).map(|input| graph.input(x.len() + input)).collect();
-        let seeds: Vec<(Node, Node)> = towards.iter().copied().zip(directions).collect();
-        let moved = graph.forward(&outputs, &seeds);
-        let tangent = Program::new(Listing::of(&graph, &moved, 2 * x.len()), Vec::new());
-        // what does not depend on the design is not asked for
-        let moving = |place: &usize| graph.constant_of(outputs[*place]).is_none();
-        let (moving, weights): (Vec<Node>, Vec<Node>) =
-            (0..outputs.len()).filter(moving).map(|place| (outputs[place], weights[place])).unzip();
-        let gradient = graph.reverse(&moving, &weights, towards);
-        let transposed = Program::new(Listing::of(&graph, &gradient, inputs.len()), Vec::new());
-        Ok(DesignChain { x: x.to_vec(), lengths, active, values, tangent, transposed })
+        let active = p.iter().map(|p| !p.is_constant()).collect();
+        let numbers = |list: &[Recorded]| list.iter().map(|number| number.number()).collect();
+        let real = ModelNumbers { p: numbers(&p), q: numbers(&q), v: numbers(&v) };
+        let outputs = p.into_iter().chain(q).chain(v).map(|number| number.node(&mut recording)).collect();
+        let mut values = Vec::new();
+        recording.evaluate(x, &mut values);
+        let (tangent, transposed) = (OnceLock::new(), OnceLock::new());
+        Ok(DesignChain { x: x.to_vec(), real, active, recording, outputs, values, tangent, transposed })
+    }
+
+    /// (p, q0, v0) at the design.
+    pub fn real(&self) -> &ModelNumbers<f64> {
+        &self.real
     }
 
     /// Which parameters depend on any variable: the adjoint sweep leaves the others alone.
@@ -139,29 +146,50 @@ impl DesignChain {
 
     /// (p, q0, v0) at a design with derivative parts.
     pub fn numbers<S: Scalar>(&self, x: &[S]) -> ModelNumbers<S> {
-        let mut all = vec![S::zero(); self.lengths.iter().sum()];
-        self.values.run_in(x, &mut all, &mut ProgramWork::default());
-        self.divided(all)
+        let mut values = Vec::new();
+        self.recording.evaluate(x, &mut values);
+        self.divided(self.outputs.iter().map(|output| values[output.0 as usize]).collect())
     }
 
     /// Derivatives of (p, q0, v0) along a direction.
     pub fn tangent(&self, direction: &[f64]) -> ModelNumbers<f64> {
-        let mut all = vec![0.0; self.lengths.iter().sum()];
-        self.tangent.run_in(&[&self.x[..], direction].concat(), &mut all, &mut ProgramWork::default());
-        self.divided(all)
-    }
-
-    fn divided<S>(&self, mut all: Vec<S>) -> ModelNumbers<S> {
-        let v = all.split_off(self.lengths[0] + self.lengths[1]);
-        let q = all.split_off(self.lengths[0]);
-        ModelNumbers { p: all, q, v }
+        let derivative = self.tangent.get_or_init(|| {
+            let mut graph = self.recording.clone();
+            let [x, directions] = [0, self.x.len()].map(|first| inputs(&mut graph, first, self.x.len()));
+            let seeds: Vec<(Node, Node)> = x.into_iter().zip(directions).collect();
+            Derivative { results: graph.forward(&self.outputs, &seeds), graph }
+        });
+        self.divided(self.results(derivative, &[&self.x[..], direction].concat()))
     }
 
     /// (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar.
     pub fn gradient(&self, bar: &ModelNumbers<f64>) -> Vec<f64> {
-        let inputs = [&self.x[..], &bar.p, &bar.q, &bar.v].concat();
-        let mut gradient = vec![0.0; self.x.len()];
-        self.transposed.run_in(&inputs, &mut gradient, &mut ProgramWork::default());
-        gradient
+        let derivative = self.transposed.get_or_init(|| {
+            let mut graph = self.recording.clone();
+            let (x, weights) = (inputs(&mut graph, 0, self.x.len()), inputs(&mut graph, self.x.len(), self.outputs.len()));
+            // what does not depend on the design is not asked for
+            let all = self.outputs.iter().copied().zip(weights);
+            let (moving, weights): (Vec<Node>, Vec<Node>) =
+                all.filter(|(output, _)| graph.constant_of(*output).is_none()).unzip();
+            Derivative { results: graph.reverse(&moving, &weights, &x), graph }
+        });
+        self.results(derivative, &[&self.x[..], &bar.p, &bar.q, &bar.v].concat())
     }
+
+    fn results(&self, derivative: &Derivative, inputs: &[f64]) -> Vec<f64> {
+        let mut values = self.values.clone();
+        derivative.graph.evaluate(inputs, &mut values);
+        derivative.results.iter().map(|result| values[result.0 as usize]).collect()
+    }
+
+    fn divided<S>(&self, mut all: Vec<S>) -> ModelNumbers<S> {
+        let ModelNumbers { p, q, .. } = &self.real;
+        let v = all.split_off(p.len() + q.len());
+        let q = all.split_off(p.len());
+        ModelNumbers { p: all, q, v }
+    }
+}
+
+fn inputs(graph: &mut Graph, first: usize, count: usize) -> Vec<Node> {
+    (first..first + count).map(|input| graph.input(input)).collect()
 }

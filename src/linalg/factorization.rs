@@ -5,7 +5,8 @@
 
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
-use super::{DenseLu, LinearSolver, Singular};
+use super::simd::multiply_add;
+use super::{DenseLu, Kernel, LinearSolver, Singular, dispatch};
 use crate::linalg::SparsePattern;
 use crate::scalar::larger;
 use std::sync::Arc;
@@ -62,7 +63,7 @@ pub struct Work {
 const SMALL: usize = 8;
 
 /// Right-hand sides that meet an entry of the matrix at a time.
-const TOGETHER: usize = 4;
+const TOGETHER: usize = 8;
 
 /// Largest change of a transposed solution by its last refinement, as a share of the solution: that of the first is about what round-off makes
 /// of the condition of the matrix, and each further one is smaller by as much.
@@ -283,12 +284,17 @@ impl Factorization {
             self.solver.solve_transposed(rhs);
             let mut unsettled = None;
             for _ in 0..MOST_REFINEMENTS {
-                self.set_scaled_rhs(&given, &mut correction);
-                self.subtract_product::<false>(rhs, &mut correction);
+                self.set_residual::<false>(&given, rhs, &mut correction);
                 self.solver.solve_transposed(&mut correction);
-                rhs.iter_mut().zip(&correction).for_each(|(x, change)| *x += change);
-                let mut columns = rhs.chunks_exact(n).zip(correction.chunks_exact(n));
-                unsettled = columns.find_map(|(x, change)| unsettled_unknown(x, change));
+                unsettled = None;
+                for (x, change) in rhs.chunks_exact_mut(n).zip(correction.chunks_exact(n)) {
+                    let [size, moved] = dispatch(Correction { x, change });
+                    let most = SETTLED * size;
+                    // what is no number comes with the right-hand side
+                    if moved > most {
+                        unsettled = unsettled.or(change.iter().position(|change| change.abs() > most));
+                    }
+                }
                 if unsettled.is_none() {
                     break;
                 }
@@ -322,8 +328,7 @@ impl Factorization {
         self.solver.solve_transposed(x);
         let (mut refinements, mut previous) = (0.0, 1.0);
         loop {
-            self.set_scaled_rhs(given, correction);
-            self.subtract_product::<true>(x, correction);
+            self.set_residual::<true>(given, x, correction);
             let error = self.errors.iter().copied().fold(0.0, larger);
             if error <= BACKWARD_ERROR {
                 return true;
@@ -339,66 +344,40 @@ impl Factorization {
         }
     }
 
-    /// B <- B - A^T X with the scaled matrix; if they are `MEASURED` sets the errors, the largest componentwise backward error
-    /// |r| / (|A^T| |x| + |b|) of each column, where what is next to nothing beside the largest unknown counts by that one: in a motion in a
-    /// plane, all that leaves it is round-off.
-    fn subtract_product<const MEASURED: bool>(&mut self, x: &[f64], b: &mut [f64]) {
+    /// R = B - A^T X with the scaled matrix, for right-hand sides that are given unscaled; if they are `MEASURED` sets the errors, the largest
+    /// componentwise backward error |r| / (|A^T| |x| + |b|) of each column, where what is next to nothing beside the largest unknown counts
+    /// by that one: in a motion in a plane, all that leaves it is round-off.
+    fn set_residual<const MEASURED: bool>(&mut self, given: &[f64], x: &[f64], r: &mut [f64]) {
         let n = self.pattern.size.max(1);
-        let (mut errors, mut beside) = (std::mem::take(&mut self.errors), std::mem::take(&mut self.beside));
-        errors.clear();
-        for (b, x) in b.chunks_mut(TOGETHER * n).zip(x.chunks(TOGETHER * n)) {
+        self.errors.clear();
+        let all = given.chunks(TOGETHER * n).zip(x.chunks(TOGETHER * n)).zip(r.chunks_mut(TOGETHER * n));
+        for ((given, x), r) in all {
             match x.len() / n {
-                1 => self.subtract_columns::<MEASURED, 1>(x, b, &mut beside, &mut errors),
-                2 => self.subtract_columns::<MEASURED, 2>(x, b, &mut beside, &mut errors),
-                3 => self.subtract_columns::<MEASURED, 3>(x, b, &mut beside, &mut errors),
-                _ => self.subtract_columns::<MEASURED, TOGETHER>(x, b, &mut beside, &mut errors),
+                1 => self.set_residual_columns::<MEASURED, 1>(given, x, r),
+                2 => self.set_residual_columns::<MEASURED, 2>(given, x, r),
+                3 | 4 => self.set_residual_columns::<MEASURED, 4>(given, x, r),
+                _ => self.set_residual_columns::<MEASURED, TOGETHER>(given, x, r),
             }
         }
-        (self.errors, self.beside) = (errors, beside);
     }
 
-    /// The same for `W` columns, whose numbers are laid side by side.
-    fn subtract_columns<const MEASURED: bool, const W: usize>(
-        &self,
-        x: &[f64],
-        b: &mut [f64],
-        beside: &mut Vec<f64>,
-        errors: &mut Vec<f64>,
-    ) {
-        let n = self.pattern.size;
-        beside.clear();
-        beside.extend((0..n).flat_map(|row| (0..W).map(move |w| x[row + w * n])));
-        let (beside, _) = beside.as_chunks::<W>();
-        let least: [f64; W] = std::array::from_fn(|w| NEXT_TO_NOTHING * largest(&x[w * n..(w + 1) * n]));
-        let mut worst = [0.0_f64; W];
-        for column in 0..n {
-            let own = self.entries(column);
-            // sums of every other entry do not wait for each other
-            let [mut sums, mut sizes] = [[[0.0_f64; W]; 2]; 2];
-            let mut add = |which: usize, entry: f64, row: u32| {
-                for w in 0..W {
-                    let term = entry * beside[row as usize][w];
-                    sums[which][w] += term;
-                    if MEASURED {
-                        sizes[which][w] += term.abs();
-                    }
-                }
-            };
-            let (pairs, last) = self.scaled[own.clone()].as_chunks::<2>();
-            let (rows, last_row) = self.pattern.rows[own].as_chunks::<2>();
-            for (entries, rows) in pairs.iter().zip(rows) {
-                (0..2).for_each(|which| add(which, entries[which], rows[which]));
-            }
-            last.iter().zip(last_row).for_each(|(&entry, &row)| add(0, entry, row));
-            for w in 0..W {
-                let b = &mut b[column + w * n];
-                let size = sizes[0][w] + sizes[1][w] + b.abs();
-                *b -= sums[0][w] + sums[1][w];
-                let error = if *b == 0.0 { 0.0 } else { b.abs() / size.max(least[w]) };
-                worst[w] = larger(worst[w], error);
-            }
+    /// The same for `W` columns or fewer, whose numbers are laid side by side.
+    fn set_residual_columns<const MEASURED: bool, const W: usize>(&mut self, given: &[f64], x: &[f64], r: &mut [f64]) {
+        let Factorization { pattern, scaled, scaling, beside, errors, .. } = self;
+        let (n, columns) = (pattern.size, x.len() / pattern.size);
+        beside.resize(n * W, 0.0);
+        let (rows, _) = beside.as_chunks_mut::<W>();
+        let mut least = [0.0; W];
+        for (w, (x, least)) in x.chunks_exact(n).zip(&mut least).enumerate() {
+            rows.iter_mut().zip(x).for_each(|(row, &x)| row[w] = x);
+            *least = if MEASURED { NEXT_TO_NOTHING * largest(x) } else { 0.0 };
         }
-        errors.extend(worst);
+        if columns < W {
+            rows.iter_mut().for_each(|row| row[columns..].fill(0.0));
+        }
+        let scales = &scaling.columns;
+        let worst = dispatch(Residuals::<MEASURED, W> { pattern, scaled, scales, beside: rows, least, given, r });
+        errors.extend(&worst[..columns]);
     }
 
     /// What unknowns are divided by to be in the scale of the matrix factored last: powers of two.
@@ -411,10 +390,101 @@ impl Factorization {
     }
 }
 
-/// The first unknown of a solution that its refinement changes too much. What is no number comes with the right-hand side.
-fn unsettled_unknown(x: &[f64], change: &[f64]) -> Option<usize> {
-    let most = SETTLED * largest(x);
-    change.iter().position(|change| change.abs() > most)
+/// r = b - A^T x for some columns, at most `W`; gives their backward errors where these are `MEASURED`.
+struct Residuals<'f, const MEASURED: bool, const W: usize> {
+    pattern: &'f SparsePattern,
+    scaled: &'f [f64],
+    /// By which b is the given one.
+    scales: &'f [f64],
+    /// Numbers of x, side by side; zero where there are fewer columns.
+    beside: &'f [[f64; W]],
+    /// What terms of each column count for at least.
+    least: [f64; W],
+    given: &'f [f64],
+    r: &'f mut [f64],
+}
+
+impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W> {
+    type Output = [f64; W];
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> [f64; W] {
+        let Residuals { pattern, scaled, scales, beside, least, given, r } = self;
+        let (n, columns) = (pattern.size, r.len() / pattern.size);
+        let mut worst = [0.0_f64; W];
+        for column in 0..n {
+            let own = pattern.column_starts[column]..pattern.column_starts[column + 1];
+            // sums of every other entry do not wait for each other
+            let [mut sums, mut sizes] = [[[0.0_f64; W]; 2]; 2];
+            let (pairs, last) = scaled[own.clone()].as_chunks::<2>();
+            let (rows, last_row) = pattern.rows[own].as_chunks::<2>();
+            for (entries, rows) in pairs.iter().zip(rows) {
+                for which in 0..2 {
+                    let x = &beside[rows[which] as usize];
+                    add_terms::<MEASURED, FUSED, W>(&mut sums[which], &mut sizes[which], entries[which], x);
+                }
+            }
+            if let ([entry], [row]) = (last, last_row) {
+                add_terms::<MEASURED, FUSED, W>(&mut sums[0], &mut sizes[0], *entry, &beside[*row as usize]);
+            }
+            for w in 0..columns.min(W) {
+                let (place, sum) = (column + w * n, sums[0][w] + sums[1][w]);
+                let b = given[place] * scales[column];
+                r[place] = b - sum;
+                if MEASURED && r[place] != 0.0 {
+                    let size = sizes[0][w] + sizes[1][w] + b.abs();
+                    worst[w] = larger(worst[w], r[place].abs() / size.max(least[w]));
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// x += change; gives the largest absolute values of both, not counting what is no number.
+struct Correction<'f> {
+    x: &'f mut [f64],
+    change: &'f [f64],
+}
+
+impl Kernel for Correction<'_> {
+    type Output = [f64; 2];
+    #[inline(always)]
+    fn run<const FUSED: bool>(self) -> [f64; 2] {
+        const BLOCK: usize = 8;
+        let larger = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
+        let [mut of_x, mut of_change] = [[0.0; BLOCK]; 2];
+        let (blocks, last) = self.x.as_chunks_mut::<BLOCK>();
+        let (changes, last_changes) = self.change.as_chunks::<BLOCK>();
+        for (x, change) in blocks.iter_mut().zip(changes) {
+            for i in 0..BLOCK {
+                x[i] += change[i];
+                of_x[i] = larger(of_x[i], x[i]);
+                of_change[i] = larger(of_change[i], change[i]);
+            }
+        }
+        for (x, change) in last.iter_mut().zip(last_changes) {
+            *x += change;
+            of_x[0] = larger(of_x[0], *x);
+            of_change[0] = larger(of_change[0], *change);
+        }
+        [of_x, of_change].map(|all| all.into_iter().fold(0.0, larger))
+    }
+}
+
+/// sums += entry x, and sizes += |entry x|.
+#[inline(always)]
+fn add_terms<const MEASURED: bool, const FUSED: bool, const W: usize>(
+    sums: &mut [f64; W],
+    sizes: &mut [f64; W],
+    entry: f64,
+    x: &[f64; W],
+) {
+    for w in 0..W {
+        sums[w] = multiply_add::<FUSED>(entry, x[w], sums[w]);
+        if MEASURED {
+            sizes[w] += (entry * x[w]).abs();
+        }
+    }
 }
 
 #[cfg(test)]

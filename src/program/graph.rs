@@ -377,6 +377,26 @@ impl Graph {
         reads
     }
 
+    /// Values of all nodes for those of the arguments, behind the values of the first nodes that are known already.
+    pub fn evaluate<S: Scalar>(&self, inputs: &[S], values: &mut Vec<S>) {
+        values.reserve(self.operations.len() - values.len());
+        for &operation in &self.operations[values.len()..] {
+            let of = |node: Node| values[node.0 as usize];
+            let value = match operation {
+                Operation::Input(index) => inputs[index as usize],
+                Operation::Constant(bits) => S::from(f64::from_bits(bits)),
+                Operation::Unary(function, x) => function.apply(of(x)),
+                Operation::Binary(function, x, y) => function.apply(of(x), of(y)),
+                Operation::Power(x, bits) => of(x).powf(f64::from_bits(bits)),
+                Operation::Select([mask, then, otherwise]) => of(mask).select(of(then), of(otherwise)),
+                Operation::KnotWeight { curve, knot, order, at } => {
+                    of(at).knot_weight(CurveId(curve), knot as usize, order as usize)
+                }
+            };
+            values.push(value);
+        }
+    }
+
     /// Which operations some nodes are made of.
     pub fn needed(&self, nodes: &[Node]) -> Vec<bool> {
         let mut needed = vec![false; nodes.iter().map(|node| node.0 as usize + 1).max().unwrap_or(0)];

@@ -1,6 +1,4 @@
 use super::graph::Graph;
-use super::listing::Listing;
-use super::loop_code::LoopCode;
 use super::operation::{Binary, Node, Unary};
 use crate::scalar::{CurveId, Scalar, assign_operators};
 use std::cell::RefCell;
@@ -280,11 +278,10 @@ fn derived(derive: impl FnOnce(&mut Graph) -> Vec<Node>) -> Vec<Recorded> {
 
 /// Values of recorded numbers for values of the recording's arguments.
 pub fn evaluate(values: &[f64], numbers: &[Recorded]) -> Vec<f64> {
-    let listing = with_graph(|graph| {
+    with_graph(|graph| {
         let nodes: Vec<Node> = numbers.iter().map(|number| number.node(graph)).collect();
-        Listing::of(graph, &nodes, values.len())
-    });
-    let mut results = vec![0.0; numbers.len()];
-    LoopCode::new(&listing).run(values, &mut results, &mut Vec::new());
-    results
+        let mut all = Vec::new();
+        graph.evaluate(values, &mut all);
+        nodes.into_iter().map(|node| all[node.0 as usize]).collect()
+    })
 }

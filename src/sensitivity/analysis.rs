@@ -293,7 +293,6 @@ impl<'m> Analysis<'m> {
         wanted: &[bool],
         also: &[bool],
     ) -> Result<(Gradient, Vec<Vec<f64>>), RunError> {
-        self.check_belonging(x, forward)?;
         self.check_exactness()?;
         let (flags, functionals) = (wanted.len(), self.functionals.len());
         if flags != functionals {
@@ -304,6 +303,7 @@ impl<'m> Analysis<'m> {
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
+        check_belonging(x, chain.real(), forward)?;
         let mut active = chain.active_parameters();
         active.iter_mut().zip(also).for_each(|(active, also)| *active |= also);
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
@@ -325,7 +325,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
-        self.check_belonging(x, forward)?;
+        check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
         let mut gradient = self.empty_gradient();
         for (seeded, lanes) in seeded_designs(x) {
             let (values, counters) = self.perturbed_values(&seeded, forward)?;
@@ -342,7 +342,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
-        self.check_belonging(x, forward)?;
+        check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
         let mut gradient = self.empty_gradient();
         for perturbed in complex_designs(x) {
             let (values, counters) = self.perturbed_values(&perturbed, forward)?;
@@ -424,20 +424,6 @@ impl<'m> Analysis<'m> {
         Ok(numbers)
     }
 
-    /// Whether a run is that of a design in this scene.
-    fn check_belonging(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
-        let numbers = self.map.real(x).map_err(RunError::Input)?;
-        let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
-        let why = match differing {
-            Some(i) => format!("variable {i} is {} in the run and {} here", forward.x[i], x[i]),
-            None if numbers != forward.numbers => "its model has other numbers".into(),
-            None => return Ok(()),
-        };
-        Err(RunError::Input(format!(
-            "the forward run belongs to another design: {why}; run forward at the design that is differentiated"
-        )))
-    }
-
     /// Whether runs solve their equations to the digits that derivatives need.
     fn check_exactness(&self) -> Result<(), RunError> {
         if self.method.tolerance != NewtonTolerance::Scaled {
@@ -475,6 +461,19 @@ impl<'m> Analysis<'m> {
         let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
         Ok(march_along(&self.problem(numbers), self.method, &forward.grid, self.plan, guide, recorder)?.counters)
     }
+}
+
+/// Whether a run is that of a design with these numbers.
+fn check_belonging(x: &[f64], numbers: &ModelNumbers<f64>, forward: &Forward) -> Result<(), RunError> {
+    let differing = x.iter().zip(&forward.x).position(|(own, of_run)| own.to_bits() != of_run.to_bits());
+    let why = match differing {
+        Some(i) => format!("variable {i} is {} in the run and {} here", forward.x[i], x[i]),
+        None if *numbers != forward.numbers => "its model has other numbers".into(),
+        None => return Ok(()),
+    };
+    Err(RunError::Input(format!(
+        "the forward run belongs to another design: {why}; run forward at the design that is differentiated"
+    )))
 }
 
 /// Evaluates functionals, keeps steps, and lets an observer see them.

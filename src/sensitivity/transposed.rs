@@ -375,29 +375,16 @@ impl<'m> TransposedSolver<'m> {
     fn solve(&mut self, asked: &[usize], bars: &[SolutionBar]) -> Result<bool, Singular> {
         let system = &*self.system.clone();
         let size = system.size();
-        set_zeros(&mut self.reduced, asked.len() * size);
+        self.reduced.resize(asked.len() * size, 0.0);
         for (&k, reduced) in asked.iter().zip(self.reduced.chunks_exact_mut(size.max(1))) {
-            let bar = &bars[k];
-            self.jacobian.restrict_right(system, &bar.x, &bar.rate, reduced);
-            for (place, mu) in system.multiplier_places().iter().zip(&bar.mu) {
-                if let Some(place) = *place {
-                    reduced[place] = *mu;
-                }
-            }
-            reduced.iter_mut().for_each(|value| *value = -*value);
+            let SolutionBar { x, rate, mu } = &bars[k];
+            self.jacobian.reduce_adjoint(system, [x, rate, mu], reduced);
         }
         let factored = self.factorization.solve_transposed(&self.jacobian.values, &mut self.reduced)?;
         let all = &mut self.sweep.adjoints;
-        all.resize_with(all.len().max(asked.len()), Adjoints::default);
-        all.iter_mut().for_each(|adjoints| adjoints.set_zeros(system));
+        all.resize_with(all.len().max(asked.len()), || Adjoints::zeros(system));
         for (adjoints, reduced) in all.iter_mut().zip(self.reduced.chunks_exact(size.max(1))) {
-            self.jacobian.prolong_left(system, reduced, &mut adjoints.f, &mut adjoints.y);
-            let places = system.multiplier_places().iter().zip(&mut adjoints.g);
-            for (place, g) in places.chain(system.stabilizer_places().iter().zip(&mut adjoints.g_second)) {
-                if let Some(place) = *place {
-                    *g = reduced[place];
-                }
-            }
+            self.jacobian.set_adjoints(system, reduced, adjoints);
         }
         Ok(factored)
     }

@@ -56,7 +56,7 @@ impl<S: RunScalar> Newton<'_, S> {
         self.row.resize(model.dofs, 0.0);
         dofs().zip(row).for_each(|(dof, &entry)| self.row[dof] = entry);
         self.rhs.fill(0.0);
-        self.jacobian.restrict_right(&self.system, &self.row, &[], &mut self.rhs);
+        self.jacobian.restrict_right(&self.system, &self.row, &mut self.rhs);
         // a matrix that is nearly singular is what is looked for here
         let _ = self.factorization.solve_transposed(&self.jacobian.values, &mut self.rhs);
         let kept = self.system.multiplier_places().iter().enumerate();
