@@ -200,6 +200,11 @@ impl Factorization {
         Ok(())
     }
 
+    /// Forgets what earlier values have taught of scales: the numbers of the next factorization depend on its own values alone.
+    pub fn forget(&mut self) {
+        self.is_careful = false;
+    }
+
     /// Keeps the factors of other values for those given now, if there are any: [`Factorization::solve_transposed`] refines solutions by these
     /// values, or factors them where that takes too many refinements. Returns whether there are.
     ///

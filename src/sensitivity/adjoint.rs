@@ -110,11 +110,11 @@ impl<'m> Sweep<'m> {
             .collect();
         let mut solvers = StepSolvers::new(&self.systems, self.method, self.active)?;
         if solvers.are_apart {
-            let ahead = Some(solvers.another()?);
+            let ahead = solvers.another()?;
             // on a thread that shares its work with the others
-            rayon::scope(|_| self.steps(rerun, history, &mut back, &mut solvers, ahead))?;
+            rayon::scope(|_| self.steps_ahead(rerun, history, &mut back, &mut solvers, ahead))?;
         } else {
-            self.steps(rerun, history, &mut back, &mut solvers, None)?;
+            self.steps(rerun, history, &mut back, &mut solvers)?;
         }
         let missing = || RunError::Input("the run has no start: a gradient needs a run".into());
         let start = history.start_record().ok_or_else(missing)?;
@@ -149,15 +149,33 @@ impl<'m> Sweep<'m> {
         Ok(AdjointRun { gradients, counters: self.counters })
     }
 
-    /// Back through all steps, one after the other. With solvers `ahead`, other threads factor the systems of the step before meanwhile: all
-    /// of a sweep's matrices are known from the start.
+    /// Back through all steps, one after the other.
     fn steps(
         &mut self,
         rerun: &Rerun,
         history: &dyn History,
         back: &mut [Backward],
         solvers: &mut StepSolvers<'m>,
-        mut ahead: Option<StepSolvers<'m>>,
+    ) -> Result<(), RunError> {
+        let mut steps = history.backward(rerun)?;
+        let mut weights = QuadratureWeights::at_end(&rerun.method.table);
+        let mut last = true;
+        while let Some(step) = steps.next()? {
+            self.select(&step.dropped, solvers, None)?;
+            self.step(step, last, &weights.back_through(step), back, solvers)?;
+            last = false;
+        }
+        Ok(())
+    }
+
+    /// The same, while other threads factor the systems of the step before: all of a sweep's matrices are known from the start.
+    fn steps_ahead(
+        &mut self,
+        rerun: &Rerun,
+        history: &dyn History,
+        back: &mut [Backward],
+        solvers: &mut StepSolvers<'m>,
+        mut ahead: StepSolvers<'m>,
     ) -> Result<(), RunError> {
         let p = &self.problem.p;
         let mut steps = history.backward(rerun)?;
@@ -169,18 +187,14 @@ impl<'m> Sweep<'m> {
             std::mem::swap(&mut step, &mut next);
             keep(&mut next, steps.next()?);
             let Some(step) = &step else { break };
-            self.select(&step.dropped, solvers, ahead.as_mut())?;
+            self.select(&step.dropped, solvers, Some(&mut ahead))?;
             let weights = weights.back_through(step);
-            if let Some(ahead) = &mut ahead {
-                // the same on one thread, so that every number is the same
-                let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
-                let step_back = || self.step(step, last, &weights, back, solvers);
-                rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
-                solvers.forget(&mut self.counters);
-                std::mem::swap(solvers, ahead);
-            } else {
-                self.step(step, last, &weights, back, solvers)?;
-            }
+            let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
+            let step_back = || self.step(step, last, &weights, back, solvers);
+            rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
+            solvers.forget(&mut self.counters);
+            std::mem::swap(solvers, &mut ahead);
+            solvers.learn_from(&ahead);
             last = false;
         }
         Ok(())

@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 /// Unknowns from which each stage of a step has a solver of its own: below, waking other threads takes longer than a factorization.
 const APART: usize = 20;
-/// Entries of L and U up to which it has: a few megabytes each.
-const APART_FILL: usize = 1_000_000;
 
 /// Solvers of the systems of one step.
 ///
-/// Small stages have one each, whatever the number of threads, so that their numbers do not depend on it; large ones, whose
-/// factorizations employ all threads themselves and take most of the memory, share one, also with what has the same pattern beside them.
+/// Where other threads factor ahead, small stages have one each; on one thread they share one, whose memory stays in the caches. Numbers are
+/// the same: no factors of another step are tried for small systems, and what was learned of trials goes from step to step. Large
+/// stages, whose factorizations employ all threads themselves and take most of the memory, share one, also with what has the same pattern
+/// beside them.
 pub(super) struct StepSolvers<'m> {
     /// Whether each stage has a solver of its own.
     pub are_apart: bool,
@@ -29,9 +29,8 @@ impl<'m> StepSolvers<'m> {
     /// A pattern that no numbers could make regular.
     pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
-        let plan = stage.plan();
-        let is_large = plan.work.is_some_and(|work| work.fill > APART_FILL);
-        let are_apart = plan.unknowns >= APART && !is_large;
+        let is_large = stage.is_large();
+        let are_apart = stage.plan().unknowns >= APART && !is_large && rayon::current_num_threads() > 1;
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
             true if is_large => None,
             true => Some(stage.another()?),
@@ -55,6 +54,12 @@ impl<'m> StepSolvers<'m> {
         let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
         let plain = self.plain.as_ref().map(TransposedSolver::another).transpose()?;
         Ok(StepSolvers { stages, plain, are_apart: self.are_apart })
+    }
+
+    /// Takes over from the solvers of the step before what they have learned.
+    pub fn learn_from(&mut self, others: &Self) {
+        let solvers = self.stages.iter_mut().chain(&mut self.plain);
+        solvers.zip(others.stages.iter().chain(&others.plain)).for_each(|(own, other)| own.learn_from(other));
     }
 
     /// The solver of a stage.

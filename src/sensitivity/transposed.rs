@@ -96,8 +96,10 @@ pub(super) struct TransposedSolver<'m> {
     constant: Option<(Equations, bool)>,
     /// Of stages, and of projections of coordinates and of velocities.
     trials: [Trial; 3],
-    /// Whether the factors that are there are those of projections.
-    has_projection: Option<bool>,
+    /// Whether factors of other steps are tried, too: worth the while where a factorization takes many refinements.
+    tries_other_steps: bool,
+    /// Whether the factors that are there are those of a projection, and at what time.
+    has_projection: Option<(bool, f64)>,
     /// Whether an adjoint of the last system was not zero.
     needed: bool,
     /// Work that is not counted yet.
@@ -143,6 +145,11 @@ impl<'m> TransposedSolver<'m> {
         Ok(Self::of(system, factorization, active))
     }
 
+    /// Whether the factors take more than a few megabytes.
+    pub fn is_large(&self) -> bool {
+        is_large(self.factorization.plan())
+    }
+
     /// Another one for the same system.
     pub fn another(&self) -> Result<Self, RunError> {
         let factorization = self.factorization.another().map_err(|s| singular(s.unknown, "adjoint"))?;
@@ -151,6 +158,7 @@ impl<'m> TransposedSolver<'m> {
 
     fn of(system: Arc<System<'m>>, factorization: Factorization, active: &'m [bool]) -> Self {
         TransposedSolver {
+            tries_other_steps: is_large(factorization.plan()),
             residual: Residual::default(),
             jacobian: Jacobian::default(),
             system,
@@ -194,7 +202,9 @@ impl<'m> TransposedSolver<'m> {
         self.work.blocks += self.jacobian.evaluated - before;
         let values = &self.jacobian.values;
         // those of a stage tell nothing of a projection
-        let alike = self.has_projection == Some(equations.metric);
+        let alike = self
+            .has_projection
+            .is_some_and(|(metric, at)| metric == equations.metric && (self.tries_other_steps || metric && at == *t));
         let kept = match alike && self.trials[kind(equations)].is_due() {
             true => self.factorization.keep_factors(values),
             false => Ok(false),
@@ -202,7 +212,11 @@ impl<'m> TransposedSolver<'m> {
         let outcome = match kept {
             Ok(false) => {
                 self.work.factorizations += 1;
-                self.has_projection = Some(equations.metric);
+                self.has_projection = Some((equations.metric, *t));
+                if !self.tries_other_steps {
+                    // whatever solver a system falls to
+                    self.factorization.forget();
+                }
                 self.factorization.factor(values)
             }
             _ => kept.map(|_| ()),
@@ -211,6 +225,11 @@ impl<'m> TransposedSolver<'m> {
         if self.constant.is_none_or(|(of, _)| !of.is_nearly(equations)) || outcome.is_err() {
             self.constant = Some((*equations, outcome.is_ok() && Jacobian::is_constant(system, equations)));
         }
+    }
+
+    /// Takes over from the solver of the step before what it has learned of factors on trial.
+    pub fn learn_from(&mut self, other: &Self) {
+        self.trials = other.trials;
     }
 
     /// Whether an adjoint of the last system was not zero.
@@ -392,6 +411,13 @@ impl<'m> TransposedSolver<'m> {
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
         singular_named(self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
     }
+}
+
+/// Entries of L and U up to which factors count as small: a few megabytes.
+const SMALL_FILL: usize = 1_000_000;
+
+fn is_large(plan: SolverPlan) -> bool {
+    plan.work.is_some_and(|work| work.fill > SMALL_FILL)
 }
 
 /// Stages, projections of coordinates, projections of velocities.
