@@ -127,7 +127,7 @@ impl Element for Mass {
     }
 }
 
-struct Masses;
+struct Masses(usize);
 
 /// Their number.
 const MASSES: usize = 6;
@@ -148,7 +148,7 @@ impl Scene for Masses {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let place = |i: usize| [S::from(0.1 * (i * i) as f64)];
         let node = |m: &mut MechanismBuilder<S>, i: usize| m.coordinates(&format!("mass {i}"), &place(i), &[S::zero()]);
-        let nodes: Vec<_> = (0..MASSES).map(|i| node(m, i)).collect();
+        let nodes: Vec<_> = (0..self.0).map(|i| node(m, i)).collect();
         for &node in &nodes {
             m.element("mass", &[node], Mass, &[x[1]]);
         }
@@ -163,7 +163,7 @@ impl Scene for Masses {
 #[test]
 fn a_linear_scene_is_differentiated_once_and_factored_once_per_step_size() {
     let x = [40.0, 2.0];
-    let prepared = Prepared::new(&Masses).expect("sound");
+    let prepared = Prepared::new(&Masses(MASSES)).expect("sound");
     let analysis = prepared.analysis();
     let forward = analysis.forward(&x).expect("runs");
     let stages = prepared.method.table.stages.iter().filter(|stage| stage.known.is_none()).count();
@@ -178,4 +178,22 @@ fn a_linear_scene_is_differentiated_once_and_factored_once_per_step_size() {
     assert_eq!((adjoint.counters.factorizations, adjoint.counters.blocks), (2, 2 * blocks));
     let complex = analysis.complex_step(&x, &forward).expect("runs");
     assert!(largest_difference(&complex.rows[0], &adjoint.rows[0]) < 1e-13, "{complex:?} {adjoint:?}");
+}
+
+#[test]
+fn a_longer_linear_scene_is_factored_once_too_with_the_same_bits_on_any_number_of_threads() {
+    let gradient = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let prepared = Prepared::new(&Masses(30)).expect("sound");
+            let (analysis, x) = (prepared.analysis(), [40.0, 2.0]);
+            let forward = analysis.forward(&x).expect("runs");
+            analysis.adjoint(&x, &forward).expect("has a gradient")
+        })
+    };
+    let alone = gradient(1);
+    assert_eq!(alone.counters.factorizations, 2);
+    for threads in [2, 3] {
+        assert_eq!(gradient(threads), alone, "{threads} threads");
+    }
 }

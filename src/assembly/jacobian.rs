@@ -167,8 +167,15 @@ impl Jacobian {
 
     /// Whether the matrix is the same at all states and times, as its programs show: a linear system without constraints.
     pub fn is_constant(system: &System, equations: &Equations) -> bool {
-        let force = Force::of(equations);
-        let (_, moves) = numbers_of(equations.residual);
+        Self::is_linear(system, Force::of(equations), numbers_of(equations.residual).1)
+    }
+
+    /// The same for stages of a motion.
+    pub fn is_constant_in_stages(system: &System) -> bool {
+        Self::is_linear(system, Force::Residual, [true; 3])
+    }
+
+    fn is_linear(system: &System, force: Force, moves: [bool; 3]) -> bool {
         let stabilized = system.options.stabilized;
         system.constraint_batches().is_empty()
             && system.node_blocks.is_empty()

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Adjoint variables of one system: one number for each row of F, Y, G, and of the equations inside nodes.
+/// Adjoint variables of one system: one number for each row of F, Y and G.
 #[derive(Clone, Debug, Default)]
 pub struct Adjoints {
     /// Of F.
@@ -64,7 +64,8 @@ struct Selection {
     parts: Vec<usize>,
     /// Where their numbers stand, unless they are the whole batch.
     own: Option<Places>,
-    chosen: Chosen,
+    /// For one pair of functionals after the other.
+    chosen: Vec<Chosen>,
     programs: HashMap<u32, ProductProgram>,
 }
 
@@ -105,7 +106,7 @@ fn select<L>(batches: &[Batch<L>], all: &[DofMap], active: &[bool]) -> Vec<Selec
             let asked = &active[all[part].parameters.clone()];
             let selection = *places.entry(asked).or_insert(members.len());
             if selection == members.len() {
-                let (own, chosen, programs) = (None, Chosen::default(), HashMap::new());
+                let (own, chosen, programs) = (None, Vec::new(), HashMap::new());
                 selections.push(Selection { batch, asked: asked.to_vec(), parts: Vec::new(), own, chosen, programs });
                 members.push(Vec::new());
             }
@@ -224,7 +225,9 @@ impl Products {
             let batch = &batches[*batch];
             let (layout, n) = (batch.layout, batch.layout.n);
             let all = own.as_ref().unwrap_or(&batch.places);
-            for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
+            chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
+            let pairs = adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER));
+            for ((adjoints, bars), chosen) in pairs.zip(chosen) {
                 let own = programs.entry(adjoints.len() as u32).or_insert_with(|| {
                     let program = element_programs::products(&batch.formula, layout, asked, adjoints.len());
                     ProductProgram::new(program, layout.t(), (system.model.dofs, &all.nodes), |place| match place {
@@ -267,11 +270,12 @@ impl Products {
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let n = layout.n;
             let all = own.as_ref().unwrap_or(&batch.places);
-            for (adjoints, bars) in adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER)) {
-                let count = adjoints.len();
-                let code = asked.short_code([false; 3]) * (TOGETHER + 1) as u32 + count as u32;
+            chosen.resize_with(chosen.len().max(adjoints.len().div_ceil(TOGETHER)), Chosen::default);
+            let pairs = adjoints.chunks(TOGETHER).zip(bars.chunks_mut(TOGETHER));
+            for ((adjoints, bars), chosen) in pairs.zip(chosen) {
+                let code = asked.short_code([false; 3]) * (TOGETHER + 1) as u32 + adjoints.len() as u32;
                 let own = programs.entry(code).or_insert_with(|| {
-                    let program = constraint_programs::products(physics, asked, parameters, count);
+                    let program = constraint_programs::products(physics, asked, parameters, adjoints.len());
                     ProductProgram::new(program, layout.mu(), (system.model.dofs, &all.nodes), |place| match place {
                         place if place < 2 * n => ProductArgument::Coordinate(1 + place / n, place % n),
                         place if place < layout.t() => ProductArgument::Parameter(place - layout.p()),
@@ -286,11 +290,11 @@ impl Products {
                         || (asked.equations[0].is_some() && equations)
                 };
                 let is_chosen = |place: usize| adjoints.iter().any(|adjoint| weighs(adjoint, parts[place]));
-                let (chosen, places) = chosen.places(all, parts.len(), is_chosen);
+                let (count, places) = chosen.places(all, parts.len(), is_chosen);
                 let stabilized = asked.stabilized();
                 run_lanes(
                     &own.program,
-                    chosen,
+                    count,
                     work,
                     |mut lanes, _| {
                         places.write_constraints(&mut lanes, (at, p, t), (unknowns, stabilized), scales);

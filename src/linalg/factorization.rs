@@ -200,8 +200,9 @@ impl Factorization {
         Ok(())
     }
 
-    /// Forgets what earlier values have taught of scales: the numbers of the next factorization depend on its own values alone.
-    pub fn forget(&mut self) {
+    /// Scales the next values as if they were the first: their factors then do not depend on what came before them.
+    pub fn start_afresh(&mut self) {
+        self.checked &= !self.is_careful;
         self.is_careful = false;
     }
 

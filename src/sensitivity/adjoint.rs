@@ -4,7 +4,7 @@
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
 use super::solvers::StepSolvers;
-use super::transposed::{Backward, SolutionBar, add, set_zeros};
+use super::transposed::{Backward, SolutionBar, add, set_zero_vectors, set_zeros};
 use crate::assembly::VectorsAvq;
 use crate::design::ModelNumbers;
 use crate::functionals::{Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, Times, Totals};
@@ -12,6 +12,7 @@ use crate::history::{History, Rerun};
 use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
 };
+use smallvec::SmallVec;
 
 /// Gradients with respect to parameters and initial state, one for each functional, and the work done.
 #[derive(Clone, Debug)]
@@ -69,7 +70,7 @@ pub fn adjoint(
         counters: Counters::default(),
         stages: Vec::new(),
         projected: Vec::new(),
-        base_bars: Vec::new(),
+        measured: Vec::new(),
         updated: Vec::new(),
         sample: Sample::empty(),
     };
@@ -83,11 +84,11 @@ struct Sweep<'m> {
     active: &'m [bool],
     systems: Systems<'m>,
     counters: Counters,
-    /// Workspace of a step: adjoints of the solutions of each stage and of a projection, and of the base of a stage, for one functional after
-    /// the other; adjoints of what was carried out of the step.
+    /// Workspace of a step: adjoints of the solutions of each stage and of a projection, and of what functionals read at a stage, for one
+    /// functional after the other; adjoints of what was carried out of the step.
     stages: Vec<Vec<SolutionBar>>,
     projected: Vec<SolutionBar>,
-    base_bars: Vec<VectorsAvq<f64>>,
+    measured: Vec<Measured>,
     updated: Vec<Vec<f64>>,
     sample: Sample<f64>,
 }
@@ -189,7 +190,8 @@ impl<'m> Sweep<'m> {
             let Some(step) = &step else { break };
             self.select(&step.dropped, solvers, Some(&mut ahead))?;
             let weights = weights.back_through(step);
-            let ready = next.as_ref().filter(|next| next.dropped == step.dropped);
+            // with fewer unknowns all stages may share a solver
+            let ready = next.as_ref().filter(|next| next.dropped == step.dropped && ahead.are_apart);
             let step_back = || self.step(step, last, &weights, back, solvers);
             rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
             solvers.forget(&mut self.counters);
@@ -219,17 +221,17 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// Adds the gradient of functional `k` at a sample with a weight in time; returns the adjoints of (a, v, q) and mu.
-    fn measure(&mut self, k: usize, sample: &Sample<f64>, weight: f64, p_bar: &mut [f64]) -> (VectorsAvq<f64>, Vec<f64>) {
+    /// Sets the adjoints of (a, v, q) and mu to the gradient of functional `k` at a sample with a weight in time; adds that by parameters.
+    fn measure(&mut self, k: usize, sample: &Sample<f64>, weight: f64, own: &mut Measured, p_bar: &mut [f64]) {
         let model = self.problem.model;
-        let mut at_bar = VectorsAvq::zeros(model.dofs);
-        let mut mu_bar = vec![0.0; sample.mu.len()];
+        let Measured { at, mu } = own;
+        set_zero_vectors(at, model.dofs);
+        set_zeros(mu, sample.mu.len());
         if weight != 0.0 {
-            let mut bars = SampleBars { at: &mut at_bar, mu: &mut mu_bar, p: p_bar };
+            let mut bars = SampleBars { at, mu, p: p_bar };
             self.functionals[k].add(model, sample, &self.problem.p, weight, &mut bars);
-            sample.share_transposed(model, &self.problem.p, &mut mu_bar, &mut at_bar.q, p_bar);
+            sample.share_transposed(model, &self.problem.p, mu, &mut at.q, p_bar);
         }
-        (at_bar, mu_bar)
     }
 
     /// When functional `k` reads.
@@ -251,7 +253,9 @@ impl<'m> Sweep<'m> {
         self.share(&mut sample);
         for (k, (bar, back)) in bars.iter_mut().zip(back).enumerate() {
             if self.times(k) == Times::Start {
-                let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
+                let mut measured = Measured::default();
+                self.measure(k, &sample, 1.0, &mut measured, &mut back.p);
+                let Measured { at, mu } = measured;
                 add(&mut back.carried[0], 1.0, &at.q);
                 add(&mut back.carried[1], 1.0, &at.v);
                 add(&mut bar.x, 1.0, &at.a);
@@ -305,7 +309,9 @@ impl<'m> Sweep<'m> {
             self.share(&mut sample);
             for (k, (stage, back)) in stages[last].iter_mut().zip(back.iter_mut()).enumerate() {
                 if self.times(k) == Times::End {
-                    let (at, mu) = self.measure(k, &sample, 1.0, &mut back.p);
+                    let mut measured = Measured::default();
+                    self.measure(k, &sample, 1.0, &mut measured, &mut back.p);
+                    let Measured { at, mu } = measured;
                     add(&mut back.carried[0], 1.0, &at.q);
                     add(&mut back.carried[1], 1.0, &at.v);
                     add(&mut stage.x, step.stages[last].solve.equations.residual.gamma, &at.a);
@@ -380,31 +386,28 @@ impl<'m> Sweep<'m> {
         let shift = record.solve.equations.residual;
         let (earlier, own) = stages.split_at_mut(stage);
         let own = &mut own[0];
-        let dofs = self.problem.model.dofs;
-        let mut base_bars = std::mem::take(&mut self.base_bars);
-        base_bars.resize_with(back.len(), VectorsAvq::default);
-        for VectorsAvq { a, v, q } in &mut base_bars {
-            [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
-        }
+        let mut measured = std::mem::take(&mut self.measured);
+        measured.resize_with(back.len(), Measured::default);
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
-        if weight != 0.0 && (0..back.len()).any(|k| self.times(k) == Times::Run) {
+        let reads: SmallVec<[bool; 8]> = (0..back.len()).map(|k| weight != 0.0 && self.times(k) == Times::Run).collect();
+        if reads.contains(&true) {
             let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
             sample.set_stage(step, stage, weight);
             self.share(&mut sample);
             let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
-            for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate() {
-                if self.times(k) == Times::Run {
-                    let (at, mu) = self.measure(k, &sample, sample.weight, &mut back.p);
-                    add(&mut own.mu, 1.0, &mu);
-                    add(&mut own.x, shift.gamma, &at.a);
-                    add(&mut own.x, shift.beta, &at.v);
-                    add(&mut own.x, shift.alpha, &at.q);
-                    add(&mut own.rate, step.h * own_rate, &at.q);
-                    base_bars[k] = at;
-                }
+            for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate().filter(|(k, _)| reads[*k]) {
+                self.measure(k, &sample, sample.weight, &mut measured[k], &mut back.p);
+                let Measured { at, mu } = &measured[k];
+                add(&mut own.mu, 1.0, mu);
+                // mostly one of these
+                let parts = [(shift.gamma, &at.a), (shift.beta, &at.v), (shift.alpha, &at.q)];
+                let read = parts.into_iter().filter(|(_, part)| part.iter().any(|&bar| bar != 0.0));
+                read.for_each(|(factor, part)| add(&mut own.x, factor, part));
+                add(&mut own.rate, step.h * own_rate, &at.q);
             }
             self.sample = sample;
         }
+        let mut solved: &[VectorsAvq<f64>] = &[];
         if let Some(place) = record.known {
             for (back, own) in back.iter_mut().zip(own) {
                 add(&mut back.carried[place], 1.0, &own.x);
@@ -415,15 +418,20 @@ impl<'m> Sweep<'m> {
             let factor = table.rate_factor(stage, step.h);
             own.iter_mut().flat_map(|own| &mut own.rate).for_each(|rate| *rate *= factor);
             let solver = solvers.stage(stage);
-            let solved = solver.through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
-            for (total, base) in base_bars.iter_mut().zip(solved) {
-                add(&mut total.a, 1.0, &base.a);
-                add(&mut total.v, 1.0, &base.v);
-                add(&mut total.q, 1.0, &base.q);
-            }
+            solved = solver.through(&record.solve, &self.problem.p, own, back, &mut self.counters)?;
+        }
+        for ((Measured { at, .. }, base), _) in measured.iter_mut().zip(solved).zip(&reads).filter(|(_, reads)| **reads) {
+            add(&mut at.a, 1.0, &base.a);
+            add(&mut at.v, 1.0, &base.v);
+            add(&mut at.q, 1.0, &base.q);
         }
         let relation = &table.stages[stage];
-        for (k, (base, back)) in base_bars.iter().zip(back).enumerate() {
+        for (k, back) in back.iter_mut().enumerate() {
+            let base = match solved.get(k) {
+                _ if reads[k] => &measured[k].at,
+                Some(base) => base,
+                None => continue,
+            };
             for (order, combination, bar) in [
                 (Carried::A.order(), &relation.a, &base.a),
                 (Carried::V.order(), &relation.v, &base.v),
@@ -435,9 +443,16 @@ impl<'m> Sweep<'m> {
                 add(&mut earlier[k].rate, step.h * weight, &base.q);
             }
         }
-        self.base_bars = base_bars;
+        self.measured = measured;
         Ok(())
     }
+}
+
+/// Adjoints of what a functional reads at a sample.
+#[derive(Default)]
+struct Measured {
+    at: VectorsAvq<f64>,
+    mu: Vec<f64>,
 }
 
 /// Takes over a step, into the memory of the one that was there.

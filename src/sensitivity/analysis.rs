@@ -303,7 +303,10 @@ impl<'m> Analysis<'m> {
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
-        check_belonging(x, chain.real(), forward)?;
+        if *chain.real() != forward.numbers || x != forward.x {
+            // a power may be rounded otherwise where it is recorded
+            check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
+        }
         let mut active = chain.active_parameters();
         active.iter_mut().zip(also).for_each(|(active, also)| *active |= also);
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();

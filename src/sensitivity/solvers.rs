@@ -5,15 +5,12 @@ use crate::integrators::{Counters, Method, RunError, SolveRecord, StepRecord, Sy
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Unknowns from which each stage of a step has a solver of its own: below, waking other threads takes longer than a factorization.
-const APART: usize = 20;
-
 /// Solvers of the systems of one step.
 ///
 /// Where other threads factor ahead, small stages have one each; on one thread they share one, whose memory stays in the caches. Numbers are
-/// the same: no factors of another step are tried for small systems, and what was learned of trials goes from step to step. Large
-/// stages, whose factorizations employ all threads themselves and take most of the memory, share one, also with what has the same pattern
-/// beside them.
+/// the same: they use no factors of each other, and what was learned of trials goes from step to step. Large stages, whose factorizations
+/// employ all threads themselves and take most of the memory, share one, also with what has the same pattern beside them; so do the tiny
+/// ones, and those of a linear system, whose matrix is factored once.
 pub(super) struct StepSolvers<'m> {
     /// Whether each stage has a solver of its own.
     pub are_apart: bool,
@@ -30,11 +27,11 @@ impl<'m> StepSolvers<'m> {
     pub fn new(systems: &Systems<'m>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
         let is_large = stage.is_large();
-        let are_apart = stage.plan().unknowns >= APART && !is_large && rayon::current_num_threads() > 1;
+        let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
             true if is_large => None,
             true => Some(stage.another()?),
-            false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?),
+            false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.as_alone_as(&stage)),
         };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart };
         if are_apart {

@@ -96,8 +96,8 @@ pub(super) struct TransposedSolver<'m> {
     constant: Option<(Equations, bool)>,
     /// Of stages, and of projections of coordinates and of velocities.
     trials: [Trial; 3],
-    /// Whether factors of other steps are tried, too: worth the while where a factorization takes many refinements.
-    tries_other_steps: bool,
+    /// See [`TransposedSolver::is_alone`].
+    is_alone: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
     has_projection: Option<(bool, f64)>,
     /// Whether an adjoint of the last system was not zero.
@@ -142,7 +142,20 @@ impl<'m> TransposedSolver<'m> {
     pub fn new(system: Arc<System<'m>>, method: &Method, active: &'m [bool]) -> Result<Self, RunError> {
         let factorization =
             Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
-        Ok(Self::of(system, factorization, active))
+        let plan = factorization.plan();
+        let is_alone = plan.unknowns < APART || is_large(plan) || Jacobian::is_constant_in_stages(&system);
+        Ok(Self::of(system, factorization, active, is_alone))
+    }
+
+    /// Whether one solver has all stages, on any number of threads: factors, and what is learned of them, go from each system to the next.
+    /// Otherwise the numbers of a system must not depend on which one the solver had before, but for projections at the same time.
+    pub fn is_alone(&self) -> bool {
+        self.is_alone
+    }
+
+    /// The same rule as another solver of the same steps has.
+    pub fn as_alone_as(self, other: &Self) -> Self {
+        TransposedSolver { is_alone: other.is_alone, ..self }
     }
 
     /// Whether the factors take more than a few megabytes.
@@ -153,12 +166,12 @@ impl<'m> TransposedSolver<'m> {
     /// Another one for the same system.
     pub fn another(&self) -> Result<Self, RunError> {
         let factorization = self.factorization.another().map_err(|s| singular(s.unknown, "adjoint"))?;
-        Ok(Self::of(self.system.clone(), factorization, self.active))
+        Ok(Self::of(self.system.clone(), factorization, self.active, self.is_alone))
     }
 
-    fn of(system: Arc<System<'m>>, factorization: Factorization, active: &'m [bool]) -> Self {
+    fn of(system: Arc<System<'m>>, factorization: Factorization, active: &'m [bool], is_alone: bool) -> Self {
         TransposedSolver {
-            tries_other_steps: is_large(factorization.plan()),
+            is_alone,
             residual: Residual::default(),
             jacobian: Jacobian::default(),
             system,
@@ -178,11 +191,6 @@ impl<'m> TransposedSolver<'m> {
         }
     }
 
-    /// Solver of the linear systems.
-    pub fn plan(&self) -> SolverPlan {
-        self.factorization.plan()
-    }
-
     /// Factors the matrix of a system at its solution: all of the work that needs no adjoint.
     pub fn factor(&mut self, record: &SolveRecord<f64>, p: &[f64]) {
         let system = &*self.system.clone();
@@ -193,7 +201,7 @@ impl<'m> TransposedSolver<'m> {
         self.residual.start(system, stage);
         self.residual.evaluate(system, stage, &mut self.unknowns);
         self.work.residuals += 1;
-        if self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
+        if self.is_alone && self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
             self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(()), on_trial: false });
             return;
         }
@@ -204,7 +212,7 @@ impl<'m> TransposedSolver<'m> {
         // those of a stage tell nothing of a projection
         let alike = self
             .has_projection
-            .is_some_and(|(metric, at)| metric == equations.metric && (self.tries_other_steps || metric && at == *t));
+            .is_some_and(|(metric, at)| metric == equations.metric && (self.is_alone || metric && at == *t));
         let kept = match alike && self.trials[kind(equations)].is_due() {
             true => self.factorization.keep_factors(values),
             false => Ok(false),
@@ -213,9 +221,8 @@ impl<'m> TransposedSolver<'m> {
             Ok(false) => {
                 self.work.factorizations += 1;
                 self.has_projection = Some((equations.metric, *t));
-                if !self.tries_other_steps {
-                    // whatever solver a system falls to
-                    self.factorization.forget();
+                if !self.is_alone {
+                    self.factorization.start_afresh();
                 }
                 self.factorization.factor(values)
             }
@@ -255,13 +262,18 @@ impl<'m> TransposedSolver<'m> {
     ) -> Result<&[VectorsAvq<f64>], RunError> {
         let system = &*self.system.clone();
         let dofs = system.model.dofs;
-        self.bases.resize_with(bars.len(), VectorsAvq::default);
-        for VectorsAvq { a, v, q } in &mut self.bases {
-            [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
-        }
         let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
+        self.bases.resize_with(bars.len(), VectorsAvq::default);
+        // those that are asked for are written below
+        let written = |k: usize| asked.contains(&k) && record.equations.variational.is_none();
+        let others = self.bases.iter_mut().enumerate().filter(|(k, _)| !written(*k));
+        others.for_each(|(_, base)| set_zero_vectors(base, dofs));
         self.needed = !asked.is_empty();
         if asked.is_empty() {
+            if self.factored.is_some() {
+                // as if it had not been factored ahead
+                self.has_projection = None;
+            }
             self.forget(counters);
             return Ok(&self.bases);
         }
@@ -376,14 +388,17 @@ impl<'m> TransposedSolver<'m> {
             }
             for (vector, bar) in [&mut base_bar.a, &mut base_bar.v, &mut base_bar.q].into_iter().enumerate() {
                 let range = vector * dofs..(vector + 1) * dofs;
-                // first what cancels
-                if !own.is_empty() {
-                    bar.copy_from_slice(&own[here.clone()][range.clone()]);
+                let (elements, constraints) = (&elements[range.clone()], &constraints[range.clone()]);
+                bar.clear();
+                if vector == 0 && equations.is_of_inertia() {
+                    bar.extend_from_slice(constraints);
+                } else if own.is_empty() {
+                    bar.extend(elements.iter().zip(constraints).map(|(element, constraint)| element + constraint));
+                } else {
+                    // first what cancels
+                    let own = own[here.clone()][range].iter().zip(elements).map(|(own, element)| own + element);
+                    bar.extend(own.zip(constraints).map(|(sum, constraint)| sum + constraint));
                 }
-                if vector > 0 || !equations.is_of_inertia() {
-                    add(bar, 1.0, &elements[range.clone()]);
-                }
-                add(bar, 1.0, &constraints[range]);
             }
         }
         (self.unknowns, self.sweep) = (unknowns, work);
@@ -413,6 +428,8 @@ impl<'m> TransposedSolver<'m> {
     }
 }
 
+/// Unknowns from which each stage of a step may have a solver of its own: below, waking other threads takes longer than a factorization.
+const APART: usize = 20;
 /// Entries of L and U up to which factors count as small: a few megabytes.
 const SMALL_FILL: usize = 1_000_000;
 
@@ -440,6 +457,11 @@ fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) ->
 pub(super) fn set_zeros(values: &mut Vec<f64>, count: usize) {
     values.clear();
     values.resize(count, 0.0);
+}
+
+/// The same for accelerations, velocities and coordinates.
+pub(super) fn set_zero_vectors(VectorsAvq { a, v, q }: &mut VectorsAvq<f64>, dofs: usize) {
+    [a, v, q].into_iter().for_each(|values| set_zeros(values, dofs));
 }
 
 /// target += factor values.
