@@ -31,7 +31,7 @@ impl<'m> StepSolvers<'m> {
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
             true if is_large => None,
             true => Some(stage.another()?),
-            false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.as_alone_as(&stage)),
+            false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.alone_like(&stage)),
         };
         let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart };
         if are_apart {

@@ -154,7 +154,7 @@ impl<'m> TransposedSolver<'m> {
     }
 
     /// The same rule as another solver of the same steps has.
-    pub fn as_alone_as(self, other: &Self) -> Self {
+    pub fn alone_like(self, other: &Self) -> Self {
         TransposedSolver { is_alone: other.is_alone, ..self }
     }
 
