@@ -200,10 +200,15 @@ impl Factorization {
         Ok(())
     }
 
-    /// Scales the next values as if they were the first: their factors then do not depend on what came before them.
-    pub fn start_afresh(&mut self) {
-        self.checked &= !self.is_careful;
-        self.is_careful = false;
+    /// Scales the next values with such care, whatever came before them.
+    pub fn start_afresh(&mut self, is_careful: bool) {
+        self.checked &= is_careful || !self.is_careful;
+        self.is_careful = is_careful;
+    }
+
+    /// Whether the values factored last needed care: unknowns that multipliers tie to far stiffer ones count as weak.
+    pub fn is_careful(&self) -> bool {
+        self.is_careful
     }
 
     /// Keeps the factors of other values for those given now, if there are any: [`Factorization::solve_transposed`] refines solutions by these

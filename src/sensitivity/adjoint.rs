@@ -164,6 +164,7 @@ impl<'m> Sweep<'m> {
         while let Some(step) = steps.next()? {
             self.select(&step.dropped, solvers, None)?;
             self.step(step, last, &weights.back_through(step), back, solvers)?;
+            solvers.settle_care(None);
             last = false;
         }
         Ok(())
@@ -194,6 +195,7 @@ impl<'m> Sweep<'m> {
             let ready = next.as_ref().filter(|next| next.dropped == step.dropped && ahead.are_apart);
             let step_back = || self.step(step, last, &weights, back, solvers);
             rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
+            solvers.settle_care(Some(&mut ahead));
             solvers.forget(&mut self.counters);
             std::mem::swap(solvers, &mut ahead);
             solvers.learn_from(&ahead);

@@ -17,6 +17,8 @@ pub(super) struct StepSolvers<'m> {
     /// Of projections and accelerations, if they do not share that of the stages: both projections of a step mostly have the same matrix.
     plain: Option<TransposedSolver<'m>>,
     stages: Vec<TransposedSolver<'m>>,
+    /// Whether the first step has told which matrices need care to be scaled.
+    has_care: bool,
 }
 
 impl<'m> StepSolvers<'m> {
@@ -33,7 +35,7 @@ impl<'m> StepSolvers<'m> {
             true => Some(stage.another()?),
             false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.alone_like(&stage)),
         };
-        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart };
+        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, has_care: false };
         if are_apart {
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
             for _ in 1..method.table.stages.len().max(starter) {
@@ -50,13 +52,31 @@ impl<'m> StepSolvers<'m> {
     pub fn another(&self) -> Result<Self, RunError> {
         let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
         let plain = self.plain.as_ref().map(TransposedSolver::another).transpose()?;
-        Ok(StepSolvers { stages, plain, are_apart: self.are_apart })
+        Ok(StepSolvers { stages, plain, are_apart: self.are_apart, has_care: false })
     }
 
     /// Takes over from the solvers of the step before what they have learned.
     pub fn learn_from(&mut self, others: &Self) {
         let solvers = self.stages.iter_mut().chain(&mut self.plain);
         solvers.zip(others.stages.iter().chain(&others.plain)).for_each(|(own, other)| own.learn_from(other));
+    }
+
+    /// After the first step: matrices of stages are scaled with the care that the one solved last needed, the first stage's, whichever solver
+    /// had it, and those of projections likewise.
+    pub fn settle_care(&mut self, ahead: Option<&mut Self>) {
+        if self.has_care {
+            return;
+        }
+        let of_stages = self.stages.iter().find_map(TransposedSolver::has_needed_care);
+        let of_plain = self.plain.as_ref().and_then(TransposedSolver::has_needed_care);
+        if of_stages.or(of_plain).is_none() {
+            return;
+        }
+        for solvers in ahead.into_iter().chain([self]) {
+            solvers.has_care = true;
+            solvers.stages.iter_mut().for_each(|solver| solver.take_care(of_stages.unwrap_or(false)));
+            solvers.plain.iter_mut().for_each(|solver| solver.take_care(of_plain.unwrap_or(false)));
+        }
     }
 
     /// The solver of a stage.

@@ -98,6 +98,8 @@ pub(super) struct TransposedSolver<'m> {
     trials: [Trial; 3],
     /// See [`TransposedSolver::is_alone`].
     is_alone: bool,
+    /// Whether matrices need care to be scaled, once the first step has told: see [`Factorization::is_careful`].
+    is_careful: bool,
     /// Whether the factors that are there are those of a projection, and at what time.
     has_projection: Option<(bool, f64)>,
     /// Whether an adjoint of the last system was not zero.
@@ -182,6 +184,7 @@ impl<'m> TransposedSolver<'m> {
             factored: None,
             constant: None,
             trials: [Trial::default(); 3],
+            is_careful: false,
             has_projection: None,
             needed: false,
             work: Counters::default(),
@@ -222,7 +225,7 @@ impl<'m> TransposedSolver<'m> {
                 self.work.factorizations += 1;
                 self.has_projection = Some((equations.metric, *t));
                 if !self.is_alone {
-                    self.factorization.start_afresh();
+                    self.factorization.start_afresh(self.is_careful);
                 }
                 self.factorization.factor(values)
             }
@@ -237,6 +240,16 @@ impl<'m> TransposedSolver<'m> {
     /// Takes over from the solver of the step before what it has learned of factors on trial.
     pub fn learn_from(&mut self, other: &Self) {
         self.trials = other.trials;
+    }
+
+    /// Whether the last matrix needed care to be scaled, if any was factored.
+    pub fn has_needed_care(&self) -> Option<bool> {
+        self.has_projection.map(|_| self.factorization.is_careful())
+    }
+
+    /// From now on matrices are scaled with such care.
+    pub fn take_care(&mut self, is_careful: bool) {
+        self.is_careful = is_careful;
     }
 
     /// Whether an adjoint of the last system was not zero.
