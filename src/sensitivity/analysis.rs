@@ -303,8 +303,8 @@ impl<'m> Analysis<'m> {
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
-        if *chain.real() != forward.numbers || x != forward.x {
-            // a power may be rounded otherwise where it is recorded
+        // a power may be rounded otherwise where it is recorded
+        if check_belonging(x, chain.real(), forward).is_err() {
             check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
         }
         let mut active = chain.active_parameters();
