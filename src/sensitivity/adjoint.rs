@@ -197,8 +197,11 @@ impl<'m> Sweep<'m> {
             rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
             solvers.settle_care(Some(&mut ahead));
             solvers.forget(&mut self.counters);
-            std::mem::swap(solvers, &mut ahead);
-            solvers.learn_from(&ahead);
+            // one set alone goes on with what it knows
+            if solvers.are_apart {
+                std::mem::swap(solvers, &mut ahead);
+                solvers.learn_from(&ahead);
+            }
             last = false;
         }
         Ok(())
