@@ -91,6 +91,32 @@ thread_local! {
     pub static ONLY_PORTABLE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
+/// The sums of the lanes of four vectors of eight, each with the bits of [`Vector::sum`]; `FUSED`: whether this is part of a kernel
+/// with fused products, which has registers of four numbers.
+#[inline(always)]
+pub fn sums_of_lanes<const FUSED: bool>(vectors: &[[f64; 8]; 4]) -> [f64; 4] {
+    #[cfg(target_arch = "x86_64")]
+    if FUSED {
+        return sums_with::<x86::Avx2>(vectors);
+    }
+    sums_with::<Portable>(vectors)
+}
+
+#[inline(always)]
+fn sums_with<I: Instructions>(vectors: &[[f64; 8]; 4]) -> [f64; 4] {
+    let mut sums = [0.0; 4];
+    // SAFETY: eight numbers in each vector, four of the sums.
+    unsafe {
+        let mut halves = [I::Four::splat(0.0); 4];
+        for v in 0..4 {
+            halves[v] = I::Four::load(vectors[v].as_ptr()).plus(I::Four::load(vectors[v].as_ptr().add(4)));
+        }
+        let [first, second, third, fourth] = I::transpose(halves);
+        first.plus(third).plus(second.plus(fourth)).store(sums.as_mut_ptr());
+    }
+    sums
+}
+
 /// What every processor has.
 struct Portable;
 
@@ -383,6 +409,8 @@ mod tests {
                 }
             }
             results.extend(transposed);
+            let eights: [[f64; 8]; 4] = std::array::from_fn(|v| std::array::from_fn(|lane| numbers[(3 * v + lane) % 16]));
+            results.extend(sums_with::<I>(&eights));
             results
         }
     }
@@ -432,7 +460,8 @@ mod tests {
         let expected = Everything.run::<Portable>();
         // 3 - 2 x 3 and -8 - 7 x (-8); the first row of the matrix
         assert_eq!(expected[..2], [-3.0, 48.0]);
-        assert_eq!(expected[expected.len() - 16..][..4], [1.0, 5.0, 9.0, 13.0]);
+        assert_eq!(expected[expected.len() - 20..][..4], [1.0, 5.0, 9.0, 13.0]);
+        assert_eq!(expected[expected.len() - 4..], [36.0, 60.0, 84.0, 92.0]);
         assert_eq!(dispatch_vectors(Everything), expected);
     }
 }

@@ -5,7 +5,8 @@
 
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::product::subtract_large_product;
-use crate::linalg::simd::{Kernel, dispatch, multiply_add};
+use crate::linalg::simd::{Kernel, dispatch, multiply_add, prefetch};
+use crate::linalg::vectors::sums_of_lanes;
 
 /// Multiplications beyond which copies of the factors pay.
 const SMALL_PRODUCT: usize = 1 << 17;
@@ -242,6 +243,25 @@ unsafe fn add_products<const FUSED: bool, const H: usize>(
 /// Sums of products of each of some vectors with one or two others, all of one length, in lanes: each sum has the bits that it has alone.
 #[inline(always)]
 pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b: [&[f64]; W]) -> [[f64; H]; W] {
+    dots_of::<FUSED, false, H, W>(a, b, 0)
+}
+
+/// The same for columns of factors in memory: asks for the numbers that stand `ahead` of those of `a`.
+#[inline(always)]
+pub fn dots_ahead<const FUSED: bool, const H: usize, const W: usize>(
+    a: [&[f64]; H],
+    b: [&[f64]; W],
+    ahead: isize,
+) -> [[f64; H]; W] {
+    dots_of::<FUSED, true, H, W>(a, b, ahead)
+}
+
+#[inline(always)]
+fn dots_of<const FUSED: bool, const AHEAD: bool, const H: usize, const W: usize>(
+    a: [&[f64]; H],
+    b: [&[f64]; W],
+    ahead: isize,
+) -> [[f64; H]; W] {
     const { assert!(W == 1 || W == 2) };
     let length = b[0].len();
     // loops: a closure would not be compiled for wide vectors
@@ -256,6 +276,11 @@ pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b
     if length >= LANES {
         let (mut of_first, mut of_last) = ([[0.0; LANES]; H], [[0.0; LANES]; H]);
         while first + LANES <= length {
+            if AHEAD {
+                for a in &a {
+                    prefetch(a.as_ptr().wrapping_add(first).wrapping_offset(ahead));
+                }
+            }
             // SAFETY: so many numbers are left in each vector.
             unsafe {
                 add_products::<FUSED, H>(&mut of_first, &a, b[0], first);
@@ -265,13 +290,9 @@ pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b
             }
             first += LANES;
         }
-        // what is done with the lanes would make the compiler turn the loop above by 90 degrees, which takes a shuffle for each product
-        let lanes = std::hint::black_box([of_first, of_last]);
-        for w in 0..W {
-            for h in 0..H {
-                let [s0, s1, s2, s3, s4, s5, s6, s7] = lanes[w][h];
-                totals[w][h] = ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));
-            }
+        totals[0] = sums_of::<FUSED, H>(of_first);
+        if W > 1 {
+            totals[W - 1] = sums_of::<FUSED, H>(of_last);
         }
     }
     while first < length {
@@ -285,6 +306,23 @@ pub fn dots<const FUSED: bool, const H: usize, const W: usize>(a: [&[f64]; H], b
         first += 1;
     }
     totals
+}
+
+/// The sum of the lanes of each vector.
+#[inline(always)]
+fn sums_of<const FUSED: bool, const H: usize>(lanes: [[f64; LANES]; H]) -> [f64; H] {
+    // what is done with the lanes would make the compiler turn the loop before by 90 degrees, which takes a shuffle for each product
+    let lanes = std::hint::black_box(lanes);
+    if let Some(lanes) = lanes.first_chunk::<4>().filter(|_| H == 4) {
+        let sums = sums_of_lanes::<FUSED>(lanes);
+        return std::array::from_fn(|h| sums[h]);
+    }
+    let mut sums = [0.0; H];
+    for h in 0..H {
+        let [s0, s1, s2, s3, s4, s5, s6, s7] = lanes[h];
+        sums[h] = ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));
+    }
+    sums
 }
 
 /// Unknowns of a triangular system that is solved in one go: a column of them fills a vector register.

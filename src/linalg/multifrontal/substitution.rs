@@ -5,13 +5,13 @@
 
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
-    Target, dots, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
+    Target, dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
     subtract_product, subtract_transposed_product,
 };
-use super::matrix_view::MatrixViewMut;
+use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::small_front::{LANES, SMALL_FRONT};
 use super::symbolic::Symbolic;
-use crate::linalg::simd::{Kernel, dispatch, multiply_add};
+use crate::linalg::simd::{Kernel, dispatch, multiply_add, prefetch};
 use crate::linalg::vectors::{Instructions, VectorKernel, dispatch_vectors};
 use std::ops::Range;
 
@@ -243,6 +243,55 @@ impl<'l> Lists<'l> {
         }
         vectors.len() / size.max(1)
     }
+
+    /// The same for up to [`FEW`] vectors, place by place; asks for the factors meanwhile, a cache line a place from `factors` on by `step`.
+    #[inline(always)]
+    fn gather_few(&self, vectors: &[f64], size: usize, front: &mut Vec<f64>, factors: *const f64, step: isize) {
+        let count = vectors.len() / size;
+        front.resize(count * self.len(), 0.0);
+        match count {
+            1 => self.gather_columns::<1>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
+            2 => self.gather_columns::<2>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
+            3 => self.gather_columns::<3>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
+            _ => self.gather_columns::<FEW>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
+        }
+    }
+
+    #[inline(always)]
+    fn gather_columns<const W: usize>(
+        &self,
+        from: [&[f64]; W],
+        to: [&mut [f64]; W],
+        mut factors: *const f64,
+        step: isize,
+    ) {
+        let mut row = 0;
+        for places in [self.given, self.others] {
+            for &place in places {
+                prefetch(factors);
+                factors = factors.wrapping_offset(step);
+                for w in 0..W {
+                    to[w][row] = from[w][place as usize];
+                }
+                row += 1;
+            }
+        }
+    }
+}
+
+/// `W` columns of so many rows.
+#[inline(always)]
+fn columns_of<const W: usize>(values: &[f64], rows: usize) -> [&[f64]; W] {
+    std::array::from_fn(|column| &values[column * rows..][..rows])
+}
+
+#[inline(always)]
+fn columns_of_mut<const W: usize>(mut values: &mut [f64], rows: usize) -> [&mut [f64]; W] {
+    std::array::from_fn(|_| {
+        let (column, rest) = std::mem::take(&mut values).split_at_mut(rows);
+        values = rest;
+        column
+    })
 }
 
 /// Small fronts that follow each other: forward with residuals, backward without.
@@ -365,8 +414,10 @@ impl Kernel for ForwardFew<'_> {
         let size = stride(symbolic);
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
-            let FrontFactors { eliminated, lower, .. } = lists.factors;
-            lists.gather(residual, size, front);
+            let FrontFactors { eliminated, lower, upper, .. } = lists.factors;
+            // what is read first
+            let factors = if side == Side::Plain { lower } else { upper };
+            lists.gather_few(residual, size, front, factors.as_ptr(), LANES as isize);
             let order = lists.len().max(1);
             match side {
                 // loops: a closure would not be compiled for wide vectors
@@ -409,6 +460,13 @@ fn in_columns<const FUSED: bool>(front: &mut [f64], order: usize, work: impl OnC
 /// Columns of a triangle that meet a vector at a time.
 const STRIP: usize = 4;
 
+/// Numbers from a strip of columns to that after it, or further where these are short: what is read from memory is asked for so far ahead.
+#[inline(always)]
+fn ahead(columns: MatrixView) -> isize {
+    const LEAST: usize = 256;
+    (STRIP * columns.stride()).max(LEAST) as isize
+}
+
 /// U^T y = b in a front.
 #[derive(Clone, Copy)]
 struct ForwardTransposed<'l> {
@@ -425,7 +483,7 @@ impl OnColumns for ForwardTransposed<'_> {
             // those before the strip, then those in it
             let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
             let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][..first]);
-            let sums = dots::<FUSED, STRIP, W>(columns.map(|column| &column[..first]), known);
+            let sums = dots_ahead::<FUSED, STRIP, W>(columns.map(|column| &column[..first]), known, ahead(lower));
             for w in 0..W {
                 for p in 0..strip {
                     let mut value = x[w][first + p] - sums[w][p];
@@ -451,7 +509,7 @@ impl OnColumns for ForwardTransposed<'_> {
         let count = left + upper.columns();
         let mut index = 0;
         while index + STRIP <= count {
-            let sums = dots::<FUSED, STRIP, W>(std::array::from_fn(|p| column(index + p)), own);
+            let sums = dots_ahead::<FUSED, STRIP, W>(std::array::from_fn(|p| column(index + p)), own, ahead(upper));
             for w in 0..W {
                 rest[w][index..index + STRIP].iter_mut().zip(sums[w]).for_each(|(value, sum)| *value -= sum);
             }
@@ -482,7 +540,7 @@ impl OnColumns for BackwardTransposed<'_> {
             // those behind the strip, then those in it
             let columns: [&[f64]; STRIP] = std::array::from_fn(|p| lower.column(first + p.min(strip - 1)));
             let known: [&[f64]; W] = std::array::from_fn(|w| &x[w][end..]);
-            let sums = dots::<FUSED, STRIP, W>(columns.map(|column| &column[end..]), known);
+            let sums = dots_ahead::<FUSED, STRIP, W>(columns.map(|column| &column[end..]), known, -ahead(lower));
             for w in 0..W {
                 for p in (0..strip).rev() {
                     let mut value = x[w][first + p] - sums[w][p];
@@ -514,7 +572,12 @@ impl Kernel for BackwardFew<'_> {
         let size = stride(symbolic);
         for number in fronts.rev() {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side).swapped();
-            lists.gather(solution, size, front);
+            let FrontFactors { lower, upper, .. } = lists.factors;
+            let (factors, step) = match side {
+                Side::Plain => (upper.as_ptr(), LANES as isize),
+                Side::Transposed => (lower.entries().as_ptr_range().end, -(LANES as isize)),
+            };
+            lists.gather_few(solution, size, front, factors, step);
             let order = lists.len().max(1);
             match side {
                 Side::Plain => {
