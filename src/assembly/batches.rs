@@ -132,27 +132,8 @@ impl System<'_> {
     }
 }
 
-/// The arguments of one part.
-pub(crate) struct Lane<'i, S>(&'i mut [S]);
-
-impl<S: Copy> Lane<'_, S> {
-    /// Sets an argument.
-    #[inline(always)]
-    pub fn set(&mut self, place: usize, value: S) {
-        self.0[place] = value;
-    }
-    /// Sets arguments from a place on; returns the place behind them.
-    #[inline(always)]
-    pub fn copy(&mut self, first: usize, values: &[S]) -> usize {
-        let end = first + values.len();
-        // a few numbers: a loop is shorter than a call
-        self.0[first..end].iter_mut().zip(values).for_each(|(own, &value)| *own = value);
-        end
-    }
-}
-
 /// Arguments of parts that are evaluated side by side, written one after the other: number i of lane l stands at i times their width + l.
-pub(super) struct Lanes<'i, S> {
+pub(crate) struct Lanes<'i, S> {
     numbers: &'i mut [S],
     width: usize,
     /// The parts, one for each lane; further lanes have the numbers of the last one.
@@ -178,6 +159,26 @@ impl<S: RunScalar> Lanes<'_, S> {
             8 => gather::<S, 8>(starts.length, places, values, target),
             _ => unreachable!("programs have 4 or 8 lanes"),
         }
+    }
+
+    /// Runs of arguments come from a list, wherever they stand among the arguments.
+    pub fn gather_runs(&mut self, runs: &[Run], lists: &[Starts], values: &[S]) {
+        for Run { numbers, list, offset } in runs {
+            let target = &mut self.numbers[numbers.start * self.width..numbers.end * self.width];
+            let (places, values) = (lists[*list].places_from(self.parts.start), &values[*offset..]);
+            match self.width {
+                1 => target.copy_from_slice(&values[places[0] as usize..][..numbers.len()]),
+                4 => gather::<S, 4>(numbers.len(), places, values, target),
+                8 => gather::<S, 8>(numbers.len(), places, values, target),
+                _ => unreachable!("programs have 4 or 8 lanes"),
+            }
+        }
+    }
+
+    /// The argument at a place, and those behind it, are the same for all parts.
+    pub fn spread_at(&mut self, place: usize, values: &[S]) {
+        let rows = self.numbers[place * self.width..].chunks_exact_mut(self.width);
+        rows.zip(values).for_each(|(row, &value)| row.fill(value));
     }
 
     /// The next numbers of each part are those of its nodes in one list after the other.
@@ -224,7 +225,7 @@ impl<S: RunScalar> Lanes<'_, S> {
 impl Lanes<'_, f64> {
     /// The next numbers of each part are those that the bases of its nodes are made of.
     #[inline(always)]
-    pub fn gather_bases<L>(&mut self, batch: &Batch<L>, bases: &NullSpaces) {
+    pub(super) fn gather_bases<L>(&mut self, batch: &Batch<L>, bases: &NullSpaces) {
         for starts in &batch.bases {
             for side in [LEFT, RIGHT] {
                 self.gather(&starts[side], bases.numbers(side));
@@ -294,30 +295,31 @@ fn add_lane<S: RunScalar, const WIDTH: usize>(own: &[[S; WIDTH]], lane: usize, f
     }
 }
 
-/// Results that follow each other and go to numbers of a part that do so, too.
-pub(super) struct ResultRun {
-    /// The results.
-    pub results: Range<usize>,
+/// Arguments or results that follow each other and belong to numbers of a part that do so, too.
+#[derive(Debug)]
+pub(crate) struct Run {
+    /// The arguments or results.
+    numbers: Range<usize>,
     /// In which list of starts the part's numbers begin.
-    pub list: usize,
+    list: usize,
     /// How far behind their begin.
-    pub offset: usize,
+    offset: usize,
 }
 
-impl ResultRun {
-    /// Adds a result, behind those of the last run if it goes on there.
-    pub fn extend(runs: &mut Vec<ResultRun>, result: usize, list: usize, offset: usize) {
+impl Run {
+    /// Adds an argument or result, behind those of the last run if it goes on there.
+    pub fn extend(runs: &mut Vec<Run>, number: usize, list: usize, offset: usize) {
         match runs.last_mut() {
-            Some(last) if last.list == list && last.results.end == result && last.offset + last.results.len() == offset => {
-                last.results.end += 1;
+            Some(last) if last.list == list && last.numbers.end == number && last.offset + last.numbers.len() == offset => {
+                last.numbers.end += 1;
             }
-            _ => runs.push(ResultRun { results: result..result + 1, list, offset }),
+            _ => runs.push(Run { numbers: number..number + 1, list, offset }),
         }
     }
 }
 
 /// Results of parts that were evaluated side by side.
-pub(super) struct LaneResults<'r, S> {
+pub(crate) struct LaneResults<'r, S> {
     numbers: &'r [S],
     width: usize,
     /// The parts, one for each lane.
@@ -353,7 +355,7 @@ impl<S: RunScalar> LaneResults<'_, S> {
 
     /// Adds runs of results, the first of which stands at a place, times a factor, to the numbers of the parts, part by part.
     #[inline(always)]
-    pub fn add_runs(&self, first: usize, runs: &[ResultRun], lists: &[Starts], factor: f64, values: &mut [S]) {
+    pub fn add_runs(&self, first: usize, runs: &[Run], lists: &[Starts], factor: f64, values: &mut [S]) {
         match self.width {
             1 => self.add_runs_of::<1>(first, runs, lists, factor, values),
             4 => self.add_runs_of::<4>(first, runs, lists, factor, values),
@@ -362,19 +364,12 @@ impl<S: RunScalar> LaneResults<'_, S> {
         }
     }
 
-    fn add_runs_of<const WIDTH: usize>(
-        &self,
-        first: usize,
-        runs: &[ResultRun],
-        lists: &[Starts],
-        factor: f64,
-        values: &mut [S],
-    ) {
+    fn add_runs_of<const WIDTH: usize>(&self, first: usize, runs: &[Run], lists: &[Starts], factor: f64, values: &mut [S]) {
         let rows = &self.numbers.as_chunks::<WIDTH>().0[first..];
         for lane in 0..self.parts.len().min(WIDTH) {
             for run in runs {
                 let start = lists[run.list].of(self.parts.start + lane).start + run.offset;
-                let own = &rows[run.results.clone()];
+                let own = &rows[run.numbers.clone()];
                 add_lane(own, lane, factor, &mut values[start..start + own.len()]);
             }
         }
@@ -418,7 +413,8 @@ impl<S: RunScalar> LaneResults<'_, S> {
 }
 
 /// Numbers that stand some places apart.
-pub(super) struct Strided<'r, S> {
+#[derive(Clone)]
+pub(crate) struct Strided<'r, S> {
     numbers: &'r [S],
     width: usize,
 }
@@ -479,8 +475,6 @@ impl<S: RunScalar> Aligned<S> {
 #[derive(Clone, Debug)]
 pub(crate) struct BatchWork<S> {
     pieces: Vec<Group<S>>,
-    /// Results of several elements, one element after the other.
-    results: Vec<S>,
 }
 
 /// Elements that are evaluated side by side.
@@ -509,7 +503,7 @@ impl<S> Default for Group<S> {
 
 impl<S> Default for BatchWork<S> {
     fn default() -> Self {
-        BatchWork { pieces: Vec::new(), results: Vec::new() }
+        BatchWork { pieces: Vec::new() }
     }
 }
 
@@ -532,44 +526,9 @@ fn groups(count: usize, lanes: usize) -> impl ExactSizeIterator<Item = usize> + 
     (0..full + further).map(move |group| lanes * group.min(full) + group.saturating_sub(full))
 }
 
-/// Executes a program for `count` parts: `write` sets the arguments of one, `read` takes its results, in the order of the parts.
-pub(crate) fn run_parts<S: RunScalar>(
-    program: &Program,
-    count: usize,
-    work: &mut BatchWork<S>,
-    write: impl Fn(usize, &mut Lane<S>) + Sync,
-    mut read: impl FnMut(usize, &[S]) + Send,
-) {
-    let (inputs, outputs) = (program.inputs().max(1), program.outputs().max(1));
-    let mut results = std::mem::take(&mut work.results);
-    let write_lanes = |lanes: Lanes<S>, apart: &mut Vec<S>| {
-        let Lanes { numbers, width, parts, .. } = lanes;
-        if width == 1 {
-            return write(parts.start, &mut Lane(numbers));
-        }
-        apart.resize(numbers.len(), S::zero());
-        for (lane, own) in apart.chunks_exact_mut(inputs).enumerate() {
-            // in lanes without a part those of the last one
-            write((parts.start + lane).min(parts.end - 1), &mut Lane(own));
-        }
-        side_by_side(apart, numbers, width);
-    };
-    let read_lanes = |lanes: LaneResults<S>| {
-        let LaneResults { numbers, width, parts } = lanes;
-        if width == 1 {
-            return read(parts.start, numbers);
-        }
-        results.resize(numbers.len(), S::zero());
-        one_by_one(numbers, &mut results, width);
-        parts.zip(results.chunks_exact(outputs)).for_each(|(part, own)| read(part, own));
-    };
-    run_lanes(program, count, work, write_lanes, read_lanes);
-    work.results = results;
-}
-
 /// Executes a program for `count` parts: `write` sets the arguments of those that are evaluated side by side, with a list to use as it likes;
 /// `read` takes their results, in the order of the parts.
-pub(super) fn run_lanes<S: RunScalar>(
+pub(crate) fn run_lanes<S: RunScalar>(
     program: &Program,
     count: usize,
     work: &mut BatchWork<S>,
@@ -643,48 +602,6 @@ pub(super) fn run_lanes<S: RunScalar>(
     }
 }
 
-/// The numbers of as many elements as there are lanes, one element after the other, moved to lie side by side.
-fn side_by_side<S: Copy>(from: &[S], to: &mut [S], width: usize) {
-    fn fixed<S: Copy, const WIDTH: usize>(from: &[S], to: &mut [S]) {
-        let count = from.len() / WIDTH;
-        let mut rest = from;
-        let lanes: [&[S]; WIDTH] = std::array::from_fn(|_| {
-            let (own, others) = rest.split_at(count);
-            rest = others;
-            own
-        });
-        for (place, target) in (0..count).zip(to.chunks_exact_mut(WIDTH)) {
-            (0..WIDTH).for_each(|lane| target[lane] = lanes[lane][place]);
-        }
-    }
-    match width {
-        4 => fixed::<S, 4>(from, to),
-        8 => fixed::<S, 8>(from, to),
-        _ => unreachable!("programs have 4 or 8 lanes"),
-    }
-}
-
-/// The numbers of elements that lie side by side, moved to lie one element after the other.
-fn one_by_one<S: Copy>(from: &[S], to: &mut [S], width: usize) {
-    fn fixed<S: Copy, const WIDTH: usize>(from: &[S], to: &mut [S]) {
-        let count = from.len() / WIDTH;
-        let mut rest = to;
-        let mut lanes: [&mut [S]; WIDTH] = std::array::from_fn(|_| {
-            let (own, others) = std::mem::take(&mut rest).split_at_mut(count);
-            rest = others;
-            own
-        });
-        for (place, source) in (0..count).zip(from.chunks_exact(WIDTH)) {
-            (0..WIDTH).for_each(|lane| lanes[lane][place] = source[lane]);
-        }
-    }
-    match width {
-        4 => fixed::<S, 4>(from, to),
-        8 => fixed::<S, 8>(from, to),
-        _ => unreachable!("programs have 4 or 8 lanes"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -730,20 +647,6 @@ mod tests {
                     assert!(sums.iter().enumerate().all(|(place, &sum)| sum == expected(place)), "{width} {length}");
                 }
             }
-        }
-    }
-
-    #[test]
-    fn numbers_of_lanes_are_told_apart_and_laid_side_by_side() {
-        let count = 13;
-        for width in [4, 8] {
-            let beside: Vec<usize> = (0..width * count).map(|place| place % width * 100 + place / width).collect();
-            let mut apart = vec![0; width * count];
-            one_by_one(&beside, &mut apart, width);
-            assert!(apart.iter().enumerate().all(|(place, &own)| own == place / count * 100 + place % count));
-            let mut again = vec![0; width * count];
-            side_by_side(&apart, &mut again, width);
-            assert_eq!(again, beside);
         }
     }
 }

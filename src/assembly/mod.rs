@@ -30,7 +30,7 @@ mod reduction;
 mod residual;
 mod variational;
 
-pub(crate) use batches::{BatchWork, run_parts};
+pub(crate) use batches::{BatchWork, LaneResults, Lanes, Run, run_lanes};
 pub use constraint_programs::ConstraintPart;
 pub(crate) use driven::RowsOfDrives;
 pub use element_programs::Force;
@@ -40,6 +40,7 @@ pub use jacobian::Jacobian;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId};
 pub use numbering::{System, SystemOptions};
 pub use part_programs::PartPrograms;
+pub(crate) use places::Starts;
 pub use products::{Adjoints, NodeBars, ProductBars, ProductPoint, Products};
 pub use residual::Residual;
 pub use variational::{Impulse, Variational};

@@ -9,7 +9,7 @@ pub(super) const MOST_LANES: usize = 8;
 
 /// Where the numbers of each part of a batch begin in a list, and how many they are.
 #[derive(Debug, Default)]
-pub(super) struct Starts {
+pub(crate) struct Starts {
     /// Behind the last part some more that are like it, so that each group has one for each lane.
     places: Vec<u32>,
     /// How many numbers a part has.
@@ -21,6 +21,7 @@ impl Starts {
     pub fn of_parts(numbers: impl Iterator<Item = Range<usize>>) -> Self {
         let mut starts = Starts::default();
         for own in numbers {
+            assert!(starts.places.is_empty() || starts.length == own.len(), "parts of one kind with unlike numbers");
             starts.length = own.len();
             starts.places.push(own.start as u32);
         }

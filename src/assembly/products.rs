@@ -1,4 +1,4 @@
-use super::batches::{Batch, BatchWork, LaneResults, ResultRun, run_lanes};
+use super::batches::{Batch, BatchWork, LaneResults, Run, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
 use super::local::dot4;
@@ -138,7 +138,7 @@ struct ProductProgram {
     /// Results for one functional.
     count: usize,
     /// Those of them that belong to coordinates of (a, v, q).
-    coordinates: Vec<ResultRun>,
+    coordinates: Vec<Run>,
     /// Those that belong to parameters, and to which ones of the part.
     parameters: (Range<usize>, Vec<u32>),
 }
@@ -165,7 +165,7 @@ impl ProductProgram {
             match argument(label as usize) {
                 ProductArgument::Coordinate(vector, place) => {
                     let (node, place) = coordinates[place];
-                    ResultRun::extend(&mut runs, result, node, vector * dofs + place);
+                    Run::extend(&mut runs, result, node, vector * dofs + place);
                 }
                 ProductArgument::Parameter(place) => {
                     results = if offsets.is_empty() { result..result + 1 } else { results.start..result + 1 };

@@ -1,6 +1,6 @@
 use super::aggregate::SUMS;
 use super::{AnyPointQuantity, Over, PointWeights, Sample};
-use crate::assembly::{BatchWork, ElementId, Model, VectorsAvq, run_parts};
+use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::program::{Codes, Formula, Program, Recorded, continued};
 use crate::scalar::larger;
@@ -53,6 +53,7 @@ pub struct MeasuredGroup {
 struct GroupBatch {
     own: GroupFormula,
     members: Vec<GroupMember>,
+    places: MemberPlaces,
     /// Its values without their weights, and with them.
     programs: [OnceLock<ValueProgram>; 2],
 }
@@ -60,29 +61,99 @@ struct GroupBatch {
 /// Gives the values of an element.
 struct ValueProgram {
     program: Arc<Program>,
-    /// Arguments that it reads, with their places.
-    arguments: Vec<(usize, Argument)>,
+    arguments: Numbers,
 }
 
 /// Where the numbers of one element stand.
 #[derive(Clone, Debug)]
 struct GroupMember {
     element: ElementId,
-    /// In the vectors of the model, those of its coordinates.
-    dofs: Vec<usize>,
-    /// First of its parameters.
+    /// In the vectors of the model, the coordinates of its nodes.
+    nodes: SmallVec<[Range<usize>; 3]>,
+    /// Its parameters.
     parameters: Range<usize>,
 }
 
-impl GroupMember {
-    fn argument<S: RunScalar>(&self, argument: Argument, sample: &Sample<S>, p: &[S], own: &[S]) -> S {
-        match argument {
-            Argument::A(dof) => sample.at.a[self.dofs[dof]],
-            Argument::V(dof) => sample.at.v[self.dofs[dof]],
-            Argument::Q(dof) => sample.at.q[self.dofs[dof]],
-            Argument::Parameter(place) => p[self.parameters.start + place],
-            Argument::Own(place) => own[place],
-            Argument::Time => S::from(sample.t),
+/// Where the numbers of the members of a batch begin.
+#[derive(Debug, Default)]
+struct MemberPlaces {
+    /// Coordinates of each node, parameters, and those of the quantity, which are the same for all.
+    lists: Vec<Starts>,
+}
+
+impl MemberPlaces {
+    fn of(members: &[GroupMember], quantity: &Range<usize>) -> Self {
+        let nodes = members.first().map_or(0, |member| member.nodes.len());
+        let of_node = |node: usize| Starts::of_parts(members.iter().map(|member| member.nodes[node].clone()));
+        let of_parameters = Starts::of_parts(members.iter().map(|member| member.parameters.clone()));
+        let of_quantity = Starts::of_parts(members.iter().map(|_| quantity.clone()));
+        MemberPlaces { lists: (0..nodes).map(of_node).chain([of_parameters, of_quantity]).collect() }
+    }
+
+    /// The node with a coordinate of the element, and which of its own that is.
+    fn coordinate(&self, mut dof: usize) -> (usize, usize) {
+        let mut node = 0;
+        while dof >= self.lists[node].length {
+            dof -= self.lists[node].length;
+            node += 1;
+        }
+        (node, dof)
+    }
+}
+
+/// Which numbers of a sample the arguments or the results of a program belong to.
+#[derive(Debug, Default)]
+struct Numbers {
+    a: Vec<Run>,
+    v: Vec<Run>,
+    q: Vec<Run>,
+    /// Parameters of the element, and of the quantity.
+    p: Vec<Run>,
+    time: Option<usize>,
+}
+
+impl Numbers {
+    fn of(arguments: impl Iterator<Item = (usize, Argument)>, places: &MemberPlaces) -> Self {
+        let (parameters, quantity) = (places.lists.len() - 2, places.lists.len() - 1);
+        let mut numbers = Numbers::default();
+        for (number, argument) in arguments {
+            let (runs, list, offset) = match argument {
+                Argument::A(dof) => (&mut numbers.a, places.coordinate(dof).0, places.coordinate(dof).1),
+                Argument::V(dof) => (&mut numbers.v, places.coordinate(dof).0, places.coordinate(dof).1),
+                Argument::Q(dof) => (&mut numbers.q, places.coordinate(dof).0, places.coordinate(dof).1),
+                Argument::Parameter(place) => (&mut numbers.p, parameters, place),
+                Argument::Own(place) => (&mut numbers.p, quantity, place),
+                Argument::Time => {
+                    numbers.time = Some(number);
+                    continue;
+                }
+            };
+            Run::extend(runs, number, list, offset);
+        }
+        numbers
+    }
+
+    fn of_state(&self) -> bool {
+        let are_there = [&self.a, &self.v, &self.q].iter().any(|runs| !runs.is_empty());
+        are_there || self.time.is_some()
+    }
+
+    /// Writes arguments.
+    fn gather<S: RunScalar>(&self, places: &MemberPlaces, sample: &Sample<S>, p: &[S], lanes: &mut Lanes<S>) {
+        let at = &sample.at;
+        for (runs, values) in [(&self.a, &at.a[..]), (&self.v, &at.v), (&self.q, &at.q), (&self.p, p)] {
+            lanes.gather_runs(runs, &places.lists, values);
+        }
+        if let Some(place) = self.time {
+            lanes.spread_at(place, &[S::from(sample.t)]);
+        }
+    }
+
+    /// Adds derivatives towards these numbers.
+    fn add(&self, places: &MemberPlaces, results: &LaneResults<f64>, at_bar: &mut VectorsAvq<f64>, p_bar: &mut [f64]) {
+        let VectorsAvq { a, v, q } = at_bar;
+        for (runs, values) in [(&self.a, &mut a[..]), (&self.v, v), (&self.q, q), (&self.p, p_bar)] {
+            results.add_runs(0, runs, &places.lists, 1.0, values);
         }
     }
 }
@@ -113,9 +184,7 @@ impl MeasuredGroup {
 
     /// Whether it changes with the state.
     pub fn is_moving(&self, model: &Model) -> bool {
-        let is_of_state = |(_, argument): &(usize, Argument)| !matches!(argument, Argument::Parameter(_) | Argument::Own(_));
-        let reads_state = |batch: &GroupBatch| batch.program(true).arguments.iter().any(is_of_state);
-        self.batches(model).iter().any(reads_state)
+        self.batches(model).iter().any(|batch| batch.program(true).arguments.of_state())
     }
 
     fn recorded(&self, model: &Model) -> &Result<Vec<GroupBatch>, String> {
@@ -137,7 +206,8 @@ impl MeasuredGroup {
                             let like = batches.iter().position(|batch| Arc::ptr_eq(&batch.own.formula, &own.formula));
                             place = Some(like.unwrap_or(batches.len()));
                             if like.is_none() {
-                                batches.push(GroupBatch { own, members: Vec::new(), programs: Default::default() });
+                                let (members, places) = (Vec::new(), MemberPlaces::default());
+                                batches.push(GroupBatch { own, members, places, programs: Default::default() });
                             }
                         }
                         places.push((&element.physics, place));
@@ -145,10 +215,11 @@ impl MeasuredGroup {
                     }
                 };
                 if let Some(place) = place {
-                    let dofs = element.nodes.iter().flat_map(|&node| model.node(node).dofs.clone()).collect();
-                    batches[place].members.push(GroupMember { element: id, dofs, parameters: element.parameters.clone() });
+                    let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.clone()).collect();
+                    batches[place].members.push(GroupMember { element: id, nodes, parameters: element.parameters.clone() });
                 }
             }
+            batches.iter_mut().for_each(|batch| batch.places = MemberPlaces::of(&batch.members, &self.parameters));
             Ok(batches)
         })
     }
@@ -171,30 +242,25 @@ impl MeasuredGroup {
         points: PointWeights,
         work: &mut GroupWork<S>,
     ) {
-        let own = &p[self.parameters.clone()];
         let GroupWork { batch: work, values } = work;
         values.clear();
         for batch in self.batches(model) {
             let weighted = points == PointWeights::Own && !batch.own.weights.is_empty();
             let ValueProgram { program, arguments } = batch.program(weighted);
             let count = batch.own.values.len();
-            run_parts(
+            run_lanes(
                 program,
                 batch.members.len(),
                 work,
-                |index, lane| {
-                    let member = &batch.members[index];
-                    for &(place, argument) in arguments {
-                        lane.set(place, member.argument(argument, sample, p, own));
-                    }
-                },
-                |_, results| {
-                    let first = values.len();
-                    values.extend(results.iter().copied().take(count).map(|value| [value, S::one()]));
-                    if weighted {
-                        let weights = results.iter().copied().skip(count);
-                        values[first..].iter_mut().zip(weights).for_each(|(point, weight)| point[1] = weight);
-                    }
+                |mut lanes, _| arguments.gather(&batch.places, sample, p, &mut lanes),
+                |results| {
+                    results.for_each_part(|_, own| {
+                        let first = values.len();
+                        values.extend(own.clone().take(count).map(|value| [value, S::one()]));
+                        if weighted {
+                            values[first..].iter_mut().zip(own.skip(count)).for_each(|(point, weight)| point[1] = weight);
+                        }
+                    });
                 },
             );
         }
@@ -223,7 +289,7 @@ impl MeasuredGroup {
 
     /// What gives the gradient of what these values add to the sums of a functional, towards the state and some parameters.
     pub(super) fn gradient(&self, model: &Model, over: &Over, active: &[bool]) -> GroupGradient {
-        let mut selections: Vec<Selection> = Vec::new();
+        let (mut selections, mut chosen): (Vec<Selection>, Vec<Vec<GroupMember>>) = Default::default();
         let of_quantity = &active[self.parameters.clone()];
         for batch in self.batches(model) {
             let mut places: HashMap<&[bool], usize> = HashMap::new();
@@ -231,16 +297,22 @@ impl MeasuredGroup {
                 let asked = &active[member.parameters.clone()];
                 let place = *places.entry(asked).or_insert_with(|| {
                     let program = batch.gradient(over, asked, of_quantity);
-                    let arguments = read_arguments(&program, &batch.own.arguments);
-                    let labels = program.labels().iter().map(|&label| batch.own.arguments[label as usize]).collect();
-                    let extra = batch.own.arguments.len();
-                    selections.push(Selection { program, arguments, labels, extra, members: Vec::new() });
+                    let arguments = read_arguments(&program, &batch.own.arguments, &batch.places);
+                    let labels = program.labels().iter().map(|&label| batch.own.arguments[label as usize]);
+                    let results = Numbers::of(labels.enumerate(), &batch.places);
+                    chosen.push(Vec::new());
+                    let (extra, places) = (batch.own.arguments.len(), MemberPlaces::default());
+                    selections.push(Selection { program, arguments, results, extra, count: 0, places });
                     selections.len() - 1
                 });
-                selections[place].members.push(member.clone());
+                chosen[place].push(member.clone());
             }
         }
-        GroupGradient { own: self.parameters.clone(), selections, work: BatchWork::default() }
+        for (selection, members) in selections.iter_mut().zip(&chosen) {
+            selection.count = members.len();
+            selection.places = MemberPlaces::of(members, &self.parameters);
+        }
+        GroupGradient { selections, work: BatchWork::default() }
     }
 }
 
@@ -254,7 +326,7 @@ impl GroupBatch {
             let key = ("values at points", chosen.clone());
             let program = formula
                 .dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect());
-            ValueProgram { arguments: read_arguments(&program, arguments), program }
+            ValueProgram { arguments: read_arguments(&program, arguments, &self.places), program }
         })
     }
 
@@ -308,26 +380,27 @@ impl GroupBatch {
     }
 }
 
-/// Arguments that a program reads, with their places.
-fn read_arguments(program: &Program, arguments: &[Argument]) -> Vec<(usize, Argument)> {
+/// The arguments that a program reads.
+fn read_arguments(program: &Program, arguments: &[Argument], places: &MemberPlaces) -> Numbers {
     let reads = program.reads();
-    arguments.iter().copied().enumerate().filter(|&(place, _)| reads[place]).collect()
+    Numbers::of(arguments.iter().copied().enumerate().filter(|&(place, _)| reads[place]), places)
 }
 
 /// Elements with the same formula and the same parameters asked for.
 struct Selection {
     program: Arc<Program>,
-    arguments: Vec<(usize, Argument)>,
-    /// What each result is the derivative towards.
-    labels: Vec<Argument>,
+    arguments: Numbers,
+    /// What the results are derivatives towards.
+    results: Numbers,
     /// Place of what the program takes beside the formula's arguments.
     extra: usize,
-    members: Vec<GroupMember>,
+    /// How many they are.
+    count: usize,
+    places: MemberPlaces,
 }
 
 /// Gives gradients of the sums of a functional over a group.
 pub(super) struct GroupGradient {
-    own: Range<usize>,
     selections: Vec<Selection>,
     work: BatchWork<f64>,
 }
@@ -342,34 +415,18 @@ impl GroupGradient {
         at_bar: &mut VectorsAvq<f64>,
         p_bar: &mut [f64],
     ) {
-        let GroupGradient { own: place_of_own, selections, work } = self;
-        let own = &p[place_of_own.clone()];
-        for Selection { program, arguments, labels, extra, members } in selections {
-            run_parts(
+        let GroupGradient { selections, work } = self;
+        for Selection { program, arguments, results, extra, count, places } in selections {
+            run_lanes(
                 program,
-                members.len(),
+                *count,
                 work,
-                |index, lane| {
-                    let member = &members[index];
-                    for &(place, argument) in &*arguments {
-                        lane.set(place, member.argument(argument, sample, p, own));
-                    }
-                    let next = lane.copy(*extra, &bars);
-                    lane.set(next, offset);
+                |mut lanes, _| {
+                    arguments.gather(places, sample, p, &mut lanes);
+                    lanes.spread_at(*extra, &bars);
+                    lanes.spread_at(*extra + SUMS, &[offset]);
                 },
-                |index, results| {
-                    let member = &members[index];
-                    for (&label, &result) in labels.iter().zip(results) {
-                        match label {
-                            Argument::A(dof) => at_bar.a[member.dofs[dof]] += result,
-                            Argument::V(dof) => at_bar.v[member.dofs[dof]] += result,
-                            Argument::Q(dof) => at_bar.q[member.dofs[dof]] += result,
-                            Argument::Parameter(place) => p_bar[member.parameters.start + place] += result,
-                            Argument::Own(place) => p_bar[place_of_own.start + place] += result,
-                            Argument::Time => {}
-                        }
-                    }
-                },
+                |lanes| results.add(places, &lanes, at_bar, p_bar),
             );
         }
     }

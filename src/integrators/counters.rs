@@ -29,7 +29,7 @@ pub struct Counters {
 
 static MEASURING: AtomicBool = AtomicBool::new(false);
 
-/// Whether runs of this process measure from now on what the parts of their steps take: [`Counters::nanoseconds`]. Looking at the clock
+/// Whether runs and sweeps of this process measure from now on what the parts of their steps take: [`Counters::nanoseconds`]. Looking at the clock
 /// takes a share of the steps of small systems.
 pub fn measure_phases(measuring: bool) {
     MEASURING.store(measuring, Ordering::Relaxed);
@@ -37,7 +37,7 @@ pub fn measure_phases(measuring: bool) {
 
 /// A part of a step whose time is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Phase {
+pub(crate) enum Phase {
     Residual,
     Matrix,
     Factorization,
@@ -47,7 +47,7 @@ pub(super) enum Phase {
 impl Counters {
     /// What `work` returns; its time counts for a phase.
     #[inline]
-    pub(super) fn timed<T>(&mut self, phase: Phase, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn timed<T>(&mut self, phase: Phase, work: impl FnOnce() -> T) -> T {
         if !MEASURING.load(Ordering::Relaxed) {
             return work();
         }

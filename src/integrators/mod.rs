@@ -36,6 +36,7 @@ pub use adaptive::{StepControl, Tolerance, march_adaptive};
 pub use arc_length::{ArcLength, Path, PathEnd, PathPoint, follow_path};
 pub use butcher::Butcher;
 pub use checkpoint::{Checkpoint, FactoredAt, KeptFactorization, StepState};
+pub(crate) use counters::Phase;
 pub use counters::{Counters, measure_phases};
 pub use dividing::march_dividing;
 pub use error::RunError;

@@ -4,7 +4,7 @@ use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Force, Jacobian, Level, NodeBars, ProductBars, ProductPoint, Products, Residual,
     StageSystem, System, Unknowns, Variational, VectorsAvq,
 };
-use crate::integrators::{Counters, Method, RunError, SolveRecord};
+use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
 use crate::linalg::{Factorization, Singular, SolverPlan};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -201,16 +201,20 @@ impl<'m> TransposedSolver<'m> {
         // evaluated anew: the multipliers inside nodes follow from the solution
         self.unknowns.clone_from(unknowns);
         let stage = StageSystem { equations, base, p, t: *t };
-        self.residual.start(system, stage);
-        self.residual.evaluate(system, stage, &mut self.unknowns);
-        self.work.residuals += 1;
+        let TransposedSolver { residual, unknowns: own, work, .. } = self;
+        work.timed(Phase::Residual, || {
+            residual.start(system, stage);
+            residual.evaluate(system, stage, own);
+        });
+        work.residuals += 1;
         if self.is_alone && self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
             self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(()), on_trial: false });
             return;
         }
-        let before = self.jacobian.evaluated;
-        self.jacobian.assemble(system, equations, &self.residual, &self.unknowns, p, *t);
-        self.work.blocks += self.jacobian.evaluated - before;
+        let TransposedSolver { residual, jacobian, unknowns: own, work, .. } = self;
+        let before = jacobian.evaluated;
+        work.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, own, p, *t));
+        work.blocks += jacobian.evaluated - before;
         let values = &self.jacobian.values;
         // those of a stage tell nothing of a projection
         let alike = self
@@ -227,7 +231,8 @@ impl<'m> TransposedSolver<'m> {
                 if !self.is_alone {
                     self.factorization.start_afresh(self.is_careful);
                 }
-                self.factorization.factor(values)
+                let factorization = &mut self.factorization;
+                self.work.timed(Phase::Factorization, || factorization.factor(values))
             }
             _ => kept.map(|_| ()),
         };
@@ -303,11 +308,11 @@ impl<'m> TransposedSolver<'m> {
             factored.outcome.map_err(|singular| self.singular_at(singular, *t))?;
             on_trial = factored.on_trial;
         }
+        let factored = self.solve(&asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
         self.forget(counters);
         counters.systems += 1;
         counters.solves += asked.len();
         counters.products += asked.len();
-        let factored = self.solve(&asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
         if on_trial {
             self.trials[kind(equations)].learn(!factored);
             counters.factorizations += usize::from(factored);
@@ -427,13 +432,18 @@ impl<'m> TransposedSolver<'m> {
             let SolutionBar { x, rate, mu } = &bars[k];
             self.jacobian.reduce_adjoint(system, [x, rate, mu], reduced);
         }
-        let factored = self.factorization.solve_transposed(&self.jacobian.values, &mut self.reduced)?;
+        let TransposedSolver { factorization, jacobian, reduced, work, .. } = self;
+        let served = work.timed(Phase::Solution, || factorization.solve_transposed(reduced))?;
+        if !served {
+            work.timed(Phase::Factorization, || factorization.factor(&jacobian.values))?;
+            work.timed(Phase::Solution, || factorization.solve_transposed(reduced))?;
+        }
         let all = &mut self.sweep.adjoints;
         all.resize_with(all.len().max(asked.len()), || Adjoints::zeros(system));
         for (adjoints, reduced) in all.iter_mut().zip(self.reduced.chunks_exact(size.max(1))) {
             self.jacobian.set_adjoints(system, reduced, adjoints);
         }
-        Ok(factored)
+        Ok(!served)
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {

@@ -190,7 +190,7 @@ fn measure(report: &mut Report, matrix: &Matrix, backend: Backend, threads: usiz
         let solution = fastest(threads, || {
             x.clone_from(&rhs);
             if transposed {
-                factorization.solve_transposed(values, &mut x).map_err(singular)?;
+                factorization.solve_transposed(&mut x).map_err(singular)?;
             } else {
                 factorization.solve(&mut x);
             }

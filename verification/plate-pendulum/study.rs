@@ -182,7 +182,7 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
     jacobian.reduce(system, &residual, None, &mut rhs);
     let of_solution = fastest(|| factorization.solve(&mut rhs.clone()));
     let mut refined = Ok(false);
-    let of_transposed = fastest(|| refined = factorization.solve_transposed(&jacobian.values, &mut rhs.clone()));
+    let of_transposed = fastest(|| refined = factorization.solve_transposed(&mut rhs.clone()));
     refined.map_err(singular)?;
     for (what, seconds) in [
         ("residual", of_residual),

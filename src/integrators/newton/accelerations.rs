@@ -58,7 +58,7 @@ impl<S: RunScalar> Newton<'_, S> {
         self.rhs.fill(0.0);
         self.jacobian.restrict_right(&self.system, &self.row, &mut self.rhs);
         // a matrix that is nearly singular is what is looked for here
-        let _ = self.factorization.solve_transposed(&self.jacobian.values, &mut self.rhs);
+        let _ = self.factorization.solve_transposed(&mut self.rhs);
         let kept = self.system.multiplier_places().iter().enumerate();
         let sizes = || kept.clone().filter_map(|(equation, place)| Some((equation, self.rhs[(*place)?].abs())));
         let largest = sizes().fold(0.0, |largest: f64, (_, size)| largest.max(size));

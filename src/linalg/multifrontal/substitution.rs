@@ -5,8 +5,8 @@
 
 use super::factors::{Factors, FrontFactors};
 use super::kernels::{
-    Target, dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed, subtract_columns,
-    subtract_product, subtract_transposed_product,
+    Target, dots, dots_ahead, solve_unit_lower, solve_unit_lower_transposed, solve_upper, solve_upper_transposed,
+    subtract_columns, subtract_product, subtract_transposed_product,
 };
 use super::matrix_view::{MatrixView, MatrixViewMut};
 use super::small_front::{LANES, SMALL_FRONT};
@@ -258,13 +258,7 @@ impl<'l> Lists<'l> {
     }
 
     #[inline(always)]
-    fn gather_columns<const W: usize>(
-        &self,
-        from: [&[f64]; W],
-        to: [&mut [f64]; W],
-        mut factors: *const f64,
-        step: isize,
-    ) {
+    fn gather_columns<const W: usize>(&self, from: [&[f64]; W], to: [&mut [f64]; W], mut factors: *const f64, step: isize) {
         let mut row = 0;
         for places in [self.given, self.others] {
             for &place in places {
