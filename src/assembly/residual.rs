@@ -1,4 +1,4 @@
-use super::batches::{BatchWork, run_lanes};
+use super::batches::{Batch, BatchWork, run_lanes};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
 use super::node_runs::NodeRun;
@@ -53,6 +53,22 @@ pub struct Residual<S> {
     work: BatchWork<S>,
     restored: VectorsAvq<S>,
     floor: Floor,
+}
+
+/// Parts that are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scope {
+    /// All.
+    Model,
+    /// Those at nodes with constraints inside.
+    InsideNodes,
+}
+
+impl Scope {
+    fn has<L>(self, batch: &Batch<L>) -> bool {
+        let is_free = |node: &NodeReduction| matches!(node, NodeReduction::Fixed { .. } | NodeReduction::Free { .. });
+        self == Scope::Model || !batch.nodes.iter().all(is_free)
+    }
 }
 
 /// Workspace of [`Residual::force_floor`].
@@ -124,16 +140,20 @@ impl<S: RunScalar> Residual<S> {
 
     /// Prepares for a solve from `base`: of a metric that is a difference, R there is what is subtracted.
     pub fn start(&mut self, system: &System, stage: StageSystem<S>) {
+        self.start_in(Scope::Model, system, stage);
+    }
+
+    fn start_in(&mut self, scope: Scope, system: &System, stage: StageSystem<S>) {
         let StageSystem { equations, base, p, t } = stage;
         self.make_room(system);
         if equations.is_difference() {
-            self.add_elements(system, Force::Residual, base, p, t);
+            self.add_elements(scope, system, Force::Residual, base, p, t);
             std::mem::swap(&mut self.f, &mut self.base);
         }
         if let Some(step) = equations.variational {
             let mut before = std::mem::take(&mut self.constraint_base);
             Variational::write_moved(base, step.to_before(), &mut before);
-            self.add_elements(system, Force::Impulse(step.before()), &before, p, t + step.to_before());
+            self.add_elements(scope, system, Force::Impulse(step.before()), &before, p, t + step.to_before());
             std::mem::swap(&mut self.f, &mut self.base);
             self.constraint_base = before;
         }
@@ -148,6 +168,17 @@ impl<S: RunScalar> Residual<S> {
 
     /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F, Y and G.
     pub fn evaluate(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
+        self.evaluate_in(Scope::Model, system, stage, unknowns);
+    }
+
+    /// Moves from `base` to the point of a solution, and sets the multipliers inside nodes that follow from it: all that a matrix and products
+    /// need of the evaluation there. F, Y and G have no meaning then.
+    pub fn move_to(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
+        self.start_in(Scope::InsideNodes, system, stage);
+        self.evaluate_in(Scope::InsideNodes, system, stage, unknowns);
+    }
+
+    fn evaluate_in(&mut self, scope: Scope, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
         let StageSystem { equations, base, p, t } = stage;
         self.make_room(system);
         // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
@@ -175,7 +206,7 @@ impl<S: RunScalar> Residual<S> {
             }
         }
         let at = std::mem::take(&mut self.at);
-        self.add_elements(system, Force::of(equations), &at, p, t);
+        self.add_elements(scope, system, Force::of(equations), &at, p, t);
         self.at = at;
         if equations.subtracts() {
             for (f, &r) in self.f.iter_mut().zip(&self.base) {
@@ -183,7 +214,7 @@ impl<S: RunScalar> Residual<S> {
             }
         }
         self.y.copy_from_slice(&unknowns.y);
-        self.add_constraints(system, equations, unknowns, p, t);
+        self.add_constraints(scope, system, equations, unknowns, p, t);
         for run in &system.node_runs {
             if let NodeReduction::Fixed { .. } = run.reduction {
                 self.f[run.all_dofs()].fill(S::zero());
@@ -255,9 +286,9 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// F = sum of what the elements add at `at`.
-    fn add_elements(&mut self, system: &System, force: Force, at: &VectorsAvq<S>, p: &[S], t: f64) {
+    fn add_elements(&mut self, scope: Scope, system: &System, force: Force, at: &VectorsAvq<S>, p: &[S], t: f64) {
         self.f.fill(S::zero());
-        for batch in system.element_batches(force) {
+        for batch in system.element_batches(force).iter().filter(|batch| scope.has(batch)) {
             let program = batch.formula.values();
             let f = &mut self.f;
             run_lanes(
@@ -273,28 +304,37 @@ impl<S: RunScalar> Residual<S> {
     }
 
     /// Adds the reactions of joints to F (and Y), and writes their scaled equations to G.
-    fn add_constraints(&mut self, system: &System, equations: &Equations, unknowns: &Unknowns<S>, p: &[S], t: f64) {
+    fn add_constraints(
+        &mut self,
+        scope: Scope,
+        system: &System,
+        equations: &Equations,
+        unknowns: &Unknowns<S>,
+        p: &[S],
+        t: f64,
+    ) {
         let Some(step) = equations.variational else {
-            return self.add_constraints_at(system, (equations, ConstraintPart::Both), unknowns, p, t);
+            return self.add_constraints_at(scope, system, (equations, ConstraintPart::Both), unknowns, p, t);
         };
         let time = equations.constraint_time(t);
-        self.add_constraints_at(system, (equations, ConstraintPart::Equations), unknowns, p, time);
+        self.add_constraints_at(scope, system, (equations, ConstraintPart::Equations), unknowns, p, time);
         std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
         let time = equations.reaction_time(t);
-        self.add_constraints_at(system, (equations, ConstraintPart::Reactions(step.reaction())), unknowns, p, time);
+        self.add_constraints_at(scope, system, (equations, ConstraintPart::Reactions(step.reaction())), unknowns, p, time);
         std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
     }
 
     /// The same at one point: equations, reactions or both.
     fn add_constraints_at(
         &mut self,
+        scope: Scope,
         system: &System,
         (equations, which): (&Equations, ConstraintPart),
         unknowns: &Unknowns<S>,
         p: &[S],
         t: f64,
     ) {
-        for batch in system.constraint_batches() {
+        for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));

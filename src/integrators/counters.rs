@@ -10,7 +10,7 @@ pub struct Counters {
     pub iterations: usize,
     /// Those of projections of coordinates and of velocities among them.
     pub projecting: [usize; 2],
-    /// Evaluations of the residual of the whole model.
+    /// Evaluations of the residual; in a sweep only at nodes with constraints inside, whose multipliers follow from it.
     pub residuals: usize,
     /// Jacobians assembled and factored.
     pub factorizations: usize,

@@ -198,14 +198,11 @@ impl<'m> TransposedSolver<'m> {
     pub fn factor(&mut self, record: &SolveRecord<f64>, p: &[f64]) {
         let system = &*self.system.clone();
         let SolveRecord { t, equations, base, unknowns } = record;
-        // evaluated anew: the multipliers inside nodes follow from the solution
+        // anew: the multipliers inside nodes follow from the solution
         self.unknowns.clone_from(unknowns);
         let stage = StageSystem { equations, base, p, t: *t };
         let TransposedSolver { residual, unknowns: own, work, .. } = self;
-        work.timed(Phase::Residual, || {
-            residual.start(system, stage);
-            residual.evaluate(system, stage, own);
-        });
+        work.timed(Phase::Residual, || residual.move_to(system, stage, own));
         work.residuals += 1;
         if self.is_alone && self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
             self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(()), on_trial: false });
