@@ -420,16 +420,16 @@ impl Jacobian {
         unknowns: &mut Unknowns<S>,
         coordinate_scales: &[f64],
     ) -> f64 {
-        let mut largest: f64 = 0.0;
+        // maxima that keep NaN, in lanes: each waits for the one before
+        let mut most = [0.0; LANES];
         let Unknowns { x, y, mu, eta, .. } = unknowns;
         self.bases.prolong_right(system, reduced, |first, of_x, of_y| {
             let places = first..first + of_x.len();
             let scales = &coordinate_scales[places.clone()];
-            for (((x, &dx), scale), place) in x[places.clone()].iter_mut().zip(of_x).zip(scales).zip(0..) {
-                let dy = of_y.get(place).copied().unwrap_or(0.0);
+            for ((place, x), (&dx, scale)) in x[places.clone()].iter_mut().enumerate().zip(of_x.iter().zip(scales)) {
+                let change = if of_y.is_empty() { dx } else { dx + of_y[place] };
                 add(x, dx);
-                // a maximum that keeps NaN
-                largest = larger(largest, (dx + dy).abs() * scale);
+                most[place % LANES] = larger(most[place % LANES], change.abs() * scale);
             }
             let moved = y.get_mut(places).unwrap_or_default().iter_mut().zip(of_y);
             moved.filter(|(_, dy)| **dy != 0.0).for_each(|(y, &dy)| add(y, dy));
@@ -440,9 +440,12 @@ impl Jacobian {
                 own.zip(&reduced[run.unknowns()]).for_each(|(own, &step)| add(own, step));
             }
         }
-        largest
+        most.into_iter().fold(0.0, larger)
     }
 }
+
+/// Maxima that are looked for side by side.
+const LANES: usize = 8;
 
 /// The program of the matrices of a batch.
 fn element_matrix(batch: &ElementBatch, stabilized: bool, moves: [bool; 3]) -> Arc<Program> {
