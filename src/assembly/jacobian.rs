@@ -448,7 +448,7 @@ impl Jacobian {
 const LANES: usize = 8;
 
 /// The program of the matrices of a batch.
-fn element_matrix(batch: &ElementBatch, stabilized: bool, moves: [bool; 3]) -> Arc<Program> {
+fn element_matrix(batch: &ElementBatch, stabilized: bool, moves: [bool; 3]) -> &Arc<Program> {
     let code = moves.iter().fold(0, |code, &moves| 2 * code + u32::from(moves));
     batch.programs.get(code, || element_programs::matrix(&batch.formula, batch.layout, &batch.nodes, stabilized, moves))
 }

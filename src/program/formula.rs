@@ -66,24 +66,39 @@ impl Stages<Recorded> {
     }
 }
 
-/// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one.
+/// Programs at hand under short codes: looking them up by all that they depend on takes longer than running a small one. Reading writes
+/// nothing, so that threads do not wait for each other.
 #[derive(Debug, Default)]
-pub struct ProgramCache(RwLock<Known>);
+pub struct ProgramCache {
+    known: [OnceLock<(u32, Arc<Program>)>; USUAL],
+    more: OnceLock<Box<ProgramCache>>,
+}
 
-/// Usual numbers of programs take no memory of their own.
-type Known = SmallVec<[(u32, Arc<Program>); 12]>;
+/// Usual number of programs of a batch.
+const USUAL: usize = 12;
 
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
-    pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> Arc<Program> {
-        let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, program)) = known.iter().find(|(own, _)| *own == code) {
-            return Arc::clone(program);
+    pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> &Arc<Program> {
+        let known = self.known.iter().map_while(OnceLock::get).find(|(own, _)| *own == code);
+        if let Some((_, program)) = known {
+            return program;
         }
-        drop(known);
-        let program = make();
-        self.0.write().unwrap_or_else(PoisonError::into_inner).push((code, Arc::clone(&program)));
-        program
+        if let Some(more) = self.more.get() {
+            return more.get(code, make);
+        }
+        self.keep(code, make())
+    }
+
+    /// Keeps a program, unless another thread has made it, too, and been first.
+    fn keep(&self, code: u32, program: Arc<Program>) -> &Arc<Program> {
+        for place in &self.known {
+            let (own, kept) = place.get_or_init(|| (code, Arc::clone(&program)));
+            if *own == code {
+                return kept;
+            }
+        }
+        self.more.get_or_init(Box::default).keep(code, program)
     }
 }
 
@@ -252,7 +267,7 @@ impl Formula {
     }
 
     /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
-    pub fn gradient(&self, results: &[usize]) -> Arc<Program> {
+    pub fn gradient(&self, results: &[usize]) -> &Arc<Program> {
         let code = results.iter().fold(0, |code, &result| code | 1 << result);
         self.gradients.get(code, || {
             self.sparse_program(("gradient", smallvec![code]), 0, |graph, inputs, outputs| {

@@ -183,6 +183,8 @@ impl<'m> Sweep<'m> {
         let mut steps = history.backward(rerun)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
+        // by this thread, which takes the first of two pieces of work
+        let mut is_mine = true;
         let (mut step, mut next) = (None, None);
         keep(&mut next, steps.next()?);
         while next.is_some() {
@@ -194,7 +196,14 @@ impl<'m> Sweep<'m> {
             // with fewer unknowns all stages may share a solver
             let ready = next.as_ref().filter(|next| next.dropped == step.dropped && ahead.are_apart);
             let step_back = || self.step(step, last, &weights, back, solvers);
-            rayon::join(step_back, || ready.into_iter().for_each(|next| ahead.factor(next, p))).0?;
+            let factor_next = || ready.into_iter().for_each(|next| ahead.factor(next, p));
+            // who factored the systems of a step goes back through it: their numbers are in its caches
+            if is_mine {
+                rayon::join(step_back, factor_next).0?;
+            } else {
+                rayon::join(factor_next, step_back).1?;
+            }
+            is_mine = !is_mine;
             solvers.settle_care(Some(&mut ahead));
             solvers.forget(&mut self.counters);
             // one set alone goes on with what it knows

@@ -100,7 +100,11 @@ impl<'m> StepSolvers<'m> {
         let all = self.stages.iter_mut().zip(stages).chain(self.plain.iter_mut().map(|solver| (solver, projection)));
         let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
             all.filter(|(solver, _)| solver.was_needed()).filter_map(|(solver, record)| Some((solver, record?))).collect();
-        needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
+        if rayon::current_num_threads() > 2 {
+            return needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
+        }
+        // the other thread goes back through another step, and nobody is left to help
+        needed.into_iter().for_each(|(solver, record)| solver.factor(record, p));
     }
 
     /// Gives the memory of the stages back, behind the first step, unless the accelerations of the start need it.

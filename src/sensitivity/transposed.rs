@@ -196,7 +196,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// Factors the matrix of a system at its solution: all of the work that needs no adjoint.
     pub fn factor(&mut self, record: &SolveRecord<f64>, p: &[f64]) {
-        let system = &*self.system.clone();
+        let system = &*self.system;
         let SolveRecord { t, equations, base, unknowns } = record;
         // anew: the multipliers inside nodes follow from the solution
         self.unknowns.clone_from(unknowns);
@@ -275,8 +275,7 @@ impl<'m> TransposedSolver<'m> {
         back: &mut [Backward],
         counters: &mut Counters,
     ) -> Result<&[VectorsAvq<f64>], RunError> {
-        let system = &*self.system.clone();
-        let dofs = system.model.dofs;
+        let dofs = self.system.model.dofs;
         let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
         self.bases.resize_with(bars.len(), VectorsAvq::default);
         // those that are asked for are written below
@@ -314,6 +313,7 @@ impl<'m> TransposedSolver<'m> {
             self.trials[kind(equations)].learn(!factored);
             counters.factorizations += usize::from(factored);
         }
+        let system = &*self.system;
         let unknowns = std::mem::take(&mut self.unknowns);
         let mut work = std::mem::take(&mut self.sweep);
         let Sweep { adjoints, elements, constraints, reactions, before, own, own_p, moved } = &mut work;
@@ -422,7 +422,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// Solves J^T lambda = -x_bar for each x_bar that is not zero; returns whether the matrix had to be factored for it.
     fn solve(&mut self, asked: &[usize], bars: &[SolutionBar]) -> Result<bool, Singular> {
-        let system = &*self.system.clone();
+        let system = &*self.system;
         let size = system.size();
         self.reduced.resize(asked.len() * size, 0.0);
         for (&k, reduced) in asked.iter().zip(self.reduced.chunks_exact_mut(size.max(1))) {
