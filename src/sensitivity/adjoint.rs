@@ -13,6 +13,8 @@ use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
 };
 use smallvec::SmallVec;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Gradients with respect to parameters and initial state, one for each functional, and the work done.
 #[derive(Clone, Debug)]
@@ -195,13 +197,12 @@ impl<'m> Sweep<'m> {
             let weights = weights.back_through(step);
             // with fewer unknowns all stages may share a solver
             let ready = next.as_ref().filter(|next| next.dropped == step.dropped && ahead.are_apart);
-            let step_back = || self.step(step, last, &weights, back, solvers);
-            let factor_next = || ready.into_iter().for_each(|next| ahead.factor(next, p));
-            // who factored the systems of a step goes back through it: their numbers are in its caches
-            if is_mine {
-                rayon::join(step_back, factor_next).0?;
-            } else {
-                rayon::join(factor_next, step_back).1?;
+            let mut step_back = || self.step(step, last, &weights, back, solvers);
+            match ready {
+                // who factored the systems of a step goes back through it: their numbers are in its caches
+                Some(next) if is_mine => join_awake(step_back, || ahead.factor(next, p)).0?,
+                Some(next) => join_awake(|| ahead.factor(next, p), step_back).1?,
+                None => step_back()?,
             }
             is_mine = !is_mine;
             solvers.settle_care(Some(&mut ahead));
@@ -460,6 +461,35 @@ impl<'m> Sweep<'m> {
         self.measured = measured;
         Ok(())
     }
+}
+
+/// Longest time that a thread waits awake for another one: waking it up takes about as long as the factors of a small step.
+const AWAKE: Duration = Duration::from_micros(200);
+
+/// Does both on two threads, if another one is free: of these, which have a short piece of work after the other, none falls asleep in between.
+fn join_awake<A: Send, B: Send>(first: impl FnOnce() -> A + Send, second: impl FnOnce() -> B + Send) -> (A, B) {
+    let (second_begun, first_done, second_done): (AtomicBool, AtomicBool, AtomicBool) = Default::default();
+    let wait = |begun: &AtomicBool, done: &AtomicBool| {
+        let start = Instant::now();
+        while begun.load(Ordering::Acquire) && !done.load(Ordering::Acquire) && start.elapsed() < AWAKE {
+            std::hint::spin_loop();
+        }
+    };
+    rayon::join(
+        || {
+            let result = first();
+            first_done.store(true, Ordering::Release);
+            wait(&second_begun, &second_done);
+            result
+        },
+        || {
+            second_begun.store(true, Ordering::Release);
+            let result = second();
+            second_done.store(true, Ordering::Release);
+            wait(&second_begun, &first_done);
+            result
+        },
+    )
 }
 
 /// Adjoints of what a functional reads at a sample.
