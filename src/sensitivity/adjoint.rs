@@ -197,8 +197,11 @@ impl<'m> Sweep<'m> {
             let weights = weights.back_through(step);
             // with fewer unknowns all stages may share a solver
             let ready = next.as_ref().filter(|next| next.dropped == step.dropped && ahead.are_apart);
+            let are_shared = solvers.are_shared;
             let mut step_back = || self.step(step, last, &weights, back, solvers);
             match ready {
+                // who is ready first helps with the other systems
+                Some(next) if are_shared => rayon::join(step_back, || ahead.factor(next, p)).0?,
                 // who factored the systems of a step goes back through it: their numbers are in its caches
                 Some(next) if is_mine => join_awake(step_back, || ahead.factor(next, p)).0?,
                 Some(next) => join_awake(|| ahead.factor(next, p), step_back).1?,

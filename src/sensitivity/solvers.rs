@@ -17,9 +17,14 @@ pub(super) struct StepSolvers<'m> {
     /// Of projections and accelerations, if they do not share that of the stages: both projections of a step mostly have the same matrix.
     plain: Option<TransposedSolver<'m>>,
     stages: Vec<TransposedSolver<'m>>,
+    /// Whether a system takes so long, or threads are so many, that they share those of a step; shorter ones stay with one thread, whose caches have their numbers.
+    pub are_shared: bool,
     /// Whether the first step has told which matrices need care to be scaled.
     has_care: bool,
 }
+
+/// Multiplications of a factorization from which on the systems of a step are shared: about a tenth of a millisecond.
+const SHARED: f64 = 2.5e5;
 
 impl<'m> StepSolvers<'m> {
     /// Solvers for the equations of a run.
@@ -30,12 +35,13 @@ impl<'m> StepSolvers<'m> {
         let stage = TransposedSolver::new(systems.stage.clone(), method, active)?;
         let is_large = stage.is_large();
         let are_apart = !stage.is_alone() && rayon::current_num_threads() > 1;
+        let are_shared = rayon::current_num_threads() > 2 || stage.multiplications() > SHARED;
         let plain = match Arc::ptr_eq(&systems.plain, &systems.stage) {
             true if is_large => None,
             true => Some(stage.another()?),
             false => Some(TransposedSolver::new(systems.plain.clone(), method, active)?.alone_like(&stage)),
         };
-        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, has_care: false };
+        let mut solvers = StepSolvers { stages: vec![stage], plain, are_apart, are_shared, has_care: false };
         if are_apart {
             let starter = method.table.starter.as_ref().map_or(0, |starter| starter.table.stages.len());
             for _ in 1..method.table.stages.len().max(starter) {
@@ -52,7 +58,7 @@ impl<'m> StepSolvers<'m> {
     pub fn another(&self) -> Result<Self, RunError> {
         let stages = self.stages.iter().map(TransposedSolver::another).collect::<Result<Vec<_>, _>>()?;
         let plain = self.plain.as_ref().map(TransposedSolver::another).transpose()?;
-        Ok(StepSolvers { stages, plain, are_apart: self.are_apart, has_care: false })
+        Ok(StepSolvers { stages, plain, are_apart: self.are_apart, are_shared: self.are_shared, has_care: false })
     }
 
     /// Takes over from the solvers of the step before what they have learned.
@@ -100,11 +106,11 @@ impl<'m> StepSolvers<'m> {
         let all = self.stages.iter_mut().zip(stages).chain(self.plain.iter_mut().map(|solver| (solver, projection)));
         let needed: Vec<(&mut TransposedSolver<'m>, &SolveRecord<f64>)> =
             all.filter(|(solver, _)| solver.was_needed()).filter_map(|(solver, record)| Some((solver, record?))).collect();
-        if rayon::current_num_threads() > 2 {
-            return needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
+        if self.are_shared {
+            needed.into_par_iter().for_each(|(solver, record)| solver.factor(record, p));
+        } else {
+            needed.into_iter().for_each(|(solver, record)| solver.factor(record, p));
         }
-        // the other thread goes back through another step, and nobody is left to help
-        needed.into_iter().for_each(|(solver, record)| solver.factor(record, p));
     }
 
     /// Gives the memory of the stages back, behind the first step, unless the accelerations of the start need it.

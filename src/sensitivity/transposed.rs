@@ -165,6 +165,11 @@ impl<'m> TransposedSolver<'m> {
         is_large(self.factorization.plan())
     }
 
+    /// Multiplications of a factorization, as far as they are known.
+    pub fn multiplications(&self) -> f64 {
+        self.factorization.plan().work.map_or(0.0, |work| work.multiplications)
+    }
+
     /// Another one for the same system.
     pub fn another(&self) -> Result<Self, RunError> {
         let factorization = self.factorization.another().map_err(|s| singular(s.unknown, "adjoint"))?;
