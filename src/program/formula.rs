@@ -312,4 +312,19 @@ mod tests {
         assert!(count < 3 * KEPT, "{count} formulas are kept");
         assert!(Arc::ptr_eq(&used, &record(0)), "one that is used was forgotten");
     }
+    #[test]
+    fn programs_are_made_once_and_found_again_beyond_the_usual_number() {
+        let cache = ProgramCache::default();
+        let record = |k: u32| Formula::record(1, |x| vec![x[0] * (f64::from(k) + 0.25)]).expect("does not branch");
+        let codes = 0..3 * USUAL as u32;
+        let all: Vec<_> = codes.clone().map(|code| record(code).values().clone()).collect();
+        for (code, program) in codes.clone().zip(&all) {
+            assert!(Arc::ptr_eq(cache.get(code, || program.clone()), program));
+        }
+        for (code, program) in codes.zip(&all) {
+            assert!(Arc::ptr_eq(cache.get(code, || panic!("program {code} was forgotten")), program));
+            // what another thread made meanwhile stays
+            assert!(Arc::ptr_eq(cache.keep(code, all[0].clone()), program));
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! What a gradient costs: one sweep by its simulation, a further functional by the sweep, 10,000 design variables by one.
 
 use crate::verification::{Clock, Form, Report, Study, median, on_threads};
-use costate::integrators::Counters;
+use costate::integrators::{Counters, RunError, measure_phases};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::time::Instant;
@@ -77,8 +77,37 @@ fn all_scenes(report: &mut Report, threads: usize) -> Result<(), String> {
             let further = (ratio(&times.all, &times.one) - 1.0) / (functionals - 1) as f64;
             report.inform(figure("further functional / adjoint"), further);
         }
+        if threads == 1 {
+            let forward = median(times.forward);
+            for (part, seconds) in PARTS.into_iter().zip(parts_of_a_sweep(&prepared, repeats)?) {
+                report.inform(figure(&format!("adjoint, {part} / forward")), seconds / forward);
+            }
+        }
     }
     Ok(())
+}
+
+/// What a sweep consists of.
+const PARTS: [&str; 5] = ["evaluations", "matrices", "their factorizations", "solutions", "products and all else"];
+
+/// Medians of the time that each part of a sweep for one functional takes [s].
+fn parts_of_a_sweep(scene: &Prepared, repeats: usize) -> Result<[f64; 5], String> {
+    let words = |error: RunError| error.to_string();
+    let analysis = scene.analysis();
+    let forward = analysis.forward(&scene.x).map_err(words)?;
+    let asked: Vec<bool> = (0..scene.functionals().len()).map(|functional| functional == 0).collect();
+    let mut parts = [const { Vec::new() }; 5];
+    measure_phases(true);
+    for _ in 0..repeats {
+        let clock = Clock::start();
+        let gradient = analysis.adjoint_of(&scene.x, &forward, &asked).map_err(words)?;
+        let all = clock.seconds();
+        let known = gradient.counters.nanoseconds.map(|time| 1e-9 * time as f64);
+        let others = all - known.iter().sum::<f64>();
+        parts.iter_mut().zip(known.into_iter().chain([others])).for_each(|(part, time)| part.push(time));
+    }
+    measure_phases(false);
+    Ok(parts.map(median))
 }
 
 fn prepare(scene: &dyn AnyScene, settings: Settings) -> Result<Prepared<'_>, String> {
