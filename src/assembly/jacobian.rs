@@ -198,7 +198,7 @@ impl Jacobian {
             let Jacobian { values, bases, work, relief, .. } = self;
             let weights = layout.extra() - layout.weights();
             run_lanes(
-                &program,
+                program,
                 batch.parts.len(),
                 work,
                 |mut lanes, numbers| {
@@ -255,7 +255,7 @@ impl Jacobian {
             let Jacobian { values, bases, work, .. } = self;
             let unknowns = (&point.unknowns, asked.stabilized());
             run_lanes(
-                &program,
+                program,
                 batch.parts.len(),
                 work,
                 |mut lanes, _| {

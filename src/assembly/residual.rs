@@ -341,7 +341,7 @@ impl<S: RunScalar> Residual<S> {
             let Residual { f, y, g, g_second, constraint_at: at, work, .. } = self;
             let stabilized = asked.stabilized();
             run_lanes(
-                &program,
+                program,
                 batch.parts.len(),
                 work,
                 |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, t), (unknowns, stabilized), scales),
