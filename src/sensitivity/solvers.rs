@@ -17,7 +17,8 @@ pub(super) struct StepSolvers<'m> {
     /// Of projections and accelerations, if they do not share that of the stages: both projections of a step mostly have the same matrix.
     plain: Option<TransposedSolver<'m>>,
     stages: Vec<TransposedSolver<'m>>,
-    /// Whether a system takes so long, or threads are so many, that they share those of a step; shorter ones stay with one thread, whose caches have their numbers.
+    /// Whether a system takes so long, or threads are so many, that they share those of a step; shorter ones stay with one thread, whose
+    /// caches have their numbers.
     pub are_shared: bool,
     /// Whether the first step has told which matrices need care to be scaled.
     has_care: bool,
