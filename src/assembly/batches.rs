@@ -407,7 +407,7 @@ impl<S: RunScalar> LaneResults<'_, S> {
     #[inline(always)]
     pub fn for_each_part(&self, mut f: impl FnMut(usize, Strided<S>)) {
         for (lane, part) in self.parts.clone().enumerate() {
-            f(part, Strided { numbers: &self.numbers[lane..], width: self.width });
+            f(part, Strided { numbers: self.numbers.get(lane..).unwrap_or_default(), width: self.width });
         }
     }
 }
@@ -647,6 +647,15 @@ mod tests {
                     assert!(sums.iter().enumerate().all(|(place, &sum)| sum == expected(place)), "{width} {length}");
                 }
             }
+        }
+    }
+    #[test]
+    fn parts_of_a_program_without_results_have_none() {
+        for width in [1, 4, 8] {
+            let results = LaneResults::<f64> { numbers: &[], width, parts: 0..width };
+            let mut count = 0;
+            results.for_each_part(|_, mut own| count += usize::from(own.next().is_none()));
+            assert_eq!(count, width);
         }
     }
 }

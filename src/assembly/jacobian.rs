@@ -420,7 +420,7 @@ impl Jacobian {
         unknowns: &mut Unknowns<S>,
         coordinate_scales: &[f64],
     ) -> f64 {
-        // maxima that keep NaN, in lanes: each waits for the one before
+        // maxima that keep NaN, in lanes: in one each would wait for that before
         let mut most = [0.0; LANES];
         let Unknowns { x, y, mu, eta, .. } = unknowns;
         self.bases.prolong_right(system, reduced, |first, of_x, of_y| {

@@ -133,7 +133,8 @@ impl Numbers {
         numbers
     }
 
-    fn of_state(&self) -> bool {
+    /// Whether they change in a run.
+    fn are_moving(&self) -> bool {
         let are_there = [&self.a, &self.v, &self.q].iter().any(|runs| !runs.is_empty());
         are_there || self.time.is_some()
     }
@@ -184,7 +185,7 @@ impl MeasuredGroup {
 
     /// Whether it changes with the state.
     pub fn is_moving(&self, model: &Model) -> bool {
-        self.batches(model).iter().any(|batch| batch.program(true).arguments.of_state())
+        self.batches(model).iter().any(|batch| batch.program(true).arguments.are_moving())
     }
 
     fn recorded(&self, model: &Model) -> &Result<Vec<GroupBatch>, String> {
@@ -203,7 +204,15 @@ impl MeasuredGroup {
                         let mut place = None;
                         if self.quantity.is_on(&element.physics) {
                             let own = self.quantity.record(&element.physics)?;
-                            let like = batches.iter().position(|batch| Arc::ptr_eq(&batch.own.formula, &own.formula));
+                            let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.len());
+                            // equal recordings of unlike elements are one formula
+                            let is_like = |batch: &GroupBatch| {
+                                let as_long = batch.members[0].nodes.iter().map(Range::len).eq(nodes.clone());
+                                Arc::ptr_eq(&batch.own.formula, &own.formula)
+                                    && batch.own.arguments == own.arguments
+                                    && as_long
+                            };
+                            let like = batches.iter().position(is_like);
                             place = Some(like.unwrap_or(batches.len()));
                             if like.is_none() {
                                 let (members, places) = (Vec::new(), MemberPlaces::default());

@@ -4,7 +4,7 @@
 pub trait Kernel {
     /// Its result.
     type Output;
-    /// Does the work; `FUSED`: whether a product and a sum are one instruction.
+    /// Does the work; `FUSED`: whether a product and a sum are one instruction, on x86-64 that of AVX2 and FMA.
     fn run<const FUSED: bool>(self) -> Self::Output;
 }
 

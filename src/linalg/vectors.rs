@@ -91,10 +91,12 @@ thread_local! {
     pub static ONLY_PORTABLE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
 }
 
-/// The sums of the lanes of four vectors of eight, each with the bits of [`Vector::sum`]; `FUSED`: whether this is part of a kernel
-/// with fused products, which has registers of four numbers.
+/// The sums of the lanes of four vectors of eight, each with the bits of [`Vector::sum`].
+///
+/// # Safety
+/// With `FUSED` it is part of a kernel with fused products, on a processor that has AVX2.
 #[inline(always)]
-pub fn sums_of_lanes<const FUSED: bool>(vectors: &[[f64; 8]; 4]) -> [f64; 4] {
+pub unsafe fn sums_of_lanes<const FUSED: bool>(vectors: &[[f64; 8]; 4]) -> [f64; 4] {
     #[cfg(target_arch = "x86_64")]
     if FUSED {
         return sums_with::<x86::Avx2>(vectors);

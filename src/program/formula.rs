@@ -80,14 +80,12 @@ const USUAL: usize = 12;
 impl ProgramCache {
     /// The program of a code, made when it is first asked for.
     pub fn get(&self, code: u32, make: impl FnOnce() -> Arc<Program>) -> &Arc<Program> {
+        self.find(code).unwrap_or_else(|| self.keep(code, make()))
+    }
+
+    fn find(&self, code: u32) -> Option<&Arc<Program>> {
         let known = self.known.iter().map_while(OnceLock::get).find(|(own, _)| *own == code);
-        if let Some((_, program)) = known {
-            return program;
-        }
-        if let Some(more) = self.more.get() {
-            return more.get(code, make);
-        }
-        self.keep(code, make())
+        known.map(|(_, program)| program).or_else(|| self.more.get()?.find(code))
     }
 
     /// Keeps a program, unless another thread has made it, too, and been first.

@@ -185,7 +185,7 @@ impl<'m> Sweep<'m> {
         let mut steps = history.backward(rerun)?;
         let mut weights = QuadratureWeights::at_end(&rerun.method.table);
         let mut last = true;
-        // by this thread, which takes the first of two pieces of work
+        // whether this thread factored the systems of a step; it takes the first of two pieces of work
         let mut is_mine = true;
         let (mut step, mut next) = (None, None);
         keep(&mut next, steps.next()?);
@@ -207,7 +207,7 @@ impl<'m> Sweep<'m> {
                 Some(next) => join_awake(|| ahead.factor(next, p), step_back).1?,
                 None => step_back()?,
             }
-            is_mine = !is_mine;
+            is_mine = ready.is_none() || !is_mine;
             solvers.settle_care(Some(&mut ahead));
             solvers.forget(&mut self.counters);
             // one set alone goes on with what it knows

@@ -314,7 +314,8 @@ fn sums_of<const FUSED: bool, const H: usize>(lanes: [[f64; LANES]; H]) -> [f64;
     // what is done with the lanes would make the compiler turn the loop before by 90 degrees, which takes a shuffle for each product
     let lanes = std::hint::black_box(lanes);
     if let Some(lanes) = lanes.first_chunk::<4>().filter(|_| H == 4) {
-        let sums = sums_of_lanes::<FUSED>(lanes);
+        // SAFETY: kernels are fused only where the processor has AVX2.
+        let sums = unsafe { sums_of_lanes::<FUSED>(lanes) };
         return std::array::from_fn(|h| sums[h]);
     }
     let mut sums = [0.0; H];

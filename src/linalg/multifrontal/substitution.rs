@@ -253,7 +253,8 @@ impl<'l> Lists<'l> {
             1 => self.gather_columns::<1>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
             2 => self.gather_columns::<2>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
             3 => self.gather_columns::<3>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
-            _ => self.gather_columns::<FEW>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
+            FEW => self.gather_columns::<FEW>(columns_of(vectors, size), columns_of_mut(front, self.len()), factors, step),
+            _ => unreachable!("one to {FEW} vectors"),
         }
     }
 
@@ -409,7 +410,7 @@ impl Kernel for ForwardFew<'_> {
         for number in fronts {
             let lists = Lists::new(symbolic, number, factors.front(symbolic, number), side);
             let FrontFactors { eliminated, lower, upper, .. } = lists.factors;
-            // what is read first
+            // what is read first, or beside a triangle that is short
             let factors = if side == Side::Plain { lower } else { upper };
             lists.gather_few(residual, size, front, factors.as_ptr(), LANES as isize);
             let order = lists.len().max(1);
