@@ -1,5 +1,6 @@
 //! Time that one thread has spent computing, whatever else the machine does.
 
+use costate::integrators::measure_phases;
 use std::time::Instant;
 
 /// A start, to measure from.
@@ -26,6 +27,14 @@ impl Clock {
     pub fn counts_computing() -> bool {
         computing().is_some()
     }
+}
+
+/// What some work gives while runs and sweeps measure what their parts take; other work goes on without looking at the clock.
+pub fn with_phases<T>(work: impl FnOnce() -> T) -> T {
+    measure_phases(true);
+    let done = work();
+    measure_phases(false);
+    done
 }
 
 /// The number in the middle of a list, of two in the middle the mean: one run that was disturbed does not move it.

@@ -45,7 +45,7 @@ mod variational;
 #[path = "work-precision/study.rs"]
 mod work_precision;
 
-pub use clock::{Clock, median};
+pub use clock::{Clock, median, with_phases};
 pub use costate::cli::{Figure, Form, Report, Study};
 pub use noise::Noise;
 

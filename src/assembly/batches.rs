@@ -151,12 +151,18 @@ impl<S: RunScalar> Lanes<'_, S> {
 
     #[inline(always)]
     fn gather_at(&mut self, place: usize, starts: &Starts, values: &[S]) {
-        let target = &mut self.numbers[place * self.width..(place + starts.length) * self.width];
-        let places = starts.places_from(self.parts.start);
+        self.gather_range(place..place + starts.length, starts, values);
+    }
+
+    /// Arguments are the first so many numbers of each part.
+    #[inline(always)]
+    fn gather_range(&mut self, arguments: Range<usize>, starts: &Starts, values: &[S]) {
+        let target = &mut self.numbers[arguments.start * self.width..arguments.end * self.width];
+        let (places, length) = (starts.places_from(self.parts.start), arguments.len());
         match self.width {
-            1 => target.copy_from_slice(&values[starts.of(self.parts.start)]),
-            4 => gather::<S, 4>(starts.length, places, values, target),
-            8 => gather::<S, 8>(starts.length, places, values, target),
+            1 => target.copy_from_slice(&values[places[0] as usize..][..length]),
+            4 => gather::<S, 4>(length, places, values, target),
+            8 => gather::<S, 8>(length, places, values, target),
             _ => unreachable!("programs have 4 or 8 lanes"),
         }
     }
@@ -164,14 +170,7 @@ impl<S: RunScalar> Lanes<'_, S> {
     /// Runs of arguments come from a list, wherever they stand among the arguments.
     pub fn gather_runs(&mut self, runs: &[Run], lists: &[Starts], values: &[S]) {
         for Run { numbers, list, offset } in runs {
-            let target = &mut self.numbers[numbers.start * self.width..numbers.end * self.width];
-            let (places, values) = (lists[*list].places_from(self.parts.start), &values[*offset..]);
-            match self.width {
-                1 => target.copy_from_slice(&values[places[0] as usize..][..numbers.len()]),
-                4 => gather::<S, 4>(numbers.len(), places, values, target),
-                8 => gather::<S, 8>(numbers.len(), places, values, target),
-                _ => unreachable!("programs have 4 or 8 lanes"),
-            }
+            self.gather_range(numbers.clone(), &lists[*list], &values[*offset..]);
         }
     }
 
@@ -649,6 +648,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn parts_of_a_program_without_results_have_none() {
         for width in [1, 4, 8] {

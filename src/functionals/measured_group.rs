@@ -117,12 +117,12 @@ impl Numbers {
         let (parameters, quantity) = (places.lists.len() - 2, places.lists.len() - 1);
         let mut numbers = Numbers::default();
         for (number, argument) in arguments {
-            let (runs, list, offset) = match argument {
-                Argument::A(dof) => (&mut numbers.a, places.coordinate(dof).0, places.coordinate(dof).1),
-                Argument::V(dof) => (&mut numbers.v, places.coordinate(dof).0, places.coordinate(dof).1),
-                Argument::Q(dof) => (&mut numbers.q, places.coordinate(dof).0, places.coordinate(dof).1),
-                Argument::Parameter(place) => (&mut numbers.p, parameters, place),
-                Argument::Own(place) => (&mut numbers.p, quantity, place),
+            let (runs, (list, offset)) = match argument {
+                Argument::A(dof) => (&mut numbers.a, places.coordinate(dof)),
+                Argument::V(dof) => (&mut numbers.v, places.coordinate(dof)),
+                Argument::Q(dof) => (&mut numbers.q, places.coordinate(dof)),
+                Argument::Parameter(place) => (&mut numbers.p, (parameters, place)),
+                Argument::Own(place) => (&mut numbers.p, (quantity, place)),
                 Argument::Time => {
                     numbers.time = Some(number);
                     continue;

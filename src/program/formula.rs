@@ -310,6 +310,7 @@ mod tests {
         assert!(count < 3 * KEPT, "{count} formulas are kept");
         assert!(Arc::ptr_eq(&used, &record(0)), "one that is used was forgotten");
     }
+
     #[test]
     fn programs_are_made_once_and_found_again_beyond_the_usual_number() {
         let cache = ProgramCache::default();

@@ -206,14 +206,13 @@ impl<'m> TransposedSolver<'m> {
         // anew: the multipliers inside nodes follow from the solution
         self.unknowns.clone_from(unknowns);
         let stage = StageSystem { equations, base, p, t: *t };
-        let TransposedSolver { residual, unknowns: own, work, .. } = self;
+        let TransposedSolver { residual, jacobian, unknowns: own, work, .. } = self;
         work.timed(Phase::Residual, || residual.move_to(system, stage, own));
         work.residuals += 1;
         if self.is_alone && self.constant.is_some_and(|(of, is_constant)| is_constant && of.is_nearly(equations)) {
             self.factored = Some(Factored { t: *t, equations: *equations, outcome: Ok(()), on_trial: false });
             return;
         }
-        let TransposedSolver { residual, jacobian, unknowns: own, work, .. } = self;
         let before = jacobian.evaluated;
         work.timed(Phase::Matrix, || jacobian.assemble(system, equations, residual, own, p, *t));
         work.blocks += jacobian.evaluated - before;
@@ -309,14 +308,14 @@ impl<'m> TransposedSolver<'m> {
             factored.outcome.map_err(|singular| self.singular_at(singular, *t))?;
             on_trial = factored.on_trial;
         }
-        let factored = self.solve(&asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
+        let refactored = self.solve(&asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
         self.forget(counters);
         counters.systems += 1;
         counters.solves += asked.len();
         counters.products += asked.len();
         if on_trial {
-            self.trials[kind(equations)].learn(!factored);
-            counters.factorizations += usize::from(factored);
+            self.trials[kind(equations)].learn(!refactored);
+            counters.factorizations += usize::from(refactored);
         }
         let system = &*self.system;
         let unknowns = std::mem::take(&mut self.unknowns);

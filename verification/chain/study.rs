@@ -1,9 +1,9 @@
 //! Cost of a step on chains of 10 to 10,000 rigid bodies, one thread.
 
 use crate::allocations;
-use crate::verification::{Clock, Form, Report, Study, on_one_thread};
+use crate::verification::{Clock, Form, Report, Study, on_one_thread, with_phases};
 use costate::history::Keep;
-use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, measure_phases, table_by_name};
+use costate::integrators::{ConstraintLevel, Counters, Method, NewtonTolerance, table_by_name};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::Analysis;
@@ -229,12 +229,10 @@ fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> 
     cost.counters = forward.counters;
     // runs of their own, since looking at the clock takes its time; without what is set up before the first step
     let phases = |prepared: &Prepared| -> Result<([f64; 4], f64), String> {
-        measure_phases(true);
         let begun = Instant::now();
         // no history is kept, as in the other times
-        let run = Analysis { keep: &Keep::Nothing, ..prepared.analysis() }.forward(&x);
+        let run = with_phases(|| Analysis { keep: &Keep::Nothing, ..prepared.analysis() }.forward(&x));
         let total = begun.elapsed().as_secs_f64();
-        measure_phases(false);
         Ok((run.map_err(|error| error.to_string())?.counters.nanoseconds.map(|own| 1e-9 * own as f64), total))
     };
     let ((first, first_total), (whole, total)) = (phases(&one)?, phases(&all)?);

@@ -3,9 +3,9 @@
 mod scene;
 
 use crate::verification::rounding::{NearbyAdjoints, SCATTER, worse};
-use crate::verification::{Clock, Form, Report, Study, median, on_one_thread};
+use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, with_phases};
 use costate::functionals::{Aggregate, AggregateKind, Times};
-use costate::integrators::{ConstraintLevel, Counters, DEFAULT_TABLE, Method, RunError, measure_phases, table_by_name};
+use costate::integrators::{ConstraintLevel, Counters, DEFAULT_TABLE, Method, RunError, table_by_name};
 use costate::io::{Chart, Series, Style};
 use costate::scenes::built_in::BoxTubePendulum;
 use costate::scenes::{AnyScene, Prepared};
@@ -269,11 +269,10 @@ fn second_on_the_tube(report: &mut Report) -> Result<(), RunError> {
     let forward = analysis.forward(x)?;
     // in turn, so that both see the same machine
     let (mut times, mut without, mut counters) = ([const { Vec::new() }; 2], [const { Vec::new() }; 2], Vec::new());
-    measure_phases(true);
     for _ in 0..PAIRS {
         for (place, wanted) in [&one, &both].into_iter().enumerate() {
             let clock = Clock::start();
-            let gradient = analysis.adjoint_of(x, &forward, wanted)?;
+            let gradient = with_phases(|| analysis.adjoint_of(x, &forward, wanted))?;
             let all = clock.seconds();
             let [_, matrices, factorizations, _] = gradient.counters.nanoseconds;
             times[place].push(all);
@@ -281,7 +280,6 @@ fn second_on_the_tube(report: &mut Report) -> Result<(), RunError> {
             counters.push(gradient.counters);
         }
     }
-    measure_phases(false);
     let figure = |what: &str| format!("second functional, box tube {} x 4 x {}/{what}", TUBE[0], TUBE[1]);
     let of_one = median(times[0].clone());
     let [of_all, of_others] =

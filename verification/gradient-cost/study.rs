@@ -1,7 +1,7 @@
 //! What a gradient costs: one sweep by its simulation, a further functional by the sweep, 10,000 design variables by one.
 
-use crate::verification::{Clock, Form, Report, Study, median, on_threads};
-use costate::integrators::{Counters, RunError, measure_phases};
+use crate::verification::{Clock, Form, Report, Study, median, on_threads, with_phases};
+use costate::integrators::{Counters, RunError};
 use costate::scenes::built_in::{Chain, ChainVariables};
 use costate::scenes::{AnyScene, Prepared, Settings, built_in};
 use std::time::Instant;
@@ -97,16 +97,14 @@ fn parts_of_a_sweep(scene: &Prepared, repeats: usize) -> Result<[f64; 5], String
     let forward = analysis.forward(&scene.x).map_err(words)?;
     let asked: Vec<bool> = (0..scene.functionals().len()).map(|functional| functional == 0).collect();
     let mut parts = [const { Vec::new() }; 5];
-    measure_phases(true);
     for _ in 0..repeats {
         let clock = Clock::start();
-        let gradient = analysis.adjoint_of(&scene.x, &forward, &asked).map_err(words)?;
+        let gradient = with_phases(|| analysis.adjoint_of(&scene.x, &forward, &asked)).map_err(words)?;
         let all = clock.seconds();
         let known = gradient.counters.nanoseconds.map(|time| 1e-9 * time as f64);
         let others = all - known.iter().sum::<f64>();
         parts.iter_mut().zip(known.into_iter().chain([others])).for_each(|(part, time)| part.push(time));
     }
-    measure_phases(false);
     Ok(parts.map(median))
 }
 
