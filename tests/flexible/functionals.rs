@@ -475,3 +475,47 @@ fn an_energy_of_one_model_is_not_taken_for_that_of_another() {
     assert!(of(&one) > 0.0 && of(&one) == of(&one));
     of(&bodies(2));
 }
+
+/// Coordinates with a mass: one alone and then two, or two and then one.
+struct Ballast {
+    one_first: bool,
+}
+
+impl Element for Ballast {
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        let [first, second] = if self.one_first { [1, 2] } else { [2, 1] };
+        vec![NodeKind::Coordinates(first), NodeKind::Coordinates(second)]
+    }
+    fn kinetic<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S]) -> S {
+        p[0] * 0.5 * (v[0] * v[0] + v[1] * v[1] * 2.0 + v[2] * v[2] * 3.0)
+    }
+    fn mass<S: Scalar>(&self, p: &[S]) -> S {
+        p[0]
+    }
+}
+
+#[test]
+fn elements_of_unlike_nodes_with_equal_recordings_are_measured_each_at_its_own() {
+    let mut m = MechanismBuilder::<f64>::default();
+    let mut expected = [0.0; 2];
+    for k in 0..12 {
+        let (one_first, mass, speed) = (k % 2 == 0, 1.0 + 0.1 * f64::from(k), f64::from(k + 1));
+        let one = m.coordinates(&format!("one {k}"), &[0.0], &[speed]);
+        let two = m.coordinates(&format!("two {k}"), &[0.0; 2], &[-0.5 * speed, 2.0 * speed]);
+        let nodes = if one_first { [one, two] } else { [two, one] };
+        m.element(&format!("ballast {k}"), &nodes, Ballast { one_first }, &[mass]);
+        let v = if one_first { [1.0, -0.5, 2.0] } else { [-0.5, 2.0, 1.0] }.map(|v| v * speed);
+        expected[0] += mass;
+        expected[1] += 0.5 * mass * (v[0] * v[0] + 2.0 * v[1] * v[1] + 3.0 * v[2] * v[2]);
+    }
+    m.mass_functional("mass", Over::Initial);
+    m.energy_functional("energy", Over::Initial);
+    let m = m.finish().expect("sound");
+    let at = VectorsAvq { a: vec![0.0; m.model.dofs], v: m.numbers.v.clone(), q: m.numbers.q.clone() };
+    let sample = Sample { at, ..Sample::empty() };
+    for (functional, expected) in m.functionals.iter().zip(expected) {
+        let value = functional.measured.value(&m.model, &sample, &m.numbers.p);
+        assert!((value / expected - 1.0).abs() < 1e-14, "{}: {value} and not {expected}", functional.name);
+    }
+}
