@@ -86,6 +86,16 @@ const MULTIPLICATIONS_PER_ENTRY: f64 = 20.0;
 /// Growth of a random vector under A^-1 (in the scaled matrix) beyond which the matrix counts as singular.
 const SINGULAR_GROWTH: f64 = 1e14;
 
+/// What became of transposed right-hand sides.
+#[must_use = "right-hand sides are no solutions where kept factors do not serve"]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TransposedSolution {
+    /// They were replaced by solutions.
+    Found,
+    /// They are as they were: factors of other values, which were kept, do not serve, and the values are to be factored first.
+    NeedsFactors,
+}
+
 /// A factored matrix: scaled to a diagonal of size 1 by powers of two, with refinement against the matrix itself.
 pub struct Factorization {
     pattern: Arc<SparsePattern>,
@@ -275,28 +285,27 @@ impl Factorization {
 
     /// Replaces right-hand sides, one after the other, by the columns of A^-T B, where A has the values given last, to the factorization or to
     /// [`Factorization::keep_factors`]: adjoint variables are not corrected by a later iteration, so they are refined against the matrix.
-    /// Returns whether the solutions are there: where kept factors do not serve, the right-hand sides are as they were, and the values are to be
-    /// factored first.
     ///
     /// # Errors
     /// [`Singular`] where refinement still changes leading digits; the solutions are there all the same.
-    pub fn solve_transposed(&mut self, rhs: &mut [f64]) -> Result<bool, Singular> {
+    pub fn solve_transposed(&mut self, rhs: &mut [f64]) -> Result<TransposedSolution, Singular> {
         let n = self.pattern.size.max(1);
         let (mut given, mut correction) = (std::mem::take(&mut self.given), std::mem::take(&mut self.correction));
         given.clear();
         given.extend_from_slice(rhs);
         correction.resize(rhs.len(), 0.0);
-        let mut outcome = Ok(true);
+        let mut outcome = Ok(TransposedSolution::Found);
         if self.is_stale {
             if !self.refine_stale(&given, rhs, &mut correction) {
                 rhs.copy_from_slice(&given);
-                outcome = Ok(false);
+                outcome = Ok(TransposedSolution::NeedsFactors);
             }
         } else {
-            outcome = self.refine_own(&given, rhs, &mut correction).map_or(Ok(true), |unknown| Err(Singular { unknown }));
+            let unsettled = self.refine_own(&given, rhs, &mut correction);
+            outcome = unsettled.map_or(outcome, |unknown| Err(Singular { unknown }));
         }
         (self.given, self.correction) = (given, correction);
-        if outcome != Ok(false) {
+        if outcome != Ok(TransposedSolution::NeedsFactors) {
             for rhs in rhs.chunks_exact_mut(n) {
                 rhs.iter_mut().zip(&self.scaling.rows).for_each(|(x, scale)| *x *= scale);
             }
@@ -528,7 +537,7 @@ mod tests {
         let mut own = like.another().unwrap();
         own.factor(values).unwrap();
         let mut x = rhs.to_vec();
-        assert_eq!(own.solve_transposed(&mut x), Ok(true));
+        assert_eq!(own.solve_transposed(&mut x), Ok(TransposedSolution::Found));
         x
     }
 
@@ -540,11 +549,12 @@ mod tests {
             let mut x = rhs.clone();
             factorization.factor(&values).unwrap();
             assert_eq!(factorization.keep_factors(&other), Ok(true));
-            assert_eq!(factorization.solve_transposed(&mut x), Ok(serve), "a change by {change}");
+            let expected = if serve { TransposedSolution::Found } else { TransposedSolution::NeedsFactors };
+            assert_eq!(factorization.solve_transposed(&mut x), Ok(expected), "a change by {change}");
             if !serve {
                 assert_eq!(x, rhs);
                 factorization.factor(&other).unwrap();
-                assert_eq!(factorization.solve_transposed(&mut x), Ok(true));
+                assert_eq!(factorization.solve_transposed(&mut x), Ok(TransposedSolution::Found));
             }
             let away = difference(&x, &solved(&factorization, &other, &rhs));
             assert!(away <= 1e-14, "a change by {change}: {away:e}");
@@ -574,8 +584,8 @@ mod tests {
             factorization.factor(&values).unwrap();
             factorization.solve_transposed(&mut [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 0.3])
         };
-        assert_eq!(solve(1e-3), Ok(true));
-        assert_eq!(solve(1e-8), Ok(true));
+        assert_eq!(solve(1e-3), Ok(TransposedSolution::Found));
+        assert_eq!(solve(1e-8), Ok(TransposedSolution::Found));
         let unknown = solve(1e-13).unwrap_err().unknown;
         assert!(unknown < 2, "unknown {unknown}");
     }

@@ -172,7 +172,7 @@ impl<'m> Sweep<'m> {
         Ok(())
     }
 
-    /// The same, while other threads factor the systems of the step before: all of a sweep's matrices are known from the start.
+    /// The same, while the systems of the step before are factored on another thread: all of a sweep's matrices are known from the start.
     fn steps_ahead(
         &mut self,
         rerun: &Rerun,

@@ -5,7 +5,7 @@ use crate::assembly::{
     StageSystem, System, Unknowns, Variational, VectorsAvq,
 };
 use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
-use crate::linalg::{Factorization, Singular, SolverPlan};
+use crate::linalg::{Factorization, Singular, SolverPlan, TransposedSolution};
 use smallvec::SmallVec;
 use std::sync::Arc;
 
@@ -434,17 +434,17 @@ impl<'m> TransposedSolver<'m> {
             self.jacobian.reduce_adjoint(system, [x, rate, mu], reduced);
         }
         let TransposedSolver { factorization, jacobian, reduced, work, .. } = self;
-        let served = work.timed(Phase::Solution, || factorization.solve_transposed(reduced))?;
-        if !served {
+        let mut refactored = false;
+        while work.timed(Phase::Solution, || factorization.solve_transposed(reduced))? == TransposedSolution::NeedsFactors {
             work.timed(Phase::Factorization, || factorization.factor(&jacobian.values))?;
-            work.timed(Phase::Solution, || factorization.solve_transposed(reduced))?;
+            refactored = true;
         }
         let all = &mut self.sweep.adjoints;
         all.resize_with(all.len().max(asked.len()), || Adjoints::zeros(system));
         for (adjoints, reduced) in all.iter_mut().zip(self.reduced.chunks_exact(size.max(1))) {
             self.jacobian.set_adjoints(system, reduced, adjoints);
         }
-        Ok(!served)
+        Ok(refactored)
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {

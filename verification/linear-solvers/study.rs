@@ -190,10 +190,9 @@ fn measure(report: &mut Report, matrix: &Matrix, backend: Backend, threads: usiz
         let solution = fastest(threads, || {
             x.clone_from(&rhs);
             if transposed {
-                factorization.solve_transposed(&mut x).map_err(singular)?;
-            } else {
-                factorization.solve(&mut x);
+                return factorization.solve_transposed(&mut x).map_err(singular).map(|_| ());
             }
+            factorization.solve(&mut x);
             Ok(())
         })?;
         let kind = if transposed { "transposed solution, refined once" } else { "solution" };

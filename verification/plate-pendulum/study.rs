@@ -5,7 +5,7 @@ use crate::verification::{Clock, Form, Report, Study, median, on_one_thread, on_
 use costate::assembly::{Jacobian, Residual, StageSystem};
 use costate::history::Watch;
 use costate::integrators::{ConstraintLevel, Method, RunError, SolveRecord, StepRecord, Systems, table_by_name};
-use costate::linalg::{Backend, Factorization};
+use costate::linalg::{Backend, Factorization, TransposedSolution};
 use costate::scenes::built_in::{BoxTubePendulum, PlatePendulum, Thicknesses};
 use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::largest_difference;
@@ -181,9 +181,11 @@ fn phases(report: &mut Report, subject: &Subject, threads: usize) -> Result<(), 
     let mut rhs = vec![0.0; system.size()];
     jacobian.reduce(system, &residual, None, &mut rhs);
     let of_solution = fastest(|| factorization.solve(&mut rhs.clone()));
-    let mut refined = Ok(false);
+    let mut refined = Ok(TransposedSolution::NeedsFactors);
     let of_transposed = fastest(|| refined = factorization.solve_transposed(&mut rhs.clone()));
-    refined.map_err(singular)?;
+    if refined.map_err(singular)? != TransposedSolution::Found {
+        return Err(RunError::Input("its own factors do not serve a matrix".into()));
+    }
     for (what, seconds) in [
         ("residual", of_residual),
         ("matrix", of_matrix),
