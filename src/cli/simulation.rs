@@ -143,6 +143,13 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
     if !plan.dropped.is_empty() {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
         say(format_args!("redundant and left out: {}", names.join("; ")));
+        let [joints, _] = prepared.undetermined();
+        if !joints.is_empty() {
+            let joints = quoted(&joints);
+            say(format_args!(
+                "not determined by the model: how the joints {joints} share their loads; those of least norm are given"
+            ));
+        }
     }
     let SolverPlan { backend, unknowns, work, .. } = prepared.linear_solver()?;
     let work =
@@ -230,13 +237,21 @@ impl Simulation {
         self.resolution(prepared).iter().for_each(|warning| warn(warning));
     }
 
-    /// Warnings where the steps hardly resolve the motion.
+    /// Warnings where the steps hardly resolve the motion, or the model does not determine what is asked for.
     pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings: Vec<String> = self.error_in_words(prepared).and_then(|error| error.1).into_iter().collect();
         if let Some((t, step)) = self.forward.leap {
             warnings.push(format!(
                 "step {step} (t = {t} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
                  let the steps be chosen (--tolerance)"
+            ));
+        }
+        let [_, functionals] = prepared.undetermined();
+        if !functionals.is_empty() {
+            warnings.push(format!(
+                "the model does not determine {}: redundant joints share loads in many ways, of which the one of least norm is given; leave out \
+                 equations that the real joints do not have, or let parts be flexible",
+                quoted(&functionals)
             ));
         }
         let energy = self.energy.map(|energy| energy.share());
@@ -316,6 +331,10 @@ impl Simulation {
         object.insert("end_s".into(), json_number(prepared.grid.times[prepared.grid.steps()]));
         object.insert("design".into(), design.collect::<Map<_, _>>().into());
         object.insert("functionals".into(), functionals.into());
+        let [joints, of_functionals] = prepared.undetermined();
+        if !joints.is_empty() {
+            object.insert("not_determined".into(), json!({"joints": joints, "functionals": of_functionals}));
+        }
         for (name, value) in self.work() {
             object.insert(if name == "time_s" { "forward_s".into() } else { name.into() }, value);
         }
@@ -336,6 +355,11 @@ impl Simulation {
         }
         object
     }
+}
+
+/// Names in words.
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 /// Names of files.

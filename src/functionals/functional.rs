@@ -150,6 +150,23 @@ impl Functional {
         }
     }
 
+    /// Whether it changes with multipliers that may be added to those of a sample: what it measures beside round-off.
+    pub fn changes_with(&self, model: &Model, sample: &Sample<f64>, p: &[f64], added: &[f64]) -> bool {
+        if !self.reads_multipliers() {
+            return false;
+        }
+        let size = sample.mu.iter().fold(1.0, |size: f64, mu| size.max(mu.abs()));
+        let mut moved = sample.clone();
+        let mut value = |add: &dyn Fn(usize) -> f64| {
+            moved.mu.iter_mut().zip(&sample.mu).enumerate().for_each(|(row, (own, mu))| *own = mu + size * add(row));
+            self.measured.value(model, &moved, p)
+        };
+        let before = value(&|_| 0.0);
+        let rows = (0..added.len()).filter(|&row| added[row] != 0.0);
+        let apart: f64 = rows.map(|one| (value(&|row| if row == one { added[row] } else { 0.0 }) - before).abs()).sum();
+        (value(&|row| added[row]) - before).abs() > SURELY * apart
+    }
+
     /// What it measures at one time: of points that it aggregates, the aggregate at that time.
     pub fn measured_at<S: RunScalar>(&self, model: &Model, sample: &Sample<S>, p: &[S]) -> S {
         let (Measured::Group(group), Over::Aggregate { aggregate, .. }) = (&self.measured, self.over) else {
@@ -163,6 +180,9 @@ impl Functional {
         self.over.value(Totals { offset, sums })
     }
 }
+
+/// Share of the changes by single multipliers above which that by all of them together is no round-off.
+const SURELY: f64 = 1e-7;
 
 /// Where the arguments of a measured formula stand in the vectors of a sample.
 #[derive(Clone, Copy)]

@@ -28,6 +28,7 @@ pub use over::{Over, Times};
 pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};
 pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
 pub use reactions::least_multipliers;
+pub(crate) use reactions::multipliers_without_forces;
 pub use shell_quantity::{OfShells, ShellQuantity};
 pub use values::Values;
 pub use weights::QuadratureWeights;

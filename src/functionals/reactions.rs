@@ -1,12 +1,16 @@
 //! Reactions where constraints are redundant: of all multipliers with the same forces, those of least norm.
 //!
-//! With A the rows of all equations towards translations and rotations, K those that are kept, and F = A^T mu the forces of the
-//! solved multipliers: mu* = argmin |mu*| subject to A^T mu* = F. Rows of K, orthonormalized, are Q; then A = M Q with M = A Q^T,
+//! A norm of forces and moments needs a length: L, the root mean square of the lengths among the parameters of the joints. Moments count by
+//! m / L, as forces on an arm of this length, so that the split depends on no unit.
+//!
+//! With A the rows of all equations towards translations and rotations in these measures, K those that are kept, and F = A^T mu the forces of
+//! the solved multipliers: mu* = argmin |mu*| subject to A^T mu* = F. Rows of K, orthonormalized, are Q; then A = M Q with M = A Q^T,
 //! and mu* = M (M^T M)^-1 Q F, a smooth function of the state that depends on the choice K only by round-off.
 
 use crate::assembly::Model;
 use crate::elements::{NodeKind, RunScalar};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use std::ops::Range;
 
 type Matrix<S> = Vec<Vec<S>>;
 
@@ -43,19 +47,57 @@ fn orthonormal<S: Scalar>(mut rows: Matrix<S>) -> Matrix<S> {
 struct Columns {
     first: Vec<Option<usize>>,
     count: usize,
+    /// Those of moments.
+    moments: Vec<Range<usize>>,
 }
 
 impl Columns {
     fn of(model: &Model) -> Self {
-        let mut count = 0;
-        let first = model.nodes.iter().map(|node| {
-            (!node.fixed).then(|| {
-                let first = count;
-                count += if node.kind.has_axes() { 6 } else { node.dofs.len() };
-                first
+        let (mut count, mut moments) = (0, Vec::new());
+        let first: Vec<Option<usize>> = model
+            .nodes
+            .iter()
+            .map(|node| {
+                (!node.fixed).then(|| {
+                    let first = count;
+                    count += if node.kind.has_axes() { 6 } else { node.dofs.len() };
+                    moments.extend(node.kind.has_axes().then_some(first + 3..first + 6));
+                    first
+                })
             })
+            .collect();
+        Columns { first, count, moments }
+    }
+}
+
+/// The length by which moments are measured, and the parameters of which it is the root mean square.
+struct Length<S> {
+    value: S,
+    places: Vec<usize>,
+}
+
+impl<S: Scalar> Length<S> {
+    fn of(model: &Model, p: &[S]) -> Self {
+        let joints = model.constraints.iter();
+        let lengths = joints.flat_map(|joint| {
+            let pairs = joint.parameters.clone().zip(joint.physics.parameter_list());
+            pairs.filter(|(_, parameter)| parameter.unit == "m").map(|(place, _)| place)
         });
-        Columns { first: first.collect(), count }
+        let mut places: Vec<usize> = lengths.collect();
+        let square = places.iter().map(|&place| p[place] * p[place]).sum::<S>();
+        // joints at the origin alone have no length
+        if square.value() == 0.0 {
+            places.clear();
+            return Length { value: S::one(), places };
+        }
+        let count = places.len() as f64;
+        Length { value: (square / S::from(count)).sqrt(), places }
+    }
+
+    /// Adds the gradient by the parameters, times a factor.
+    fn add_gradient(&self, p: &[S], factor: S, bars: &mut [S]) {
+        let by = factor / (self.value * S::from(self.places.len().max(1) as f64));
+        self.places.iter().for_each(|&place| bars[place] += by * p[place]);
     }
 }
 
@@ -99,6 +141,9 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64
 /// What stands between multipliers as solved and those of least norm.
 struct Sharing<S> {
     columns: Columns,
+    length: Length<S>,
+    /// Which equations have moments as multipliers: their rows act on no translation.
+    are_moments: Vec<bool>,
     /// A.
     rows: Matrix<S>,
     /// Kept rows.
@@ -113,12 +158,20 @@ struct Sharing<S> {
 impl<S: RunScalar> Sharing<S> {
     fn new(model: &Model, dropped: &[usize], p: &[S], q: &[S], t: f64) -> Self {
         let columns = Columns::of(model);
-        let rows = rows(model, &columns, p, q, t);
+        let length = Length::of(model, p);
+        let mut rows = rows(model, &columns, p, q, t);
+        let is_moment = |column: usize| columns.moments.iter().any(|own| own.contains(&column));
+        let on_points = |row: &Vec<S>| row.iter().enumerate().any(|(i, x)| x.value() != 0.0 && !is_moment(i));
+        let are_moments: Vec<bool> = rows.iter().map(|row| !on_points(row)).collect();
+        // of an equation of moments the two lengths cancel
+        for row in rows.iter_mut().zip(&are_moments).filter(|(_, is_moment)| !**is_moment).map(|(row, _)| row) {
+            columns.moments.iter().cloned().flatten().for_each(|column| row[column] /= length.value);
+        }
         let kept: Vec<usize> = (0..rows.len()).filter(|row| !dropped.contains(row)).collect();
         let basis = orthonormal(kept.iter().map(|&row| rows[row].clone()).collect());
         let shares: Matrix<S> = basis.iter().map(|unit| rows.iter().map(|row| dot(row, unit)).collect()).collect();
         let units = orthonormal(shares.clone());
-        Sharing { columns, rows, kept, basis, shares, units }
+        Sharing { columns, length, are_moments, rows, kept, basis, shares, units }
     }
 
     /// Entry of R in M = P R.
@@ -126,7 +179,13 @@ impl<S: RunScalar> Sharing<S> {
         dot(&self.units[k], &self.shares[j])
     }
 
-    /// mu* = P R^-T Q A^T mu.
+    /// Multipliers times L^power where they are moments.
+    fn measured(&self, mu: &[S], power: i32) -> Vec<S> {
+        let factor = self.length.value.powi(power);
+        mu.iter().zip(&self.are_moments).map(|(&mu, is_moment)| if *is_moment { mu * factor } else { mu }).collect()
+    }
+
+    /// mu* = P R^-T Q A^T mu, both as forces.
     fn least(&self, mu: &[S]) -> Vec<S> {
         let force = combination(&self.rows, mu, self.columns.count);
         let mut solved: Vec<S> = Vec::with_capacity(self.basis.len());
@@ -156,6 +215,22 @@ impl<S: RunScalar> Sharing<S> {
         (y, weights)
     }
 
+    /// Forces in the model's units whose product with a row without measures is that of measured ones: moments by L.
+    fn unmeasured_columns(&self, beta: &[S]) -> Vec<S> {
+        let mut own = beta.to_vec();
+        self.columns.moments.iter().cloned().flatten().for_each(|column| own[column] /= self.length.value);
+        own
+    }
+
+    /// d (alpha . A beta) / d L.
+    fn length_gradient(&self, alpha: &[S], beta: &[S]) -> S {
+        let rows = self.rows.iter().zip(alpha).zip(&self.are_moments).filter(|(_, is_moment)| !**is_moment);
+        let of_moments = |row: &Vec<S>| -> S {
+            self.columns.moments.iter().cloned().flatten().map(|column| row[column] * beta[column]).sum()
+        };
+        -rows.map(|((row, &alpha), _)| alpha * of_moments(row)).sum::<S>() / self.length.value
+    }
+
     /// What of A^T alpha is not in the span of the kept rows: zero on the constraints, where the dropped rows depend on them.
     fn outside(&self, alpha: &[S]) -> Vec<S> {
         let mut rest = combination(&self.rows, alpha, self.columns.count);
@@ -169,7 +244,27 @@ impl<S: RunScalar> Sharing<S> {
 
 /// The multipliers of least norm with the same forces as `mu`, which are zero for `dropped` equations.
 pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: f64) -> Vec<S> {
-    Sharing::new(model, dropped, p, q, t).least(mu)
+    let sharing = Sharing::new(model, dropped, p, q, t);
+    sharing.measured(&sharing.least(&sharing.measured(mu, -1)), 1)
+}
+
+/// Share of a multiplier without forces below which it is round-off.
+const DETERMINED: f64 = 1e-9;
+
+/// Multipliers that change no force, and can be added to those of least norm: one list for each equation that is left out.
+pub(crate) fn multipliers_without_forces(model: &Model, dropped: &[usize], p: &[f64], q: &[f64], t: f64) -> Vec<Vec<f64>> {
+    let sharing = Sharing::new(model, dropped, p, q, t);
+    let of = |equation: usize| {
+        let mut own = vec![0.0; sharing.rows.len()];
+        own[equation] = 1.0;
+        for unit in &sharing.units {
+            let share = unit[equation];
+            own.iter_mut().zip(unit).for_each(|(own, unit)| *own -= share * unit);
+        }
+        own.iter_mut().filter(|own| own.abs() < DETERMINED).for_each(|own| *own = 0.0);
+        sharing.measured(&own, 1)
+    };
+    dropped.iter().map(|&equation| of(equation)).collect()
 }
 
 /// Where the adjoints of [`least_multipliers`] go.
@@ -186,7 +281,8 @@ pub(super) struct Bars<'b> {
 /// d f = alpha . dA eta + beta . dA zeta + kappa . dK W alpha + theta . dK W beta + (A eta) . d mu
 ///
 /// from the derivative of the pseudoinverse of A Q^T Q, whose rank is constant (Golub & Pereyra 1973). W vanishes on the constraints,
-/// where dropped rows depend on the kept ones; stages at acceleration level lie beside them.
+/// where dropped rows depend on the kept ones; stages at acceleration level lie beside them. All of these are as forces: what is measured by L
+/// depends on it.
 pub(super) fn add_least_multipliers_transposed(
     model: &Model,
     dropped: &[usize],
@@ -196,17 +292,28 @@ pub(super) fn add_least_multipliers_transposed(
     bars: Bars,
 ) {
     let sharing = Sharing::new(model, dropped, p, q, t);
+    let mu = &sharing.measured(mu, -1)[..];
     let least = sharing.least(mu);
+    // mu* = L times its measure, and so is its adjoint's measure
+    let least_bar = &sharing.measured(least_bar, 1)[..];
+    let moments = |one: &[f64], other: &[f64]| -> f64 {
+        let pairs = one.iter().zip(other).zip(&sharing.are_moments);
+        pairs.map(|((a, b), is_moment)| if *is_moment { a * b } else { 0.0 }).sum()
+    };
     let [(eta, kappa), (zeta, theta)] = [least_bar, &least[..]].map(|b| sharing.pseudoinverse_times(b));
     let moved: Vec<f64> = sharing.rows.iter().map(|row| dot(row, &eta)).collect();
     let first: Vec<f64> = mu.iter().zip(&least).map(|(mu, least)| mu - least).collect();
     let second: Vec<f64> = least_bar.iter().zip(&moved).map(|(bar, moved)| bar - moved).collect();
-    bars.mu.iter_mut().zip(&moved).for_each(|(bar, moved)| *bar += moved);
+    bars.mu.iter_mut().zip(sharing.measured(&moved, -1)).for_each(|(bar, moved)| *bar += moved);
+    let mut length_bar = (moments(least_bar, &least) - moments(&moved, mu)) / sharing.length.value;
     let [first_outside, second_outside] = [&first, &second].map(|alpha| sharing.outside(alpha));
     let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &first_outside), (&theta, &second_outside)];
     for (alpha, beta) in pairs {
-        add_row_gradient(model, &sharing, (p, q), t, (alpha, beta), (bars.q, bars.p));
+        length_bar += sharing.length_gradient(alpha, beta);
+        let (alpha, beta) = (sharing.measured(alpha, 1), sharing.unmeasured_columns(beta));
+        add_row_gradient(model, &sharing, (p, q), t, (&alpha, &beta), (bars.q, bars.p));
     }
+    sharing.length.add_gradient(p, length_bar, bars.p);
 }
 
 /// Adds the gradient of alpha . A(q, p) beta.

@@ -16,6 +16,12 @@ const SMALL_DIAGONAL: f64 = 1e-10;
 /// Scaled entry of a stiff unknown in the equation of a multiplier, as a share of that of one to be called soft.
 const SOFT: f64 = 1e-5;
 
+/// Share of the largest entry of its row and of its column by which a weak unknown is tied to scaled ones: the strongest ties are taken first,
+/// each next kind is so much weaker ...
+const WEAKER: f64 = 0.1;
+/// ... and what is below this share is round-off of an entry that vanishes.
+const NO_TIE: f64 = 1e-10;
+
 /// Place of a diagonal entry that is not in the pattern.
 const NO_PLACE: u32 = u32::MAX;
 
@@ -148,38 +154,59 @@ impl Scaling {
         most
     }
 
-    /// Scales weak unknowns that are tied to each other, as multipliers to a body that nothing else holds: those first
-    /// that are tied most to scaled ones, each against all that are scaled by then. By its unscaled entries such a body
-    /// would hide those of the soft or light neighbours of its links.
+    /// Share of the largest entries of a weak unknown's row and column that ties it to unknowns scaled by now.
+    fn tie(&self, number: usize, values: &[f64]) -> f64 {
+        let of_row = &self.weak_entries[self.weak_starts[number] as usize..self.weak_starts[number + 1] as usize];
+        let of_row = of_row.iter().map(|&(place, column)| (values[place as usize].abs(), self.columns[column as usize]));
+        let own = self.entries(self.weak[number] as usize);
+        let of_column = values[own.clone()].iter().zip(&self.pattern.rows[own]);
+        let of_column = of_column.map(|(value, &row)| (value.abs(), self.rows[row as usize]));
+        let larger = |[all, scaled]: [f64; 2], (size, scale): (f64, f64)| {
+            [all.max(size), if scale > 0.0 { scaled.max(size) } else { scaled }]
+        };
+        let share = |[all, scaled]: [f64; 2]| if scaled > 0.0 { scaled / all } else { 0.0 };
+        share(of_row.fold([0.0; 2], larger)).min(share(of_column.fold([0.0; 2], larger)))
+    }
+
+    /// Scales weak unknowns that are tied to each other, as multipliers to a body that nothing else holds or that has no inertia: those first
+    /// that are tied most to scaled ones, each against all that are scaled by then. By its unscaled entries such a body would hide those of
+    /// the soft or light neighbours of its links; by an entry that nearly vanishes, as that of a turn about an axis that passes through the
+    /// one of its link, it would hide all others.
     fn scale_mixed(&mut self, values: &[f64]) {
         let mut order = std::mem::take(&mut self.order);
         let strength = |number: usize| self.row_size(number, values) * self.column_size(self.weak[number] as usize, values);
         order.clear();
         order.extend((0..self.weak.len()).map(|number| (strength(number), number)));
         order.sort_unstable_by(|(a, first), (b, second)| b.total_cmp(a).then(first.cmp(second)));
-        let mut left = usize::MAX;
-        while order.len() < left {
-            left = order.len();
+        let mut least = WEAKER;
+        while least > NO_TIE && !order.is_empty() {
+            let left = order.len();
             order.retain(|&(_, number)| {
-                let unknown = self.weak[number] as usize;
-                let (row, column) = (self.row_size(number, values), self.column_size(unknown, values));
-                let is_tied = row > 0.0 && column > 0.0;
+                let is_tied = self.tie(number, values) >= least;
                 if is_tied {
-                    let (row, column) = (inverse_power(row), inverse_power(column));
-                    let diagonal = values.get(self.layout.diagonal[unknown] as usize).map_or(0.0, |value| value.abs());
-                    let own = diagonal * row * column;
-                    // what is left of a diagonal does not outgrow the rest
-                    let shrunk = if own > 1.0 { inverse_power(own.sqrt()) } else { 1.0 };
-                    (self.rows[unknown], self.columns[unknown]) = (row * shrunk, column * shrunk);
+                    self.scale_by_ties(number, values);
                 }
                 !is_tied
             });
+            least = if order.len() < left { WEAKER } else { least * WEAKER };
         }
         for &(_, number) in &order {
             let unknown = self.weak[number] as usize;
             (self.rows[unknown], self.columns[unknown]) = (1.0, 1.0);
         }
         self.order = order;
+    }
+
+    /// Scales the row and the column of a weak unknown against the scaled ones.
+    fn scale_by_ties(&mut self, number: usize, values: &[f64]) {
+        let unknown = self.weak[number] as usize;
+        let row = inverse_power(self.row_size(number, values));
+        let column = inverse_power(self.column_size(unknown, values));
+        let diagonal = values.get(self.layout.diagonal[unknown] as usize).map_or(0.0, |value| value.abs());
+        let own = diagonal * row * column;
+        // what is left of a diagonal does not outgrow the rest
+        let shrunk = if own > 1.0 { inverse_power(own.sqrt()) } else { 1.0 };
+        (self.rows[unknown], self.columns[unknown]) = (row * shrunk, column * shrunk);
     }
 
     /// Takes their scales from unknowns whose diagonal is nothing beside that of others in the equation of a
@@ -476,6 +503,28 @@ fn inverse_power_of_root(size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_entry_of_round_off_ties_nothing() {
+        // a body of size 1, a multiplier that holds another one without a diagonal to it, and two that hold this one: the axis of its first
+        // unknown passes through the first multiplier but for round-off
+        let entries: [(usize, usize, f64); 8] =
+            [(0, 0, 1.0), (1, 0, 1.0), (1, 2, 1.7e-16), (1, 3, 2.0), (4, 2, -0.6), (4, 3, 1.9), (5, 2, -1.9), (5, 3, -0.6)];
+        let mirrored = entries.iter().flat_map(|&(row, column, value)| {
+            [(column, row, value), (row, column, value)].into_iter().take(if row == column { 1 } else { 2 })
+        });
+        let mirrored: Vec<(usize, usize, f64)> = mirrored.collect();
+        let pattern = SparsePattern::from_entries(6, mirrored.iter().map(|&(column, row, _)| (column, row)).collect());
+        let mut values = vec![0.0; pattern.rows.len()];
+        for &(column, row, value) in &mirrored {
+            values[pattern.position(row, column).expect("an entry")] = value;
+        }
+        let mut scaling = Scaling::new(Arc::new(pattern));
+        scaling.set(&values, 2.0, false);
+        for scale in scaling.rows.iter().chain(&scaling.columns) {
+            assert!((0.1..10.0).contains(scale), "{:?} {:?}", scaling.rows, scaling.columns);
+        }
+    }
 
     #[test]
     fn powers_are_those_below_a_number_and_below_its_root() {

@@ -1,8 +1,9 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
-use crate::assembly::{Model, NodeId};
+use crate::assembly::{Attached, Model, NodeId, VectorsAvq};
 use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design, repeated};
-use crate::functionals::Functional;
+use crate::elements::ConstraintPhysics;
+use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
 use crate::integrators::{
     ConstraintLevel, ConstraintPolicy, DEFAULT_TABLE, InitialState, Method, NewtonTolerance, Problem, RunError,
@@ -210,6 +211,25 @@ impl<'s> Prepared<'s> {
     pub fn problem(&self) -> Problem<'_, f64> {
         let ModelNumbers { p, q, v } = self.mechanism.numbers.clone();
         Problem { model: &self.mechanism.model, p, start: InitialState { q, v } }
+    }
+
+    /// Names of the joints, and of the functionals, whose reactions the model does not determine at its start: where redundant equations are
+    /// left out, many reactions have the same forces, and those of least norm are given.
+    pub fn undetermined(&self) -> [Vec<&str>; 2] {
+        let (model, Problem { p, start, .. }) = (self.model(), self.problem());
+        let dropped = self.plan.dropped.clone();
+        if dropped.is_empty() {
+            return [Vec::new(), Vec::new()];
+        }
+        let added = multipliers_without_forces(model, &dropped, &p, &start.q, 0.0);
+        let of_joint = |joint: &&Attached<ConstraintPhysics>| {
+            added.iter().any(|added| joint.equations.clone().any(|row| added[row] != 0.0))
+        };
+        let at = VectorsAvq { a: vec![0.0; model.dofs], v: start.v, q: start.q };
+        let sample = Sample { at, mu: vec![0.0; model.equations], ..Sample::empty() };
+        let of_functional = |own: &&Functional| added.iter().any(|added| own.changes_with(model, &sample, &p, added));
+        let joints = model.constraints.iter().filter(of_joint).map(|joint| &*joint.name).collect();
+        [joints, self.functionals().iter().filter(of_functional).map(|own| &*own.name).collect()]
     }
 
     /// The solver of the linear systems of stages, and what it takes.

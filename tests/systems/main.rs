@@ -2,6 +2,7 @@
 
 mod elimination;
 mod frequencies;
+mod massless;
 mod natural;
 mod nonholonomic;
 mod optimize;

@@ -148,7 +148,7 @@ fn gradients_of_motion_and_reactions_agree_across_exchanges() {
 }
 
 /// A door of weight W and width b on two hinges a distance h apart, at rest: the couple W b / 2 is shared by the forces F h and the
-/// moments m of both hinges; of all ways F h + 2 m = W b / 2 that with least norm has F = h m / 2.
+/// moments m of both hinges; of all ways F h + 2 m = W b / 2 that with least norm of F and m / L has F = h m / (2 L2).
 struct Door;
 
 impl Scene for Door {
@@ -189,10 +189,10 @@ impl Scene for Door {
 #[test]
 fn a_door_on_two_hinges_shares_its_weight_and_its_couple() {
     let values = Prepared::new(&Door).unwrap().analysis().forward(&[]).unwrap().values;
-    // W = 200 N, b = 0.8 m, h = 2 m: 80 N m = F h + 2 m with F = h m / 2
-    let (h, couple) = (2.0, 80.0);
-    let m = couple / (h * h / 2.0 + 2.0);
-    let f = h * m / 2.0;
+    // W = 200 N, b = 0.8 m, h = 2 m: 80 N m = F h + 2 m with F = h m / (2 L2); L of the points (0, 0, 1) and (-0.4, 0, 1) of each hinge
+    let (h, couple, square) = (2.0, 80.0, (1.0 + 1.16) / 6.0);
+    let m = couple / (h * h / (2.0 * square) + 2.0);
+    let f = h * m / (2.0 * square);
     let expected = [-f, f, 100.0, 100.0, -m, -m, m, m];
     for (value, expected) in values.iter().zip(expected) {
         assert!((value - expected).abs() < 1e-10, "{values:?}");

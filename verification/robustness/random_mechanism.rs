@@ -12,44 +12,62 @@ use costate::prelude::*;
 use costate::scenes::{BeamLine, CableLine};
 
 /// Lots, each with the odds that it is asked for.
-struct Lots(Noise);
+pub struct Lots(Noise);
 
 impl Lots {
     /// One of several series of a seed.
-    fn new(seed: u64, series: u64) -> Self {
+    pub fn new(seed: u64, series: u64) -> Self {
         let mut noise = Noise::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ series);
         // neighbouring seeds begin alike
         (0..8).for_each(|_| _ = noise.next());
         Lots(noise)
     }
-    fn number(&mut self, from: f64, to: f64) -> f64 {
+    pub fn number(&mut self, from: f64, to: f64) -> f64 {
         from + 0.5 * (to - from) * (self.0.next() + 1.0)
     }
     /// A positive number, any order of magnitude between two with the same odds.
-    fn size(&mut self, from: f64, to: f64) -> f64 {
+    pub fn size(&mut self, from: f64, to: f64) -> f64 {
         self.number(from.ln(), to.ln()).exp()
     }
-    fn happens(&mut self, odds: f64) -> bool {
+    pub fn happens(&mut self, odds: f64) -> bool {
         self.number(0.0, 1.0) < odds
     }
-    fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         (self.number(0.0, count as f64) as usize).min(count - 1)
     }
-    fn pick<T: Copy>(&mut self, list: &[T]) -> T {
+    pub fn pick<T: Copy>(&mut self, list: &[T]) -> T {
         list[self.below(list.len())]
     }
-    fn vector<S: Scalar>(&mut self) -> Vector3<S> {
+    pub fn vector<S: Scalar>(&mut self) -> Vector3<S> {
         Vector3::from_f64([self.0.next(), self.0.next(), self.0.next()])
     }
-    fn rotation<S: Scalar>(&mut self) -> Quaternion<S> {
+    pub fn rotation<S: Scalar>(&mut self) -> Quaternion<S> {
         let axis = self.vector::<S>();
         Quaternion::about(axis * (S::one() / axis.length()), S::from(self.number(-3.0, 3.0)))
     }
 }
 
 /// The mechanism of a seed. Its design variables multiply all of its lengths, masses, stiffnesses, dampings, loads and drives.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RandomMechanism {
     pub seed: u64,
+    /// Has members without mass, stops and second hinges, which are drawn from a series of their own: the rest is what it is without.
+    pub has_more: bool,
+}
+
+/// A stop of an angle: a spring on one side.
+struct Stop;
+
+impl Element for Stop {
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::non_negative("stiffness", "N m/rad"), Parameter::new("angle", "rad")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
+    fn strain_energy<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let beyond = q[0] - p[1];
+        S::zero().less(beyond).select(beyond * beyond * p[0] * 0.5, S::zero())
+    }
 }
 
 /// Integrators and how often each is drawn.
@@ -114,6 +132,10 @@ struct Place<S> {
 /// A mechanism that grows.
 struct Growing<'m, S: Scalar> {
     lots: Lots,
+    /// Those of members without mass, stops and second hinges.
+    more: Option<Lots>,
+    /// Whether redundant equations are left out.
+    drops: bool,
     m: &'m mut MechanismBuilder<S>,
     by: Factors<S>,
     /// Nodes with axes.
@@ -140,6 +162,56 @@ impl<S: Scalar> Growing<'_, S> {
     fn axis(&mut self) -> Vector3<S> {
         let axis = self.lots.vector::<S>();
         axis * (S::one() / axis.length())
+    }
+
+    /// Whether one more of what only some mechanisms have is asked for.
+    fn wants_more(&mut self, odds: f64) -> bool {
+        self.more.as_mut().is_some_and(|lots| lots.happens(odds))
+    }
+
+    /// Draws from the series of what only some mechanisms have.
+    fn from_more<T>(&mut self, draw: impl FnOnce(&mut Self) -> T) -> T {
+        let Some(more) = self.more.take() else { return draw(self) };
+        let usual = std::mem::replace(&mut self.lots, more);
+        let drawn = draw(self);
+        self.more = Some(std::mem::replace(&mut self.lots, usual));
+        drawn
+    }
+
+    /// A body without mass that is fixed to another one, or that a drive turns or pushes.
+    fn carrier(&mut self, held: NodeId, at: Vector3<S>) -> NodeId {
+        let (name, turned, axis) = (self.name("carrier"), self.lots.rotation(), self.axis());
+        let is_natural = self.lots.happens(0.3);
+        let own = if is_natural { self.m.natural_body(&name, at, turned) } else { self.m.body(&name, at, turned) };
+        let (joint, drive, nodes) = (self.name("hold"), self.name("drive"), [held, own]);
+        match self.lots.below(3) {
+            0 => self.joints.push(self.m.fixed(&joint, nodes, at)),
+            1 => {
+                let (function, values) = self.time_function();
+                self.joints.push(self.m.revolute(&joint, nodes, at, axis));
+                self.joints.push(self.m.prescribed_rotation(&drive, nodes, axis, Signal::of(function, &values)));
+            }
+            _ => {
+                let (function, mut values) = self.time_function();
+                values.iter_mut().take(2).for_each(|value| *value *= self.by.length);
+                let signal = Signal::of(function, &values);
+                self.joints.push(self.m.prismatic(&joint, nodes, at, axis));
+                self.joints.push(self.m.prescribed_translation(&drive, nodes, [at; 2], axis, signal));
+            }
+        }
+        let kind = if is_natural { NodeKind::Natural } else { NodeKind::Body };
+        self.bodies.push(Place { node: own, kind, at });
+        own
+    }
+
+    /// A point without mass on a body, and a spring from it.
+    fn add_eye(&mut self) {
+        let (name, joint, at) = (self.name("eye"), self.name("joint"), self.place());
+        let Place { node: held, .. } = self.bodies[self.lots.below(self.bodies.len())];
+        let node = self.m.point(&name, at);
+        self.joints.push(self.m.spherical(&joint, [held, node], at));
+        let other = self.any();
+        self.spring([Place { node, kind: NodeKind::Point, at }, other]);
     }
 
     fn any(&mut self) -> Place<S> {
@@ -183,13 +255,21 @@ impl<S: Scalar> Growing<'_, S> {
         self.join(nodes, point);
     }
 
-    fn join(&mut self, nodes: [NodeId; 2], point: Vector3<S>) {
+    fn join(&mut self, [mut held, other]: [NodeId; 2], point: Vector3<S>) {
+        if self.wants_more(0.25) {
+            held = self.from_more(|own| own.carrier(held, point));
+        }
+        let nodes = [held, other];
         let (axis, name) = (self.axis(), self.name("joint"));
         let joint = match self.lots.below(16) {
             0 | 1 => self.m.spherical(&name, nodes, point),
             2..=4 => {
                 let joint = self.m.revolute(&name, nodes, point, axis);
                 self.along_axis(nodes, axis);
+                if self.drops && self.wants_more(0.3) {
+                    let beside = point + axis * (self.by.length * 0.5);
+                    self.joints.push(self.m.revolute(&format!("{name}, again"), nodes, beside, axis));
+                }
                 joint
             }
             5 => {
@@ -246,10 +326,19 @@ impl<S: Scalar> Growing<'_, S> {
                     let coefficients = self.spring_damper();
                     self.m.coordinate_spring_damper(&name, angle, 0, coefficients);
                 }
+                if self.wants_more(0.5) {
+                    self.from_more(|own| own.stop(angle));
+                }
                 self.angles.push(angle);
             }
             _ => {}
         }
+    }
+
+    fn stop(&mut self, angle: NodeId) {
+        let (name, at) = (self.name("stop"), S::from(self.lots.number(-0.02, 0.1)));
+        let stiffness = self.by.stiffness * self.lots.size(1.0, 1e4);
+        self.m.element(&name, &[angle], Stop, &[stiffness, at]);
     }
 
     fn along_slide(&mut self, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) {
@@ -506,8 +595,9 @@ impl Scene for RandomMechanism {
         let bodies = vec![Place { node: ground, kind: NodeKind::Body, at: Vector3::zeros() }];
         let lots = Lots::new(self.seed, 0);
         let (points, joints, angles) = (Vec::new(), Vec::new(), Vec::new());
-        let mut growing =
-            Growing { lots, m, by, bodies, points, joints, angles, named: 0, at_rest: self.table() == STATIC_TABLE };
+        let more = self.has_more.then(|| Lots::new(self.seed, 4));
+        let (drops, at_rest) = (self.settings().policy.drop_redundant, self.table() == STATIC_TABLE);
+        let mut growing = Growing { lots, more, drops, m, by, bodies, points, joints, angles, named: 0, at_rest };
         if growing.lots.happens(0.8) {
             let gravity = growing.lots.vector::<S>() * S::from(10.0);
             growing.m.gravity(gravity);
@@ -535,6 +625,9 @@ impl Scene for RandomMechanism {
                     growing.join([a.node, b.node], (a.at + b.at) * S::from(0.5));
                 }
             }
+        }
+        if growing.wants_more(0.3) {
+            growing.from_more(Growing::add_eye);
         }
         growing.measure();
         Ok(())

@@ -3,6 +3,7 @@
 mod cantilever;
 mod elastica;
 mod kills;
+mod massless;
 mod mechanisms;
 mod mutations;
 mod program;
@@ -28,6 +29,7 @@ impl Study for Robustness {
     fn run(&self, report: &mut Report) -> Result<(), String> {
         slender::statics(report)?;
         slender::dynamics(report)?;
+        massless::count(report);
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });

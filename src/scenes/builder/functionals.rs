@@ -70,10 +70,16 @@ impl<S: Scalar> MechanismBuilder<S> {
             })
     }
 
-    /// A functional of the size of a joint's force: the length of its first three multipliers \[N\].
+    /// A functional of the size of a joint's force: the length of those of its multipliers that are forces \[N\]; of a joint that has none,
+    /// as one between angles, of its moments [N m].
     pub fn reaction_norm_functional(&mut self, name: &str, over: Over, joint: ConstraintId) {
         if self.has_joint(name, joint) {
-            self.add_functional(name, "N", over, (&[], &[joint]), ReactionNorm.into(), &[]);
+            let count = self.model.constraints[joint.0].equations.len();
+            let weights = |own: usize| (0..count).map(|i| S::from(f64::from(u8::from(i == own)))).collect::<Vec<S>>();
+            let (moments, forces): (Vec<usize>, Vec<usize>) =
+                (0..count).partition(|&i| self.are_moments(joint, &weights(i)));
+            let (equations, unit) = if forces.is_empty() { (moments, "N m") } else { (forces, "N") };
+            self.add_functional(name, unit, over, (&[], &[joint]), ReactionNorm { equations }.into(), &[]);
         }
     }
 

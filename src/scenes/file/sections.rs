@@ -738,7 +738,7 @@ pub(super) const SECTIONS: &[Section] = &[
                 OF_JOINT,
                 need("weights", Series("-"), "a weight for each of its equations"),
             ]
-            "reaction_norm" "length of the first three multipliers of a joint [N]" [OF_JOINT]
+            "reaction_norm" "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force" [OF_JOINT]
             "joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
                 OF_JOINT, ON, AT, FRAME,
                 need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
