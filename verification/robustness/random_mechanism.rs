@@ -170,7 +170,7 @@ impl<S: Scalar> Growing<'_, S> {
     }
 
     /// Draws from the series of what only some mechanisms have.
-    fn from_more<T>(&mut self, draw: impl FnOnce(&mut Self) -> T) -> T {
+    fn by_more_lots<T>(&mut self, draw: impl FnOnce(&mut Self) -> T) -> T {
         let Some(more) = self.more.take() else { return draw(self) };
         let usual = std::mem::replace(&mut self.lots, more);
         let drawn = draw(self);
@@ -257,7 +257,7 @@ impl<S: Scalar> Growing<'_, S> {
 
     fn join(&mut self, [mut held, other]: [NodeId; 2], point: Vector3<S>) {
         if self.wants_more(0.25) {
-            held = self.from_more(|own| own.carrier(held, point));
+            held = self.by_more_lots(|own| own.carrier(held, point));
         }
         let nodes = [held, other];
         let (axis, name) = (self.axis(), self.name("joint"));
@@ -327,7 +327,7 @@ impl<S: Scalar> Growing<'_, S> {
                     self.m.coordinate_spring_damper(&name, angle, 0, coefficients);
                 }
                 if self.wants_more(0.5) {
-                    self.from_more(|own| own.stop(angle));
+                    self.by_more_lots(|own| own.stop(angle));
                 }
                 self.angles.push(angle);
             }
@@ -627,7 +627,7 @@ impl Scene for RandomMechanism {
             }
         }
         if growing.wants_more(0.3) {
-            growing.from_more(Growing::add_eye);
+            growing.by_more_lots(Growing::add_eye);
         }
         growing.measure();
         Ok(())
