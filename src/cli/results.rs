@@ -8,7 +8,7 @@ use super::meshes::Meshes;
 use super::motions::{extent, motion};
 use crate::assembly::{Model, Node, NodeId, VectorsAvq};
 use crate::elements::NodeKind;
-use crate::functionals::{Functional, Measured, Sample};
+use crate::functionals::{Functional, Measured, Sample, StepEnds};
 use crate::history::{Dense, Observer};
 use crate::integrators::{RunError, StartRecord, StepRecord};
 use crate::io::{Chart, Progress, Series, Style, write_file, write_panels};
@@ -63,6 +63,8 @@ pub struct Results<'p> {
     energy: Option<EnergyCourse>,
     measured_energy: Measured,
     output: Output,
+    /// Ends of steps that become known.
+    ends: StepEnds<'p, f64>,
     row: Vec<f64>,
     kept: KeptMoments,
     /// Finished steps.
@@ -128,6 +130,7 @@ impl<'p> Results<'p> {
             energy: None,
             measured_energy: Measured::energy(),
             output: output_step.map_or(Output::Steps, |dt| Output::Multiples { dt, next: 0, dense: None }),
+            ends: StepEnds::new(&prepared.method.table),
             row: Vec::new(),
             kept: KeptMoments::default(),
             steps: 0,
@@ -139,6 +142,13 @@ impl<'p> Results<'p> {
     pub fn with_meshes(mut self) -> Self {
         self.meshes = Some(Meshes::new(self.prepared, &self.folder));
         self
+    }
+
+    /// A row of a sample at the end of a step.
+    fn add_sample(&mut self, sample: Option<Sample<f64>>) -> Result<(), RunError> {
+        let Some(Sample { t, at, mu, dropped, .. }) = sample else { return Ok(()) };
+        self.dropped = dropped;
+        self.add(t, [&at.a, &at.v, &at.q], &mu)
     }
 
     fn add(&mut self, t: f64, [a, v, q]: [&[f64]; 3], mu: &[f64]) -> Result<(), RunError> {
@@ -197,7 +207,7 @@ impl<'p> Results<'p> {
         Ok(())
     }
 
-    /// The row at the end of a run, where rows are not those of steps.
+    /// The row at the end of a run, where the last step did not bring it.
     fn add_end(&mut self) -> Result<(), RunError> {
         if let Output::Multiples { dense: Some(dense), .. } = &self.output
             && self.steps > 0
@@ -206,7 +216,8 @@ impl<'p> Results<'p> {
             let moment = dense.at(end);
             self.add(end, [&moment.a, &moment.v, &moment.q], &moment.mu)?;
         }
-        Ok(())
+        let last = self.ends.end();
+        self.add_sample(last)
     }
 
     /// How the energy grew, where it should be constant.
@@ -266,10 +277,8 @@ impl Observer for Results<'_> {
             self.add_multiples()?;
             return Ok(true);
         }
-        let Some(last) = step.stages.last() else { return Ok(true) };
-        let mut a = Vec::new();
-        last.solve.write_acceleration(&mut a);
-        self.add(step.t + step.h, [&a, &step.v, &step.q], &last.solve.unknowns.mu)?;
+        let known = self.ends.add(step);
+        self.add_sample(known)?;
         Ok(true)
     }
 }

@@ -12,6 +12,7 @@ mod point_quantity;
 mod quantity;
 mod reactions;
 mod shell_quantity;
+mod step_ends;
 mod values;
 mod weights;
 
@@ -30,5 +31,6 @@ pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
 pub use reactions::least_multipliers;
 pub(crate) use reactions::multipliers_without_forces;
 pub use shell_quantity::{OfShells, ShellQuantity};
+pub use step_ends::StepEnds;
 pub use values::Values;
 pub use weights::QuadratureWeights;

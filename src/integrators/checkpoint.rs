@@ -44,6 +44,12 @@ impl<S: RunScalar> StepState<S> {
         self.last.mu.clone_from(&solved.unknowns.mu);
         self.last.y.fill(S::zero());
         self.last.eta.fill(S::zero());
+        self.forget_course();
+    }
+
+    /// What comes is not foretold by the steps before. The solution of the last one stays as a first guess: where a method carries no
+    /// acceleration, that of a state by itself has fast vibrations in it that its stages have not.
+    pub(super) fn forget_course(&mut self) {
         self.prediction.clear(0);
         self.allowed = None;
     }

@@ -32,7 +32,7 @@ impl<'c> Course<'c> {
 
     /// Whether the next step starts at a breakpoint.
     pub fn at_breakpoint(&self) -> bool {
-        self.grid.breakpoints.contains(&self.grid.steps())
+        self.grid.breakpoints.contains_key(&self.grid.steps())
     }
 
     /// A step of about the size `h`: start and end as elements see them, and its end.
@@ -47,7 +47,7 @@ impl<'c> Course<'c> {
         } else {
             t + h
         };
-        let at_breakpoint = end == target && self.stretches.breakpoints.contains(&self.target);
+        let at_breakpoint = end == target && self.stretches.breakpoints.contains_key(&self.target);
         ((t, if at_breakpoint { end.next_down() } else { end }), end)
     }
 
@@ -55,8 +55,8 @@ impl<'c> Course<'c> {
     pub fn advance(&mut self, end: f64) {
         self.grid.times.push(end);
         if end == self.stretches.times[self.target] {
-            if self.stretches.breakpoints.contains(&self.target) {
-                self.grid.breakpoints.insert(self.grid.steps());
+            if let Some(numbers) = self.stretches.breakpoints.get(&self.target) {
+                self.grid.breakpoints.insert(self.grid.steps(), numbers.clone());
             }
             self.target += 1;
         }

@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Most steps of a run: their ends are kept.
 pub const MOST_STEPS: usize = 10_000_000;
@@ -8,12 +8,18 @@ pub const MOST_STEPS: usize = 10_000_000;
 pub struct TimeGrid {
     /// Start, ends of steps; increasing.
     pub times: Vec<f64>,
-    /// Indices into `times` at which the acceleration is solved anew.
-    pub breakpoints: BTreeSet<usize>,
+    /// Indices into `times` of breakpoints, each with the numbers of all that lie there, in the order in which they were given.
+    pub breakpoints: BTreeMap<usize, Vec<usize>>,
 }
 
+/// Times nearer to each other than this share of a step are one but for round-off.
+const SAME_TIME: f64 = 1e-9;
+/// A stretch longer than a whole number of steps by less than this share of one has that number.
+const WHOLE: f64 = 1e-6;
+
 impl TimeGrid {
-    /// Steps of equal size from 0 to `end`, divided where a breakpoint falls inside one.
+    /// Steps of equal size from 0 to `end`. Each stretch between breakpoints has steps of its own equal size, as many as it takes for none to be
+    /// longer than without breakpoints: a breakpoint beside the end of a step makes no step that is much shorter than the others.
     ///
     /// # Errors
     /// An end or step number that is not positive, in words.
@@ -24,23 +30,22 @@ impl TimeGrid {
             ));
         }
         let h = end / steps as f64;
-        let mut times: Vec<f64> = (0..=steps).map(|i| if i == steps { end } else { i as f64 * h }).collect();
-        let mut marked = Vec::new();
-        for &breakpoint in breakpoints.iter().filter(|&&breakpoint| breakpoint > 0.0 && breakpoint < end) {
-            // an end of a step within round-off of the breakpoint is moved there; otherwise the step is divided
-            let place = times.partition_point(|&t| t < breakpoint);
-            let near = |t: f64| (t - breakpoint).abs() <= 1e-9 * h;
-            if near(times[place]) {
-                times[place] = breakpoint;
-            } else if near(times[place - 1]) {
-                times[place - 1] = breakpoint;
-            } else {
-                times.insert(place, breakpoint);
-            }
-            marked.push(breakpoint);
+        let mut grid = TimeGrid { times: vec![0.0], breakpoints: BTreeMap::new() };
+        for (time, numbers) in grouped(breakpoints, end, SAME_TIME * h) {
+            grid.add_stretch(time, h);
+            grid.breakpoints.insert(grid.steps(), numbers);
         }
-        let breakpoints = times.iter().enumerate().filter(|(_, t)| marked.contains(t)).map(|(i, _)| i).collect();
-        Ok(TimeGrid { times, breakpoints })
+        grid.add_stretch(end, h);
+        Ok(grid)
+    }
+
+    /// Adds steps of equal size, none longer than `h`, up to a time.
+    fn add_stretch(&mut self, end: f64, h: f64) {
+        let start = self.times[self.steps()];
+        let length = end - start;
+        let count = (length / h - WHOLE).ceil().max(1.0);
+        self.times.extend((1..count as usize).map(|i| start + length * (i as f64 / count)));
+        self.times.push(end);
     }
 
     /// Number of steps.
@@ -62,6 +67,22 @@ impl TimeGrid {
     /// Start and end of step `index` as elements see them: before a breakpoint the end is the last number below it.
     pub fn span(&self, index: usize) -> (f64, f64) {
         let end = self.times[index + 1];
-        (self.times[index], if self.breakpoints.contains(&(index + 1)) { end.next_down() } else { end })
+        (self.times[index], if self.breakpoints.contains_key(&(index + 1)) { end.next_down() } else { end })
     }
+}
+
+/// Breakpoints within a run, in the order of their times, each with the numbers of those that are not farther apart than `near`.
+fn grouped(breakpoints: &[f64], end: f64, near: f64) -> Vec<(f64, Vec<usize>)> {
+    let mut within: Vec<usize> = (0..breakpoints.len()).collect();
+    within.retain(|&number| breakpoints[number] > near && breakpoints[number] < end - near);
+    within.sort_by(|&a, &b| breakpoints[a].total_cmp(&breakpoints[b]));
+    let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
+    for number in within {
+        let time = breakpoints[number];
+        match groups.last_mut() {
+            Some((first, numbers)) if time - *first <= near => numbers.push(number),
+            _ => groups.push((time, vec![number])),
+        }
+    }
+    groups
 }

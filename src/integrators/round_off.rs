@@ -31,7 +31,7 @@ impl Table {
                 for step in first..grid.steps() {
                     let table = self.scheme(self.scheme_at(grid, step));
                     let (t, end) = grid.span(step);
-                    if grid.breakpoints.contains(&step) {
+                    if grid.breakpoints.contains_key(&step) {
                         table.restart(&mut carried);
                     }
                     let x = table.constrained_step(order, end - t, &mut carried, (step == first).then_some(struck));

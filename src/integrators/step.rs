@@ -7,7 +7,7 @@ use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::Resolution;
-use super::{ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
+use super::{Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
 use crate::assembly::{Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use std::sync::Arc;
@@ -82,6 +82,15 @@ impl<'g> InitialGuess<'g> {
     fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
         record.map_or(InitialGuess::Zero, |record| InitialGuess::Solved(&record.unknowns))
     }
+}
+
+/// How a step begins.
+#[derive(Clone, Copy)]
+struct StepStart {
+    /// At a breakpoint: earlier steps do not foretell this one.
+    breakpoint: bool,
+    /// With the acceleration solved anew.
+    solves: bool,
 }
 
 /// Solves the system of a record, whose time, equations and base are given, and keeps there what the adjoint needs.
@@ -349,12 +358,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     pub fn step(&mut self, grid: &TimeGrid, guided: Option<&StepRecord<f64>>) -> Result<&StepRecord<S>, RunError> {
         let index = self.between.step;
         let scheme = self.method.table.scheme_at(grid, index);
-        let breakpoint = grid.breakpoints.contains(&index) || guided.is_some_and(|step| step.restart.is_some());
-        self.step_over(scheme, grid.span(index), breakpoint, guided)?;
+        self.step_over(scheme, grid.span(index), grid.breakpoints.contains_key(&index), guided)?;
         Ok(&self.record)
     }
 
-    /// Makes the next step from the first to the second time; at a breakpoint the acceleration is solved anew before it.
+    /// Makes the next step from the first to the second time; at a breakpoint an acceleration that is carried is solved anew before it.
     ///
     /// Where redundant equations are left out and the step fails, or those equations are violated after it, others are left out from
     /// its beginning on. After an error only [`Stepper::resume`] is of use.
@@ -369,18 +377,22 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.select(&step.dropped)?;
             self.between.dropped.clone_from(&step.dropped);
         }
-        let breakpoint = breakpoint || self.between.chosen_anew;
-        if std::mem::take(&mut self.between.chosen_anew) {
+        let chosen_anew = std::mem::take(&mut self.between.chosen_anew);
+        let start = StepStart {
+            breakpoint,
+            solves: guided.map_or(chosen_anew || breakpoint && self.carries_acceleration(), |step| step.restart.is_some()),
+        };
+        if chosen_anew {
             let dropped = self.between.dropped.clone();
             self.select(&dropped)?;
             self.earlier.choices += 1;
         }
         if guided.is_some() || !self.chooses || self.between.dropped.is_empty() {
-            return self.try_step(scheme, span, breakpoint, guided);
+            return self.try_step(scheme, span, start, guided);
         }
         let mut before = std::mem::take(&mut self.before);
         before.clone_from(&self.between);
-        let mut result = self.try_step(scheme, span, breakpoint, None).and_then(|()| self.check_dropped(span.1));
+        let mut result = self.try_step(scheme, span, start, None).and_then(|()| self.check_dropped(span.1));
         if result.is_err() {
             let (q, v, count) = (&before.carried[0], &before.carried[1], before.dropped.len());
             let dropped = dependent_equations(self.problem, (q, v), span.0, Some(count));
@@ -389,7 +401,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 self.earlier.choices += 1;
                 self.between.clone_from(&before);
                 self.between.dropped = dropped;
-                result = self.try_step(scheme, span, true, None).and_then(|()| self.check_dropped(span.1));
+                result = self.try_step(scheme, span, StepStart { solves: true, ..start }, None).and_then(|()| self.check_dropped(span.1));
             }
         }
         self.before = before;
@@ -448,12 +460,17 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         Ok(())
     }
 
+    /// Whether steps take over an acceleration: others begin with coordinates and velocities alone.
+    fn carries_acceleration(&self) -> bool {
+        !self.method.table.is_static() && self.method.table.carried.contains(&Carried::A)
+    }
+
     /// Makes a step with the equations that are kept now.
     fn try_step(
         &mut self,
         scheme: Scheme,
         (t, end): (f64, f64),
-        breakpoint: bool,
+        StepStart { breakpoint, solves }: StepStart,
         guided: Option<&StepRecord<f64>>,
     ) -> Result<(), RunError> {
         let method = self.method;
@@ -467,12 +484,14 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.restart = None;
         if table.is_static() {
             state.expect_in_proportion(t, h, breakpoint);
-        } else if breakpoint {
+        } else if solves {
             let first = InitialGuess::guided(guided.and_then(|step| step.restart.as_ref()));
             let mut solved = SolveRecord::empty();
             self.solve_acceleration((&state.carried[0], &state.carried[1]), t, index, first, &mut solved)?;
             state.set_acceleration(&table.carried, &solved);
             record.restart = Some(solved);
+        } else if breakpoint {
+            state.forget_course();
         }
         state.prepare_guesses(scheme, table.stages.len());
         // from one step no change is known

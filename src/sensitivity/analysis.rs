@@ -5,7 +5,7 @@ use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
-use crate::functionals::{Functional, Over, Sample, Totals, Values};
+use crate::functionals::{Functional, Over, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
     Counters, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StartPlan,
@@ -220,11 +220,16 @@ impl<'m> Analysis<'m> {
         let mut sample = Sample::initial(start);
         sample.share(self.model, &forward.numbers.p);
         see(&sample);
-        while let Some(step) = steps.next()? {
-            sample.set_terminal(step);
+        let mut ends = StepEnds::new(&self.method.table);
+        let mut see_end = |sample: Option<Sample<f64>>| {
+            let Some(mut sample) = sample else { return };
             sample.share(self.model, &forward.numbers.p);
             see(&sample);
+        };
+        while let Some(step) = steps.next()? {
+            see_end(ends.add(step));
         }
+        see_end(ends.end());
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use super::analysis::{complex_designs, seeded_designs};
 use super::{Analysis, Forward};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
-use crate::functionals::{Functional, Sample};
+use crate::functionals::{Functional, Sample, StepEnds};
 use crate::integrators::{Counters, Recorder, RunError, StartRecord, StepRecord};
 use crate::scalar::COMPLEX_STEP;
 
@@ -73,9 +73,12 @@ impl Analysis<'_> {
             p: &numbers.p,
             times,
             measured: vec![Vec::new(); self.functionals.len()],
-            sample: Sample::empty(),
+            ends: StepEnds::new(&self.method.table),
         };
         let counters = self.perturbed_run(&numbers, forward, &mut reading)?;
+        if let Some(last) = reading.ends.end() {
+            reading.read(last);
+        }
         Ok((reading.measured, counters))
     }
 }
@@ -94,30 +97,30 @@ struct Reading<'f, S> {
     p: &'f [S],
     times: &'f mut Vec<f64>,
     measured: Vec<Vec<S>>,
-    sample: Sample<S>,
+    ends: StepEnds<'f, S>,
 }
 
 impl<S: RunScalar> Reading<'_, S> {
-    fn read(&mut self) {
+    fn read(&mut self, mut sample: Sample<S>) {
         if self.functionals.iter().any(Functional::reads_multipliers) {
-            self.sample.share(self.model, self.p);
+            sample.share(self.model, self.p);
         }
-        self.times.push(self.sample.t);
+        self.times.push(sample.t);
         for (functional, measured) in self.functionals.iter().zip(&mut self.measured) {
-            measured.push(functional.measured_at(self.model, &self.sample, self.p));
+            measured.push(functional.measured_at(self.model, &sample, self.p));
         }
     }
 }
 
 impl<S: RunScalar> Recorder<S> for Reading<'_, S> {
     fn start(&mut self, start: StartRecord<S>) -> Result<(), RunError> {
-        self.sample = Sample::initial(&start);
-        self.read();
+        self.read(Sample::initial(&start));
         Ok(())
     }
     fn step(&mut self, step: &StepRecord<S>) -> Result<bool, RunError> {
-        self.sample.set_terminal(step);
-        self.read();
+        if let Some(sample) = self.ends.add(step) {
+            self.read(sample);
+        }
         Ok(true)
     }
 }

@@ -132,7 +132,7 @@ fn a_multistep_method_starts_again_at_a_breakpoint_bit_by_bit() {
     for table in ["bdf2", "bdf3", "generalized-alpha", "newmark"] {
         let method = Method::new(table_by_name(table).expect("listed"), ConstraintLevel::Acceleration);
         let mut prepared = prepared(&*scene, method, 0.4, 20);
-        prepared.grid.breakpoints.insert(7);
+        prepared.grid.breakpoints.insert(7, Vec::new());
         same_wherever_kept(&mut prepared, &folder, table);
     }
 }
@@ -142,7 +142,7 @@ fn a_run_along_a_breakpoint_is_computed_again_bit_by_bit() {
     let scene = scene("five-bar");
     let mut prepared = prepared(&*scene, Prepared::default_method(), 0.4, 20);
     // a breakpoint where none of the scene's is: the acceleration is solved anew there
-    prepared.grid.breakpoints.insert(7);
+    prepared.grid.breakpoints.insert(7, Vec::new());
     let mut results = Vec::new();
     for keep in [Keep::Memory, Keep::Checkpoints(budget_for(&prepared, 2))] {
         prepared.keep = keep;

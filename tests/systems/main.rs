@@ -1,5 +1,6 @@
 //! Mechanisms as systems of equations: constraints, steps, equilibria, vibrations, gradients, optimization.
 
+mod breakpoints;
 mod elimination;
 mod frequencies;
 mod massless;
