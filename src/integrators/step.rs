@@ -7,7 +7,9 @@ use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::Resolution;
-use super::{Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
+use super::{
+    Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid,
+};
 use crate::assembly::{Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
 use std::sync::Arc;
@@ -401,7 +403,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 self.earlier.choices += 1;
                 self.between.clone_from(&before);
                 self.between.dropped = dropped;
-                result = self.try_step(scheme, span, StepStart { solves: true, ..start }, None).and_then(|()| self.check_dropped(span.1));
+                result = self
+                    .try_step(scheme, span, StepStart { solves: true, ..start }, None)
+                    .and_then(|()| self.check_dropped(span.1));
             }
         }
         self.before = before;

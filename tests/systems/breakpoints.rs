@@ -73,7 +73,7 @@ fn a_breakpoint_at_which_nothing_happens_does_no_harm() {
     }
 }
 
-/// A pendulum of 1 kg from rest at the horizontal: its rod carries 3 g sin of its angle, which energy gives.
+/// A pendulum of 1 kg from rest at the horizontal: its rod carries 3 g sin of its angle, which energy gives. Half a step beside, it is 0.04 N off.
 #[test]
 fn reactions_stand_at_the_times_they_are_given_for() {
     let text = r#"
@@ -107,7 +107,7 @@ over = "terminal"
             for ((&t, force), place) in joint.times.iter().zip(&joint.forces).zip(&bob.positions) {
                 let size = force.iter().map(|f| f * f).sum::<f64>().sqrt();
                 let right = -3.0 * 9.81 * place[1];
-                assert!((size - right).abs() < 2e-3, "{}, {level:?}, t = {t}: {size} N, not {right} N", table.name);
+                assert!((size - right).abs() < 1e-2, "{}, {level:?}, t = {t}: {size} N, not {right} N", table.name);
             }
         }
     }
