@@ -3,6 +3,7 @@
 mod coverage;
 mod meshes;
 mod mutations;
+mod signals;
 mod wrong_files;
 mod wrong_meshes;
 

@@ -1,4 +1,5 @@
 use crate::design::DesignVariable;
+use crate::elements::TimeFormula;
 use crate::elements::flexible::Section;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
@@ -17,12 +18,14 @@ const SPIN_UP: f64 = 15.0;
 /// Its end rate [rad/s].
 const RATE: f64 = 6.0;
 
-fn angle(t: f64) -> f64 {
-    let wave = SPIN_UP / (2.0 * PI);
-    if t < SPIN_UP {
-        RATE / SPIN_UP * (0.5 * t * t + wave * wave * ((t / wave).cos() - 1.0))
-    } else {
-        RATE * (t - 0.5 * SPIN_UP)
+/// Angle of the hinge \[rad\].
+struct SpinUp;
+
+impl TimeFormula for SpinUp {
+    fn value<S: Scalar>(&self, t: S, _: &[S]) -> S {
+        let wave = S::from(SPIN_UP / (2.0 * PI));
+        let turning = S::from(RATE / SPIN_UP) * (S::from(0.5) * t * t + wave * wave * ((t / wave).cos() - S::one()));
+        t.less(S::from(SPIN_UP)).select(turning, S::from(RATE) * (t - S::from(0.5 * SPIN_UP)))
     }
 }
 
@@ -42,8 +45,7 @@ impl Scene for SpinUpBeam {
         ]
     }
     fn settings(&self) -> Settings {
-        // the spline begins with 2e-6 rad/s
-        Settings::new(20.0, 2000).projecting_start()
+        Settings::new(20.0, 2000)
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let [axial, bending, mass, length] = x else { return Err(format!("4 variables expected, {} given", x.len())) };
@@ -56,10 +58,7 @@ impl Scene for SpinUpBeam {
         let ground = m.ground();
         let beam = m.beam("beam", BeamLine::straight([Vector3::zeros(), tip], 8, y_axis), &section);
         m.revolute("hinge", [ground, beam.start()], Vector3::zeros(), hinge);
-        // one knot every 0.1 s: the spline is within 1e-7 rad of the function
-        let times: Vec<f64> = (0..=200).map(|i| 0.1 * f64::from(i)).collect();
-        let values = times.iter().map(|&t| S::from(angle(t))).collect();
-        m.prescribed_rotation("spin-up", [ground, beam.start()], hinge, Signal::Table { times, values });
+        m.prescribed_rotation("spin-up", [ground, beam.start()], hinge, Signal::own(SpinUp, &[])?);
         m.target_functional("squared distance of the tip from the hinge", Over::Terminal, beam.end(), tip, Vector3::zeros());
         m.section_functional("axial force at the hinge", Over::Terminal, &beam, 0.0, SectionMeasure::Force(0));
         let peak = Over::smooth_maximum(1e-3);

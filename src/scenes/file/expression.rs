@@ -230,6 +230,21 @@ impl Expression {
         self.operations.contains(&Operation::Name(name))
     }
 
+    /// The same formula of names that have other numbers.
+    pub fn renamed(&self, number: impl Fn(usize) -> usize) -> Self {
+        let renamed = |operation: &Operation| match operation {
+            Operation::Name(name) => Operation::Name(number(*name)),
+            other => other.clone(),
+        };
+        Expression { operations: self.operations.iter().map(renamed).collect(), is_vector: self.is_vector }
+    }
+
+    /// Whether a comparison chooses in it, so that it may jump or have a kink.
+    pub fn chooses(&self) -> bool {
+        use Function::{Abs, IfLess, Max, Min};
+        self.operations.iter().any(|own| matches!(own, Operation::Call(Abs | IfLess | Max | Min)))
+    }
+
     /// Its value, if no design variable changes it.
     pub fn constant(&self, scope: &Scope) -> Option<Quantity<f64>> {
         constant(&self.operations, scope)

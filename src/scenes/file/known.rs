@@ -5,12 +5,13 @@ use super::keys::Range;
 use super::meshes::{Each, Per};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
+use super::time_formula::FormulaOfTime;
 use crate::assembly::{ConstraintId, NodeId};
 use crate::design::shortest;
-use crate::elements::TimeFunction;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::forces::LoadFrame;
+use crate::elements::{TimeFormula, TimeFunction};
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
@@ -322,24 +323,19 @@ impl<S: Scalar> Known<'_, S> {
         }
     }
 
-    /// A spline through a formula of time.
-    fn sampled(&self, own: &Fields) -> Found<Signal<S>> {
-        let (start, end) = (fixed(own, "start").unwrap_or(0.0), fixed(own, "end").unwrap_or(f64::NAN));
+    /// A formula of time.
+    fn formula_of_time(&self, own: &Fields) -> Found<Signal<S>> {
         let Some((at, Value::Formula(formula, _))) = own.get("value") else { return missing(own, "value") };
-        let intervals = count(own, "intervals");
-        let interval = (end - start) / intervals as f64;
-        let times: Vec<f64> = (0..=intervals).map(|i| start + interval * i as f64).collect();
-        let mut names = self.names.clone();
-        let mut values = Vec::new();
-        for &t in &times {
-            names.push(Quantity::Number(S::from(t)));
-            match formula.value(&names) {
-                Quantity::Number(value) if value.value().is_finite() => values.push(value),
-                _ => return Err(Mistake::new(at, format!("at t = {} s the value is not finite", shortest(t)))),
-            }
-            names.pop();
+        if formula.chooses() && own.get("breakpoints").is_none() {
+            let text = "the value chooses by abs, min, max or if_less; give breakpoints, the times at which it or one of its first two \
+                        derivatives by t jumps, or [] if there are none";
+            return Err(Mistake::new(at, text));
         }
-        Ok(Signal::of(TimeFunction::table(times).map_err(|why| Mistake::new(own.at, why))?, &values))
+        let (function, parameters) = FormulaOfTime::of(formula, &self.names, fixed_list(own, "breakpoints"));
+        if !function.value(S::zero(), &parameters).value().is_finite() {
+            return Err(Mistake::new(at, "at t = 0 s the value is not finite"));
+        }
+        Signal::own(function, &parameters).map_err(|why| Mistake::new(own.at, why))
     }
 
     /// A function of time with its numbers.
@@ -376,7 +372,7 @@ impl<S: Scalar> Known<'_, S> {
                 let switch = fixed(own, "at").unwrap_or(f64::NAN);
                 Signal::Step { before: zero_or("before")?, after: needed("after")?, switch }
             }
-            "formula" => self.sampled(own)?,
+            "formula" => self.formula_of_time(own)?,
             "lines" => curve(TimeFunction::lines)?,
             _ => curve(TimeFunction::table)?,
         };

@@ -20,6 +20,7 @@ mod references;
 mod scene;
 mod schema;
 mod sections;
+mod time_formula;
 
 mod values;
 

@@ -140,6 +140,7 @@ impl FileScene {
             let text = format!("step of [output] is {step} s, and at most {MOST_STEPS} of them fit into {} s", settings.end);
             mistakes.push(Mistake::new(fields.get("step").map_or(fields.at, |given| given.0), text));
         }
+        check_spans(&contents, settings.end, &mut mistakes);
         if !mistakes.is_empty() {
             return Err(source.all_told(mistakes));
         }
@@ -163,6 +164,25 @@ impl Variable {
 
 fn single<'c>(contents: &'c Contents, name: &str) -> Option<&'c Fields> {
     contents.single.iter().find(|own| own.0 == name).map(|own| &own.1)
+}
+
+/// Formulas of time hold at all times; when they were splines, these went on with constant slope before their start and after their end.
+fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
+    let functions = contents.items.iter().flat_map(|item| &item.fields.values).filter_map(|own| match &own.2 {
+        Value::Fields(fields) if fields.form == "formula" => Some(fields),
+        _ => None,
+    });
+    for function in functions {
+        let is_outside = |key| fixed(function, key).is_some_and(|own| if key == "start" { own > 0.0 } else { own < end });
+        for key in ["start", "end"].into_iter().filter(|key| is_outside(key)) {
+            let at = function.get(key).map_or(function.at, |given| given.0);
+            let text = format!(
+                "{key} lies within the run, but a formula of time holds at all times; leave {key} out, or let if_less choose between what \
+                 holds before it and after it"
+            );
+            mistakes.push(Mistake::new(at, text));
+        }
+    }
 }
 
 fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVariable> {

@@ -125,7 +125,7 @@ fn of_key(key: &Key) -> Value {
         }
         Type::Fixeds(count, of) => {
             unit = of;
-            array(formula(Range::Any), if count == 0 { 2 } else { count }, (count > 0).then_some(count))
+            array(formula(Range::Any), count, (count > 0).then_some(count))
         }
         Type::Series(of) => {
             unit = of;

@@ -97,11 +97,13 @@ const FUNCTION: Forms = forms!([
     need("times", Fixeds(0, "s"), "times of the points, increasing"),
     need("values", Series(""), "values there"),
 ]
-"formula" "natural cubic spline through a formula of the time t at equal intervals, constant slope outside" [
+"formula" "a formula of the time t, exact at all times with all its derivatives" [
     need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
-    may("start", Fixed("s", Any), "first of the times; 0"),
-    need("end", Fixed("s", Any), "last of the times"),
-    need("intervals", Count(1, MOST), "how many: the spline is as near to the formula as these are short"),
+    may("breakpoints", Fixeds(0, "s"), "times at which it or one of its first two derivatives jumps: steps end there; needed, if only as [], \
+        where abs, min, max or if_less choose"),
+    may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
+    may("end", Fixed("s", Any), "likewise, at least the end of the run"),
+    may("intervals", Count(1, MOST), "likewise, any"),
 ]);
 
 const AGGREGATE: Forms = one_form![

@@ -52,22 +52,20 @@ impl Reader {
                     Some(Value::List(vec![(raw.at, Value::Formula(formula, range))]))
                 }
             },
-            Type::Fixeds(count, _) => {
-                match list().filter(|list| if count == 0 { list.len() > 1 } else { list.len() == count }) {
-                    Some(list) => {
-                        let own: Vec<_> = list.iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
-                        own.into_iter()
-                            .map(|(at, value)| Some((at, Value::Fixed(value?))))
-                            .collect::<Option<_>>()
-                            .map(Value::List)
-                    }
-                    None => {
-                        let number = if count == 0 { "two or more".into() } else { count.to_string() };
-                        self.not(raw, key, owner, &format!("a list of {number} numbers"));
-                        None
-                    }
+            Type::Fixeds(count, _) => match list().filter(|list| count == 0 || list.len() == count) {
+                Some(list) => {
+                    let own: Vec<_> = list.iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
+                    own.into_iter()
+                        .map(|(at, value)| Some((at, Value::Fixed(value?))))
+                        .collect::<Option<_>>()
+                        .map(Value::List)
                 }
-            }
+                None => {
+                    let number = if count == 0 { String::new() } else { format!("{count} ") };
+                    self.not(raw, key, owner, &format!("a list of {number}numbers"));
+                    None
+                }
+            },
             Type::Points => match list().filter(|list| list.len() > 1) {
                 Some(list) => {
                     let own: Vec<_> = list.iter().map(|raw| (raw.at, self.vector(raw, &what))).collect();
