@@ -2,7 +2,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::multifrontal::{
-    MatrixView, MatrixViewMut, Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product,
+    Inertia, MatrixView, MatrixViewMut, Target, dense_inertia, largest, solve_unit_lower, subtract_columns,
+    subtract_multiple, subtract_product,
 };
 use super::simd::{Kernel, dispatch};
 use super::{LinearSolver, Singular};
@@ -72,11 +73,7 @@ impl LinearSolver for DenseLu {
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
         let n = self.pattern.size;
         self.lu.fill(0.0);
-        for column in 0..n {
-            for place in self.pattern.column_starts[column]..self.pattern.column_starts[column + 1] {
-                self.lu[self.pattern.rows[place] as usize + column * n] = values[place];
-            }
-        }
+        self.pattern.spread(values, &mut self.lu);
         self.eliminate();
         for k in 0..n {
             let pivot = self.column(k)[k];
@@ -88,6 +85,13 @@ impl LinearSolver for DenseLu {
             }
         }
         Ok(())
+    }
+
+    fn inertia(&self, values: &[f64]) -> Inertia {
+        let n = self.pattern.size;
+        let mut matrix = vec![0.0; n * n];
+        self.pattern.spread(values, &mut matrix);
+        dense_inertia(matrix, n)
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {

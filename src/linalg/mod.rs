@@ -17,6 +17,7 @@ mod vectors;
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
 pub use factorization::{Backend, Factorization, SolverPlan, TransposedSolution, Work};
+pub use multifrontal::Inertia;
 pub use rank::{independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};
 pub use sparse_pattern::SparsePattern;
@@ -39,6 +40,8 @@ pub trait LinearSolver: Send {
     fn another(&self) -> Option<Box<dyn LinearSolver>> {
         None
     }
+    /// Numbers of positive and negative eigenvalues of a symmetric matrix of the pattern, whatever was factored.
+    fn inertia(&self, values: &[f64]) -> Inertia;
     /// Replaces right-hand sides, one after the other, by the columns of A^-1 B.
     fn solve(&mut self, rhs: &mut [f64]);
     /// Replaces right-hand sides, one after the other, by the columns of A^-T B.

@@ -27,6 +27,15 @@ impl SparsePattern {
         SparsePattern { size, column_starts, rows: entries.into_iter().map(|(_, row)| row as u32).collect() }
     }
 
+    /// Writes values where they stand in a dense matrix of zeros, column by column.
+    pub(crate) fn spread(&self, values: &[f64], dense: &mut [f64]) {
+        for column in 0..self.size {
+            for place in self.column_starts[column]..self.column_starts[column + 1] {
+                dense[self.rows[place] as usize + column * self.size] = values[place];
+            }
+        }
+    }
+
     /// From runs of rows in columns, in any order, overlapping or not; returns the place of each run's first entry, too.
     pub fn from_runs(size: usize, runs: &[(u32, Range<u32>)]) -> (Self, Vec<u32>) {
         assert!(size.max(runs.len()) < u32::MAX as usize, "{size} unknowns in {} runs, more than 2^32 - 2", runs.len());

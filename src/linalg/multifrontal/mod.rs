@@ -21,6 +21,7 @@ mod entries;
 mod factors;
 mod front;
 mod graph;
+mod inertia;
 mod kernels;
 mod matrix_view;
 mod multifrontal_lu;
@@ -36,6 +37,8 @@ mod traversal;
 #[cfg(test)]
 pub(super) mod test_matrices;
 
+pub use inertia::Inertia;
+pub(super) use inertia::dense_inertia;
 pub(super) use kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;

@@ -3,6 +3,7 @@
 
 use super::factors::Factors;
 use super::graph::Role;
+use super::inertia::{Inertia, inertia};
 use super::substitution::{Side, Substitution};
 use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
@@ -73,6 +74,10 @@ impl LinearSolver for MultifrontalLu {
 
     fn another(&self) -> Option<Box<dyn LinearSolver>> {
         Some(Box::new(Self::of(self.symbolic.clone(), self.traversal.threads())))
+    }
+
+    fn inertia(&self, values: &[f64]) -> Inertia {
+        inertia(&self.symbolic, values, self.traversal.threads())
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {

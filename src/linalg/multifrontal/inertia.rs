@@ -1,0 +1,405 @@
+//! Numbers of positive and negative eigenvalues of a symmetric matrix, by Sylvester's law: A = L D L^T, front by front.
+//!
+//! Pivots are single entries of the diagonal or blocks of two rows, exchanged symmetrically, so that every front leaves a symmetric matrix
+//! whose eigenvalues have the signs of those that are left. No factor is kept.
+//!
+//! Source: Duff & Reid (1983), The multifrontal solution of indefinite sparse symmetric linear equations.
+
+// indices carry meaning in matrix code
+#![allow(clippy::needless_range_loop)]
+
+use super::kernels::{Target, subtract_product};
+use super::matrix_view::{MatrixView, MatrixViewMut};
+use super::pivots::{PIVOT_SHARE, TINY_PIVOT};
+use super::symbolic::{Front, Run, Symbolic};
+
+/// Numbers of eigenvalues by their signs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inertia {
+    /// Above zero.
+    pub positive: usize,
+    /// Below zero.
+    pub negative: usize,
+    /// Zero but for round-off, where rows and columns have the size 1.
+    pub zero: usize,
+}
+
+/// Columns that are eliminated before the rest of the front is changed.
+const PANEL: usize = 32;
+
+/// What a front leaves to the one above: a square matrix, the rows of delayed pivots first.
+#[derive(Default)]
+struct Contribution {
+    values: Vec<f64>,
+    delayed: usize,
+}
+
+/// Inertia of the symmetric matrix with these values.
+pub fn inertia(symbolic: &Symbolic, values: &[f64], threads: usize) -> Inertia {
+    let mut inertia = Inertia::default();
+    let mut waiting: Vec<Contribution> = symbolic.fronts.iter().map(|_| Contribution::default()).collect();
+    for (number, front) in symbolic.fronts.iter().enumerate() {
+        let children = &symbolic.children[front.children.clone()];
+        let of_children: Vec<(usize, Contribution)> =
+            children.iter().map(|&child| (child as usize, std::mem::take(&mut waiting[child as usize]))).collect();
+        waiting[number] = eliminate_front(symbolic, front, values, &of_children, threads, &mut inertia);
+    }
+    inertia
+}
+
+/// The same of a dense matrix, column by column.
+pub fn dense_inertia(mut values: Vec<f64>, size: usize) -> Inertia {
+    let mut inertia = Inertia::default();
+    let mut block = SymmetricBlock { values: &mut values, size, summed: size, pivots: Vec::new(), threads: 1 };
+    let found = block.eliminate(&mut inertia);
+    inertia.zero += size - found;
+    inertia
+}
+
+fn eliminate_front(
+    symbolic: &Symbolic,
+    front: &Front,
+    values: &[f64],
+    children: &[(usize, Contribution)],
+    threads: usize,
+    inertia: &mut Inertia,
+) -> Contribution {
+    let delayed: usize = children.iter().map(|(_, child)| child.delayed).sum();
+    let (summed, others) = (front.pivots + delayed, front.others());
+    let size = summed + others;
+    let mut columns = vec![0.0; size * summed];
+    let shifted = |row: usize| if row < front.pivots { row } else { row + delayed };
+    for block in &symbolic.entries[front.entries.clone()] {
+        let first = block.column as usize;
+        for column in (first..first + block.width as usize).take_while(|column| *column < front.pivots) {
+            let source = block.source as usize + (column - first) * block.stride as usize;
+            let row = shifted(block.row as usize);
+            let target = &mut columns[row + column * size..][..block.height as usize];
+            target.iter_mut().zip(&values[source..]).for_each(|(target, value)| *target += value);
+        }
+    }
+    let mut next = front.pivots;
+    let mut extensions: Vec<(Vec<Run>, usize)> = Vec::with_capacity(children.len());
+    for (number, child) in children {
+        let own = child.delayed as u32;
+        let mut runs = vec![Run { from: 0, to: next as u32, length: own }];
+        next += child.delayed;
+        let planned = &symbolic.fronts[*number];
+        let known = &symbolic.extensions[planned.extensions.clone()];
+        runs.extend(known.iter().map(|run| Run { from: run.from + own, to: shifted(run.to as usize) as u32, ..*run }));
+        extensions.push((runs, child.delayed + planned.others()));
+    }
+    // the columns of this front, then those that it leaves
+    let add = |target: &mut [f64], length: usize, first: usize, is_own: &dyn Fn(&&Run) -> bool| {
+        for ((runs, order), (_, child)) in extensions.iter().zip(children) {
+            for run in runs.iter().filter(is_own) {
+                for column in 0..run.length as usize {
+                    let source = &child.values[(run.from as usize + column) * order..][..*order];
+                    let target = &mut target[(run.to as usize + column - first) * length..][..length];
+                    for rows in runs.iter().filter(|rows| rows.to as usize >= first) {
+                        let own = rows.to as usize - first..(rows.to + rows.length) as usize - first;
+                        target[own].iter_mut().zip(&source[rows.from as usize..]).for_each(|(t, s)| *t += s);
+                    }
+                }
+            }
+        }
+    };
+    add(&mut columns, size, 0, &|run| (run.to as usize) < summed);
+
+    let mut block = SymmetricBlock { values: &mut columns, size, summed, pivots: Vec::new(), threads };
+    let found = block.eliminate(inertia);
+    if front.is_last() {
+        inertia.zero += summed - found;
+        return Contribution::default();
+    }
+    let left = summed - found;
+    let order = left + others;
+    let mut contribution = vec![0.0; order * order];
+    if others > 0 {
+        let upper = block.upper(0..found, summed..size);
+        let lower = MatrixView::new(&columns, size, summed).block(summed..size, 0..found);
+        let target = MatrixViewMut::new(&mut contribution, order, order).block(left..order, left..order);
+        subtract_product(target, Target::Replaced, lower, MatrixView::new(&upper, found, others), threads);
+    }
+    for column in 0..left {
+        for row in 0..order {
+            let value = columns[found + row + (found + column) * size];
+            contribution[row + column * order] = value;
+            contribution[column + row * order] = value;
+        }
+    }
+    let first = summed - left;
+    let mut later = std::mem::take(&mut contribution);
+    add(&mut later, order, first, &|run| run.to as usize >= summed);
+    Contribution { values: later, delayed: left }
+}
+
+/// A pivot of D.
+#[derive(Clone, Copy)]
+enum Pivot {
+    Single(f64),
+    /// The first of two rows: both entries of the diagonal, and the one beside it.
+    Double([f64; 3]),
+    /// The second one.
+    Second,
+}
+
+/// The columns of a front whose unknowns may be eliminated, with all rows; only what lies below the pivots is kept up.
+struct SymmetricBlock<'f> {
+    values: &'f mut [f64],
+    size: usize,
+    summed: usize,
+    pivots: Vec<Pivot>,
+    threads: usize,
+}
+
+impl SymmetricBlock<'_> {
+    /// Eliminates all columns that have a pivot, and moves the others to the end; returns the number of pivots.
+    fn eliminate(&mut self, inertia: &mut Inertia) -> usize {
+        let mut end = self.summed;
+        let mut done = 0;
+        while done < end {
+            let panel = done..(done + PANEL).min(end);
+            let found = self.eliminate_panel(panel.clone(), inertia);
+            self.subtract(done..found, panel.end);
+            for column in (found..panel.end).rev() {
+                end -= 1;
+                self.exchange(column, end);
+            }
+            done = found;
+        }
+        // columns whose partners were in other panels
+        self.eliminate_panel(done..self.summed, inertia)
+    }
+
+    fn column(&self, column: usize) -> &[f64] {
+        &self.values[column * self.size..][..self.size]
+    }
+
+    /// Exchanges two unknowns, rows and columns.
+    fn exchange(&mut self, a: usize, b: usize) {
+        if a != b {
+            let (low, high) = (a.min(b), a.max(b));
+            let (left, right) = self.values.split_at_mut(high * self.size);
+            left[low * self.size..][..self.size].swap_with_slice(&mut right[..self.size]);
+            self.values.chunks_exact_mut(self.size).for_each(|column| column.swap(a, b));
+        }
+    }
+
+    /// Eliminates columns with pivots among themselves; returns the end of the pivots.
+    fn eliminate_panel(&mut self, columns: std::ops::Range<usize>, inertia: &mut Inertia) -> usize {
+        let mut next = columns.start;
+        while next < columns.end {
+            let Some((first, second)) = self.find_pivot(next..columns.end) else { break };
+            self.exchange(next, first);
+            match second {
+                None => {
+                    self.eliminate_single(next, columns.end);
+                    let is_negative = self.pivots.last().is_some_and(|pivot| matches!(pivot, Pivot::Single(d) if *d < 0.0));
+                    if is_negative {
+                        inertia.negative += 1
+                    } else {
+                        inertia.positive += 1
+                    }
+                    next += 1;
+                }
+                Some(second) => {
+                    // the first one may have stood where the second one is
+                    self.exchange(next + 1, if second == next { first } else { second });
+                    let [a, b, c] = self.eliminate_double(next, columns.end);
+                    match (a * c - b * b > 0.0, a > 0.0) {
+                        (true, true) => inertia.positive += 2,
+                        (true, false) => inertia.negative += 2,
+                        _ => (inertia.positive, inertia.negative) = (inertia.positive + 1, inertia.negative + 1),
+                    }
+                    next += 2;
+                }
+            }
+        }
+        next
+    }
+
+    /// One column, or two, whose pivots are large enough beside the rest of them.
+    fn find_pivot(&self, columns: std::ops::Range<usize>) -> Option<(usize, Option<usize>)> {
+        let start = columns.start;
+        let largest = |column: usize, without: [usize; 2]| {
+            let entries = self.column(column).iter().enumerate().skip(start);
+            entries.filter(|(row, _)| !without.contains(row)).fold(0.0, |most: f64, (_, value)| most.max(value.abs()))
+        };
+        for j in columns.clone() {
+            let own = self.column(j);
+            let diagonal = own[j].abs();
+            if diagonal > TINY_PIVOT && diagonal >= PIVOT_SHARE * largest(j, [j; 2]) {
+                return Some((j, None));
+            }
+            let Some(r) = columns.clone().filter(|&r| r != j).max_by(|&r, &s| own[r].abs().total_cmp(&own[s].abs())) else {
+                continue;
+            };
+            let [a, b, c] = [own[j], own[r], self.column(r)[r]];
+            let determinant = (a * c - b * b).abs();
+            let [of_j, of_r] = [largest(j, [j, r]), largest(r, [j, r])];
+            let grows = |one: f64, other: f64| !(one * PIVOT_SHARE <= determinant && other * PIVOT_SHARE <= determinant);
+            if b.abs() > TINY_PIVOT && !grows(c.abs() * of_j + b.abs() * of_r, b.abs() * of_j + a.abs() * of_r) {
+                return Some((j, Some(r)));
+            }
+        }
+        None
+    }
+
+    /// Subtracts the pivot of a column from those up to `end`, and makes it one of L.
+    fn eliminate_single(&mut self, pivot: usize, end: usize) {
+        let size = self.size;
+        let (done, rest) = self.values[..end * size].split_at_mut((pivot + 1) * size);
+        let own = &mut done[pivot * size..];
+        let d = own[pivot];
+        for (c, column) in (pivot + 1..end).zip(rest.chunks_exact_mut(size)) {
+            let factor = own[c] / d;
+            if factor != 0.0 {
+                column[pivot + 1..].iter_mut().zip(&own[pivot + 1..]).for_each(|(value, w)| *value -= w * factor);
+            }
+        }
+        own[pivot + 1..].iter_mut().for_each(|value| *value /= d);
+        self.pivots.push(Pivot::Single(d));
+    }
+
+    /// The same of two columns; returns their pivot.
+    fn eliminate_double(&mut self, pivot: usize, end: usize) -> [f64; 3] {
+        let size = self.size;
+        let (done, rest) = self.values[..end * size].split_at_mut((pivot + 2) * size);
+        let (first, second) = done[pivot * size..].split_at_mut(size);
+        let [a, b, c] = [first[pivot], first[pivot + 1], second[pivot + 1]];
+        let determinant = a * c - b * b;
+        let divided = |w: f64, v: f64| [(c * w - b * v) / determinant, (a * v - b * w) / determinant];
+        for (row, column) in (pivot + 2..end).zip(rest.chunks_exact_mut(size)) {
+            let [f, g] = divided(first[row], second[row]);
+            if f != 0.0 || g != 0.0 {
+                for i in pivot + 2..size {
+                    column[i] -= first[i] * f + second[i] * g;
+                }
+            }
+        }
+        for i in pivot + 2..size {
+            [first[i], second[i]] = divided(first[i], second[i]);
+        }
+        self.pivots.extend([Pivot::Double([a, b, c]), Pivot::Second]);
+        [a, b, c]
+    }
+
+    /// D L^T of some pivots and rows.
+    fn upper(&self, pivots: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Vec<f64> {
+        let count = pivots.len();
+        let mut upper = vec![0.0; count * rows.len()];
+        for (place, pivot) in pivots.enumerate() {
+            let l = &self.column(pivot)[rows.clone()];
+            match self.pivots[pivot] {
+                Pivot::Single(d) => (0..l.len()).for_each(|row| upper[place + row * count] = d * l[row]),
+                Pivot::Double([a, b, c]) => {
+                    let next = &self.column(pivot + 1)[rows.clone()];
+                    for row in 0..l.len() {
+                        upper[place + row * count] = a * l[row] + b * next[row];
+                        upper[place + 1 + row * count] = b * l[row] + c * next[row];
+                    }
+                }
+                Pivot::Second => {}
+            }
+        }
+        upper
+    }
+
+    /// Subtracts pivots from the columns from `from` on.
+    fn subtract(&mut self, pivots: std::ops::Range<usize>, from: usize) {
+        if pivots.is_empty() || from == self.summed {
+            return;
+        }
+        let upper = self.upper(pivots.clone(), from..self.summed);
+        let (size, count) = (self.size, self.summed - from);
+        let (done, rest) = self.values.split_at_mut(from * size);
+        let lower = MatrixView::new(done, size, from).block(pivots.end..size, pivots.clone());
+        let target = MatrixViewMut::new(rest, size, count).block(pivots.end..size, 0..count);
+        subtract_product(target, Target::Reduced, lower, MatrixView::new(&upper, pivots.len(), count), self.threads);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::SparsePattern;
+    use crate::linalg::multifrontal::graph::Role;
+    use crate::linalg::multifrontal::test_matrices::{Noise, random_pattern};
+    use nalgebra::{DMatrix, SymmetricEigen};
+
+    /// Numbers of eigenvalues of a dense matrix by their signs.
+    fn by_eigenvalues(matrix: &DMatrix<f64>) -> Inertia {
+        let values = SymmetricEigen::new(matrix.clone()).eigenvalues;
+        let count = |is: &dyn Fn(f64) -> bool| values.iter().filter(|value| is(**value)).count();
+        Inertia { positive: count(&|v| v > 1e-10), negative: count(&|v| v < -1e-10), zero: count(&|v| v.abs() <= 1e-10) }
+    }
+
+    /// A symmetric matrix of a pattern, some of whose unknowns have no diagonal entry and some vanishing ones.
+    fn symmetric(noise: &mut Noise, pattern: &SparsePattern, hollow: usize) -> (Vec<f64>, DMatrix<f64>) {
+        let mut matrix = DMatrix::zeros(pattern.size, pattern.size);
+        let random = noise.vector(pattern.rows.len());
+        for column in 0..pattern.size {
+            for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
+                let row = pattern.rows[place] as usize;
+                if row <= column && pattern.position(column, row).is_some() {
+                    let value = if row == column && hollow > 0 && row % hollow == 0 { 0.0 } else { random[place] };
+                    (matrix[(row, column)], matrix[(column, row)]) = (value, value);
+                }
+            }
+        }
+        let at = |column: usize, place: usize| matrix[(pattern.rows[place] as usize, column)];
+        let places = |column: usize| pattern.column_starts[column]..pattern.column_starts[column + 1];
+        let values = (0..pattern.size).flat_map(|column| places(column).map(move |place| (column, place)));
+        (values.map(|(column, place)| at(column, place)).collect(), matrix)
+    }
+
+    #[test]
+    fn numbers_of_eigenvalues_are_those_of_a_dense_matrix() {
+        let mut noise = Noise(21);
+        let (mut compared, mut indefinite) = (0, 0);
+        for case in 0..400 {
+            let nodes = 1 + noise.below(30);
+            let pattern = random_pattern(&mut noise, nodes, case % 5);
+            let (values, matrix) = symmetric(&mut noise, &pattern, case % 4);
+            let expected = by_eigenvalues(&matrix);
+            let roles: Vec<Role> = (0..pattern.size)
+                .map(|i| if pattern.position(i, i).is_some() { Role::Primal } else { Role::Multiplier })
+                .collect();
+            let found = inertia(&Symbolic::new(&pattern, &roles), &values, 1);
+            assert_eq!(found, expected, "case {case}");
+            assert_eq!(dense_inertia(matrix.as_slice().to_vec(), pattern.size), expected, "case {case}, dense");
+            compared += 1;
+            indefinite += usize::from(found.negative > 0 && found.positive > 0);
+        }
+        assert!(compared == 400 && indefinite > 300, "{indefinite} indefinite of {compared}");
+    }
+
+    #[test]
+    fn fronts_of_several_panels_and_vanishing_diagonals_count_right() {
+        let mut noise = Noise(22);
+        for (size, multipliers) in [(90, 0), (120, 40), (150, 70)] {
+            // a block of zeros, as of multipliers, in one dense front
+            let mut matrix = DMatrix::zeros(size, size);
+            let random = noise.vector(size * size);
+            for column in 0..size {
+                for row in 0..=column {
+                    let value = if row >= size - multipliers { 0.0 } else { random[row + column * size] };
+                    (matrix[(row, column)], matrix[(column, row)]) = (value, value);
+                }
+            }
+            let expected = by_eigenvalues(&matrix);
+            assert_eq!(dense_inertia(matrix.as_slice().to_vec(), size), expected, "{size}, {multipliers}");
+            assert!(expected.negative >= multipliers);
+        }
+    }
+
+    #[test]
+    fn zero_eigenvalues_are_told() {
+        let values = vec![1.0, 2.0, 0.0, 2.0, 4.0, 0.0, 0.0, 0.0, -3.0];
+        assert_eq!(dense_inertia(values, 3), Inertia { positive: 1, negative: 1, zero: 1 });
+        assert_eq!(dense_inertia(vec![0.0; 16], 4), Inertia { zero: 4, ..Inertia::default() });
+        assert_eq!(dense_inertia(Vec::new(), 0), Inertia::default());
+        assert_eq!(dense_inertia(vec![f64::NAN], 1).zero, 1);
+    }
+}
