@@ -56,6 +56,7 @@ mod report;
 mod results;
 mod run;
 mod simulation;
+mod stability;
 mod study;
 mod verify;
 

@@ -72,6 +72,9 @@ pub struct SceneOptions {
     /// Project an inconsistent start onto the constraints instead of refusing it
     #[arg(long)]
     project_start: bool,
+    /// End with an error where the last equilibrium of --method static is unstable, or not known to be stable
+    #[arg(long)]
+    stable: bool,
     /// Print one JSON object with all figures on the last line of stdout
     #[arg(long)]
     pub json: bool,
@@ -307,6 +310,11 @@ impl SceneOptions {
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
         let own = scene.output();
         Output { step: self.output_step.or(own.step), meshes: self.vtk || own.meshes }
+    }
+
+    /// Whether equilibria have to be stable.
+    pub fn requires_stability(&self) -> bool {
+        self.stable
     }
 
     /// Whether a report is written.

@@ -4,6 +4,7 @@ use super::interrupt::Guard;
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{EnergyCourse, Finished, Results, Snapshot, check_folder};
+use super::stability::{self, Statement};
 use crate::history::{Observer, Usage};
 use crate::integrators::{Counters, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
@@ -99,7 +100,12 @@ pub fn simulate(prepared: &Prepared, options: &SceneOptions) -> Result<Simulatio
     if guard.requested() && stopped.is_none() {
         stopped = Some(RunError::Interrupted { steps: forward.history.steps() });
     }
-    let (chosen_steps, stopped) = (prepared.control.is_some(), stopped.map(|error| with_hint(error, prepared)));
+    let chosen_steps = prepared.control.is_some();
+    let stands = || match stability::statement(prepared, &forward) {
+        Some(Statement::Warning(message)) if options.requires_stability() => Some(Failure::run(message)),
+        _ => None,
+    };
+    let stopped = stopped.map(|error| with_hint(error, prepared)).or_else(stands);
     Ok(Simulation {
         forward,
         chosen_steps,
@@ -229,15 +235,18 @@ impl Simulation {
         work
     }
 
-    /// Says how well equal steps resolve the motion, and warns where they hardly do.
+    /// Says how well equal steps resolve the motion, or whether an equilibrium stands, and warns where they hardly do.
     pub fn say_resolution(&self, prepared: &Prepared) {
         if let Some((error, _)) = self.error_in_words(prepared) {
             say(format_args!("largest estimated error of a step: {error}\n"));
         }
+        if let Some(Statement::Stable(words)) = stability::statement(prepared, &self.forward) {
+            say(format_args!("{words}\n"));
+        }
         self.resolution(prepared).iter().for_each(|warning| warn(warning));
     }
 
-    /// Warnings where the steps hardly resolve the motion, or the model does not determine what is asked for.
+    /// Warnings where the steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does not stand.
     pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
         let mut warnings: Vec<String> = self.error_in_words(prepared).and_then(|error| error.1).into_iter().collect();
         if let Some((t, step)) = self.forward.leap {
@@ -253,6 +262,9 @@ impl Simulation {
                  equations that the real joints do not have, or let parts be flexible",
                 quoted(&functionals)
             ));
+        }
+        if let Some(Statement::Warning(words)) = stability::statement(prepared, &self.forward) {
+            warnings.push(words);
         }
         let energy = self.energy.map(|energy| energy.share());
         if let Some((share, t)) = energy.filter(|(share, _)| *share > StepError::COARSE) {
@@ -345,6 +357,9 @@ impl Simulation {
         }
         if let Some((t, step)) = self.forward.leap {
             object.insert("leap_over_dead_point".into(), json!({"step": step, "t": json_number(t)}));
+        }
+        if let Some(course) = &self.forward.stability {
+            object.insert("stability".into(), stability::json(course));
         }
         if let Some((share, t)) = self.energy.map(|energy| energy.share()) {
             object.insert("energy_growth".into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));

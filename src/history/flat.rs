@@ -3,7 +3,8 @@
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
     Checkpoint, Contraction, Contractions, Counters, FactoredAt, KeptFactorization, Pace, Pause, Prediction, Renewal,
-    Scheme, SolveRecord, StageRecord, StartRecord, StepError, StepErrors, StepRecord, StepState, Track,
+    Scheme, SolveRecord, Stability, StabilityCourse, StageRecord, StartRecord, StepError, StepErrors, StepRecord, StepState,
+    Track,
 };
 
 /// Something that is written as bytes and read back bit by bit.
@@ -170,7 +171,9 @@ flat! {
     Checkpoint<f64> { between, kept }
     Pace { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
-    StepErrors { worst, sizes, acceleration, fresh, orientation, leap }
+    StepErrors { worst, sizes, acceleration, fresh, orientation, leap, stability }
+    Stability { negative, neutral, determinant }
+    StabilityCourse { end, lost }
     Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
     Pause<f64> { checkpoint, t, pace, errors, counters }
 }

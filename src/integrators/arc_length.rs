@@ -10,7 +10,7 @@
 
 use super::march::{Method, Problem};
 use super::newton::Newton;
-use super::{Counters, RunError, StartPlan, Systems};
+use super::{Counters, RunError, Stability, StartPlan, Systems};
 use crate::assembly::{Equations, Level, Model, NodeId, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
 use crate::elements::State;
 
@@ -40,6 +40,8 @@ pub struct PathPoint {
     pub mu: Vec<f64>,
     /// Change of the load along the path, psi dt/ds, from -1 to 1: negative where equilibria need less and less load.
     pub slope: f64,
+    /// Whether it stands under a given load; at a limit signs are those of round-off.
+    pub stability: Stability,
 }
 
 /// Why a path ends.
@@ -181,12 +183,13 @@ impl Follower<'_> {
         let solved = newton.solve(StageSystem { equations: &EQUATIONS, base: &base, p, t: 0.0 }, &mut unknowns);
         solved.map_err(|failure| newton.describe(&failure, &EQUATIONS, place))?;
         let q = base.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
-        let point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0 };
+        let mut point = PathPoint { load: 0.0, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };
         let mut tangent = self.towards_load(&point).map_err(|unknown| RunError::Singular {
             place: place.into(),
             unknown,
             hint: "nothing holds it in equilibrium: give it a support, a joint or a spring".into(),
         })?;
+        point.stability = self.newton.stability(&EQUATIONS);
         self.load_weight = self.dot(&tangent.q, &tangent.q);
         if self.load_weight == 0.0 {
             return Err(RunError::Input(
@@ -324,13 +327,14 @@ impl Follower<'_> {
             if step <= ROUND_OFF * size || stalled {
                 self.newton.residual.restore(&self.newton.system, stage, &mut unknowns);
                 let q = from.q.iter().zip(&unknowns.x).map(|(q, x)| q + x).collect();
-                let mut point = PathPoint { load, q, mu: unknowns.mu, slope: 0.0 };
+                let mut point = PathPoint { load, q, mu: unknowns.mu, slope: 0.0, stability: Stability::default() };
                 let mut own = self.towards_load(&point).map_err(|unknown| format!("{unknown} is singular"))?;
                 self.normalize(&mut own);
                 if self.product(&own, tangent) < 0.0 {
                     own.scale(-1.0);
                 }
                 point.slope = own.load * self.load_weight.sqrt();
+                point.stability = self.newton.stability(&EQUATIONS);
                 return Ok(Trial { point, tangent: own, corrections });
             }
             previous = step;

@@ -54,9 +54,12 @@ fn divide(
         course.grid.times.push(reached);
         let scheme = method.table.scheme_at(course.grid, index);
         course.grid.times.pop();
-        match stepper.step_over(scheme, span, course.at_breakpoint(), None) {
-            Ok(()) => {}
-            Err(RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
+        let made = stepper.step_over(scheme, span, course.at_breakpoint(), None);
+        let stability = if made.is_ok() { stepper.stability() } else { None };
+        match made {
+            // a shorter step tells a path that loses its stability from a leap onto another one
+            Ok(()) if pace.halvings == MOST_HALVINGS || !stepper.loses(stability) => {}
+            Ok(()) | Err(RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
                 if pace.halvings < MOST_HALVINGS =>
             {
                 let Pace { rejected, halvings, left, .. } = pace;
@@ -65,9 +68,11 @@ fn divide(
                 stepper.resume(&before)?;
                 continue;
             }
+            Ok(()) => {}
             Err(error) => return Err(error),
         }
         stepper.note_error();
+        stepper.note_stability(stability);
         course.advance(reached);
         stepper.checkpoint_in(&mut before);
         pace.left -= 1;

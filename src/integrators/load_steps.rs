@@ -11,6 +11,8 @@ use super::{Pace, RunError, Scheme, StartPlan, StepControl, Systems};
 const FIRST: f64 = 0.1;
 /// Steps below this share of the load find no equilibrium any more.
 const SHORTEST: f64 = 1e-6;
+/// Steps below this share of the load are taken where their end is unstable, too: it is the path that loses its stability.
+const SHORT: f64 = 1e-3;
 /// Newton iterations up to which the next step may be longer.
 const QUICK: usize = 8;
 /// By how much a step grows after quick convergence; a failed one is divided by it.
@@ -41,12 +43,18 @@ pub(super) fn march_loading(
             recorder.checkpoint(stepper.pause(course.t(), pace))?;
         }
         let mut failed = false;
-        let (reached, quick) = loop {
+        let (reached, quick, stability) = loop {
             pace.h = pace.h.min(control.longest);
             let (span, reached) = course.span(pace.h);
             let iterations = stepper.counters().iterations;
             match stepper.step_over(Scheme::Main, span, course.at_breakpoint(), None) {
-                Ok(()) => break (reached, !failed && stepper.counters().iterations - iterations <= QUICK),
+                Ok(()) => {
+                    let (stability, h) = (stepper.stability(), reached - span.0);
+                    if h < SHORT * course.duration() || !stepper.loses(stability) {
+                        break (reached, !failed && stepper.counters().iterations - iterations <= QUICK, stability);
+                    }
+                    (failed, pace.rejected, pace.h) = (true, pace.rejected + 1, h / GROWTH);
+                }
                 Err(cause @ (RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })) => {
                     (failed, pace.rejected) = (true, pace.rejected + 1);
                     let h = (reached - span.0) / GROWTH;
@@ -64,6 +72,7 @@ pub(super) fn march_loading(
             }
             stepper.resume(&before)?;
         };
+        stepper.note_stability(stability);
         course.advance(reached);
         stepper.checkpoint_in(&mut before);
         if quick {

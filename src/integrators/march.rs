@@ -4,8 +4,8 @@ use super::newton::NewtonTolerance;
 use super::pause::TakenUp;
 use super::record::{Guide, Recorder, StageRecord, StepRecord};
 use super::{
-    Combination, ConstraintLevel, Embedded, InitialState, Pace, Quadrature, RunError, StartPlan, StepError, Stepper,
-    Systems, Table, TimeGrid,
+    Combination, ConstraintLevel, Embedded, InitialState, Pace, Quadrature, RunError, StabilityCourse, StartPlan, StepError,
+    Stepper, Systems, Table, TimeGrid,
 };
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
@@ -96,6 +96,8 @@ pub struct Run<S> {
     /// Start \[s\] and number of the first step that leaps over a dead point, where drives determine the motion: behind it the mechanism is on
     /// another branch.
     pub leap: Option<(f64, usize)>,
+    /// Of equilibria: whether they stand.
+    pub stability: Option<StabilityCourse>,
     /// Work done.
     pub counters: Counters,
 }
@@ -181,6 +183,8 @@ pub fn march_along<S: RunScalar>(
         stepper.step(grid, guided)?;
         if !is_guided {
             stepper.note_error();
+            let stability = stepper.stability();
+            stepper.note_stability(stability);
         }
         if !recorder.step(stepper.record())? {
             return Err(RunError::Interrupted { steps: index + 1 });

@@ -1,9 +1,9 @@
 //! How well equal steps resolve a motion.
 
-use super::Table;
 use super::lists::largest_scaled;
 use super::march::embedded_difference;
 use super::record::StepRecord;
+use super::{StabilityCourse, Table};
 use crate::elements::RunScalar;
 use crate::linalg::sign_of_determinant;
 
@@ -48,6 +48,8 @@ pub struct StepErrors {
     pub orientation: f64,
     /// Start of the first step in which it changed, and its number.
     pub leap: Option<(f64, usize)>,
+    /// Of equilibria: whether they stand.
+    pub stability: Option<StabilityCourse>,
 }
 
 /// How well the steps so far resolve the motion.

@@ -6,9 +6,10 @@ use super::march::{Method, Problem, Run, add_scaled, combine, embedded_differenc
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
-use super::resolution::Resolution;
+use super::resolution::{Resolution, StepErrors};
 use super::{
-    Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, StartPlan, Systems, Table, TimeGrid,
+    Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, Stability, StabilityCourse,
+    StartPlan, Systems, Table, TimeGrid, Verdict,
 };
 use crate::assembly::{Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
 use crate::elements::RunScalar;
@@ -325,7 +326,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let counters = self.counters();
         let mut carried = self.between.carried.into_iter();
         let (q, v) = (carried.next().unwrap_or_default(), carried.next().unwrap_or_default());
-        Run { q, v, rejected, counters, error: self.resolution.worst(), leap: self.resolution.errors.leap }
+        let StepErrors { leap, stability, .. } = self.resolution.errors;
+        Run { q, v, rejected, counters, error: self.resolution.worst(), leap, stability }
     }
 
     /// Takes note of the estimated error of the step made last.
@@ -334,6 +336,26 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         // what was carried before the step was swapped away
         self.resolution.note(table, self.between.step, &self.record, &self.updated, (coordinate_scales, *length));
         self.note_side(self.record.t + self.record.h);
+    }
+
+    /// Whether the equilibrium at the end of the step made last stands; `None` of motions.
+    pub(super) fn stability(&self) -> Option<Stability> {
+        let stage = self.record.stages.last().filter(|_| self.method.table.is_static() && S::PARTS == 0)?;
+        Some(self.stage.stability(&stage.solve.equations))
+    }
+
+    /// Whether such an equilibrium leads away in more directions than the one before: it may lie on another branch than the path.
+    pub(super) fn loses(&self, stability: Option<Stability>) -> bool {
+        let before = self.resolution.errors.stability.map_or(0, |course| course.end.negative);
+        stability.is_some_and(|end| end.verdict() == Verdict::Unstable && end.negative > before)
+    }
+
+    /// Takes note of the stability at the end of the step made last.
+    pub(super) fn note_stability(&mut self, stability: Option<Stability>) {
+        let (loads, step) = ([self.record.t, self.record.t + self.record.h], self.between.step);
+        if let Some(end) = stability {
+            StabilityCourse::note(&mut self.resolution.errors.stability, end, loads, step);
+        }
     }
 
     /// Takes note of the branch on which a driven mechanism is.

@@ -3,6 +3,10 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod symmetric;
+
+pub use symmetric::Signs;
+
 use super::multifrontal::{MultifrontalLu, largest};
 use super::scaling::{Scaling, largest_finite};
 use super::simd::multiply_add;

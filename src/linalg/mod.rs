@@ -16,7 +16,7 @@ mod vectors;
 
 pub use dense::DenseLu;
 pub use eigen::{Eigenpair, eigenpairs};
-pub use factorization::{Backend, Factorization, SolverPlan, TransposedSolution, Work};
+pub use factorization::{Backend, Factorization, Signs, SolverPlan, TransposedSolution, Work};
 pub use multifrontal::Inertia;
 pub use rank::{independent_rows, sign_of_determinant};
 pub(crate) use simd::{Kernel, dispatch};

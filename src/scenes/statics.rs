@@ -1,7 +1,7 @@
 use super::Prepared;
 use crate::integrators::{
-    ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StartRecord, StepRecord, follow_path, march,
-    march_adaptive, march_dividing, vibrations,
+    ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StabilityCourse, StartRecord, StepRecord, follow_path,
+    march, march_adaptive, march_dividing, vibrations,
 };
 
 /// The last state of a run over load steps.
@@ -15,6 +15,8 @@ pub struct Equilibrium {
     pub mu: Vec<f64>,
     /// Redundant constraint equations that were left out.
     pub dropped: Vec<usize>,
+    /// Whether it stands, and where the path to it lost its stability.
+    pub stability: Option<StabilityCourse>,
 }
 
 impl Recorder<f64> for Equilibrium {
@@ -43,11 +45,12 @@ impl Prepared<'_> {
             return Err(RunError::Input(format!("the method is \"{name}\"; equilibria are found by \"static\"")));
         }
         let (problem, mut last) = (self.problem(), Equilibrium::default());
-        match &self.control {
+        let run = match &self.control {
             Some(control) => march_adaptive(&problem, &self.method, control, &self.grid, &self.plan, &mut last).1?,
             None if self.divide => march_dividing(&problem, &self.method, &self.grid, &self.plan, &mut last).1?,
             None => march(&problem, &self.method, &self.grid, &self.plan, &mut last)?,
         };
+        last.stability = run.stability;
         Ok(last)
     }
 

@@ -8,8 +8,9 @@ use crate::elements::RunScalar;
 use crate::functionals::{Functional, Over, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
-    Counters, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StartPlan,
-    StartRecord, StepControl, StepError, StepRecord, TimeGrid, march, march_adaptive, march_along, march_dividing,
+    Counters, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StabilityCourse,
+    StartPlan, StartRecord, StepControl, StepError, StepRecord, TimeGrid, march, march_adaptive, march_along,
+    march_dividing,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
 
@@ -57,6 +58,8 @@ pub struct Forward {
     pub error: Option<StepError>,
     /// Start \[s\] and number of the first step that leaps over a dead point of a driven mechanism onto another branch.
     pub leap: Option<(f64, usize)>,
+    /// Of equilibria: whether they stand; gradients at an unstable one are those of a state that no structure keeps.
+    pub stability: Option<StabilityCourse>,
     /// Work done.
     pub counters: Counters,
 }
@@ -161,11 +164,14 @@ impl<'m> Analysis<'m> {
         let Measuring { values, mut history, .. } = recorder;
         let run = run.and_then(|run| history.finish().map(|()| run));
         let (values, totals) = values.finish();
-        let (counters, rejected, error, leap, stopped) = match run {
-            Ok(run) => (run.counters, run.rejected, run.error, run.leap, None),
-            Err(error) => (Counters::default(), 0, None, None, Some(error)),
+        let (counters, rejected, error, leap, stability, stopped) = match run {
+            Ok(run) => (run.counters, run.rejected, run.error, run.leap, run.stability, None),
+            Err(error) => (Counters::default(), 0, None, None, None, Some(error)),
         };
-        Ok((Forward { x: x.to_vec(), numbers, history, grid, rejected, values, totals, error, leap, counters }, stopped))
+        Ok((
+            Forward { x: x.to_vec(), numbers, history, grid, rejected, values, totals, error, leap, stability, counters },
+            stopped,
+        ))
     }
 
     /// Values of the functionals alone: no step is kept.

@@ -5,6 +5,7 @@ use crate::cli::console::json_number;
 use crate::cli::motions::motion;
 use crate::cli::results::Snapshot;
 use crate::cli::simulation::{Simulation, long_number};
+use crate::cli::stability::{Statement, statement};
 use crate::design::DesignVariable;
 use crate::integrators::{NewtonTolerance, StepError};
 use crate::io::number;
@@ -73,6 +74,9 @@ impl Page {
                 "does not grow".into()
             };
             self.fact("energy", growth);
+        }
+        if let Some(Statement::Stable(words)) = statement(prepared, &simulation.forward) {
+            self.fact("stability", words);
         }
         let warnings = simulation.resolution(prepared);
         warnings.into_iter().for_each(|warning| self.warning(warning));

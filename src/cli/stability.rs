@@ -1,0 +1,89 @@
+//! Whether the equilibrium of a run stands, in words and as JSON.
+
+use super::console::{count, json_number};
+use crate::integrators::{Stability, StabilityCourse, Verdict};
+use crate::scenes::Prepared;
+use crate::sensitivity::Forward;
+use serde_json::{Value, json};
+
+/// What is said of an equilibrium.
+pub enum Statement {
+    /// It stands.
+    Stable(String),
+    /// It does not, or that is not known.
+    Warning(String),
+}
+
+/// What is said of the last equilibrium of a run.
+pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
+    let StabilityCourse { end: Stability { negative, determinant, .. }, lost } = forward.stability?;
+    let load = forward.grid.times[forward.grid.steps()];
+    let lost = lost.map(|([from, to], step)| {
+        format!("the path lost its stability between the load factors {from} and {to} (step {step})")
+    });
+    let verdict = forward.stability.map(|course| course.end.verdict());
+    Some(match verdict? {
+        Verdict::Stable => {
+            let mut words = format!("the equilibrium at the load factor {load} is stable");
+            if determinant.is_some() {
+                words += " against divergence (its loads follow the motion: `modes --static` tells whether it flutters)";
+            }
+            if let Some(lost) = lost {
+                words += &format!("; but {lost}, and what follows a snap depends on the motion");
+            }
+            Statement::Stable(words)
+        }
+        Verdict::Unstable => {
+            let directions = match determinant {
+                None => format!("{} of its stiffness", count(negative, "negative eigenvalue")),
+                Some(_) => "a negative determinant of its stiffness, whose loads follow the motion".into(),
+            };
+            let lost = lost.map_or_else(String::new, |lost| format!("; {lost}"));
+            Statement::Warning(format!(
+                "the equilibrium at the load factor {load} is UNSTABLE ({directions}): no structure stays there, and functionals and gradients \
+                 are those of a state that cannot last{lost}; {}",
+                way(prepared)
+            ))
+        }
+        Verdict::Undecided => Statement::Warning(format!(
+            "whether the equilibrium at the load factor {load} is stable is not known: {}; `modes --static` tells more",
+            match determinant {
+                None => "a direction has no stiffness but for round-off",
+                Some(_) => "loads follow the motion, and signs of the stiffness do not decide",
+            }
+        )),
+    })
+}
+
+/// How a stable equilibrium is found.
+fn way(prepared: &Prepared) -> String {
+    let shorter = match prepared.control {
+        // these look for the stable branch already
+        Some(_) => String::new(),
+        None => format!(
+            "let load steps be chosen (--tolerance 1e-6: those that lose stability are shortened) or take more (--steps above {}); ",
+            prepared.grid.steps()
+        ),
+    };
+    format!(
+        "{shorter}a structure without imperfection stays on its straight path: give it a small side load or an initial bow; or simulate the \
+         motion with dampers"
+    )
+}
+
+/// The same as JSON.
+pub fn json(course: &StabilityCourse) -> Value {
+    let StabilityCourse { end, lost } = course;
+    let verdict = match end.verdict() {
+        Verdict::Stable => "stable",
+        Verdict::Unstable => "unstable",
+        Verdict::Undecided => "undecided",
+    };
+    json!({
+        "verdict": verdict,
+        "negative_eigenvalues": end.negative,
+        "loads_follow_the_motion": end.determinant.is_some(),
+        "lost_between": lost.map(|(loads, _)| loads.map(json_number)),
+        "lost_in_step": lost.map(|(_, step)| step),
+    })
+}
