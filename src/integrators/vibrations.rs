@@ -7,7 +7,8 @@
 //! (K + s M) y + A^T nu = M x,  A y = 0:   theta = 1 / (omega^2 + s),
 //! ```
 //!
-//! in a block Krylov space that is orthonormal in M. The shift s > 0 makes the matrix regular where a body is free, with omega = 0;
+//! in a block Krylov space that is orthonormal in M. Where K is symmetric, the numbers of negative eigenvalues of K - r M and K + r M tell how
+//! many modes have omega^2 between -r and r (Sylvester's law): none of them is missing. The shift s > 0 makes the matrix regular where a body is free, with omega = 0;
 //! directions without inertia vibrate infinitely fast and are not found.
 
 // `!(x <= limit)` is how a NaN fails a check
@@ -15,9 +16,9 @@
 
 use super::march::{Method, Problem};
 use super::newton::Newton;
-use super::{RunError, StartPlan, Systems};
-use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, VectorsAvq};
-use crate::linalg::{Eigenpair, eigenpairs};
+use super::{RunError, Stability, StartPlan, Systems};
+use crate::assembly::{Equations, Jacobian, Level, Residual, StageCoefficients, StageSystem, Unknowns, VectorsAvq};
+use crate::linalg::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
 
 /// One mode: the motion is the real part of shape exp((growth + i frequency) t), and where it grows also one that fades as fast.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,12 +64,21 @@ const GENUINE: f64 = 0.5;
 const REFINEMENTS: usize = 2;
 /// Modes that are sought beyond those asked for.
 const SPARE: usize = 2;
+/// Distance of a bound from the last mode below which others are counted, as a share of its omega^2 ...
+const BESIDE: f64 = 1e-6;
+/// ... and of the largest ratio of stiffness and inertia.
+const APART: f64 = 1e-13;
+/// A bound above every omega^2, in largest ratios of stiffness and inertia.
+const ABOVE: f64 = 1e4;
+/// Searches, each from more vectors than the one before, until no mode is missing.
+const MOST_SEARCHES: usize = 4;
 
 /// The modes of a problem about its start, which must be an equilibrium at time (or load factor) `t`: up to `count` whose omega^2 are nearest
 /// to zero, in the order of omega^2; fewer where there are no more.
 ///
 /// # Errors
-/// [`RunError::Input`]: a start that is no equilibrium, an initial velocity, a constraint on velocities, no modes asked for;
+/// [`RunError::Input`]: a start that is no equilibrium, an initial velocity, a constraint on velocities, no modes asked for; modes that are
+/// there by their count, but were not found;
 /// [`RunError::Singular`]: a coordinate with neither inertia nor stiffness.
 pub fn vibrations(
     problem: &Problem<f64>,
@@ -92,14 +102,15 @@ pub fn vibrations(
     let zeros = vec![0.0; problem.model.dofs];
     let base = VectorsAvq { a: zeros.clone(), v: zeros, q: problem.start.q.clone() };
     let mass = Jacobian::default();
-    let mut operator = Operator { problem, newton, mass, nodes, base, t };
+    let reactions = Unknowns::default();
+    let mut operator = Operator { problem, newton, mass, nodes, base, reactions, t, is_symmetric: false };
     let largest = operator.largest_ratio();
     let floor = |shift: f64| ZERO * shift + NOISE * largest;
     let mut shift = if largest > 0.0 { FIRST_SHIFT * largest } else { 1.0 };
     let mut ritz = Vec::new();
     for _ in 0..MOST_SHIFTS {
         operator.set_shift(shift)?;
-        ritz = operator.largest_pairs(count)?;
+        ritz = operator.largest_pairs(count, SPARE)?;
         let sizes = ritz.iter().map(|pair| square(pair, shift)).map(|[re, im]| re.hypot(im));
         let (moving, rigid): (Vec<f64>, Vec<f64>) = sizes.partition(|size| *size > floor(shift));
         let lowest = moving.into_iter().fold(f64::INFINITY, f64::min);
@@ -107,8 +118,11 @@ pub fn vibrations(
         if !(lowest.is_finite() && (too_small || shift > FAR[1] * lowest)) {
             break;
         }
-        shift = lowest;
+        // at the shift of an unstable mode K + s M is singular
+        let has_unstable = ritz.iter().any(|pair| square(pair, shift)[0] < -floor(shift));
+        shift = if has_unstable { 0.5 * lowest } else { lowest };
     }
+    operator.complete(&mut ritz, (count, shift, largest))?;
     let mut modes: Vec<(f64, Mode)> = Vec::new();
     for pair in &ritz {
         let [mut re, mut im] = square(pair, shift);
@@ -128,11 +142,25 @@ pub fn vibrations(
 /// Where an error is met.
 const PLACE: &str = "vibrations";
 
+/// The error of an unknown that K + s M does not determine.
+fn undetermined(unknown: String) -> RunError {
+    let hint = "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into();
+    RunError::Singular { place: PLACE.into(), unknown, hint }
+}
+
 /// omega^2 = 1 / theta - s.
 fn square(pair: &Eigenpair, shift: f64) -> [f64; 2] {
     let [re, im] = pair.value;
     let size = re * re + im * im;
     [re / size - shift, -im / size]
+}
+
+/// A number from -0.5 to 0.5 in no pattern that a mode could follow (the generator SplitMix64).
+fn noise(i: usize, k: usize) -> f64 {
+    let mut z = (i as u64 + ((k as u64) << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64 - 0.5
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -168,7 +196,11 @@ struct Operator<'m> {
     nodes: usize,
     /// The equilibrium.
     base: VectorsAvq<f64>,
+    /// Its reactions, without displacements.
+    reactions: Unknowns<f64>,
     t: f64,
+    /// Whether K is.
+    is_symmetric: bool,
 }
 
 /// Vectors that are orthonormal in M, and what the operator does to them.
@@ -237,14 +269,59 @@ impl Operator<'_> {
         add(&mut self.base.q, 1.0, &unknowns.x);
         unknowns.x.fill(0.0);
         self.assemble_mass();
-        let Operator { newton, base, t, .. } = self;
-        newton.linearize(StageSystem { equations: &equations, base, p, t: *t }, &mut unknowns).map_err(|unknown| {
-            RunError::Singular {
-                place: PLACE.into(),
-                unknown,
-                hint: "it has neither inertia nor stiffness: give it a mass, a spring or a joint".into(),
+        self.reactions = unknowns;
+        let factored = self.factor(shift);
+        self.is_symmetric = matches!(factored, Ok(Stability { determinant: None, .. }));
+        factored.map(|_| ()).map_err(undetermined)
+    }
+
+    /// Factors K + s M at the equilibrium, and counts its negative eigenvalues; or the name of an unknown that it does not determine.
+    fn factor(&mut self, shift: f64) -> Result<Stability, String> {
+        let equations = Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position);
+        let Operator { newton, base, reactions, t, problem: Problem { p, .. }, .. } = self;
+        newton.linearize(StageSystem { equations: &equations, base, p, t: *t }, reactions)?;
+        Ok(newton.stability(&equations))
+    }
+
+    /// Searches again, from more vectors, while modes are missing below the last one, or anywhere where fewer were found than asked for.
+    fn complete(&mut self, ritz: &mut Vec<Eigenpair>, (count, shift, largest): (usize, f64, f64)) -> Result<(), RunError> {
+        let apart = (APART * largest).max(ZERO * shift);
+        let mut counted = [0, 0];
+        for search in 1..=MOST_SEARCHES {
+            if !self.is_symmetric {
+                return Ok(());
             }
-        })
+            let sizes: Vec<f64> = ritz.iter().map(|pair| square(pair, shift)[0].abs()).collect();
+            let mut bound = ABOVE * largest.max(shift);
+            if sizes.len() >= count {
+                bound = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
+                // modes as good as the last one may be either
+                while sizes.iter().any(|size| (size - bound).abs() < (BESIDE * bound).max(apart)) && bound > 0.0 {
+                    bound -= (2.0 * BESIDE * bound).max(2.0 * apart);
+                }
+            }
+            if bound <= 0.0 {
+                return Ok(());
+            }
+            let found = sizes.iter().filter(|size| **size < bound).count();
+            // where a bound meets a mode by chance, one beside it does not
+            let mut below = |bound: f64| {
+                self.factor(-bound).or_else(|_| self.factor(-bound * (1.0 + BESIDE))).map(|stability| stability.negative)
+            };
+            let counts = (below(bound), below(-bound));
+            self.factor(shift).map_err(undetermined)?;
+            let (Ok(above), Ok(unstable)) = counts else { return Ok(()) };
+            counted = [found, above.saturating_sub(unstable)];
+            if counted[0] == counted[1] {
+                return Ok(());
+            }
+            *ritz = self.largest_pairs(count, SPARE + search * (counted[1].saturating_sub(found) + 2))?;
+        }
+        let [found, there] = counted;
+        Err(RunError::Input(format!(
+            "of {there} modes that are there by Sylvester's law, {found} were found: masses or stiffnesses differ by more than the digits of a \
+             number hold; ask for fewer modes, or mend the smallest masses"
+        )))
     }
 
     /// M x.
@@ -332,13 +409,11 @@ impl Operator<'_> {
         coefficients
     }
 
-    /// Eigenvalues theta of largest size, with their vectors in unknowns of nodes.
-    fn largest_pairs(&mut self, count: usize) -> Result<Vec<Eigenpair>, RunError> {
+    /// Eigenvalues theta of largest size, with their vectors in unknowns of nodes, from a few vectors more than values.
+    fn largest_pairs(&mut self, count: usize, spare: usize) -> Result<Vec<Eigenpair>, RunError> {
         let mut krylov = Krylov::default();
-        for k in 0..(count + SPARE).min(self.nodes) {
-            // in no pattern that a mode could follow
-            let random = |i: usize| ((1.0 + i as f64) * (1.7 + 0.31 * k as f64) + 0.6 * k as f64).sin() + 0.1;
-            let start = self.times_mass(&(0..self.nodes).map(random).collect::<Vec<f64>>());
+        for k in 0..(count + spare).min(self.nodes) {
+            let start = self.times_mass(&(0..self.nodes).map(|i| noise(i, k)).collect::<Vec<f64>>());
             let vector = self.apply(&start);
             self.extend(&mut krylov, vector);
         }
@@ -351,7 +426,8 @@ impl Operator<'_> {
             }
             let size = krylov.columns.len();
             let entry = |i: usize, j: usize| krylov.columns[j].get(i).copied().unwrap_or(0.0);
-            let mut pairs = eigenpairs(size, entry).ok_or_else(|| {
+            let found = if self.is_symmetric { symmetric_part_eigenpairs(size, entry) } else { eigenpairs(size, entry) };
+            let mut pairs = found.ok_or_else(|| {
                 RunError::Input(
                     "the matrices of the vibrations hold numbers that are not finite, or the search for their eigenvalues does not \
                      converge: check masses and stiffnesses"

@@ -61,6 +61,16 @@ pub fn eigenpairs(size: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Ve
     pairs.iter().all(is_finite).then_some(pairs)
 }
 
+/// The same of the symmetric part of a matrix, whatever the rest is: what round-off adds to a symmetric one would make a complex pair of two
+/// equal values.
+pub fn symmetric_part_eigenpairs(size: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Vec<Eigenpair>> {
+    let matrix = DMatrix::from_fn(size, size, |i, j| 0.5 * (entry(i, j) + entry(j, i)));
+    if size == 0 {
+        return Some(Vec::new());
+    }
+    if matrix.iter().all(|value| value.is_finite()) { symmetric_eigenpairs(matrix) } else { None }
+}
+
 fn symmetric_eigenpairs(matrix: DMatrix<f64>) -> Option<Vec<Eigenpair>> {
     let size = matrix.nrows();
     let found = SymmetricEigen::try_new(matrix, f64::EPSILON, ITERATIONS * size)?;

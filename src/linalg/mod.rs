@@ -15,7 +15,7 @@ mod sparse_pattern;
 mod vectors;
 
 pub use dense::DenseLu;
-pub use eigen::{Eigenpair, eigenpairs};
+pub use eigen::{Eigenpair, eigenpairs, symmetric_part_eigenpairs};
 pub use factorization::{Backend, Factorization, Signs, SolverPlan, TransposedSolution, Work};
 pub use multifrontal::Inertia;
 pub use rank::{independent_rows, sign_of_determinant};
