@@ -566,6 +566,28 @@ mod tests {
     }
 
     #[test]
+    fn entries_that_are_round_off_make_no_scales() {
+        // stiffness of the first unknown alone; multipliers tie it to the third, and the third to the second, which has an entry in the
+        // first equation, too, of the size of the cosine of a right angle
+        let entries = [(0, 0, 1.0), (3, 0, 1.0), (3, 1, 6e-17), (3, 2, 1.0), (4, 1, 1.0), (4, 2, 1.0)];
+        let both = entries.iter().flat_map(|&(i, j, _)| [(i, j), (j, i)]).collect();
+        let pattern = Arc::new(SparsePattern::from_entries(5, both));
+        let mut values = vec![0.0; pattern.rows.len()];
+        for (i, j, value) in entries {
+            [(i, j), (j, i)].map(|(i, j)| values[pattern.position(i, j).unwrap()] = value);
+        }
+        for backend in [Backend::Dense, Backend::Multifrontal] {
+            let mut factorization = Factorization::new(&pattern, backend).unwrap();
+            factorization.factor(&values).unwrap();
+            // x0 = 1 under a unit force, x2 = -1, x1 = 1, with the reactions that this takes
+            let mut x = [1.0, 0.0, 0.0, 0.0, 0.0];
+            factorization.solve(&mut x);
+            assert!(x.iter().zip([1.0, 1.0, -1.0, 0.0, 0.0]).all(|(x, right)| (x - right).abs() < 1e-14), "{x:?}");
+            assert!(factorization.scales().iter().all(|scale| (1e-3..1e3).contains(scale)), "{:?}", factorization.scales());
+        }
+    }
+
+    #[test]
     fn a_matrix_that_refinement_cannot_settle_is_told() {
         // two columns nearly in one direction, beside others
         let pattern = Arc::new(SparsePattern::from_entries(10, (0..10).flat_map(|i| [(i, i), (i, i ^ 1)]).collect()));

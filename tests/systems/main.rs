@@ -13,6 +13,7 @@ mod redundancy;
 mod round_off;
 mod scalar_laws;
 mod solvers;
+mod stability;
 mod statics;
 mod steps;
 #[path = "../support/mod.rs"]

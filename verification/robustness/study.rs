@@ -2,6 +2,7 @@
 
 mod cantilever;
 mod elastica;
+mod equilibria;
 mod kills;
 mod massless;
 mod mechanisms;
@@ -30,6 +31,7 @@ impl Study for Robustness {
         slender::statics(report)?;
         slender::dynamics(report)?;
         massless::count(report);
+        equilibria::count(report)?;
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });
