@@ -671,6 +671,61 @@ const OPTIMIZED: [&str; 7] = [
     "optimization.svg",
 ];
 
+/// A column under twice its critical load with a thousandth of it across, in five equal load steps.
+const COLUMN: &str = r#"
+version = 1
+variable.load = { initial = 4.9348, bounds = [0.1, 10] }
+settings = { method = "static", steps = 5 }
+section.s = { type = "beam", axial = 1e6, shear = [1e6, 1e6], torsion = 1, bending = [1, 1], mass = 1, inertia = [1e-6, 1e-6] }
+[[beam]]
+name = "beam"
+from = [0, 0, 0]
+to = [1, 0, 0]
+elements = 8
+section = "s"
+second_axis = [0, 1, 0]
+clamped = "start"
+[[force]]
+name = "load"
+on = "beam.end"
+direction = [-1, 0.001, 0]
+size = { type = "constant_rate", rate = "load" }
+[[functional]]
+name = "y"
+type = "position"
+on = "beam.end"
+direction = [0, 1, 0]
+over = "terminal"
+"#;
+
+#[test]
+fn an_unstable_equilibrium_is_a_warning_and_an_error_where_it_has_to_be_stable() {
+    let folder = Folder::new("unstable");
+    fs::write(folder.0.join("column.toml"), COLUMN).unwrap();
+    for command in ["run", "gradient"] {
+        let output = folder.run(&[command, "column.toml", "--json"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let said = text(&output.stderr);
+        assert!(said.contains("warning") && said.contains("UNSTABLE (2 negative eigenvalues"), "{said}");
+        assert!(said.contains("lost its stability between the load factors 0.4 and 0.6 (step 3)"), "{said}");
+        assert!(said.contains("gradients") && said.contains("--tolerance 1e-6"), "{said}");
+        let stability = &json(&output)["stability"];
+        assert_eq!((&stability["verdict"], &stability["negative_eigenvalues"]), (&"unstable".into(), &2.into()));
+        assert!(fs::read_to_string(folder.0.join("out/column/report.html")).unwrap().contains("UNSTABLE"));
+        let refused = folder.run(&[command, "column.toml", "--stable", "--json"]);
+        assert_eq!(refused.status.code(), Some(1));
+        assert!(text(&refused.stderr).contains("error: the equilibrium at the load factor 1 is UNSTABLE"));
+        // the way that the message tells
+        let output = folder.run(&[command, "column.toml", "--stable", "--tolerance", "1e-6", "--json"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(text(&output.stdout).contains("the equilibrium at the load factor 1 is stable"));
+        let object = json(&output);
+        assert_eq!(object["stability"]["verdict"], "stable");
+        let y = object["functionals"][0]["value"].as_f64().unwrap();
+        assert!((y - 0.797).abs() < 1e-3, "{y}");
+    }
+}
+
 #[test]
 fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
     let folder = Folder::new("optimize");

@@ -2,7 +2,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::CommandLine;
-use super::console::{count, json_number, say, say_json, seconds};
+use super::console::{count, json_number, say, say_json, seconds, warn};
 use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::kept_moments::KeptMoments;
@@ -10,6 +10,7 @@ use super::optimization_charts;
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{Snapshot, check_folder};
+use super::stability::{Statement, statement};
 use crate::design::DesignVariable;
 use crate::history::Keep;
 use crate::integrators::RunError;
@@ -395,8 +396,11 @@ impl<'r> Report<'r> {
         let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), settings.clone())?;
         prepared.keep = Keep::Nothing;
         let mut kept = KeptMoments::default();
-        let (_, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
+        let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
         stopped.map_or(Ok(()), Err)?;
+        if let Some(Statement::Warning(words)) = statement(&prepared, &forward) {
+            warn(&words);
+        }
         Ok((prepared, kept.finish()))
     }
 

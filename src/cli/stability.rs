@@ -2,6 +2,7 @@
 
 use super::console::{count, json_number};
 use crate::integrators::{Stability, StabilityCourse, Verdict};
+use crate::io::number;
 use crate::scenes::Prepared;
 use crate::sensitivity::Forward;
 use serde_json::{Value, json};
@@ -19,6 +20,7 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
     let StabilityCourse { end: Stability { negative, determinant, .. }, lost } = forward.stability?;
     let load = forward.grid.times[forward.grid.steps()];
     let lost = lost.map(|([from, to], step)| {
+        let [from, to] = [from, to].map(number);
         format!("the path lost its stability between the load factors {from} and {to} (step {step})")
     });
     let verdict = forward.stability.map(|course| course.end.verdict());
