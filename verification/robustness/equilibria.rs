@@ -224,9 +224,11 @@ fn oscillators(report: &mut Report, noise: &mut Noise, count: usize) -> Result<(
         let bodies = 2 + (6.0 * (1.0 + noise.next())) as usize;
         let kinds: Vec<f64> = (0..3).map(|_| 10.0_f64.powf(2.0 + 4.0 * noise.next())).collect();
         let mut squares: Vec<f64> = (0..bodies).map(|_| kinds[(1.5 * (1.0 + noise.next())) as usize]).collect();
-        let text = squares.iter().enumerate().fold(String::from("version = 1\n"), |text, (body, stiffness)| {
-            text + &format!(
-                r#"
+        let text = squares.iter().enumerate().fold(
+            String::from("version = 1\nsettings = { end = 1, steps = 1 }\n"),
+            |text, (body, stiffness)| {
+                text + &format!(
+                    r#"
                 [[body]]
                 name = "body {body}"
                 position = [{body}, 0, 0]
@@ -244,8 +246,9 @@ fn oscillators(report: &mut Report, noise: &mut Noise, count: usize) -> Result<(
                 axis = [0, 0, 1]
                 stiffness = {stiffness}
                 "#
-            )
-        });
+                )
+            },
+        );
         squares.sort_by(f64::total_cmp);
         let wanted = 1 + (0.5 * (1.0 + noise.next()) * bodies as f64) as usize;
         let scene = FileScene::parse("oscillators.toml", &text)?;
