@@ -574,7 +574,9 @@ mod tests {
         let pattern = Arc::new(SparsePattern::from_entries(5, both));
         let mut values = vec![0.0; pattern.rows.len()];
         for (i, j, value) in entries {
-            [(i, j), (j, i)].map(|(i, j)| values[pattern.position(i, j).unwrap()] = value);
+            for (i, j) in [(i, j), (j, i)] {
+                values[pattern.position(i, j).unwrap()] = value;
+            }
         }
         for backend in [Backend::Dense, Backend::Multifrontal] {
             let mut factorization = Factorization::new(&pattern, backend).unwrap();

@@ -343,7 +343,7 @@ mod tests {
             for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
                 let row = pattern.rows[place] as usize;
                 if row <= column && pattern.position(column, row).is_some() {
-                    let value = if row == column && hollow > 0 && row % hollow == 0 { 0.0 } else { random[place] };
+                    let value = if row == column && hollow > 0 && row.is_multiple_of(hollow) { 0.0 } else { random[place] };
                     (matrix[(row, column)], matrix[(column, row)]) = (value, value);
                 }
             }
