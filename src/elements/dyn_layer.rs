@@ -6,7 +6,10 @@ use super::lagrangian::{
 };
 use super::{Constraint, Element, Nonholonomic, NonholonomicConstraint, Parameter, State};
 use crate::elements::NodeKind;
-use crate::program::{Codes, Formula, Graph, Node, Program, ProgramWork, Recorded, gradient_of};
+use crate::program::ArgumentKind::{
+    Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
+};
+use crate::program::{ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, gradient_of};
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
 use num_dual::Derivative;
 use std::any::Any;
@@ -235,9 +238,14 @@ impl<E: Element> AnyElement for E {
     }
 }
 
+/// Arguments of a residual: (a, v, q), parameters, time.
+fn of_residual(n: usize, m: usize) -> [(ArgumentKind, usize); 5] {
+    [(Acceleration, n), (Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1)]
+}
+
 fn record_residual(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
-    Formula::record_in_stages(3 * n + m + 1, |x| {
+    Formula::record_in_stages(of_residual(n, m), |x| {
         let [a, v, q, p, t] = arguments(x, [n, n, n, m, 1]);
         residual(element, State { a, v, q }, p, t[0])
     })
@@ -246,7 +254,8 @@ fn record_residual(element: &dyn ElementFormulas) -> Recording {
 fn record_impulse(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
     let mut depends = false;
-    let formula = Formula::record(3 * n + m + 3, |x| {
+    let of_impulse = [(Acceleration, n), (Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1), (Weight, 2)];
+    let formula = Formula::record(of_impulse, |x| {
         let [a, v, q, p, t, weights] = arguments(x, [n, n, n, m, 1, 2]);
         let own = impulse(element, State { a, v, q }, p, t[0], [weights[0], weights[1]]);
         depends = own.is_none();
@@ -262,7 +271,7 @@ fn record_impulse(element: &dyn ElementFormulas) -> Recording {
 
 fn record_energies(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
-    Formula::record(2 * n + m, |x| {
+    Formula::record([(Velocity, n), (Coordinate, n), (OfPart, m)], |x| {
         let [v, q, p] = arguments(x, [n, n, m]);
         let Energies { kinetic, potential, strain } = Energies::of(element, [v, q, p], Recorded::from(0.0));
         vec![kinetic, potential, element.mass(p), strain]
@@ -271,7 +280,7 @@ fn record_energies(element: &dyn ElementFormulas) -> Recording {
 
 fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
     let (n, m) = sizes(element);
-    Formula::record(n + m + 6, |x| {
+    Formula::record([(Coordinate, n), (OfPart, m), (MeasureParameter, 6)], |x| {
         let [q, p, point, axis] = arguments(x, [n, m, 3, 3]);
         let mut v = vec![Recorded::from(0.0); n];
         let mut first = 0;
@@ -286,15 +295,16 @@ fn record_inertia_moment(element: &dyn ElementFormulas) -> Recording {
 
 fn record_stresses(element: &dyn ElementFormulas) -> Result<StressFormulas, String> {
     let ((n, m), count) = (sizes(element), element.strain_count());
-    let course = Formula::record(3 * n + m + 1, |x| {
+    let course = Formula::record([(Coordinate, 3 * n), (OfPart, m), (Time, 1)], |x| {
         let [from, d, to, p, t] = arguments(x, [n, n, n, m, 1]);
         strain_course(element, [from, d, to, p], t[0])
     })?;
-    let deviation = Formula::record(3 * count + m, |x| {
+    let deviation = Formula::record([(Strain, 3 * count), (OfPart, m)], |x| {
         let [start, change, end, p] = arguments(x, [count, count, count, m]);
         stress_deviation(element, [start, change, end], p)
     })?;
-    let force = Formula::record(3 * n + m + 1 + count, |x| {
+    let of_force = [(Acceleration, n), (Velocity, n), (Coordinate, n), (OfPart, m), (Time, 1), (Weight, count)];
+    let force = Formula::record(of_force, |x| {
         let [_, _, q, p, t, w] = arguments(x, [n, n, n, m, 1, count]);
         stress_force(element, [q, p, w], t[0])
     })?;
@@ -424,7 +434,7 @@ impl ElementPhysics {
     /// dR/dt at a fixed state.
     pub fn time_rate(&self, s: State<f64>, p: &[f64], t: f64) -> Vec<f64> {
         let place = 3 * self.0.dofs + self.0.parameters;
-        let program = self.residual().dense_program(("time rate", Codes::new()), 0, |graph, x, outputs| {
+        let program = self.residual().dense_program((ProgramKind::TimeRate, Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             graph.forward(outputs, &[(x[place], one)])
         });
@@ -485,11 +495,18 @@ pub trait AnyConstraint: Send + Sync {
     fn evaluate(&self, numbers: [&[Recorded]; 3], t: Recorded) -> Vec<Recorded>;
 }
 
+/// Arguments of g or h: (v, q), of which g reads no velocity, parameters, time.
+fn of_constraint(constraint: &dyn AnyConstraint) -> [(ArgumentKind, usize); 4] {
+    let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
+    let rates = if constraint.is_nonholonomic() { Velocity } else { Unread };
+    [(rates, n), (Coordinate, n), (OfPart, m), (Time, 1)]
+}
+
 /// Records g or h as a function of (v, q, p, t).
 fn record(constraint: &dyn AnyConstraint) -> Recording {
     let (n, m) = (dofs_of(&constraint.node_kinds()), constraint.parameter_list().len());
     let mut linear = true;
-    let formula = Formula::record(2 * n + m + 1, |x| {
+    let formula = Formula::record(of_constraint(constraint), |x| {
         let [v, q, p, t] = arguments(x, [n, n, m, 1]);
         let equations = constraint.evaluate([v, q, p], t[0]);
         linear = !constraint.is_nonholonomic() || is_linear_in(&equations, v);
@@ -618,7 +635,7 @@ impl ConstraintPhysics {
     /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.
     pub fn motion<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<[S; 3]> {
         let (n, m) = (self.dofs, self.parameters);
-        let program = self.formula().dense_program(("motion", Codes::new()), n, |graph, x, outputs| {
+        let program = self.formula().dense_program((ProgramKind::Motion, Codes::new()), n, |graph, x, outputs| {
             let (v, q, t, a) = (&x[..n], &x[n..2 * n], x[2 * n + m], &x[2 * n + m + 1..]);
             motion_derivatives(graph, outputs, [a, v, q], t).into_iter().flatten().collect()
         });
@@ -647,7 +664,7 @@ impl ConstraintPhysics {
     pub fn is_scleronomic(&self) -> bool {
         let mut is_steady = !self.is_nonholonomic();
         let (n, m) = (self.dofs, self.parameters);
-        let recorded = Formula::record(2 * n + m + 1, |x| {
+        let recorded = Formula::record(of_constraint(&*self.own), |x| {
             let [v, q, p, t] = arguments(x, [n, n, m, 1]);
             let equations = self.own.evaluate([v, q, p], t[0]);
             is_steady &= is_steady_in(&equations, t[0]);
@@ -660,12 +677,13 @@ impl ConstraintPhysics {
     pub fn time_rates(&self, q: &[f64], mu: &[f64], p: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (self.dofs, self.parameters);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        let program = self.formula().dense_program(("time rates", Codes::new()), self.equations, |graph, x, outputs| {
-            let one = graph.constant(1.0);
-            let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
-            let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
-            graph.forward(&all, &[(x[2 * n + m], one)])
-        });
+        let program =
+            self.formula().dense_program((ProgramKind::TimeRates, Codes::new()), self.equations, |graph, x, outputs| {
+                let one = graph.constant(1.0);
+                let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
+                let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
+                graph.forward(&all, &[(x[2 * n + m], one)])
+            });
         let zeros = vec![0.0; n];
         let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
         let mut outputs = vec![0.0; n + self.equations];
@@ -693,7 +711,7 @@ impl ConstraintPhysics {
     fn reaction_program(&self) -> Arc<Program> {
         let (n, first) = (self.dofs, 2 * self.dofs + self.parameters + 1);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        self.formula().dense_program(("reaction", Codes::new()), self.equations, |graph, x, outputs| {
+        self.formula().dense_program((ProgramKind::Reaction, Codes::new()), self.equations, |graph, x, outputs| {
             graph.reverse(outputs, &x[first..], &x[towards..towards + n])
         })
     }
@@ -706,7 +724,7 @@ impl ConstraintPhysics {
     /// [`Self::rows`] in a workspace.
     pub fn rows_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
         let (n, towards) = (self.dofs, if self.is_nonholonomic() { 0 } else { self.dofs });
-        let program = self.formula().dense_program(("rows", Codes::new()), 0, |graph, x, outputs| {
+        let program = self.formula().dense_program((ProgramKind::Rows, Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
         });
@@ -719,10 +737,11 @@ impl ConstraintPhysics {
         let (n, m, count) = (self.dofs, self.parameters, self.equations);
         let first = 2 * n + m + 1;
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        let program = self.formula().dense_program(("reaction gradient", Codes::new()), count + n, |graph, x, outputs| {
-            let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
-            graph.reverse(&reaction, &x[first + count..], &x[n..2 * n + m])
-        });
+        let program =
+            self.formula().dense_program((ProgramKind::ReactionGradient, Codes::new()), count + n, |graph, x, outputs| {
+                let reaction = graph.reverse(outputs, &x[first..first + count], &x[towards..towards + n]);
+                graph.reverse(&reaction, &x[first + count..], &x[n..2 * n + m])
+            });
         let zeros = vec![0.0; n];
         let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).chain(lambda).copied().collect();
         let mut outputs = vec![0.0; n + m];

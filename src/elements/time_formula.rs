@@ -1,5 +1,5 @@
 use super::Parameter;
-use crate::program::{Formula, ProgramWork};
+use crate::program::{ArgumentKind, Formula, ProgramWork};
 use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
 use std::fmt;
 use std::sync::Arc;
@@ -71,7 +71,9 @@ impl RecordedFunction {
     /// If it branches on a value.
     pub fn of<F: TimeFormula>(function: F) -> Result<Self, String> {
         let parameters = function.parameters();
-        let formula = Formula::record(1 + parameters.len(), |x| vec![function.value(x[0], &x[1..])]);
+        let formula = Formula::record([(ArgumentKind::Time, 1), (ArgumentKind::Parameter, parameters.len())], |x| {
+            vec![function.value(x[0], &x[1..])]
+        });
         let formula = formula.map_err(|why| format!("a function of time: {why}"))?;
         Ok(RecordedFunction { formula, parameters, breakpoints: Arc::new(move |p| function.breakpoints(p)) })
     }

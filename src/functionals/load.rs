@@ -1,5 +1,6 @@
 use crate::elements::forces::LoadFrame;
 use crate::elements::{ConstraintPhysics, Frame, NodeKind, Parameter};
+use crate::program::ArgumentKind::{Coordinate, MeasureParameter, Multiplier, Parameter as OfPart, Time, Velocity};
 use crate::program::Formula;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
@@ -67,7 +68,9 @@ impl JointLoad {
     pub fn formula(&self, joint: &ConstraintPhysics) -> &Arc<Formula> {
         self.formula.get_or_init(|| {
             let (n, count, m) = (joint.dof_count(), joint.equation_count(), joint.parameter_count());
-            let formula = Formula::record(2 * n + count + m + Self::PARAMETERS.len() + 1, |x| {
+            let own = (MeasureParameter, Self::PARAMETERS.len());
+            let of_joint = [(Velocity, n), (Coordinate, n), (Multiplier, count), (OfPart, m), own, (Time, 1)];
+            let formula = Formula::record(of_joint, |x| {
                 let (v, rest) = x.split_at(n);
                 let (q, rest) = rest.split_at(n);
                 let (mu, rest) = rest.split_at(count);

@@ -2,7 +2,7 @@ use super::aggregate::SUMS;
 use super::{AnyPointQuantity, Over, PointWeights, Sample};
 use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
-use crate::program::{Codes, Formula, Program, Recorded, continued};
+use crate::program::{Codes, Formula, Program, ProgramKind, Recorded, continued};
 use crate::scalar::larger;
 use smallvec::SmallVec;
 use std::collections::HashMap;
@@ -332,7 +332,7 @@ impl GroupBatch {
             let GroupFormula { formula, arguments, values, weights } = &self.own;
             let weights = if weighted { &weights[..] } else { &[] };
             let chosen: Codes = values.iter().chain(weights).map(|&result| result as u32).collect();
-            let key = ("values at points", chosen.clone());
+            let key = (ProgramKind::PointValues, chosen.clone());
             let program = formula
                 .dense_program(key, 0, |_, _, outputs| chosen.iter().map(|&result| outputs[result as usize]).collect());
             ValueProgram { arguments: read_arguments(&program, arguments, &self.places), program }
@@ -357,7 +357,7 @@ impl GroupBatch {
         let results = values.iter().chain(weights).map(|&result| result as u32);
         let code: Codes = flags(asked).into_iter().chain(flags(of_quantity)).chain(aggregate).chain(results).collect();
         let weights = if over.points() == PointWeights::Own { &weights[..] } else { &[] };
-        formula.sparse_program(("gradient at points", code), SUMS + 1, |graph, inputs, outputs| {
+        formula.sparse_program((ProgramKind::PointGradient, code), SUMS + 1, |graph, inputs, outputs| {
             let chosen = values.iter().chain(weights).map(|&result| outputs[result]);
             let all: Vec<_> = chosen.chain(inputs[arguments.len()..].iter().copied()).collect();
             let sum = continued(graph, &all, |x| {

@@ -1,5 +1,6 @@
 use super::measured_group::{Argument, GroupFormula};
 use crate::elements::{Element, ElementPhysics, Parameter, State};
+use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Time, Velocity};
 use crate::program::{Formula, Recorded};
 use crate::scalar::Scalar;
 
@@ -85,7 +86,9 @@ pub(super) fn record_points(
 ) -> Result<GroupFormula, String> {
     let (n, m) = (physics.dof_count(), physics.parameter_count());
     let mut points = 0;
-    let formula = Formula::record(3 * n + m + own + 1, |x| {
+    let state = [Acceleration, Velocity, Coordinate].map(|kind| (kind, n));
+    let rest = [(OfPart, m), (MeasureParameter, own), (Time, 1)];
+    let formula = Formula::record([state, rest].concat(), |x| {
         let (state, rest) = x.split_at(3 * n);
         let (of_element, rest) = rest.split_at(m);
         let (own, t) = rest.split_at(own);

@@ -1,4 +1,5 @@
 use crate::elements::{Parameter, State};
+use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
 use crate::scalar::Scalar;
 use std::sync::{Arc, OnceLock};
@@ -51,7 +52,9 @@ impl<Q: Quantity> AnyQuantity for Q {
     }
     fn record(&self, multipliers: usize) -> Result<Arc<Formula>, String> {
         let (n, m) = (self.dofs(), self.parameters().len());
-        Formula::record(3 * n + multipliers + m + 1, |x| {
+        let state = [Acceleration, Velocity, Coordinate].map(|kind| (kind, n));
+        let rest = [(Multiplier, multipliers), (MeasureParameter, m), (Time, 1)];
+        Formula::record([state, rest].concat(), |x| {
             let (state, rest) = x.split_at(3 * n);
             let (mu, rest) = rest.split_at(multipliers);
             let (p, t) = rest.split_at(m);

@@ -1,3 +1,4 @@
+use super::arguments::Arguments;
 use super::graph::{Graph, OperationHasher};
 use super::listing::Listing;
 use super::operation::{Node, Operation};
@@ -10,41 +11,62 @@ use std::hash::{BuildHasherDefault, Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
-pub type ProgramKey = (&'static str, Codes);
+pub type ProgramKey = (ProgramKind, Codes);
+
+/// Kinds of programs: what is made of the formula of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ProgramKind {
+    /// The results themselves.
+    Values,
+    /// Gradient of the sum of some results.
+    Gradient,
+    /// Matrix of an element.
+    Matrix,
+    /// Products of an element with adjoint variables.
+    Products,
+    /// Derivative of a residual by time.
+    TimeRate,
+    /// Equations of a constraint with their derivatives along the motion.
+    Motion,
+    /// Derivatives of reaction and equations by time.
+    TimeRates,
+    /// Reaction of a constraint.
+    Reaction,
+    /// Derivatives of a reaction.
+    ReactionGradient,
+    /// Rows of a constraint.
+    Rows,
+    /// Reactions and equations of a constraint at a level.
+    Equations,
+    /// Matrix of a constraint.
+    ConstraintMatrix,
+    /// Products of a constraint with adjoint variables.
+    ConstraintProducts,
+    /// What is measured at points of an element.
+    PointValues,
+    /// Gradient of what is made of these.
+    PointGradient,
+    /// One of a caller's own, by its number.
+    Own(u32),
+}
 
 /// Numbers of a key; lists of usual lengths take no memory of their own.
 pub type Codes = SmallVec<[u32; 16]>;
 
-/// A key that is looked up fast: kinds are told apart by where their names stand, and of two equal names that stand at different places
-/// each has its own program.
-#[derive(Debug)]
-struct Key(&'static str, Codes);
-
-impl PartialEq for Key {
-    fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.0, other.0) && self.1 == other.1
-    }
-}
-impl Eq for Key {}
-impl Hash for Key {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        state.write_usize(self.0.as_ptr() as usize);
-        self.1.iter().for_each(|&number| state.write_u32(number));
-    }
-}
-
 /// A recorded formula with the programs that were made of it: one for all elements of the same type and options, because equal
-/// recordings are the same formula.
+/// recordings of equal arguments are the same formula.
 #[derive(Debug)]
 pub struct Formula {
     /// Number of arguments.
     pub inputs: usize,
+    /// What they are.
+    arguments: Arguments,
     /// Results.
     pub outputs: Vec<Node>,
     /// Stages of the residual of an element with a node map.
     pub stages: Option<Stages<Node>>,
     graph: Mutex<Graph>,
-    programs: RwLock<HashMap<Key, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
+    programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
     values: OnceLock<Arc<Program>>,
     gradients: ProgramCache,
 }
@@ -144,13 +166,16 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Formula {
-    /// Records a formula of `inputs` numbers; the same formula again is the same one.
+    /// Records a formula of some arguments; the same formula of the same kinds of arguments again is the same one.
     ///
     /// # Errors
     /// If it branches on a value: what was recorded would hold for other values only by chance.
-    pub fn record(inputs: usize, formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>) -> Result<Arc<Formula>, String> {
+    pub fn record(
+        arguments: impl Into<Arguments>,
+        formula: impl FnOnce(&[Recorded]) -> Vec<Recorded>,
+    ) -> Result<Arc<Formula>, String> {
         let mut formula = Some(formula);
-        Self::recorded(inputs, &mut |x| (formula.take().map_or_else(Vec::new, |own| own(x)), None))
+        Self::recorded(arguments.into(), &mut |x| (formula.take().map_or_else(Vec::new, |own| own(x)), None))
     }
 
     /// As [`Formula::record`], with the stages in which the results are made.
@@ -158,22 +183,22 @@ impl Formula {
     /// # Errors
     /// The same.
     pub fn record_in_stages(
-        inputs: usize,
+        arguments: impl Into<Arguments>,
         formula: impl FnOnce(&[Recorded]) -> (Vec<Recorded>, Option<Stages<Recorded>>),
     ) -> Result<Arc<Formula>, String> {
         let mut formula = Some(formula);
-        Self::recorded(inputs, &mut |x| formula.take().map_or_else(|| (Vec::new(), None), |own| own(x)))
+        Self::recorded(arguments.into(), &mut |x| formula.take().map_or_else(|| (Vec::new(), None), |own| own(x)))
     }
 
     /// Records what is called once; not generic, as there are hundreds of formulas.
-    fn recorded(inputs: usize, formula: &mut dyn FnMut(&[Recorded]) -> Results) -> Result<Arc<Formula>, String> {
+    fn recorded(arguments: Arguments, formula: &mut dyn FnMut(&[Recorded]) -> Results) -> Result<Arc<Formula>, String> {
         let _making = Making::begin();
-        let ((results, stages), recording) = record(&vec![f64::NAN; inputs], formula);
-        Self::of_recording(inputs, results, stages, recording)
+        let ((results, stages), recording) = record(&vec![f64::NAN; arguments.count()], formula);
+        Self::of_recording(arguments, results, stages, recording)
     }
 
     fn of_recording(
-        inputs: usize,
+        arguments: Arguments,
         results: Vec<Recorded>,
         stages: Option<Stages<Recorded>>,
         recording: Recording,
@@ -188,16 +213,16 @@ impl Formula {
         }
         let outputs = results.into_iter().map(|result| result.node(&mut graph)).collect();
         let stages = stages.map(|stages| stages.nodes(&mut graph));
-        Ok(Self::shared(inputs, outputs, stages, graph))
+        Ok(Self::shared(arguments, outputs, stages, graph))
     }
 
-    fn shared(inputs: usize, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
+    fn shared(arguments: Arguments, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
         let mut hasher = DefaultHasher::new();
-        (inputs, &outputs, &stages, graph.operations()).hash(&mut hasher);
+        (&arguments, &outputs, &stages, graph.operations()).hash(&mut hasher);
         let mut all = lock(formulas());
         let hash = hasher.finish();
         for (operations, formula) in all.known.get(&hash).into_iter().flatten() {
-            let same = (formula.inputs, &formula.outputs, &formula.stages) == (inputs, &outputs, &stages);
+            let same = (&formula.arguments, &formula.outputs, &formula.stages) == (&arguments, &outputs, &stages);
             if same && operations == graph.operations() {
                 return Arc::clone(formula);
             }
@@ -205,8 +230,8 @@ impl Formula {
         all.forget_unused();
         let operations = graph.operations().to_vec();
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
-        let gradients = ProgramCache::default();
-        let formula = Arc::new(Formula { inputs, outputs, stages, graph, programs, values, gradients });
+        let (inputs, gradients) = (arguments.count(), ProgramCache::default());
+        let formula = Arc::new(Formula { inputs, arguments, outputs, stages, graph, programs, values, gradients });
         all.known.entry(hash).or_default().push((operations, Arc::clone(&formula)));
         all.count += 1;
         formula
@@ -242,7 +267,6 @@ impl Formula {
         sparse: bool,
         results: impl FnOnce(&mut Graph, &[Node], &[Node]) -> Vec<Node>,
     ) -> Arc<Program> {
-        let key = Key(key.0, key.1);
         if let Some(program) = self.programs.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Arc::clone(program);
         }
@@ -261,14 +285,15 @@ impl Formula {
 
     /// The results themselves.
     pub fn values(&self) -> &Arc<Program> {
-        self.values.get_or_init(|| self.dense_program(("values", smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
+        self.values
+            .get_or_init(|| self.dense_program((ProgramKind::Values, smallvec![]), 0, |_, _, outputs| outputs.to_vec()))
     }
 
     /// Gradient of the sum of some results, at most 32, towards all arguments; zeros are left out, labels are numbers of arguments.
     pub fn gradient(&self, results: &[usize]) -> &Arc<Program> {
         let code = results.iter().fold(0, |code, &result| code | 1 << result);
         self.gradients.get(code, || {
-            self.sparse_program(("gradient", smallvec![code]), 0, |graph, inputs, outputs| {
+            self.sparse_program((ProgramKind::Gradient, smallvec![code]), 0, |graph, inputs, outputs| {
                 let chosen: Vec<Node> = results.iter().map(|&result| outputs[result]).collect();
                 let weights = vec![graph.constant(1.0); chosen.len()];
                 graph.reverse(&chosen, &weights, inputs)
@@ -282,7 +307,7 @@ impl Formula {
         let mut graph = lock(&self.graph).clone();
         let inputs: Vec<Node> = (0..self.inputs).map(|index| graph.input(index)).collect();
         let outputs = results(&mut graph, &inputs, &self.outputs);
-        Self::shared(self.inputs, outputs, None, graph)
+        Self::shared(self.arguments.clone(), outputs, None, graph)
     }
 
     /// Looks at the recording.

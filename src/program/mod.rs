@@ -6,6 +6,7 @@
 //! * [`Program`]: a listing that is executed, by a loop in any scalar or as machine code for one or several elements at a time
 //! * [`Formula`]: a recording shared by all elements whose recordings are equal, with its programs
 
+mod arguments;
 mod assemble;
 #[cfg(test)]
 mod back_ends;
@@ -21,7 +22,8 @@ mod operation;
 mod recorded;
 mod running;
 
-pub use formula::{Codes, Formula, ProgramCache, ProgramKey, Stages, continued};
+pub use arguments::{ArgumentKind, Arguments};
+pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;
 pub use listing::{Instruction, Listing, Source};

@@ -1,0 +1,3 @@
+//! A model is its laws: what belongs together is told apart by formulas, arguments and options, not by names and numbers.
+
+mod programs;
