@@ -6,6 +6,7 @@ mod functionals;
 mod groups;
 mod joints;
 mod loads;
+mod mesh_gaps;
 mod outlined;
 mod rolling;
 mod shell_joining;
@@ -13,6 +14,7 @@ mod shell_mesh;
 mod shell_parts;
 mod shells;
 mod surface_mesh;
+mod surface_search;
 mod thin_walls;
 
 pub use beams::{BeamLine, BeamMember};

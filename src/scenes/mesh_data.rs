@@ -1,11 +1,7 @@
 //! A mesh of faces as a file gives it: numbers, and what the file calls things.
 
 use crate::elements::flexible::faces::FaceKind;
-use std::collections::HashMap;
 use std::fmt;
-
-/// Points nearer than this share of the diagonal of the mesh stand at the same place.
-const SAME_PLACE: f64 = 1e-9;
 
 /// Where something stands in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,39 +72,6 @@ impl MeshData {
         }
         used
     }
-    /// Numbers of two points of faces that stand at the same place: faces on both sides are not joined there.
-    pub fn coincident(&self) -> Option<[usize; 2]> {
-        let used = self.used();
-        let own: Vec<usize> = (0..self.points.len()).filter(|&point| used[point]).collect();
-        let extent = |axis: usize| {
-            let all = own.iter().map(|&point| self.points[point][axis]);
-            let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-            most - least
-        };
-        let near = SAME_PLACE * extent(0).hypot(extent(1)).hypot(extent(2)).max(f64::MIN_POSITIVE);
-        // points of one place lie in one of neighbouring cells; cells of far places may be one, too
-        let cell = |point: usize| self.points[point].map(|own| (own / near).floor() as i64);
-        let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::with_capacity(own.len());
-        for point in own {
-            let [i, j, k] = cell(point);
-            for neighbour in 0..27 {
-                let key = [
-                    i.saturating_add(neighbour % 3 - 1),
-                    j.saturating_add(neighbour / 3 % 3 - 1),
-                    k.saturating_add(neighbour / 9 - 1),
-                ];
-                let other = cells.get(&key).into_iter().flatten().find(|&&other| {
-                    let [a, b] = [point, other].map(|point| self.points[point]);
-                    (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2]) <= near
-                });
-                if let Some(&other) = other {
-                    return Some([other, point].map(|point| self.point_numbers[point]));
-                }
-            }
-            cells.entry([i, j, k]).or_default().push(point);
-        }
-        None
-    }
     /// Turns faces round, so that their normals point to the other side; each keeps its first point.
     pub fn reverse(&mut self, faces: impl IntoIterator<Item = usize>) {
         for face in faces {
@@ -144,24 +107,5 @@ mod tests {
         let mut four: Vec<usize> = (0..4).collect();
         reverse(&mut four);
         assert_eq!(four, [0, 3, 2, 1]);
-    }
-
-    #[test]
-    fn points_at_one_place_are_found_across_cells() {
-        let faces = vec![vec![0, 1, 2, 3], vec![4, 5, 6, 7]];
-        let points = |gap: f64| {
-            let square = |x: f64| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]];
-            [square(0.0), square(1.0 + gap)].concat()
-        };
-        let mesh = |gap| MeshData {
-            points: points(gap),
-            point_numbers: (11..19).collect(),
-            faces: faces.clone(),
-            ..MeshData::default()
-        };
-        assert_eq!(mesh(0.0).coincident(), Some([12, 15]));
-        assert_eq!(mesh(-1e-10).coincident(), Some([12, 15]));
-        assert_eq!(mesh(1e-10).coincident(), Some([12, 15]));
-        assert_eq!(mesh(1e-6).coincident(), None);
     }
 }

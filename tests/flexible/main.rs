@@ -3,6 +3,7 @@
 mod ancf;
 mod free_meshes;
 mod functionals;
+mod joins;
 mod shell_loads;
 mod shell_meshes;
 mod shells;

@@ -110,7 +110,6 @@ fn physical_groups_are_groups_and_node_sets_in_order() {
         assert!(half.len() < data.points.len() && half.is_sorted(), "{sort}");
         // the middle of the circle belongs to no face: it is a point, and no node
         assert_eq!(data.used().iter().filter(|used| !**used).count(), usize::from(data.point(7).is_none()), "{sort}");
-        assert_eq!(data.coincident(), None, "{sort}");
     }
 }
 
@@ -355,7 +354,6 @@ fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
                 assert!(data.points.len() == data.point_numbers.len() && data.faces.len() == data.face_places.len());
                 let mut m = MechanismBuilder::<f64>::default();
                 let material = Material { young: 1.0, poisson: 0.0, density: 1.0 };
-                data.coincident();
                 m.shell("plate", FreeMesh::of_data(&std::sync::Arc::new(data)), &material, 1.0);
                 (true, m.finish().is_ok())
             }

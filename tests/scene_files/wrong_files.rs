@@ -187,9 +187,108 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ),
     // loops
     ("bounds = [0.1, 10]\n", "bounds = [0.1, 10]\nfor = { i = [1, 2] }\n", "4:11", &["name \"length\" is taken"]),
-    ("name = \"weld\"", "name = \"weld\"\nfor = { i = 3 }", "53:13", &["for must be", "i is the number 3"]),
+    ("name = \"weld\"", "name = \"weld\"\nfor = { i = 3 }", "53:13", &["for: i is the number 3"]),
     ("name = \"weld\"", "name = \"weld {j}\"\nfor = { i = [1, 2] }", "52:8", &["\"weld {j}\"", "name \"j\"", "known: i"]),
     ("name = \"weld\"", "name = \"weld\"\nfor = { i = [1, 2] }", "52:8", &["name \"weld\" is taken"]),
+    (
+        "name = \"weld\"",
+        "name = \"weld {i}\"\nfor = { i = [1, 5] }",
+        "53:13",
+        &["two values or all from 1 to 5", "{ from = 1, to = 5 }"],
+    ),
+    (
+        "name = \"weld\"",
+        "name = \"weld {i}\"\nfor = { i = [-1, 1] }",
+        "53:13",
+        &["{ from = -1, to = 1 }", "{ values = [-1, 1] }"],
+    ),
+    (
+        "name = \"weld\"",
+        "name = \"weld {i}\"\nfor = { i = { from = 3, to = 1 } }",
+        "53:13",
+        &["from 3 to 1", "makes nothing"],
+    ),
+    ("name = \"weld\"", "name = \"weld {i}\"\nfor = { i = [] }", "53:13", &["i is a list of 0"]),
+    ("name = \"weld\"", "name = \"weld {i}\"\nfor = { i = [1, \"a\"] }", "53:13", &["i is a list of 2"]),
+    (
+        "name = \"weld\"",
+        "name = \"weld {i}\"\nfor = { i = { from = 1 } }",
+        "53:13",
+        &["i is a table", "{ from = 1, to = 5 }"],
+    ),
+    ("name = \"weld\"", "name = \"weld {i}\"\nfor = { i = { from = 1, to = 2, by = 1 } }", "53:13", &["i is a table"]),
+    ("name = \"weld\"", "name = \"weld {pi}\"\nfor = { pi = [1, 2] }", "53:9", &["\"pi\" means a constant"]),
+    // names that mean something in formulas
+    ("[variable.length]", "[variable.t]", "4:11", &["\"t\" means the time"]),
+    ("[variable.length]", "[variable.share]", "4:11", &["\"share\" means the place along a beam"]),
+    ("half = \"0.5", "t = 1\nhalf = \"0.5", "10:1", &["\"t\" means the time"]),
+    ("half = \"0.5", "share = 1\nhalf = \"0.5", "10:1", &["\"share\" means the place"]),
+    ("half = \"0.5", "norm = 1\nhalf = \"0.5", "10:1", &["\"norm\" means a function"]),
+    ("half = \"0.5", "deg = 1\nhalf = \"0.5", "10:1", &["\"deg\" means a constant"]),
+    // keys without effect
+    (
+        "elements = 1",
+        "elements = 1\nclamped = \"start\"\nstart_node = \"crank\"",
+        "41:11",
+        &["clamped = \"start\" has no effect beside start_node"],
+    ),
+    (
+        "elements = 1",
+        "elements = 1\narc = { centre = [\"length\", 1, 0], axis = [0, 0, 1], angle = 0.5 }",
+        "39:6",
+        &["to of the beam \"rod\" has no effect"],
+    ),
+    (
+        "to = [\"2 * length\", 0, 0]\nelements = 1",
+        "elements = 1\narc = { centre = [\"length\", 1, 0], axis = [0, 0, 1], angle = 0.5 }",
+        "42:15",
+        &["second_axis of the beam \"rod\" has no effect"],
+    ),
+    ("second_axis = [0, 1, 0]\n", "", "36:1", &["the key second_axis is needed"]),
+    (
+        "inertia = [0.01, 0.1, 0.1]\n",
+        "inertia = [0.01, 0.1, 0.1]\nvelocity = [1, 0, 0]\n\n[[beam]]\nname = \"other\"\nfrom = [\"half\", 0, 0]\nto = [\"half\", 1, 0]\n\
+         elements = 1\nsection = \"round\"\nsecond_axis = [1, 0, 0]\nstart_node = \"crank\"\nmotion = { velocity = [2, 0, 0] }\n",
+        "45:10",
+        &["another velocity than it has of its own", "crank"],
+    ),
+    (
+        "minimize = \"height\"",
+        "minimize = \"height\"\nsense = \"maximize\"",
+        "29:9",
+        &["sense of [optimization] has no effect"],
+    ),
+    (
+        "over = \"terminal\"",
+        "over = { aggregate = \"power\", sharpness = 4, normalized = true }",
+        "61:59",
+        &["normalized of the functional \"height\" has no effect"],
+    ),
+    (
+        "type = \"position\"\non = \"rod.end\"\ndirection = [0, 1, 0]",
+        "type = \"joint_load\"\njoint = \"weld\"\non = \"crank\"\nload = \"force_norm\"\ndirection = [0, 1, 0]",
+        "62:13",
+        &["direction of the functional \"height\" has no effect"],
+    ),
+    (
+        "type = \"position\"\non = \"rod.end\"\ndirection = [0, 1, 0]",
+        "type = \"joint_load\"\njoint = \"weld\"\non = \"crank\"\nload = \"moment_norm\"\nframe = \"body\"",
+        "62:9",
+        &["frame has no effect on this load"],
+    ),
+    (
+        "type = \"circle\"\nmaterial = \"steel\"\ndiameter = 0.05",
+        "type = \"beam\"\naxial = 1\nmass = 1\nstiffness = [1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 1]",
+        "20:9",
+        &["axial has no effect beside stiffness"],
+    ),
+    (
+        "[[joint]]\nname = \"weld\"",
+        "[[point]]\nname = \"bob\"\nposition = [0, 1, 0]\nmass = 1\n\n[[force]]\nname = \"push\"\non = \"bob\"\npoint = [0, 2, 0]\n\
+         direction = [1, 0, 0]\nsize = 1\n\n[[joint]]\nname = \"weld\"",
+        "59:9",
+        &["this point lies 1 m from \"bob\"", "leave it out"],
+    ),
     // what has nothing to build
     ("[[body]]", "[[drawing]]", "", &["key \"name\""]),
 ];
@@ -234,6 +333,36 @@ fn all_mistakes_of_a_file_are_told_at_once_in_their_order() {
     let message = refusal(&text);
     let lines: Vec<&str> = message.lines().map(|line| line.split(": ").next().unwrap()).collect();
     assert_eq!(lines, ["scene.toml:7:8", "scene.toml:25:1", "scene.toml:33:8"], "{message}");
+}
+
+#[test]
+fn loops_take_ranges_and_lists() {
+    let with = |values: &str| {
+        let text = format!(
+            "name = \"crank\"\n[[point]]\nname = \"bob {{i}}\"\nposition = [\"{{i}}\", 0, 0]\nmass = 1\nfor = {{ i = {values} }}\n[[body]]\nname = \"crank\""
+        );
+        let scene = FileScene::parse(
+            "scene.toml",
+            &SOUND.replacen("name = \"crank\"", &text.replacen("name = \"crank\"", "name = \"first\"", 1), 1),
+        );
+        let scene = scene.unwrap_or_else(|why| panic!("{why}"));
+        let mechanism = scene.build_real(&[1.0]).unwrap_or_else(|why| panic!("{why}"));
+        let own = mechanism.model.nodes.iter().filter_map(|node| node.name.strip_prefix("bob ").map(String::from));
+        own.collect::<Vec<_>>().join(" ")
+    };
+    for (values, made) in [
+        ("{ from = 1, to = 5 }", "1 2 3 4 5"),
+        ("{ from = -1, to = 1 }", "-1 0 1"),
+        ("{ from = 2, to = 2 }", "2"),
+        ("{ values = [-1, 1] }", "-1 1"),
+        ("{ values = [\"1\", \"7\"] }", "1 7"),
+        ("[1, 2]", "1 2"),
+        ("[5, 1]", "5 1"),
+        ("[3]", "3"),
+        ("[1, 3, 7]", "1 3 7"),
+    ] {
+        assert_eq!(with(values), made, "{values}");
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ end = 0.1
 steps = 2
 
 [variable]
-t = { initial = 0.01, bounds = [0.001, 0.1], unit = "m", per_face = "plate.left half" }
+web = { initial = 0.01, bounds = [0.001, 0.1], unit = "m", per_face = "plate.left half" }
 h = { initial = 0.02, bounds = [0.001, 0.1], unit = "m" }
 
 [define]
@@ -29,7 +29,7 @@ type = "gmsh"
 file = "tests/gmsh/quads4.msh"
 material = "steel"
 thickness = "h"
-parts = [{ of = ["left half"], thickness = "t" }]
+parts = [{ of = ["left half"], thickness = "web" }]
 clamped = ["left edge"]
 
 [[mesh]]
@@ -98,7 +98,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
         "[[mesh]]",
         &["element 12 belongs to none of its 1 parts"],
     ),
-    ("thickness = \"h\"", "thickness = \"t\"", "thickness = \"t\"", &["has no value for element 12"]),
+    ("thickness = \"h\"", "thickness = \"web\"", "thickness = \"web\"", &["has no value for element 12"]),
     ("thickness = \"h\"", "laminate = \"cross\"", "[[mesh]]", &["direction is needed"]),
     (
         "thickness = \"h\"",
@@ -109,15 +109,15 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
     ("thickness = \"h\"", "laminate = \"cross\"\ndirection = [0, 0, 1]", "[[mesh]]", &["normal to its surface"]),
     (
         "thickness = \"twice\"",
-        "thickness = \"t\"",
-        "thickness = \"t\"\n\n",
-        &["\"t\" has a value for each face or node of \"plate\""],
+        "thickness = \"web\"",
+        "thickness = \"web\"\n\n",
+        &["\"web\" has a value for each face or node of \"plate\""],
     ),
     (
         "twice = \"2 * h\"",
-        "twice = \"2 * t\"",
+        "twice = \"2 * web\"",
         "twice =",
-        &["\"t\" has a value for each face", "only the thickness of this mesh"],
+        &["\"web\" has a value for each face", "only the thickness of this mesh"],
     ),
     ("per_face = \"plate.left half\"", "per_face = \"plat\"", "per_face", &["mesh \"plat\"", "did you mean \"plate\"?"]),
     ("per_face = \"plate.left half\"", "per_face = \"plate.lft half\"", "per_face", &["did you mean \"left half\"?"]),

@@ -3,6 +3,7 @@
 mod cantilever;
 mod elastica;
 mod equilibria;
+mod joins;
 mod kills;
 mod massless;
 mod mechanisms;
@@ -32,6 +33,7 @@ impl Study for Robustness {
         slender::dynamics(report)?;
         massless::count(report);
         equilibria::count(report)?;
+        joins::count(report);
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });

@@ -28,7 +28,7 @@ pub(super) struct MeshFace {
 /// An edge of a mesh: its points from the end of the smaller number on, and each face there with whether it runs that way.
 pub(super) struct MeshEdge {
     pub points: Vec<usize>,
-    faces: Vec<(usize, bool)>,
+    pub faces: Vec<(usize, bool)>,
 }
 
 /// A mesh of quadrilaterals of four and nine nodes and triangles of six, mixed as they come, at t = 0 in the world \[m\].
@@ -55,6 +55,10 @@ pub struct FreeMesh<S> {
     pub(super) given: Vec<(usize, NodeId)>,
     /// Damping proportional to stiffness \[s\].
     pub(super) damping: Option<S>,
+    /// Points may stand at the same place and are not joined.
+    pub(super) may_coincide: bool,
+    /// Why it could not be joined to others.
+    unjoined: Option<String>,
     crease: f64,
     /// Points of faces of eight, whose middles are the last points.
     completed: Vec<Vec<usize>>,
@@ -115,6 +119,8 @@ impl<S: Scalar> FreeMesh<S> {
             clamped: Vec::new(),
             given: Vec::new(),
             damping: None,
+            may_coincide: false,
+            unjoined: None,
             crease: CREASE,
             completed: Vec::new(),
             odd: Vec::new(),
@@ -165,19 +171,30 @@ impl<S: Scalar> FreeMesh<S> {
         self.damping = Some(damping);
         self
     }
+    /// Points may stand at the same place, or on other faces, where faces are not to be joined: a slit.
+    #[must_use]
+    pub fn with_coincident_points(mut self) -> Self {
+        self.may_coincide = true;
+        self
+    }
     /// Moves the points, from position and number to another position \[m\]; normals that were given stay.
     #[must_use]
     pub fn moved(mut self, to: impl Fn(Vector3<S>, usize) -> Vector3<S>) -> Self {
         let first = self.points.len() - self.completed.len();
-        self.points.truncate(first);
-        self.points.iter_mut().enumerate().for_each(|(number, point)| *point = to(*point, number));
-        let middles: Vec<Vector3<S>> = self.completed.iter().map(|own| middle(&self.points, own)).collect();
-        self.points.extend(middles);
+        self.points[..first].iter_mut().enumerate().for_each(|(number, point)| *point = to(*point, number));
+        self.complete();
         self
+    }
+    /// Places of the middles of faces of eight points.
+    fn complete(&mut self) {
+        let first = self.points.len() - self.completed.len();
+        for (place, own) in self.completed.iter().enumerate() {
+            self.points[first + place] = middle(&self.points, own);
+        }
     }
 
     /// Number of a point where users see it: that of the file; the middles of quadrilaterals of eight have none there.
-    fn point_number(&self, point: usize) -> String {
+    pub(super) fn point_number(&self, point: usize) -> String {
         let Some(data) = &self.data else { return point.to_string() };
         let first = data.points.len();
         match data.point_numbers.get(point) {
@@ -337,7 +354,8 @@ impl<S: Scalar> FreeMesh<S> {
         if !all.is_empty() {
             return all;
         }
-        for (number, normals) in self.own_normals().iter().enumerate() {
+        let own_normals = self.own_normals();
+        for (number, normals) in own_normals.iter().enumerate() {
             let mean = normals.iter().fold(Vector3::zeros(), |sum, &normal| sum + normal).unit();
             let cosines = normals.iter().map(|normal| normal.unit().dot(&mean).value());
             if let Some((node, cosine)) = cosines.enumerate().find(|(_, cosine)| !(*cosine > 0.0)) {
@@ -349,6 +367,9 @@ impl<S: Scalar> FreeMesh<S> {
             }
         }
         all.extend(self.hanging(face_name));
+        if all.is_empty() {
+            all.extend(self.gaps(&own_normals, face_name));
+        }
         let mut turned = 0;
         for MeshEdge { points, faces } in self.edges() {
             if let [(first, forward), (second, other)] = faces[..]
@@ -415,17 +436,18 @@ impl<S: Scalar> SurfaceMesh<S> for FreeMesh<S> {
     fn lines(&self) -> Vec<Vec<usize>> {
         self.edges().into_iter().map(|edge| edge.points).collect()
     }
-    fn rim(&self) -> Vec<usize> {
-        let single = self.edges().into_iter().filter(|edge| edge.faces.len() == 1);
-        let mut points: Vec<usize> = single.flat_map(|edge| edge.points).collect();
-        points.sort_unstable();
-        points.dedup();
-        points
+    fn mistake(&self) -> Option<String> {
+        self.unjoined.clone()
     }
-    fn take_over(&mut self, point: usize, node: NodeId) {
+    fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
         if self.given.iter().all(|(given, _)| *given != point) {
             self.given.push((point, node));
+            self.points[point] = place;
+            self.complete();
         }
+    }
+    fn refuse(&mut self, why: String) {
+        self.unjoined.get_or_insert(why);
     }
     fn member(self, shell: MeshedShell) -> MeshedShell {
         shell

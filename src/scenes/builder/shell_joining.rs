@@ -1,35 +1,134 @@
 //! Shells joined along edges to other shells and to bodies.
 
-// `!(x <= limit)` is how a NaN fails a check
-#![allow(clippy::neg_cmp_op_on_partial_ord)]
-
-use super::{MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
+use super::surface_search::{ALONG, PlacedFace, Point, SAME_PLACE, Surfaces, cosine, length, minus, shown};
+use super::{FreeMesh, MechanismBuilder, MeshedShell, ShellMember, ShellMesh, SurfaceMesh};
 use crate::assembly::{ConstraintId, NodeId};
 use crate::elements::flexible::Material;
+use crate::elements::flexible::faces::FaceKind;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use std::collections::HashMap;
 
-/// Distance of two nodes that are one, as a share of the diagonal of the mesh.
-const SAME_PLACE: f64 = 1e-9;
+/// What divides neighbours otherwise is told with this remedy.
+const REMEDY: &str = "divide both sides alike, so that all nodes there are common ones";
+
+/// Shells that a mesh is to be joined to.
+struct Neighbours<'s> {
+    shells: &'s [&'s MeshedShell],
+    /// All their faces: shell, and number in it.
+    faces: Vec<(usize, usize)>,
+    /// All their nodes with their places.
+    places: HashMap<NodeId, Point>,
+    surfaces: Surfaces,
+    /// Lines of nodes along which interpolations meet: edges, and the middle lines of faces of nine nodes.
+    lines: HashMap<NodeId, Vec<Vec<NodeId>>>,
+}
+
+impl<'s> Neighbours<'s> {
+    fn new<S: Scalar>(m: &MechanismBuilder<S>, shells: &'s [&'s MeshedShell], near: f64) -> Self {
+        let (mut faces, mut placed, mut places) = (Vec::new(), Vec::new(), HashMap::new());
+        let mut lines: HashMap<NodeId, Vec<Vec<NodeId>>> = HashMap::new();
+        for (number, shell) in shells.iter().enumerate() {
+            for (face, (kind, nodes)) in shell.faces().enumerate() {
+                let shape = kind.face.shape();
+                let place = |node: &NodeId| -> Point { m.position(*node).map(Scalar::value).into() };
+                placed.push(PlacedFace { shape, nodes: nodes.iter().map(place).collect() });
+                places.extend(nodes.iter().map(|node| (*node, place(node))));
+                faces.push((number, face));
+                let middles: &[&[usize]] = if kind.face == FaceKind::Quad9 { &[&[1, 4, 7], &[3, 4, 5]] } else { &[] };
+                for line in shape.edges.iter().chain(middles) {
+                    let line: Vec<NodeId> = line.iter().map(|&place| nodes[place]).collect();
+                    line.iter().for_each(|node| lines.entry(*node).or_default().push(line.clone()));
+                }
+            }
+        }
+        Neighbours { shells, faces, places, surfaces: Surfaces::new(placed, near), lines }
+    }
+    fn shell_of(&self, face: usize) -> &str {
+        &self.shells[self.faces[face].0].name
+    }
+    fn has_line(&self, line: &[Option<NodeId>]) -> bool {
+        let Some(nodes) = line.iter().copied().collect::<Option<Vec<NodeId>>>() else { return false };
+        let is_it = |own: &Vec<NodeId>| own.len() == nodes.len() && (*own == nodes || own.iter().rev().eq(&nodes));
+        self.lines.get(&nodes[0]).is_some_and(|lines| lines.iter().any(is_it))
+    }
+}
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// A mesh whose edges take over the nodes of shells that stand at the same places: walls that meet at any angle, which then stays.
+    /// A mesh whose edges take over the nodes of shells that stand at the same places, to a millionth of the diagonal of the mesh: walls that
+    /// meet at any angle, which then stays.
+    ///
+    /// The mesh is refused if it shares no node with one of the shells, and where edges run along each other with other divisions.
     ///
     /// Each wall keeps the directors of its own normals, in the frame of the common nodes: turning one about the normal of a wall, which the
-    /// penalty against drilling holds, bends the other. Where walls are sheared, the penalty adds to the stiffness as much as its share of
-    /// their area by the nodes of the corners: half a percent of the torsional stiffness of a square tube with two elements across each wall,
-    /// half of that with four.
+    /// penalty against drilling holds, bends the other.
     #[must_use]
-    pub fn joined<M: SurfaceMesh<S>>(&self, mut mesh: M, shells: &[&impl AsRef<MeshedShell>]) -> M {
-        let free = mesh.free();
-        let size = free.size();
-        for place in mesh.rim() {
-            let point = free.points[place];
-            let is_here = |node: &&NodeId| (self.position(**node) - point).length().value() <= SAME_PLACE * size;
-            if let Some(&node) = shells.iter().flat_map(|shell| &shell.as_ref().nodes).find(is_here) {
-                mesh.take_over(place, node);
+    pub fn joined<M: SurfaceMesh<S>>(&self, mesh: M, shells: &[&impl AsRef<MeshedShell>]) -> M {
+        let shells: Vec<&MeshedShell> = shells.iter().map(|shell| shell.as_ref()).collect();
+        let each: Vec<Vec<&MeshedShell>> = shells.iter().map(|shell| vec![*shell]).collect();
+        self.joined_to_each(mesh, &each)
+    }
+
+    /// The same, joined to at least one of the shells of each list.
+    pub(crate) fn joined_to_each<M: SurfaceMesh<S>>(&self, mesh: M, lists: &[Vec<&MeshedShell>]) -> M {
+        let (mut mesh, met) = self.joined_where_met(mesh, &lists.concat());
+        let mut first = 0;
+        for list in lists {
+            let range = first..first + list.len();
+            first = range.end;
+            if !list.is_empty() && !met[range].contains(&true) {
+                let why = self.gap_to(&mesh, list);
+                mesh.refuse(why);
             }
         }
         mesh
+    }
+
+    /// The mesh with the nodes of those shells that it meets, and which ones it meets.
+    pub(super) fn joined_where_met<M: SurfaceMesh<S>>(&self, mut mesh: M, shells: &[&MeshedShell]) -> (M, Vec<bool>) {
+        let free = mesh.free();
+        let near = SAME_PLACE * free.size();
+        let neighbours = Neighbours::new(self, shells, near);
+        let mut owners: HashMap<NodeId, Vec<usize>> = HashMap::new();
+        for (number, shell) in shells.iter().enumerate() {
+            shell.nodes.iter().for_each(|node| owners.entry(*node).or_default().push(number));
+        }
+        let mut nodes: HashMap<usize, NodeId> = free.given.iter().copied().collect();
+        let mut met = vec![false; shells.len()];
+        let by_place = PlaceIndex::new(&neighbours.places, near);
+        for point in free.outer_points() {
+            let node = nodes.get(&point).copied().or_else(|| by_place.find(free.value_of(point)));
+            let Some((node, own)) = node.and_then(|node| Some((node, owners.get(&node)?))) else { continue };
+            own.iter().for_each(|&shell| met[shell] = true);
+            if nodes.insert(point, node).is_none() {
+                mesh.take_over(point, node, self.position(node));
+            }
+        }
+        if let Some(why) = divided_otherwise(&free, &nodes, &neighbours) {
+            mesh.refuse(why);
+        }
+        (mesh, met)
+    }
+
+    /// How far a mesh lies from shells that it does not meet, in words that follow its name.
+    fn gap_to<M: SurfaceMesh<S>>(&self, mesh: &M, shells: &[&MeshedShell]) -> String {
+        let (free, neighbours) = (mesh.free(), Neighbours::new(self, shells, 0.0));
+        let pairs = free.outer_points().into_iter().flat_map(|point| {
+            let place = free.value_of(point);
+            neighbours.places.iter().map(move |(&node, &other)| (length(minus(other, place)), point, node))
+        });
+        let nearest = pairs.min_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2.0).cmp(&(b.1, b.2.0))));
+        let name = &shells[0].name;
+        let Some((distance, point, node)) = nearest else {
+            return format!("is to be joined to \"{name}\", which has no nodes");
+        };
+        format!(
+            "is to be joined to \"{name}\", but no node of its edges stands where one of \"{name}\" does: the nearest are its {} at {} and \
+             \"{}\", {distance:.3e} m apart, and up to {:.1e} m are one place",
+            mesh.node_name(point),
+            shown(free.value_of(point)),
+            self.model.nodes[node.0].name,
+            SAME_PLACE * free.size()
+        )
     }
 
     /// A closed sphere of one material and thickness \[m\], made of the six faces of a cube with as many elements along each edge.
@@ -47,7 +146,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             for normal in 0..3 {
                 let edges = [axes[(normal + 1) % 3] * S::from(sign), axes[(normal + 2) % 3]];
                 let mesh = ShellMesh::sphere_face(centre, radius, edges, [elements; 2]);
-                let mesh = self.joined(mesh, &faces.iter().collect::<Vec<_>>());
+                let (mesh, _) = self.joined_where_met(mesh, &faces.iter().map(|face| &**face).collect::<Vec<_>>());
                 let name = format!("{name}, face {}", 3 * number + normal + 1);
                 faces.push(self.shell(&name, mesh, material, thickness));
             }
@@ -75,5 +174,95 @@ impl<S: Scalar> MechanismBuilder<S> {
             links.push(self.rigid_link(&format!("{name}, node {number}"), [body, node]));
         }
         links
+    }
+}
+
+/// Where edges of a mesh and of its neighbours run along each other and are not one, in words that follow the name of the mesh.
+fn divided_otherwise<S: Scalar>(
+    free: &FreeMesh<S>,
+    nodes: &HashMap<usize, NodeId>,
+    neighbours: &Neighbours,
+) -> Option<String> {
+    let near = SAME_PLACE * free.size();
+    let unequal = |place: Point, shell: &str| {
+        format!(
+            "is joined to \"{shell}\", but at {} their edges lie along each other with other nodes: {REMEDY}",
+            shown(place)
+        )
+    };
+    let edges = free.edges();
+    for edge in edges.iter().filter(|edge| edge.faces.len() == 1) {
+        let own: Vec<Option<NodeId>> = edge.points.iter().map(|point| nodes.get(point).copied()).collect();
+        if neighbours.has_line(&own) {
+            continue;
+        }
+        for (&point, node) in edge.points.iter().zip(&own) {
+            let from = free.value_of(point);
+            let Some(lines) = node.and_then(|node| neighbours.lines.get(&node)) else { continue };
+            for other in lines.iter().flatten().filter(|other| Some(**other) != *node) {
+                let along = minus(neighbours.places[other], from);
+                let runs = |&&end: &&usize| end != point && cosine(minus(free.value_of(end), from), along) > ALONG.cos();
+                if let Some(&end) = edge.points.iter().find(runs) {
+                    let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(other));
+                    return Some(unequal(free.value_of(end), shell.map_or("", |own| &own.name)));
+                }
+            }
+        }
+        // across a face, from node to node
+        if let [Some(_), .., Some(_)] = own[..] {
+            let ends = [edge.points[0], edge.points[edge.points.len() - 1]].map(|point| free.value_of(point));
+            let middle = match edge.points[..] {
+                [_, middle, _] => free.value_of(middle),
+                _ => [0, 1, 2].map(|axis: usize| 0.5 * (ends[0][axis] + ends[1][axis])),
+            };
+            if let Some(foot) = neighbours.surfaces.nearest(middle, |_| true) {
+                return Some(unequal(middle, neighbours.shell_of(foot.face)));
+            }
+        }
+    }
+    // nodes on faces, of either
+    for point in free.outer_points().into_iter().filter(|point| !nodes.contains_key(point)) {
+        let place = free.value_of(point);
+        if let Some(foot) = neighbours.surfaces.nearest(place, |_| true) {
+            return Some(unequal(place, neighbours.shell_of(foot.face)));
+        }
+    }
+    let own = Surfaces::new(free.placed(), near);
+    let shared: std::collections::HashSet<NodeId> = nodes.values().copied().collect();
+    let mut others: Vec<_> = neighbours.places.iter().filter(|(node, _)| !shared.contains(node)).collect();
+    others.sort_unstable_by_key(|own| own.0.0);
+    others.into_iter().find_map(|(node, &place)| {
+        own.nearest(place, |_| true)?;
+        let shell = neighbours.shells.iter().find(|shell| shell.nodes.contains(node))?;
+        Some(unequal(place, &shell.name))
+    })
+}
+
+/// Nodes by their places.
+struct PlaceIndex<'p> {
+    cells: HashMap<[i64; 3], Vec<NodeId>>,
+    places: &'p HashMap<NodeId, Point>,
+    near: f64,
+}
+
+impl<'p> PlaceIndex<'p> {
+    fn cell(near: f64, place: Point) -> [i64; 3] {
+        place.map(|x| (x / (2.0 * near).max(f64::MIN_POSITIVE)).floor() as i64)
+    }
+    fn new(places: &'p HashMap<NodeId, Point>, near: f64) -> Self {
+        let mut cells: HashMap<[i64; 3], Vec<NodeId>> = HashMap::new();
+        for (&node, &place) in places {
+            cells.entry(Self::cell(near, place)).or_default().push(node);
+        }
+        PlaceIndex { cells, places, near }
+    }
+    /// The nearest node at a place.
+    fn find(&self, place: Point) -> Option<NodeId> {
+        let own = Self::cell(self.near, place);
+        let around = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
+        let cells = around.map(|step| [0, 1, 2].map(|axis: usize| own[axis].saturating_add(step[axis])));
+        let nodes = cells.filter_map(|cell| self.cells.get(&cell)).flatten();
+        let gaps = nodes.map(|node| (*node, length(minus(self.places[node], place))));
+        gaps.filter(|own| own.1 <= self.near).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.0.cmp(&b.0.0))).map(|own| own.0)
     }
 }

@@ -42,6 +42,9 @@ pub struct ShellMesh<S> {
     pub(super) given: Vec<(usize, NodeId)>,
     /// Damping proportional to stiffness \[s\].
     pub(super) damping: Option<S>,
+    may_coincide: bool,
+    /// Why it is no mesh that can be made or joined.
+    refused: Option<String>,
 }
 
 impl<S: Scalar> ShellMesh<S> {
@@ -56,8 +59,18 @@ impl<S: Scalar> ShellMesh<S> {
                 (point, normal.unit())
             })
             .unzip();
-        let (clamped, given) = (Vec::new(), Vec::new());
-        ShellMesh { elements, points, normals, kind: FaceKind::Quad9, closed: false, clamped, given, damping: None }
+        ShellMesh {
+            elements,
+            points,
+            normals,
+            kind: FaceKind::Quad9,
+            closed: false,
+            clamped: Vec::new(),
+            given: Vec::new(),
+            damping: None,
+            may_coincide: false,
+            refused: None,
+        }
     }
 
     /// A flat plate: a corner \[m\] and the edges that start there \[m\].
@@ -138,10 +151,20 @@ impl<S: Scalar> ShellMesh<S> {
         self.given.push((place, node));
         self
     }
+    /// Nodes may stand at the same place, or on other elements, where these are not to be joined: a slit.
+    #[must_use]
+    pub fn with_coincident_points(mut self) -> Self {
+        self.may_coincide = true;
+        self
+    }
     /// The nodes of an edge are those that are there, in this order.
     #[must_use]
     pub fn with_edge(mut self, edge: Edge, nodes: &[NodeId]) -> Self {
         let places = self.places(edge);
+        if places.len() != nodes.len() {
+            let why = format!("has {} nodes on an edge that is given {}; give one for each", places.len(), nodes.len());
+            self.refused.get_or_insert(why);
+        }
         self.given.extend(places.into_iter().zip(nodes.iter().copied()));
         self
     }
@@ -212,11 +235,14 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
         };
         free.faces = (0..count).map(face).collect();
         (free.clamped, free.given, free.damping) = (self.clamped.clone(), self.given.clone(), self.damping);
+        free.may_coincide = self.may_coincide;
         free
     }
     fn mistake(&self) -> Option<String> {
         let [first, second] = self.elements;
-        (first == 0 || second == 0).then(|| format!("has {first} x {second} elements; a shell needs at least 1 x 1"))
+        let is_empty = first == 0 || second == 0;
+        let why = is_empty.then(|| format!("has {first} x {second} elements; a shell needs at least 1 x 1"));
+        why.or_else(|| self.refused.clone())
     }
     fn node_name(&self, point: usize) -> String {
         let width = 2 * self.elements[0] + 1;
@@ -242,14 +268,14 @@ impl<S: Scalar> SurfaceMesh<S> for ShellMesh<S> {
         let across = (0..=first).step_by(2).map(|i| (0..=second).map(|j| self.place(i, j)).collect());
         lines.chain(across).collect()
     }
-    fn rim(&self) -> Vec<usize> {
-        let edges = [Edge::FirstStart, Edge::FirstEnd, Edge::SecondStart, Edge::SecondEnd];
-        edges.into_iter().flat_map(|edge| self.places(edge)).collect()
-    }
-    fn take_over(&mut self, point: usize, node: NodeId) {
+    fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>) {
         if self.given.iter().all(|(given, _)| *given != point) {
             self.given.push((point, node));
+            self.points[point] = place;
         }
+    }
+    fn refuse(&mut self, why: String) {
+        self.refused.get_or_insert(why);
     }
     fn member(self, shell: MeshedShell) -> ShellMember {
         let [first, second] = self.elements.map(|count| 2 * count);

@@ -364,9 +364,22 @@ impl<S: Scalar> MechanismBuilder<S> {
         }
         let size = free.size();
         let mut rotation: Option<[f64; 4]> = None;
+        let clamped: HashSet<usize> = free.clamped.iter().copied().collect();
+        let mut first: HashMap<usize, NodeId> = HashMap::new();
         for &(place, node) in &free.given {
             let Some(kind) = self.kind_of(name, node) else { continue };
             let own = self.model.nodes[node.0].name.clone();
+            let at = mesh.node_name(place);
+            if clamped.contains(&place) && !self.model.nodes[node.0].fixed {
+                self.mistakes.push(format!(
+                    "\"{name}\" is clamped at its {at}, which is the node \"{own}\" that moves: clamp that one, or leave it out here"
+                ));
+            }
+            let before = *first.entry(place).or_insert(node);
+            if before != node {
+                let before = &self.model.nodes[before.0].name;
+                self.mistakes.push(format!("\"{name}\" is given two nodes for its {at}: \"{before}\" and \"{own}\""));
+            }
             if kind != NodeKind::Body {
                 self.mistakes.push(format!("\"{name}\" needs a body with Euler parameters, but node \"{own}\" is none"));
                 continue;

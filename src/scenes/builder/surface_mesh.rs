@@ -1,7 +1,7 @@
 use super::FreeMesh;
 use super::shells::MeshedShell;
 use crate::assembly::NodeId;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Vector3};
 
 /// A mesh that a shell can be made of: a [grid](super::ShellMesh), or a [free](FreeMesh) one.
 pub trait SurfaceMesh<S: Scalar> {
@@ -28,10 +28,10 @@ pub trait SurfaceMesh<S: Scalar> {
     fn place(&self, face: usize, node: usize) -> Self::Place;
     /// Lines of points that are drawn.
     fn lines(&self) -> Vec<Vec<usize>>;
-    /// Points of its outer edges.
-    fn rim(&self) -> Vec<usize>;
-    /// Lets a point be a node that is there, unless it is one already.
-    fn take_over(&mut self, point: usize, node: NodeId);
+    /// Lets a point be a node that is there, at its place, unless it is one already.
+    fn take_over(&mut self, point: usize, node: NodeId, place: Vector3<S>);
+    /// Keeps why it is no mesh that can be joined, in words that follow its name.
+    fn refuse(&mut self, why: String);
     /// The shell, with what the mesh knows of it.
     fn member(self, shell: MeshedShell) -> Self::Member;
 }

@@ -1,6 +1,6 @@
 //! Members of thin walls: straight walls between the corners of a profile, drawn along a line.
 
-use super::{Edge, MechanismBuilder, ShellMember, ShellMesh};
+use super::{Edge, MechanismBuilder, MeshedShell, ShellMember, ShellMesh};
 use crate::assembly::NodeId;
 use crate::elements::flexible::Material;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -124,8 +124,8 @@ impl<S: Scalar> MechanismBuilder<S> {
                 ));
                 return own;
             };
-            let before: Vec<&ShellMember> = own.walls.iter().collect();
-            let mesh = self.joined(extrusion.wall([from, to], elements), &before);
+            let before: Vec<&MeshedShell> = own.walls.iter().map(|wall| &**wall).collect();
+            let (mesh, _) = self.joined_where_met(extrusion.wall([from, to], elements), &before);
             let wall = self.tapered_shell(&format!("{name}, wall {}", number + 1), mesh, material, |_, [_, share]| {
                 thickness(number, share)
             });

@@ -8,6 +8,7 @@ use super::known::{Found, Known, Made, count, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::{ConstraintId, NodeId};
+use crate::design::shortest;
 use crate::elements::NodeKind;
 use crate::elements::flexible::Material;
 use crate::elements::forces::LoadFrame;
@@ -139,7 +140,12 @@ pub(super) fn ends<S: Scalar>(
     let given = known.points(fields, "points")?;
     match given.as_slice() {
         [] => Ok(nodes.map(|node| m.position(node))),
-        &[a, b] => Ok([a, b]),
+        &[a, b] => {
+            let at = fields.get("points").map_or(fields.at, |own| own.0);
+            check_place(at, nodes[0], a, m)?;
+            check_place(at, nodes[1], b, m)?;
+            Ok([a, b])
+        }
         other => {
             let at = fields.get("points").map_or(fields.at, |own| own.0);
             Err(Mistake::new(at, format!("points has {} places; give two, one on each node", other.len())))
@@ -155,7 +161,28 @@ pub(super) fn place<S: Scalar>(
     node: NodeId,
     m: &Builder<S>,
 ) -> Found<Vector3<S>> {
-    known.vector_or(fields, key, m.position(node))
+    let point = known.vector_or(fields, key, m.position(node))?;
+    if let Some((at, _)) = fields.get(key) {
+        check_place(at, node, point, m)?;
+    }
+    Ok(point)
+}
+
+/// A node without axes has no places but its own.
+fn check_place<S: Scalar>(at: usize, node: NodeId, point: Vector3<S>, m: &Builder<S>) -> Found<()> {
+    let Some(own) = m.model.find_node(node).filter(|own| !own.kind.has_axes() && own.kind.in_space().is_some()) else {
+        return Ok(());
+    };
+    let gap = (m.position(node) - point).length().value();
+    let size = m.position(node).length().value().max(point.length().value());
+    if gap <= 1e-9 * size {
+        return Ok(());
+    }
+    let (name, gap) = (&own.name, shortest(gap));
+    Err(Mistake::new(
+        at,
+        format!("this point lies {gap} m from \"{name}\", which has no axes and takes hold where it is: leave it out"),
+    ))
 }
 
 /// A joint that holds its equations.

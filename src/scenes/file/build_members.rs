@@ -4,7 +4,7 @@ use super::build::Builder;
 use super::expression::SHARE_PLACE;
 use super::known::{Found, Known, Made, count, counts, edge_named, fixed, flag, list, text, texts};
 use super::mistake::Mistake;
-use super::reader::{Fields, Item, Value};
+use super::reader::{Fields, Item, NodePlace, Value};
 use crate::assembly::NodeId;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{CableSection, Laminate, Ply, PlyStrength, STRAINS, Section};
@@ -55,6 +55,19 @@ fn beam_section<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Section<S
     let own = &item.fields;
     let mut section = match (section(known, own)?, own.form) {
         (Made::Shape(material, shape), _) => Section::of(material, shape),
+        (_, "beam") if own.get("stiffness").is_some() => {
+            for key in ["axial", "shear", "torsion", "bending"] {
+                if let Some((at, _)) = own.get(key) {
+                    return Err(Mistake::new(
+                        at,
+                        format!("{key} has no effect beside stiffness, which holds all of them: leave one out"),
+                    ));
+                }
+            }
+            let one = S::from(1.0);
+            let second: [S; 2] = if own.get("inertia").is_some() { known.numbers(own, "inertia")? } else { [S::zero(); 2] };
+            Section::new([one; 6]).with_inertia(known.number_or(own, "mass", 0.0)?, second)
+        }
         (_, "beam") => {
             let ([shear_2, shear_3], [bending_2, bending_3]) =
                 (known.numbers(own, "shear")?, known.numbers(own, "bending")?);
@@ -146,11 +159,39 @@ pub(super) fn laminate<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Ma
     Ok(Made::Laminate(laminate, strengths))
 }
 
-/// Gives nodes of a member the motion that the entry says.
+/// Gives nodes of a member the motion that the entry says. Nodes of others that have a motion of their own must have the same.
 fn set_motion<S: Scalar>(known: &Known<S>, fields: &Fields, nodes: &[NodeId], m: &mut Builder<S>) -> Found<()> {
-    let Some((_, Value::Fields(own))) = fields.get("motion") else { return Ok(()) };
+    let Some((at, Value::Fields(own))) = fields.get("motion") else { return Ok(()) };
     let vector = |key| known.vector_or(own, key, Vector3::zeros());
+    let moves = |key: &str| match fields.get(key) {
+        Some((_, Value::Node(NodePlace { item: Some(item), .. }))) => {
+            let has = |key: &&str| known.items[*item].fields.values.iter().any(|own| own.0 == *key);
+            ["velocity", "angular_velocity", "motion"].iter().any(has).then_some(*item)
+        }
+        _ => None,
+    };
+    let shared = [("start_node", nodes.first()), ("end_node", nodes.last())];
+    let rates = |node: NodeId, m: &Builder<S>| -> Vec<f64> {
+        let dofs = m.model.find_node(node).map_or(0..0, |own| own.dofs.clone());
+        m.numbers.v[dofs].iter().map(|own| own.value()).collect()
+    };
+    let given: Vec<(usize, NodeId, Vec<f64>)> = shared
+        .into_iter()
+        .filter_map(|(key, node)| Some((moves(key)?, *node?)))
+        .map(|(item, node)| (item, node, rates(node, m)))
+        .collect();
     m.set_rigid_motion(nodes, vector("point")?, vector("velocity")?, vector("angular_velocity")?);
+    for (item, node, before) in given {
+        let differs =
+            rates(node, m).iter().zip(&before).any(|(now, before)| (now - before).abs() > 1e-9 * (1.0 + before.abs()));
+        if differs {
+            let name = &known.items[item].name;
+            let text = format!(
+                "this motion gives \"{name}\" another velocity than it has of its own: let both be the same, or one of them say it"
+            );
+            return Err(Mistake::new(at, text));
+        }
+    }
     Ok(())
 }
 
@@ -168,6 +209,12 @@ fn with_ends<L>(
 ) -> Found<L> {
     for (place, [key, end]) in [["start_node", "start"], ["end_node", "end"]].into_iter().enumerate() {
         if fields.get(key).is_some() {
+            if is_clamped(fields, end) {
+                let at = fields.get("clamped").map_or(fields.at, |own| own.0);
+                let text =
+                    format!("clamped = \"{end}\" has no effect beside {key}: hold that node, or leave one of them out");
+                return Err(Mistake::new(at, text));
+            }
             line = joined[place](line, node(key)?);
         } else if is_clamped(fields, end) {
             line = clamped[place](line);
@@ -225,17 +272,17 @@ pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     Ok(Made::Cable(cable))
 }
 
-/// Shells that the key `joined` names.
-pub(super) fn joined<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields) -> Vec<&'k MeshedShell> {
-    let mut others: Vec<&MeshedShell> = Vec::new();
+/// Shells that the key `joined` names, a list of those of each entry.
+pub(super) fn joined<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields) -> Vec<Vec<&'k MeshedShell>> {
+    let mut others: Vec<Vec<&MeshedShell>> = Vec::new();
     for (_, value) in list(fields, "joined") {
         let (Value::Item(item) | Value::Group(item, _)) = value else { continue };
-        match &known.made[*item] {
-            Made::Shell(shell) => others.push(shell),
-            Made::Mesh(shell) => others.push(shell),
-            Made::Walls(walls) => others.extend(walls.walls.iter().map(|wall| &**wall)),
-            _ => {}
-        }
+        others.push(match &known.made[*item] {
+            Made::Shell(shell) => vec![shell],
+            Made::Mesh(shell) => vec![shell],
+            Made::Walls(walls) => walls.walls.iter().map(|wall| &**wall).collect(),
+            _ => Vec::new(),
+        });
     }
     others
 }
@@ -276,10 +323,10 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     for edge in texts(fields, "clamped") {
         mesh = mesh.clamped(edge_named(&edge));
     }
-    let others = joined(known, fields);
-    if !others.is_empty() {
-        mesh = m.joined(mesh, &others.iter().collect::<Vec<_>>());
+    if flag(fields, "coincident", false) {
+        mesh = mesh.with_coincident_points();
     }
+    mesh = m.joined_to_each(mesh, &joined(known, fields));
     for (at, value) in list(fields, "held") {
         let Value::Fields(own) = value else { continue };
         let [i, j] = counts(own, "place").unwrap_or([0; 2]);
@@ -297,9 +344,10 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     }
     let (material, thickness) = (known.material(fields)?, known.series(fields, "thickness")?);
     let (strips, along) = (thickness.len(), elements[0]);
-    if strips == 0 || strips > along {
+    if strips == 0 || along % strips != 0 {
         let text = format!(
-            "\"{name}\" has {strips} thicknesses; give one, or up to {along}, the elements along its first direction"
+            "\"{name}\" has {strips} thicknesses of strips of equal width, but {along} elements along its first direction: give one, or as many as \
+             divide these"
         );
         return Err(Mistake::new(fields.get("thickness").map_or(fields.at, |own| own.0), text));
     }
@@ -353,6 +401,14 @@ pub(super) fn group<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields) ->
     let Made::Shell(shell) = known.made(fields, "of")? else {
         return Err(Mistake::new(fields.at, "of must name a shell"));
     };
+    for (key, count) in ["first", "second"].into_iter().zip(shell.counts) {
+        if let (Some([from, to]), Some((at, _))) = (counts(fields, key), fields.get(key))
+            && (from > to || to >= count)
+        {
+            let text = format!("{key} goes from element {from} to {to}; the shell has {count} there, counted from 0");
+            return Err(Mistake::new(at, text));
+        }
+    }
     let bounds = |key: &str, count: usize| counts(fields, key).unwrap_or([0, count.saturating_sub(1)]);
     let ranges = [bounds("first", shell.counts[0]), bounds("second", shell.counts[1])];
     let is_in = |place: [usize; 2]| (0..2).all(|k| (ranges[k][0]..=ranges[k][1]).contains(&place[k]));

@@ -2,7 +2,7 @@
 
 use super::build::Builder;
 use super::build_members::joined;
-use super::known::{Found, Known, Made, fixed, list, texts};
+use super::known::{Found, Known, Made, fixed, flag, list, texts};
 use super::meshes::{names, nodes_of};
 use super::mistake::Mistake;
 use super::reader::{Fields, Value};
@@ -105,6 +105,8 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     let (name, fields) = (item.name.as_str(), &item.fields);
     let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
     check(fields, data)?;
+    // these were read with the mesh
+    ["file", "reverse"].iter().for_each(|key| _ = fields.get(key));
     let mut mesh = FreeMesh::of_data_at(data, points(known, fields, data)?);
     if let Some(angle) = fixed(fields, "crease") {
         mesh = mesh.creased(angle);
@@ -132,10 +134,10 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
         };
         mesh = mesh.with_node(point, known.node(own, "node", m)?);
     }
-    let others = joined(known, fields);
-    if !others.is_empty() {
-        mesh = m.joined(mesh, &others.iter().collect::<Vec<_>>());
+    if flag(fields, "coincident", false) {
+        mesh = mesh.with_coincident_points();
     }
+    mesh = m.joined_to_each(mesh, &joined(known, fields));
 
     // which entry says the section of each face
     let parts: Vec<&Fields> =
@@ -155,8 +157,8 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
             }
         }
     }
-    let has_own = fields.get("thickness").is_some() || fields.get("laminate").is_some();
-    if let Some(face) = part_of.iter().position(Option::is_none).filter(|_| !has_own) {
+    let has_own = || fields.get("thickness").is_some() || fields.get("laminate").is_some();
+    if let Some(face) = part_of.iter().position(Option::is_none).filter(|_| !has_own()) {
         let text = format!(
             "\"{name}\" needs the keys material and thickness, or laminate and direction: element {} belongs to none of its {} parts",
             data.face_numbers[face],
@@ -166,7 +168,9 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     }
     let mut entries = parts;
     let of_mesh = entries.len();
-    entries.push(fields);
+    if part_of.contains(&None) {
+        entries.push(fields);
+    }
     let part_of: Vec<usize> = part_of.into_iter().map(|own| own.unwrap_or(of_mesh)).collect();
 
     let mut tables: Vec<Thickness<S>> = Vec::new();
@@ -195,9 +199,6 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
             ShellPart::Laminate(laminate, known.vector(given("direction"), "direction")?)
         } else if part_of.contains(&number) {
             ShellPart::Isotropic(known.material(given("material"))?, &*lookups[number])
-        } else if number == of_mesh {
-            // all faces have parts
-            break;
         } else {
             return Err(Mistake::new(own.at, "this part has no faces"));
         });

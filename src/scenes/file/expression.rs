@@ -153,9 +153,14 @@ pub(super) const FUNCTIONS: [(&str, Function, &[bool], bool); 21] = [
 /// Constants that every formula may use.
 pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("deg", PI / 180.0)];
 
-/// True for a name that formulas keep for themselves.
-pub(super) fn is_reserved(name: &str) -> bool {
-    FUNCTIONS.iter().any(|own| own.0 == name) || CONSTANTS.iter().any(|own| own.0 == name)
+/// What a name means in formulas of every file, in words; `None` for one that is free.
+pub(super) fn meaning(name: &str) -> Option<&'static str> {
+    match name {
+        TIME => Some("the time in formulas of type \"formula\""),
+        SHARE => Some("the place along a beam in formulas of a [section]"),
+        _ if CONSTANTS.iter().any(|own| own.0 == name) => Some("a constant in formulas"),
+        _ => FUNCTIONS.iter().any(|own| own.0 == name).then_some("a function in formulas"),
+    }
 }
 
 /// True for what can stand in a formula as a name.
@@ -175,7 +180,7 @@ pub(super) fn continues_name(letter: char) -> bool {
 pub(super) fn names_in(text: &str) -> Vec<String> {
     let words = text.split(|letter| !continues_name(letter) && letter != '.');
     let words = words.map(|word| word.split('.').next().unwrap_or_default());
-    words.filter(|word| is_name(word) && !is_reserved(word)).map(String::from).collect()
+    words.filter(|word| is_name(word) && meaning(word).is_none()).map(String::from).collect()
 }
 
 #[derive(Clone, Debug, PartialEq)]

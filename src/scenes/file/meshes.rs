@@ -66,16 +66,6 @@ impl Reader {
             },
         };
         read.insert(path, data.clone());
-        let may_coincide = matches!(raw.get("coincident"), Some(Raw { value: RawValue::Flag(true), .. }));
-        if !may_coincide && let Some([a, b]) = data.coincident() {
-            self.wrong(
-                key.at,
-                format!(
-                    "file, \"{file}\": nodes {a} and {b} stand at the same place, so that faces on both sides are not joined there; Coherence Mesh \
-                     in Gmsh makes them one, and the key coincident = true leaves them apart"
-                ),
-            );
-        }
         Some(data)
     }
 

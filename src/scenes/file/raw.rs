@@ -1,8 +1,7 @@
 //! The tree of a TOML text with the place of everything in it, and entries that stand for many.
 
-use super::expression::{Expression, Quantity, Scope};
+use super::expression::{Expression, Quantity, Scope, meaning};
 use super::mistake::Mistake;
-use std::ops::RangeInclusive;
 use toml::de::{DeTable, DeValue};
 
 /// A value and where it stands.
@@ -133,32 +132,60 @@ enum Step {
     Word(String),
 }
 
+/// What a name of a loop may be given.
+const FOR_WANTED: &str = "each has a range { from = 1, to = 5 }, or a list of whole numbers or of texts";
+
+/// The values of a name of a loop.
+fn steps_of(own: &Entry) -> Result<Vec<Step>, Mistake> {
+    let wrong = |what: String| Err(Mistake::new(own.value.at, what));
+    let is = || format!("for: {} is {}; {FOR_WANTED}", own.key, own.value.words());
+    if let Some(entries) = own.value.entries() {
+        let number = |key: &str| own.value.get(key).and_then(Raw::whole);
+        return match (entries.len(), number("from"), number("to"), own.value.get("values")) {
+            (2, Some(from), Some(to), _) if from > to => wrong(format!(
+                "for: {} goes from {from} to {to}, which makes nothing: the smaller number comes first",
+                own.key
+            )),
+            (2, Some(from), Some(to), _) if (from..=to).nth(MOST_ENTRIES).is_some() => {
+                wrong(format!("for: {} takes more than {MOST_ENTRIES} values", own.key))
+            }
+            (2, Some(from), Some(to), _) => Ok((from..=to).map(Step::Whole).collect()),
+            (1, _, _, Some(values)) => listed(values).map_or_else(|| wrong(is()), Ok),
+            _ => wrong(is()),
+        };
+    }
+    match listed(&own.value).as_deref() {
+        // what was a range once is no other model without a word
+        Some(&[Step::Whole(a), Step::Whole(b)]) if b > a.saturating_add(1) => wrong(format!(
+            "for: [{a}, {b}] may be two values or all from {a} to {b}: write {{ from = {a}, to = {b} }} for all of them, or \
+             {{ values = [{a}, {b}] }} for these two"
+        )),
+        Some(steps) => Ok(steps.to_vec()),
+        None => wrong(is()),
+    }
+}
+
+/// Whole numbers or texts of a list that is not empty.
+fn listed(raw: &Raw) -> Option<Vec<Step>> {
+    let RawValue::List(list) = &raw.value else { return None };
+    let numbers: Option<Vec<Step>> = list.iter().map(|own| own.whole().map(Step::Whole)).collect();
+    let words = || list.iter().map(|own| own.text().map(|word| Step::Word(word.into()))).collect();
+    numbers.or_else(words).filter(|own: &Vec<Step>| !own.is_empty())
+}
+
 /// The entries that an entry with a key `for` stands for, or itself.
 ///
 /// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.
 pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
     let Some(loops) = entry.get("for") else { return Ok(vec![entry.clone()]) };
-    let wanted =
-        "for must be a table of names with a range [from, to] of whole numbers or a list of texts, as in { i = [1, 5] }";
     let named = loops.entries().filter(|named| !named.is_empty());
-    let named = named.ok_or_else(|| Mistake::new(loops.at, format!("{wanted}; it is {}", loops.words())))?;
+    let named = named.ok_or_else(|| Mistake::new(loops.at, format!("for must be a table of names; {FOR_WANTED}")))?;
     let mut turns: Vec<Vec<Turn>> = vec![Vec::new()];
     for own in named {
-        let wrong = || Mistake::new(own.value.at, format!("{wanted}; {} is {}", own.key, own.value.words()));
-        let RawValue::List(list) = &own.value.value else { return Err(wrong()) };
-        let steps: Vec<Step> = match list.as_slice() {
-            [from, to] if from.whole().is_some() && to.whole().is_some() => {
-                let range: RangeInclusive<i64> = from.whole().unwrap_or(0)..=to.whole().unwrap_or(0);
-                if range.clone().nth(MOST_ENTRIES).is_some() {
-                    return Err(Mistake::new(own.value.at, format!("{} takes more than {MOST_ENTRIES} values", own.key)));
-                }
-                range.map(Step::Whole).collect()
-            }
-            words if words.iter().all(|word| word.text().is_some()) && !words.is_empty() => {
-                words.iter().filter_map(|word| word.text()).map(|word| Step::Word(word.into())).collect()
-            }
-            _ => return Err(wrong()),
-        };
+        if let Some(meaning) = meaning(&own.key) {
+            return Err(Mistake::new(own.at, format!("\"{}\" means {meaning}; take another name", own.key)));
+        }
+        let steps = steps_of(own)?;
         if turns.len() * steps.len() > MOST_ENTRIES {
             return Err(Mistake::new(loops.at, format!("for makes more than {MOST_ENTRIES} entries")));
         }

@@ -1,6 +1,6 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
-use super::expression::{Expression, Scope, is_name, is_reserved, names_in};
+use super::expression::{Expression, Scope, is_name, meaning, names_in};
 use super::keys::{Form, Forms, Range, Section, Shape};
 use super::meshes::Each;
 use super::mistake::Mistake;
@@ -9,9 +9,9 @@ use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
 use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
 use crate::scenes::MeshData;
 use crate::scenes::unknown;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What a key was given.
 #[derive(Clone, Debug)]
@@ -51,12 +51,32 @@ pub(super) struct Fields {
     /// Its type.
     pub form: &'static str,
     pub values: Vec<(&'static str, usize, Value)>,
+    /// Keys that were asked for.
+    read: Arc<Mutex<HashSet<&'static str>>>,
 }
 
 impl Fields {
     /// A value and its place.
     pub fn get(&self, key: &str) -> Option<(usize, &Value)> {
-        self.values.iter().find(|own| own.0 == key).map(|(_, at, value)| (*at, value))
+        let (own, at, value) = self.values.iter().find(|own| own.0 == key)?;
+        self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(own);
+        Some((*at, value))
+    }
+    /// Keys that nobody has asked for, here and in tables that are values, with their places: they change nothing.
+    pub fn unread(&self) -> Vec<(&'static str, usize)> {
+        fn inside(value: &Value) -> Vec<(&'static str, usize)> {
+            match value {
+                Value::Fields(own) => own.unread(),
+                Value::List(list) => list.iter().flat_map(|(_, own)| inside(own)).collect(),
+                _ => Vec::new(),
+            }
+        }
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let of_key = |(key, at, value): &(&'static str, usize, Value)| match read.contains(key) || *key == "name" {
+            true => inside(value),
+            false => vec![(*key, *at)],
+        };
+        self.values.iter().flat_map(of_key).collect()
     }
 }
 
@@ -279,8 +299,8 @@ impl Reader {
                 at,
                 format!("\"{name}\" cannot be used in formulas: names there are letters, digits and _, and begin with no digit; a key `name` says what people read"),
             );
-        } else if is_reserved(name) {
-            self.wrong(at, format!("\"{name}\" means a function or constant in formulas; take another name"));
+        } else if let Some(meaning) = meaning(name) {
+            self.wrong(at, format!("\"{name}\" means {meaning}; take another name"));
         }
     }
 
@@ -335,7 +355,7 @@ impl Reader {
 
     /// The values of a table.
     pub(super) fn fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Fields {
-        let mut fields = Fields { at: raw.at, form: "", values: Vec::new() };
+        let mut fields = Fields { at: raw.at, form: "", values: Vec::new(), read: Arc::default() };
         let Some(entries) = raw.entries() else {
             self.wrong(raw.at, format!("{owner} must be a table; it is {}", raw.words()));
             return fields;

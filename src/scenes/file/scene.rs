@@ -3,7 +3,7 @@ use super::expression::Quantity;
 use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::raw::Raw;
-use super::reader::{Contents, Fields, Value, Variable, name_space, read};
+use super::reader::{Contents, Fields, Item, Value, Variable, name_space, read};
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
@@ -141,6 +141,13 @@ impl FileScene {
             mistakes.push(Mistake::new(fields.get("step").map_or(fields.at, |given| given.0), text));
         }
         check_spans(&contents, settings.end, &mut mistakes);
+        if mistakes.is_empty() {
+            for (section, fields) in &contents.single {
+                mistakes.extend(fields.unread().into_iter().map(|(key, at)| {
+                    Mistake::new(at, format!("{key} of [{section}] has no effect beside its other keys: leave it out"))
+                }));
+            }
+        }
         if !mistakes.is_empty() {
             return Err(source.all_told(mistakes));
         }
@@ -244,6 +251,11 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     if let (Some(_), Some(_)) = (steps, tolerance) {
         mistakes
             .push(Mistake::new(at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"));
+    }
+    for key in ["velocity_tolerance", "project_start"] {
+        if fields.get(key).is_some() && is_static {
+            mistakes.push(Mistake::new(at(key), format!("{key} of [settings] means nothing with the method static")));
+        }
     }
     for key in ["velocity_tolerance", "longest_step"] {
         if fields.get(key).is_some() && tolerance.is_none() {
@@ -452,8 +464,34 @@ impl Scene for FileScene {
                 m.gravity(gravity);
             }
         }
+        if mistakes.is_empty() {
+            mistakes = without_effect(items);
+        }
         if mistakes.is_empty() { Ok(()) } else { Err(self.source.all_told(mistakes)) }
     }
+}
+
+/// Keys that no part has asked for when all were made.
+fn without_effect(items: &[Item]) -> Vec<Mistake> {
+    fn names(value: &Value, item: usize) -> bool {
+        match value {
+            Value::Item(own) | Value::Group(own, _) => *own == item,
+            Value::List(list) => list.iter().any(|(_, own)| names(own, item)),
+            Value::Fields(own) => own.values.iter().any(|(_, _, own)| names(own, item)),
+            _ => false,
+        }
+    }
+    let is_used = |place: usize| {
+        // what others are made of may stand in a file that does not use it
+        let of_others = matches!(items[place].section, "section" | "laminate");
+        !of_others || items.iter().any(|other| other.fields.values.iter().any(|(_, _, own)| names(own, place)))
+    };
+    let checked = items.iter().enumerate().filter(|(place, item)| item.section != "variable" && is_used(*place));
+    let told = |item: &Item, (key, at): (&str, usize)| {
+        let (section, name) = (item.section, &item.name);
+        Mistake::new(at, format!("{key} of the {section} \"{name}\" has no effect beside its other keys: leave it out"))
+    };
+    checked.flat_map(|(_, item)| item.fields.unread().into_iter().map(|key| told(item, key))).collect()
 }
 
 fn names_ground(value: &Value) -> bool {

@@ -28,8 +28,13 @@ pub fn schema() -> Value {
     parts.insert("vector".into(), json!({"anyOf": [list, {"type": "string"}]}));
     let words = json!({"type": "array", "items": {"type": "string"}, "minItems": 1});
     let whole = json!({"type": "integer"});
-    let range = json!({"type": "array", "prefixItems": [whole, whole], "items": false, "minItems": 2});
-    let values = json!({"anyOf": [range, words]});
+    let range = json!({
+        "type": "object", "properties": {"from": whole, "to": whole}, "required": ["from", "to"], "additionalProperties": false
+    });
+    let list = json!({"anyOf": [{"type": "array", "items": whole, "minItems": 1}, words]});
+    let listed =
+        json!({"type": "object", "properties": {"values": list}, "required": ["values"], "additionalProperties": false});
+    let values = json!({"anyOf": [range, list, listed]});
     let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
     parts.insert("for".into(), own);
     for (name, forms) in tables() {

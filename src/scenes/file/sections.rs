@@ -205,6 +205,9 @@ const PART: Forms = one_form![
     may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; that of the mesh"),
 ];
 
+const COINCIDENT: Key =
+    may("coincident", Flag, "nodes may stand at the same place, or on other faces, and are not joined: a slit; false");
+
 const WALL: Forms = one_form![
     need("between", Counts(2, 0, 1000), "its corners, counted from 0"),
     need("elements", Count(1, 1000), "elements from one to the other"),
@@ -297,10 +300,10 @@ pub(super) const SECTIONS: &[Section] = &[
             need("wall", Number("m", Positive), "thickness of the wall"),
         ]
         "beam" "by stiffness and inertia, for beams" [
-            need("axial", Number("N", Positive), "EA"),
-            need("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
-            need("torsion", Number("N m2", Positive), "GJ"),
-            need("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
+            may("axial", Number("N", Positive), "EA; needed but with stiffness, as the next three"),
+            may("shear", Numbers(&[2], "N", Positive), "GA along axes 2 and 3, shear factors included"),
+            may("torsion", Number("N m2", Positive), "GJ"),
+            may("bending", Numbers(&[2], "N m2", Positive), "EI about axes 2 and 3"),
             may("mass", Number("kg/m", AtLeastZero), "mass for each length; 0"),
             may("inertia", Numbers(&[2], "kg m", AtLeastZero), "second moments of mass about axes 2 and 3; 0"),
             may("centre", Numbers(&[2], "m", Any), "mass centre along axes 2 and 3; on the line"),
@@ -366,10 +369,10 @@ pub(super) const SECTIONS: &[Section] = &[
             LINE[2],
             LINE[3],
             need("section", Item(&["section"]), "name of a section"),
-            need(
+            may(
                 "second_axis",
                 Vector("-"),
-                "direction that spans the plane of axes 1 and 2 with the line; with arc its axis is taken"
+                "direction that spans the plane of axes 1 and 2 with the line; needed but with arc, whose axis is taken"
             ),
             may("arc", Table(&ARC), "part of a circle instead of a straight line"),
             may("twist", Number("rad", Any), "turn of the section from start to end; 0"),
@@ -411,9 +414,10 @@ pub(super) const SECTIONS: &[Section] = &[
             may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
             may("clamped", Choices(EDGES), "edges that never move; none"),
-            may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them; none"),
+            may("joined", Items(SHELLS), "shells and walls whose nodes it takes over where its edges meet them, to a millionth of its diagonal: with each at least one; none"),
             may("held", Tables(&HELD), "nodes of the grid that are there already; none"),
             may("closed", Flag, "the first direction ends in the nodes where it starts; false"),
+            COINCIDENT,
         ]
         "plate" "flat" [
             may("corner", Vector("m"), "a corner; the origin"),
@@ -456,17 +460,17 @@ pub(super) const SECTIONS: &[Section] = &[
             may("parts", Tables(&PART), "sections of groups of faces; all faces have one"),
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
             may("clamped", Texts, "node sets, or groups of faces, whose nodes never move; none"),
-            may("joined", Items(SHELLS), "shells, meshes and walls whose nodes it takes over where its outer edges meet them; none"),
+            may("joined", Items(SHELLS), "shells, meshes and walls whose nodes it takes over where its outer edges meet them, to a millionth of its diagonal: with each at least one; none"),
             may("nodes", Tables(&NODE_OF_MESH), "nodes that are there already; none"),
             may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side; none"),
             may("crease", Fixed("rad", Positive), "faces at a larger angle meet in an edge, which keeps its angle; 45 deg"),
             may("scale", Number("-", Positive), "by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1"),
             may("orientation", Table(&ORIENTATION), "turn of the points about the origin, after scale; none"),
             may("position", Vector("m"), "by which the points are moved, after orientation; 0"),
+            COINCIDENT,
         ]
         "gmsh" "from a file of Gmsh, version 4.1" [
             need("file", Text, "path of the file, from the folder of this file on"),
-            may("coincident", Flag, "nodes may stand at the same place and are not joined; false"),
         ]
         "faces" "from points and faces here" [
             need("points", Points, "points, counted from 0 on"),
@@ -874,6 +878,7 @@ pub(super) const DEFINE: (&str, &str) = (
 pub(super) const FOR: Key = may(
     "for",
     Text,
-    "the entry stands for many: `for = { i = [1, 5] }` makes five of it, `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts \
-     `{i}`, `{i + 1}` and `{side}` are replaced; several names make all pairs",
+    "the entry stands for many: `for = { i = { from = 1, to = 5 } }` makes five of it, `for = { i = [1, 3, 7] }` three, \
+     `for = { side = [\"left\", \"right\"] }` two; in its name and all its texts `{i}`, `{i + 1}` and `{side}` are replaced; several names \
+     make all pairs; of two numbers that do not follow each other `{ values = [1, 5] }` says that these two are meant",
 );

@@ -1,0 +1,171 @@
+//! Faces near points: where nodes of one mesh lie on the surface of another.
+
+use crate::elements::flexible::faces::{FaceShape, MOST_NODES};
+use smallvec::SmallVec;
+use std::collections::HashMap;
+
+/// Points nearer than this share of the diagonal of their meshes stand at the same place, and a point as near to a face lies on it.
+pub(super) const SAME_PLACE: f64 = 1e-6;
+/// Lines that enclose a smaller angle \[rad\], and faces, run along each other: 6 degrees.
+pub(super) const ALONG: f64 = 0.1;
+
+/// Cells that one face may be listed in; a larger one is looked at for every point.
+const MOST_CELLS: usize = 512;
+/// Corrections of a place on a face.
+const CORRECTIONS: usize = 30;
+
+pub(super) type Point = [f64; 3];
+
+pub(super) fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+pub(super) fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+pub(super) fn length(a: Point) -> f64 {
+    a[0].hypot(a[1]).hypot(a[2])
+}
+/// Cosine of the angle between two directions; not a number for one of length zero.
+pub(super) fn cosine(a: Point, b: Point) -> f64 {
+    dot(a, b) / (length(a) * length(b))
+}
+/// A place for messages.
+pub(super) fn shown(point: Point) -> String {
+    let [x, y, z] = point.map(|own| crate::design::shortest(own + 0.0));
+    format!("({x}, {y}, {z}) m")
+}
+
+/// A face of a mesh with the places of its nodes.
+pub(super) struct PlacedFace {
+    pub shape: &'static FaceShape,
+    pub nodes: SmallVec<[Point; MOST_NODES]>,
+}
+
+/// The face that a point is nearest to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    pub face: usize,
+    pub distance: f64,
+}
+
+/// Shape functions of a face and their derivatives at (r, s): differences of polynomials of second degree are exact.
+fn shape_functions(shape: &FaceShape, [r, s]: [f64; 2]) -> [SmallVec<[f64; MOST_NODES]>; 3] {
+    let n = |dr: f64, ds: f64| (shape.values)(r + dr, s + ds);
+    let half = |after: SmallVec<[f64; MOST_NODES]>, before: SmallVec<[f64; MOST_NODES]>| {
+        after.iter().zip(&before).map(|(a, b)| 0.5 * (a - b)).collect()
+    };
+    [n(0.0, 0.0), half(n(1.0, 0.0), n(-1.0, 0.0)), half(n(0.0, 1.0), n(0.0, -1.0))]
+}
+
+fn combine(weights: &[f64], nodes: &[Point]) -> Point {
+    let sum = |axis: usize| weights.iter().zip(nodes).map(|(weight, node)| weight * node[axis]).sum();
+    [sum(0), sum(1), sum(2)]
+}
+
+impl PlacedFace {
+    fn is_triangle(&self) -> bool {
+        self.shape.corners == 3
+    }
+    /// The nearest place in the domain of the face.
+    fn inside(&self, [r, s]: [f64; 2]) -> [f64; 2] {
+        if !self.is_triangle() {
+            return [r.clamp(-1.0, 1.0), s.clamp(-1.0, 1.0)];
+        }
+        let beyond = 0.5 * (r + s - 1.0).max(0.0);
+        let (r, s) = ((r - beyond).max(0.0), (s - beyond).max(0.0));
+        let sum = (r + s).max(1.0);
+        [r / sum, s / sum]
+    }
+    fn box_around(&self) -> [Point; 2] {
+        let bound = |axis: usize, pick: fn(f64, f64) -> f64, from| self.nodes.iter().map(|node| node[axis]).fold(from, pick);
+        let all = |pick, from| [bound(0, pick, from), bound(1, pick, from), bound(2, pick, from)];
+        let (least, most) = (all(f64::min, f64::INFINITY), all(f64::max, f64::NEG_INFINITY));
+        // faces bulge beyond their nodes
+        let bulge = 0.1 * length(minus(most, least));
+        [least.map(|own| own - bulge), most.map(|own| own + bulge)]
+    }
+    /// Distance of a point: by Gauss and Newton's method from places all over the face, kept inside.
+    fn distance(&self, point: Point) -> f64 {
+        let starts: &[[f64; 2]] = match self.is_triangle() {
+            true => &[[1.0 / 3.0, 1.0 / 3.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            false => &[[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
+        };
+        let mut nearest = f64::INFINITY;
+        for &start in starts {
+            let mut at = start;
+            for _ in 0..CORRECTIONS {
+                let [own, first, second] = shape_functions(self.shape, at).map(|weights| combine(&weights, &self.nodes));
+                let gap = minus(own, point);
+                nearest = nearest.min(length(gap));
+                let tangents = [first, second];
+                let [[a, b], [_, d]] = tangents.map(|first| tangents.map(|second| dot(first, second)));
+                let (r, s) = (dot(gap, tangents[0]), dot(gap, tangents[1]));
+                let determinant = a * d - b * b;
+                let next = self.inside([at[0] - (d * r - b * s) / determinant, at[1] - (a * s - b * r) / determinant]);
+                if !(next[0].is_finite() && next[1].is_finite()) {
+                    break;
+                }
+                let moved = (next[0] - at[0]).abs() + (next[1] - at[1]).abs();
+                at = next;
+                if moved < 1e-15 {
+                    break;
+                }
+            }
+        }
+        nearest
+    }
+}
+
+/// The faces of some meshes, found by places.
+pub(super) struct Surfaces {
+    faces: Vec<PlacedFace>,
+    boxes: Vec<[Point; 2]>,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+    large: Vec<usize>,
+    cell: f64,
+    reach: f64,
+}
+
+impl Surfaces {
+    /// Faces that are found from points up to `reach` \[m\] away.
+    pub fn new(faces: Vec<PlacedFace>, reach: f64) -> Self {
+        let boxes: Vec<[Point; 2]> = faces.iter().map(PlacedFace::box_around).collect();
+        let mean = boxes.iter().map(|[least, most]| length(minus(*most, *least))).sum::<f64>() / boxes.len().max(1) as f64;
+        let cell = mean.max(2.0 * reach).max(f64::MIN_POSITIVE);
+        let mut own = Surfaces { faces, boxes, cells: HashMap::new(), large: Vec::new(), cell, reach };
+        for face in 0..own.faces.len() {
+            let [least, most] = own.boxes[face];
+            let (from, to) = (own.cell_of(least.map(|x| x - reach)), own.cell_of(most.map(|x| x + reach)));
+            let counts = [0, 1, 2].map(|axis| to[axis].saturating_sub(from[axis]) as usize + 1);
+            if counts.iter().fold(1_usize, |all, &own| all.saturating_mul(own)) > MOST_CELLS {
+                own.large.push(face);
+                continue;
+            }
+            for i in from[0]..=to[0] {
+                for j in from[1]..=to[1] {
+                    (from[2]..=to[2]).for_each(|k| own.cells.entry([i, j, k]).or_default().push(face));
+                }
+            }
+        }
+        own
+    }
+    fn cell_of(&self, point: Point) -> [i64; 3] {
+        point.map(|x| (x / self.cell).floor() as i64)
+    }
+    /// The nearest foot within reach on faces that are wanted.
+    pub fn nearest(&self, point: Point, is_wanted: impl Fn(usize) -> bool) -> Option<Foot> {
+        let listed = self.cells.get(&self.cell_of(point)).into_iter().flatten().chain(&self.large);
+        let is_near = |face: usize| {
+            let [least, most] = self.boxes[face];
+            (0..3).all(|axis| (least[axis] - self.reach..=most[axis] + self.reach).contains(&point[axis]))
+        };
+        let mut found: Option<Foot> = None;
+        for &face in listed.filter(|&&face| is_wanted(face) && is_near(face)) {
+            let distance = self.faces[face].distance(point);
+            if distance <= self.reach && found.is_none_or(|own| distance < own.distance) {
+                found = Some(Foot { face, distance });
+            }
+        }
+        found
+    }
+}
