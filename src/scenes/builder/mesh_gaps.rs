@@ -130,7 +130,8 @@ impl<S: Scalar> FreeMesh<S> {
             for (place, &(second, second_face)) in own.iter().enumerate() {
                 for &(first, first_face) in &own[..place] {
                     let [a, b] = [first, second].map(|other| minus(self.value_of(other), self.value_of(point)));
-                    if first_face == second_face || !(cosine(a, b) > ALONG.cos()) || self.is_tip(point, own.len()) {
+                    let run_along = cosine(a, b) > ALONG.cos();
+                    if first_face == second_face || !run_along || self.is_tip(point, own.len()) {
                         continue;
                     }
                     let (short, face, distance) = if length(a) < length(b) {
