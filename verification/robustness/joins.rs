@@ -108,8 +108,11 @@ impl Strip {
     }
 }
 
+/// What is wrong, points, and faces of a mesh.
+type Sheet = (&'static str, Vec<[f64; 2]>, Vec<Vec<usize>>);
+
 /// Meshes that must be refused: each a square and what stands wrong beside it.
-fn refused() -> Vec<(&'static str, Vec<[f64; 2]>, Vec<Vec<usize>>)> {
+fn refused() -> Vec<Sheet> {
     let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let with = |points: &[[f64; 2]]| [&square[..], points].concat();
     let (own, beside) = (vec![0, 1, 2, 3], [[2.0, 0.0], [2.0, 1.0]]);
