@@ -372,7 +372,11 @@ impl<S: Scalar> Known<'_, S> {
                 let switch = fixed(own, "at").unwrap_or(f64::NAN);
                 Signal::Step { before: zero_or("before")?, after: needed("after")?, switch }
             }
-            "formula" => self.formula_of_time(own)?,
+            "formula" => {
+                // files from when formulas were splines may keep it
+                own.get("intervals");
+                self.formula_of_time(own)?
+            }
             "lines" => curve(TimeFunction::lines)?,
             _ => curve(TimeFunction::table)?,
         };
