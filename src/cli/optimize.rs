@@ -11,9 +11,10 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{Snapshot, check_folder};
 use super::stability::{Statement, statement};
+use super::simulation::{crossings_in_words, crossings_json};
 use crate::design::DesignVariable;
 use crate::history::Keep;
-use crate::integrators::RunError;
+use crate::integrators::{Crossing, RunError};
 use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
 use crate::optimize::{
     DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
@@ -148,11 +149,21 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     files.extend(optimization_charts::write(&charts, &folder)?);
     let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
     files.extend([page.clone(), summary.clone()]);
-    report.page(&charts.concat()).write(&page)?;
-    write_file(&summary, format!("{:#}\n", report.json(&files)).as_bytes())?;
+    let motion = report.best_motion();
+    let crossings = motion.as_ref().map_or(&[][..], |(_, _, crossings)| crossings);
+    let mut shown = report.page(&charts.concat(), &motion);
+    let warnings = crossings_in_words(crossings);
+    warnings.iter().for_each(|warning| shown.warning(format!("best design: {warning}")));
+    shown.write(&page)?;
+    let mut json = report.json(&files);
+    if !crossings.is_empty() {
+        json["crossings"] = crossings_json(crossings);
+    }
+    write_file(&summary, format!("{json:#}\n").as_bytes())?;
     report.say();
+    warnings.iter().for_each(|warning| warn(&format!("best design: {warning}")));
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
-    say_json(options.scene.json, &report.json(&files));
+    say_json(options.scene.json, &json);
     report.verdict()
 }
 
@@ -219,6 +230,9 @@ fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
     ));
     say(format_args!("each design: {}, {steps} over {} s\n", method.table.name, settings.end));
 }
+
+/// The best design once more: its motion, and where formulas pass from one piece to another.
+type BestMotion<'r> = (Prepared<'r>, Vec<Snapshot>, Vec<Crossing>);
 
 /// Before and after.
 struct Report<'r> {
@@ -358,7 +372,7 @@ impl<'r> Report<'r> {
     }
 
     /// What is shown of it, with the motion of the best design.
-    fn page(&self, charts: &[Chart]) -> Page {
+    fn page(&self, charts: &[Chart], motion: &Result<BestMotion<'r>, RunError>) -> Page {
         let Report { optimization, optimizer, optimized, best, .. } = self;
         let (scene, ended) = (optimization.scene, &optimized.ended);
         let mut page = Page::new(scene, "optimization");
@@ -382,8 +396,8 @@ impl<'r> Report<'r> {
             vec![json!(variable.name), before, after, lower, upper, json!(variable.unit), json!(mark)]
         });
         page.table("Design variables", &["variable", "before", "after", "from", "to", "unit", ""], variables.collect());
-        match self.best_motion() {
-            Ok((prepared, moments)) => page.motion(&prepared, &moments),
+        match motion {
+            Ok((prepared, moments, _)) => page.motion(prepared, moments),
             Err(error) => page.warning(format!("The best design could not be simulated again: {error}")),
         }
         page.charts("Optimization", charts);
@@ -391,7 +405,7 @@ impl<'r> Report<'r> {
     }
 
     /// The best design once more.
-    fn best_motion(&self) -> Result<(Prepared<'r>, Vec<Snapshot>), RunError> {
+    fn best_motion(&self) -> Result<BestMotion<'r>, RunError> {
         let Optimization { scene, method, settings, .. } = self.optimization;
         let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), settings.clone())?;
         prepared.keep = Keep::Nothing;
@@ -401,7 +415,8 @@ impl<'r> Report<'r> {
         if let Some(Statement::Warning(words)) = statement(&prepared, &forward) {
             warn(&words);
         }
-        Ok((prepared, kept.finish()))
+        let crossings = forward.crossings;
+        Ok((prepared, kept.finish(), crossings))
     }
 
     /// `--set` options that repeat the best design.

@@ -5,11 +5,12 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{EnergyCourse, Finished, Results, Snapshot, check_folder};
 use super::stability::{self, Statement};
+use crate::functionals::{Measured, Times};
 use crate::history::{Observer, Usage};
-use crate::integrators::{Counters, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
+use crate::integrators::{Counters, Crossing, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
 use crate::linalg::SolverPlan;
-use crate::program::{making_time, refuses_machine_code};
+use crate::program::{SwitchKind, making_time, refuses_machine_code};
 use crate::scenes::Prepared;
 use crate::sensitivity::Forward;
 use serde_json::{Map, Value, json};
@@ -277,6 +278,24 @@ impl Simulation {
         warnings
     }
 
+    /// What it means for a gradient that formulas of the model pass from one piece to another: one warning for each part.
+    pub fn crossings_in_words(&self) -> Vec<String> {
+        crossings_in_words(&self.forward.crossings)
+    }
+
+    /// Functionals that read behind a jump, whose gradients are wrong there: agreement with a complex step, which passes the same jump,
+    /// proves nothing.
+    pub fn behind_jumps<'p>(&self, prepared: &'p Prepared) -> Vec<&'p str> {
+        if !self.forward.crossings.iter().any(|crossing| crossing.kind == SwitchKind::Jump) {
+            return Vec::new();
+        }
+        let behind = prepared.functionals().iter().filter(|functional| {
+            let is_mass = matches!(&functional.measured, Measured::Group(group) if group.is_still(prepared.model()));
+            functional.over.times() != Times::Start && !is_mass
+        });
+        behind.map(|functional| functional.name.as_str()).collect()
+    }
+
     /// The largest estimated error of a step, and the warning that it is large.
     fn error_in_words(&self, prepared: &Prepared) -> Option<(String, Option<String>)> {
         let StepError { share, step, t, dof, in_velocity } = self.forward.error?;
@@ -361,6 +380,9 @@ impl Simulation {
         if let Some(course) = &self.forward.stability {
             object.insert("stability".into(), stability::json(course));
         }
+        if !self.forward.crossings.is_empty() {
+            object.insert("crossings".into(), crossings_json(&self.forward.crossings));
+        }
         if let Some((share, t)) = self.energy.map(|energy| energy.share()) {
             object.insert("energy_growth".into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
         }
@@ -375,6 +397,39 @@ impl Simulation {
 /// Names in words.
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// One sentence for each part that passes from one piece of its formula to another.
+pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
+    let words = |crossing: &Crossing| {
+        let Crossing { part, kind, step, t, count, last } = crossing;
+        let more = if *count > 1 { format!(", and in {} more steps until step {last}", count - 1) } else { String::new() };
+        let (what, follows) = match kind {
+            SwitchKind::Jump => (
+                "jumps",
+                "gradients of what is measured behind it are wrong, and so are their complex steps; keep the motion on one side, or write the \
+                 formula without the jump",
+            ),
+            SwitchKind::Kink => (
+                "has a kink",
+                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps and compare",
+            ),
+        };
+        format!(
+            "step {step} (t = {t} s){more}: the formula of \"{part}\" {what} there: {follows}; the estimated error of such a step is not to be trusted"
+        )
+    };
+    crossings.iter().map(words).collect()
+}
+
+/// The same for JSON.
+pub fn crossings_json(crossings: &[Crossing]) -> Value {
+    let object = |crossing: &Crossing| {
+        let Crossing { part, kind, step, t, count, last } = crossing;
+        let kind = if *kind == SwitchKind::Jump { "jump" } else { "kink" };
+        json!({"part": part, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last})
+    };
+    crossings.iter().map(object).collect()
 }
 
 /// Names of files.

@@ -239,8 +239,7 @@ pub(super) fn impulse(
 
 /// True for the constant 0.
 fn is_zero(number: Recorded) -> bool {
-    use num_traits::Zero;
-    number.is_zero()
+    number.is_known_zero()
 }
 
 /// Whether equations are linear in some numbers: their gradient does not depend on these.

@@ -173,6 +173,21 @@ impl<S> Default for GroupWork<S> {
 }
 
 impl MeasuredGroup {
+    /// Whether what it measures depends on parameters alone.
+    pub fn is_still(&self, model: &Model) -> bool {
+        let is_still = |batch: &GroupBatch| {
+            let GroupFormula { formula, arguments, values, weights } = &batch.own;
+            formula.inspect(|graph, outputs| {
+                let read: Vec<_> = values.iter().chain(weights).map(|&place| outputs[place]).collect();
+                let reads = graph.reads(&read, arguments.len());
+                arguments.iter().zip(reads).all(|(argument, read)| {
+                    !read || matches!(argument, Argument::Parameter(_) | Argument::Own(_) | Argument::Time)
+                })
+            })
+        };
+        self.batches(model).iter().all(is_still)
+    }
+
     /// A quantity of some elements, or of all that the model has in the end.
     pub fn new(elements: Option<Vec<ElementId>>, quantity: Box<dyn AnyPointQuantity>, parameters: Range<usize>) -> Self {
         MeasuredGroup { elements, quantity, parameters, batches: OnceLock::new() }

@@ -46,6 +46,10 @@ pub enum ProgramKind {
     PointValues,
     /// Gradient of what is made of these.
     PointGradient,
+    /// Numbers that tell the sides of switches.
+    Switches,
+    /// Results, and their rates along a change of all arguments.
+    Course,
     /// One of a caller's own, by its number.
     Own(u32),
 }
@@ -206,8 +210,8 @@ impl Formula {
         let Recording { mut graph, looked, .. } = recording;
         if looked {
             return Err(
-                "its formula looks at the value of a number (Scalar::value), and may take another branch for other \
-                        values: choose by `select`, `max`, `min` or `abs`"
+                "its formula looks at the value of a number (Scalar::value, is_constant, is_zero, ==, or its text), and may take another branch \
+                 for other values: choose by `select`, `max`, `min` or `abs`"
                     .into(),
             );
         }

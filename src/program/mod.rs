@@ -21,6 +21,7 @@ mod native;
 mod operation;
 mod recorded;
 mod running;
+mod switches;
 
 pub use arguments::{ArgumentKind, Arguments};
 pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
@@ -30,3 +31,4 @@ pub use listing::{Instruction, Listing, Source};
 pub use operation::{Binary, Node, Operation, Unary};
 pub use recorded::{Recorded, Recording, along_motion, evaluate, extend, gradient_of, is_from_energies, record};
 pub use running::{Execution, Program, ProgramWork, compile_time, lanes, making_time, refuses_machine_code, set_execution};
+pub use switches::{SwitchKind, Switches};

@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// A number of a formula that is being recorded: its place in the recording, and its value where the recording has values.
 ///
 /// Constants have no place and are folded.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy)]
 pub struct Recorded {
     value: f64,
     place: u32,
@@ -74,6 +74,23 @@ impl Recorded {
         if self.place == CONSTANT { graph.constant(self.value) } else { Node(self.place) }
     }
 
+    /// True for the constant 0: what a recording is made of may depend on it, as it holds for all arguments.
+    pub(crate) fn is_known_zero(self) -> bool {
+        self.place == CONSTANT && self.value == 0.0
+    }
+
+    /// Takes note that a formula looks at a number that is not the same everywhere.
+    fn look(self) {
+        if self.place == CONSTANT {
+            return;
+        }
+        RECORDING.with_borrow_mut(|recording| {
+            if let Some(recording) = recording {
+                recording.looked = true;
+            }
+        });
+    }
+
     /// The value at the recording's arguments: what scenes are built from.
     pub fn number(self) -> f64 {
         self.value
@@ -109,6 +126,23 @@ impl Recorded {
             let (x, y) = (self.node(graph), other.node(graph));
             graph.binary(function, x, y)
         })
+    }
+}
+
+/// A formula may branch by it: whether two numbers are equal is known of constants alone.
+impl PartialEq for Recorded {
+    fn eq(&self, other: &Self) -> bool {
+        self.look();
+        other.look();
+        self.place == other.place && self.value == other.value
+    }
+}
+
+/// Text that a formula may branch by.
+impl std::fmt::Debug for Recorded {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        self.look();
+        write!(f, "{}", self.value)
     }
 }
 
@@ -159,16 +193,11 @@ macro_rules! functions {
 
 impl Scalar for Recorded {
     fn value(self) -> f64 {
-        if self.place != CONSTANT {
-            RECORDING.with_borrow_mut(|recording| {
-                if let Some(recording) = recording {
-                    recording.looked = true;
-                }
-            });
-        }
+        self.look();
         self.value
     }
     fn is_constant(self) -> bool {
+        self.look();
         self.place == CONSTANT
     }
     functions!(sqrt, Sqrt; exp, Exp; ln, Ln; sin, Sin; cos, Cos; tan, Tan; asin, Asin; acos, Acos; atan, Atan; sinh, Sinh; cosh, Cosh; tanh, Tanh; floor, Floor);

@@ -66,6 +66,16 @@ impl Curve {
         &self.knots
     }
 
+    /// Whether it consists of straight lines, whose slope jumps at the knots.
+    pub(crate) fn is_of_lines(&self) -> bool {
+        self.second.is_empty()
+    }
+
+    /// Number of the piece at `t`.
+    pub(crate) fn piece(&self, t: f64) -> usize {
+        self.knots.partition_point(|&own| own <= t)
+    }
+
     /// Derivative of order `order` of the weight w_i of knot `knot` at `t`: for orders 0 to 3, beyond which it is zero.
     ///
     /// At a knot the piece to the right counts; before the first knot and from the last one on, the piece beyond.

@@ -8,8 +8,8 @@ use crate::elements::RunScalar;
 use crate::functionals::{Functional, Over, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
-    Counters, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StabilityCourse,
-    StartPlan, StartRecord, StepControl, StepError, StepRecord, TimeGrid, march, march_adaptive, march_along,
+    Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StabilityCourse,
+    StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march, march_adaptive, march_along,
     march_dividing,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
@@ -60,6 +60,9 @@ pub struct Forward {
     pub leap: Option<(f64, usize)>,
     /// Of equilibria: whether they stand; gradients at an unstable one are those of a state that no structure keeps.
     pub stability: Option<StabilityCourse>,
+    /// Parts whose formulas pass from one piece to another on the way: behind a jump the gradient is wrong, behind a kink right to first order of
+    /// the step.
+    pub crossings: Vec<Crossing>,
     /// Work done.
     pub counters: Counters,
 }
@@ -154,24 +157,26 @@ impl<'m> Analysis<'m> {
         let are_given = self.control.is_none() && !divides;
         let history = self.keep.history(are_given.then(|| self.grid.steps()), self.fingerprint(&numbers))?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
-        let mut recorder = Measuring { values, history, observer };
+        let switches = SwitchWatch::new(self.model);
+        let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
         let problem = self.problem(&numbers);
         let (grid, run) = match &self.control {
             Some(control) => march_adaptive(&problem, self.method, control, self.grid, self.plan, &mut recorder),
             None if divides => march_dividing(&problem, self.method, self.grid, self.plan, &mut recorder),
             None => (self.grid.clone(), march(&problem, self.method, self.grid, self.plan, &mut recorder)),
         };
-        let Measuring { values, mut history, .. } = recorder;
+        let Measuring { values, mut history, switches, .. } = recorder;
+        let crossings = switches.finish();
         let run = run.and_then(|run| history.finish().map(|()| run));
         let (values, totals) = values.finish();
         let (counters, rejected, error, leap, stability, stopped) = match run {
             Ok(run) => (run.counters, run.rejected, run.error, run.leap, run.stability, None),
             Err(error) => (Counters::default(), 0, None, None, None, Some(error)),
         };
-        Ok((
-            Forward { x: x.to_vec(), numbers, history, grid, rejected, values, totals, error, leap, stability, counters },
-            stopped,
-        ))
+        let x = x.to_vec();
+        let forward =
+            Forward { x, numbers, history, grid, rejected, values, totals, error, leap, stability, crossings, counters };
+        Ok((forward, stopped))
     }
 
     /// Values of the functionals alone: no step is kept.
@@ -495,16 +500,20 @@ struct Measuring<'f, 'o> {
     values: Values<'f, f64>,
     history: Box<dyn History>,
     observer: &'o mut dyn Observer,
+    switches: SwitchWatch,
+    p: &'f [f64],
 }
 
 impl Recorder<f64> for Measuring<'_, '_> {
     fn start(&mut self, start: StartRecord<f64>) -> Result<(), RunError> {
         self.values.start(&start);
+        self.switches.start(&start, self.p);
         self.observer.start(&start)?;
         self.history.start(start)
     }
     fn step(&mut self, step: &StepRecord<f64>) -> Result<bool, RunError> {
         self.values.step(step);
+        self.switches.step(step, self.p);
         let wanted = self.observer.step(step)?;
         Ok(self.history.step(step)? && wanted)
     }
@@ -518,9 +527,10 @@ impl Recorder<f64> for Measuring<'_, '_> {
         self.history.end(pause)
     }
     fn take_up(&mut self, steps: Replay<f64>) -> Result<Option<Pause<f64>>, RunError> {
-        let Measuring { values, history, observer } = self;
+        let Measuring { values, history, observer, switches, p } = self;
         history.take_up(&mut |step| {
             values.step(step);
+            switches.step(step, p);
             Ok(observer.step(step)? && steps(step)?)
         })
     }

@@ -18,4 +18,5 @@ mod statics;
 mod steps;
 #[path = "../support/mod.rs"]
 mod support;
+mod switches;
 mod variational;

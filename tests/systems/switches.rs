@@ -1,0 +1,145 @@
+//! Formulas that pass from one piece to another on the way, and formulas that look at numbers.
+
+use costate::integrators::Crossing;
+use costate::prelude::*;
+use costate::program::SwitchKind;
+use costate::scalar::{CurveId, Interpolant};
+use num_traits::Zero;
+
+/// m a + f(q) = 0 with one of several laws f.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Law {
+    Wrapped,
+    Sign,
+    Floor,
+    Length,
+    OneSided,
+    Lines(CurveId),
+    Cubic(CurveId),
+    SineOfAngle,
+    WithoutTurns,
+    Series,
+    FreeLength,
+    Equal,
+    IsZero,
+    IsConstant,
+    Text,
+}
+
+impl Law {
+    fn force<S: Scalar>(self, q: S) -> S {
+        let (sin, cos) = q.sin_cos();
+        let wrapped = sin.atan2(cos);
+        let length = Vector3::new(q, S::zero(), S::zero()).length();
+        let looked = |is: bool| if is { q * 3.0 } else { q };
+        match self {
+            Law::Wrapped => wrapped * 9.0,
+            Law::Sign => q.sign() * 4.0,
+            Law::Floor => q.floor() + 2.0,
+            Law::Length => (length - 0.2) * 9.0 * q / length,
+            Law::OneSided => q.max(S::zero()) * 9.0,
+            Law::Lines(curve) | Law::Cubic(curve) => q.on_curve(curve, &[-3.0, 0.1, 1.0].map(S::from)),
+            Law::SineOfAngle => wrapped.sin() * 9.0,
+            Law::WithoutTurns => {
+                let beyond = wrapped - 1.0;
+                beyond - (beyond / std::f64::consts::TAU + 0.5).floor() * std::f64::consts::TAU
+            }
+            Law::Series => q.abs().less(S::from(1e-3)).select(q - q * q * q / 6.0, sin),
+            Law::FreeLength => length * 9.0 * q / length,
+            Law::Equal => looked(q == S::one()),
+            Law::IsZero => looked(q.is_zero()),
+            Law::IsConstant => looked(q.is_constant()),
+            Law::Text => looked(format!("{q:?}").starts_with('1')),
+        }
+    }
+}
+
+impl Element for Law {
+    const PARAMETERS: &'static [Parameter] = &[Parameter::positive("mass", "kg")];
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(1)]
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], _t: S, r: &mut [S]) {
+        r[0] += p[0] * s.a[0] + self.force(s.q[0]);
+    }
+}
+
+/// A mass that starts at a place with a velocity.
+struct Mass(Law, f64);
+
+impl Scene for Mass {
+    fn name(&self) -> String {
+        "mass".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("velocity", self.1, (-100.0, 100.0), "m/s")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 100)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let node = m.coordinates("mass", &[S::from(-0.5)], &[x[0]]);
+        m.element("law", &[node], self.0, &[S::one()]);
+        m.coordinate_functional("end", Over::Terminal, node, 0);
+        Ok(())
+    }
+}
+
+fn crossings(law: Law, velocity: f64) -> Vec<Crossing> {
+    let scene = Mass(law, velocity);
+    let prepared = Prepared::new(&scene).expect("sound");
+    prepared.analysis().forward(&prepared.x).expect("runs").crossings
+}
+
+fn table(interpolant: Interpolant) -> CurveId {
+    CurveId::new(&[-2.0, 0.003, 2.0], interpolant).expect("sound")
+}
+
+#[test]
+fn jumps_and_kinks_are_told_by_part_and_time() {
+    use SwitchKind::{Jump, Kink};
+    let cases = [
+        (Law::Wrapped, 12.0, Jump),
+        (Law::Sign, 2.0, Jump),
+        (Law::Floor, 2.0, Jump),
+        (Law::Length, 2.0, Jump),
+        (Law::OneSided, 2.0, Kink),
+        (Law::Lines(table(Interpolant::Lines)), 2.0, Kink),
+    ];
+    for (law, velocity, kind) in cases {
+        let found = crossings(law, velocity);
+        assert!(!found.is_empty(), "{law:?} is not told");
+        assert_eq!((found[0].part.as_str(), found[0].kind), ("law", kind), "{law:?}: {found:?}");
+    }
+    // without force the mass is at 0 after 0.25 s: step 26
+    let found = crossings(Law::OneSided, 2.0);
+    assert_eq!((found[0].step, found[0].count), (26, 1), "{found:?}");
+    assert!((found[0].t - 0.25).abs() < 0.01, "{found:?}");
+}
+
+#[test]
+fn what_goes_on_smoothly_is_not_told() {
+    let smooth = [
+        (Law::SineOfAngle, 12.0),
+        (Law::WithoutTurns, 4.0),
+        (Law::Series, 2.0),
+        (Law::FreeLength, 2.0),
+        (Law::Cubic(table(Interpolant::Cubic)), 2.0),
+        // on one side
+        (Law::OneSided, -2.0),
+        (Law::Wrapped, 0.5),
+    ];
+    for (law, velocity) in smooth {
+        let found = crossings(law, velocity);
+        assert!(found.is_empty(), "{law:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_formula_that_looks_at_a_number_is_refused_by_the_name_of_its_part() {
+    for law in [Law::Equal, Law::IsZero, Law::IsConstant, Law::Text] {
+        let scene = Mass(law, 1.0);
+        let refused = Prepared::new(&scene).map(|_| ()).expect_err("refused").to_string();
+        assert!(refused.contains("\"law\"") && refused.contains("looks at the value of a number"), "{law:?}: {refused}");
+    }
+}
