@@ -128,7 +128,15 @@ impl SwitchWatch {
             if !part.switches.change(&part.numbers, numbers) {
                 continue;
             }
-            let Some(kind) = part.switches.kind(&part.inputs, inputs) else { continue };
+            // along the way an element's inertia would cancel its forces: the accelerations stay, unless a switch reads them
+            let mut to = inputs.clone();
+            let count: usize = part.dofs.iter().map(Range::len).sum();
+            if part.of_element {
+                to[..count].copy_from_slice(&part.inputs[..count]);
+            }
+            part.switches.evaluate(&to, numbers, work);
+            let to = if part.switches.change(&part.numbers, numbers) { &to } else { &*inputs };
+            let Some(kind) = part.switches.kind(&part.inputs, to) else { continue };
             match crossings.iter_mut().find(|own| own.part == part.name && own.kind == kind) {
                 Some(own) => own.count += usize::from(std::mem::replace(&mut own.last, *step) != *step),
                 None => crossings.push(Crossing { part: part.name.clone(), kind, step: *step, t, count: 1, last: *step }),

@@ -255,7 +255,9 @@ impl Switches {
         let change = |own: std::ops::Range<usize>| largest(own.map(|k| above[k] - below[k]));
         let size = |own: std::ops::Range<usize>| largest(own.flat_map(|k| [above[k], below[k]]));
         let slopes = size(count..2 * count);
-        [[change(0..count), size(0..count) + slopes], [change(count..2 * count), slopes]]
+        let values = size(0..count) + slopes;
+        // slopes that are nothing beside their values are round-off
+        [[change(0..count), values], [change(count..2 * count), slopes + KINK * values]]
     }
 }
 
