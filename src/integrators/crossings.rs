@@ -60,12 +60,12 @@ impl SwitchWatch {
             let (inputs, numbers) = (Vec::new(), Vec::new());
             parts.push(Watched { name, switches, of_element, dofs, parameters, inputs, numbers });
         };
-        for own in &model.elements {
+        for own in model.elements.iter().filter(|own| own.physics.residual_refused().is_none()) {
             if let Some(switches) = of(own.physics.residual(), 3 * own.physics.dof_count()) {
                 add(&own.name, switches, true, &own.nodes, &own.parameters);
             }
         }
-        for own in &model.constraints {
+        for own in model.constraints.iter().filter(|own| own.physics.refused().is_none()) {
             if let Some(switches) = of(own.physics.formula(), 2 * own.physics.dof_count()) {
                 add(&own.name, switches, false, &own.nodes, &own.parameters);
             }

@@ -4,7 +4,6 @@ use costate::integrators::Crossing;
 use costate::prelude::*;
 use costate::program::SwitchKind;
 use costate::scalar::{CurveId, Interpolant};
-use num_traits::Zero;
 
 /// m a + f(q) = 0 with one of several laws f.
 #[derive(Clone, Copy, Debug, PartialEq)]
