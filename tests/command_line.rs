@@ -797,3 +797,59 @@ fn the_scaled_rule_is_named_in_results_and_refused_for_gradients() {
         assert!(message.contains("--newton scaled") && message.contains("no exact derivative"), "{message}");
     }
 }
+
+/// A wheel that turns through pi against a spring of torsion, whose moment jumps there.
+const THROUGH_PI: &str = r#"
+version = 1
+[settings]
+end = 1
+steps = 200
+[variable]
+speed = { initial = 12, bounds = [0, 20], unit = "rad/s" }
+[[body]]
+name = "wheel"
+mass = 1
+inertia = [1, 1, 1]
+angular_velocity = [0, 0, "speed"]
+[[joint]]
+name = "hinge"
+type = "revolute"
+between = ["ground", "wheel"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+[[spring]]
+name = "clock"
+type = "torsion"
+between = ["ground", "wheel"]
+axis = [0, 0, 1]
+stiffness = 9
+[[functional]]
+name = "rate"
+type = "joint_rate"
+between = ["ground", "wheel"]
+axis = [0, 0, 1]
+over = "terminal"
+"#;
+
+#[test]
+fn a_gradient_behind_a_jump_is_told_and_its_check_does_not_pass() {
+    let folder = Folder::new("jump");
+    fs::write(folder.0.join("wheel.toml"), THROUGH_PI).unwrap();
+    let output = folder.run(&["gradient", "wheel.toml", "--check", "--json"]);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("the formula of \"clock\" jumps there") && said.contains("gradient of rate is behind a jump"),
+        "{said}"
+    );
+    let crossing = json(&output)["crossings"][0].clone();
+    // (w0 / w) sin(w t) = pi with w = 3
+    let exact = (std::f64::consts::PI * 3.0 / 12.0_f64).asin() / 3.0;
+    assert!((crossing["t"].as_f64().unwrap() - exact).abs() <= 0.006, "{crossing}");
+    assert_eq!((crossing["part"].as_str(), crossing["kind"].as_str()), (Some("clock"), Some("jump")));
+    assert_eq!(json(&output)["pass"], false);
+    // slower, it turns back before
+    let output = folder.run(&["gradient", "wheel.toml", "--set", "speed=9", "--check", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(json(&output).get("crossings").is_none());
+}

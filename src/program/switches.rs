@@ -1,6 +1,6 @@
 //! Where a formula passes from one piece to another.
 
-use super::formula::Formula;
+use super::formula::{Formula, ProgramKind};
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
@@ -56,9 +56,9 @@ impl Formula {
         if sides.is_empty() {
             return None;
         }
-        let program = self.dense_program(("switches", smallvec![state as u32]), 0, |_, _, _| nodes);
+        let program = self.dense_program((ProgramKind::Switches, smallvec![state as u32]), 0, |_, _, _| nodes);
         let count = self.inputs;
-        let course = self.dense_program(("switch course", smallvec![]), count, |graph, x, outputs| {
+        let course = self.dense_program((ProgramKind::Course, smallvec![]), count, |graph, x, outputs| {
             let seeds: Vec<(Node, Node)> = x[..count].iter().copied().zip(x[count..].iter().copied()).collect();
             let rates = graph.forward(outputs, &seeds);
             outputs.iter().copied().chain(rates).collect()

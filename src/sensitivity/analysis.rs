@@ -8,9 +8,9 @@ use crate::elements::RunScalar;
 use crate::functionals::{Functional, Over, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
-    Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError, StabilityCourse,
-    StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march, march_adaptive, march_along,
-    march_dividing,
+    Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
+    StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march,
+    march_adaptive, march_along, march_dividing,
 };
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
 
