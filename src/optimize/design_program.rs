@@ -297,6 +297,9 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
     fn constraints(&self) -> Vec<ConstraintKind> {
         self.kinds.clone()
     }
+    fn linear_from(&self) -> usize {
+        self.nonlinear.len()
+    }
     fn values(&mut self, y: &[f64]) -> Result<Values, NoValue> {
         self.simulated(y)
     }

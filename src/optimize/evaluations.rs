@@ -1,4 +1,4 @@
-use super::{ConstraintKind, Gradients, NoValue, NonlinearProgram, Values};
+use super::{Conditions, ConstraintKind, Gradients, NoValue, NonlinearProgram, Values};
 use std::fmt;
 
 /// When an optimization ends.
@@ -26,10 +26,12 @@ impl Default for Stopping {
 /// Why an optimization ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// The objective no longer changes.
+    /// The objective no longer changes, and the conditions of optimality hold.
     Change,
     /// The conditions of optimality hold.
     Optimal,
+    /// The objective no longer changes, but the conditions of optimality do not hold.
+    Creeping,
     /// The limit of iterations.
     Iterations,
     /// No better point was found along the search direction: the accuracy of values or gradients is used up.
@@ -52,6 +54,7 @@ impl Reason {
         match self {
             Reason::Change => "no-change",
             Reason::Optimal => "optimal",
+            Reason::Creeping => "no-change-but-no-optimum",
             Reason::Iterations => "iterations",
             Reason::Stalled => "stalled",
             Reason::Infeasible => "infeasible",
@@ -64,8 +67,9 @@ impl Reason {
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
-            Reason::Change => "the objective no longer changes",
+            Reason::Change => "the objective no longer changes and the conditions of optimality hold",
             Reason::Optimal => "the conditions of optimality hold",
+            Reason::Creeping => "the objective no longer changes, but the conditions of optimality do not hold",
             Reason::Iterations => "the limit of iterations is reached",
             Reason::Stalled => "no better point along the search direction: the accuracy of values or gradients is used up",
             Reason::Infeasible => "the constraints cannot be satisfied nearby",
@@ -93,6 +97,8 @@ pub struct Ended {
     pub reason: Reason,
     /// The best point of all: that of least objective where the constraints hold, else that of least violation.
     pub best: Option<Point>,
+    /// The conditions of optimality at the best point, where its gradients are known.
+    pub conditions: Option<Conditions>,
     /// Iterations.
     pub iterations: usize,
     /// Points at which values were computed, failed ones included.
@@ -118,7 +124,9 @@ pub struct Evaluations<'p> {
     stopping: Stopping,
     bounds: Vec<(f64, f64)>,
     kinds: Vec<ConstraintKind>,
+    linear_from: usize,
     known: Vec<Known>,
+    best_gradients: Option<Gradients>,
     last: Option<f64>,
     calm: usize,
     begun: bool,
@@ -128,10 +136,23 @@ pub struct Evaluations<'p> {
 impl<'p> Evaluations<'p> {
     /// Those of a program from its start.
     pub fn new(program: &'p mut dyn NonlinearProgram, stopping: Stopping) -> Self {
-        let (bounds, kinds) = (program.bounds(), program.constraints());
-        let (reason, best) = (Reason::Stopped, None);
-        let ended = Ended { reason, best, iterations: 0, evaluations: 0, gradients: 0, failed: 0 };
-        Evaluations { program, stopping, bounds, kinds, known: Vec::new(), last: None, calm: 0, begun: false, ended }
+        let (bounds, kinds, linear_from) = (program.bounds(), program.constraints(), program.linear_from());
+        let (reason, best, conditions) = (Reason::Stopped, None, None);
+        let ended = Ended { reason, best, conditions, iterations: 0, evaluations: 0, gradients: 0, failed: 0 };
+        let (known, best_gradients, last) = (Vec::new(), None, None);
+        Evaluations {
+            program,
+            stopping,
+            bounds,
+            kinds,
+            linear_from,
+            known,
+            best_gradients,
+            last,
+            calm: 0,
+            begun: false,
+            ended,
+        }
     }
 
     /// Bounds of the variables.
@@ -142,6 +163,16 @@ impl<'p> Evaluations<'p> {
     /// What the constraints are.
     pub fn constraints(&self) -> &[ConstraintKind] {
         &self.kinds
+    }
+
+    /// Number of the first of the linear constraints, which come last.
+    pub fn linear_from(&self) -> usize {
+        self.linear_from
+    }
+
+    /// The conditions of optimality at a point with these values and gradients.
+    pub(super) fn conditions(&self, x: &[f64], values: &Values, gradients: &Gradients) -> Conditions {
+        Conditions::at((x, &self.bounds), &self.kinds, (values, gradients), &self.stopping)
     }
 
     /// When it ends.
@@ -181,6 +212,9 @@ impl<'p> Evaluations<'p> {
         let gradients = gradients.and_then(|g| if finite(&g) { Ok(g) } else { Err(NoValue::Failed) });
         self.ended.gradients += 1;
         self.ended.failed += usize::from(gradients.is_err());
+        if let (Ok(gradients), true) = (&gradients, self.ended.best.as_ref().is_some_and(|best| best.x == x)) {
+            self.best_gradients = Some(gradients.clone());
+        }
         self.known[place].gradients = Some(gradients.clone());
         gradients
     }
@@ -206,6 +240,7 @@ impl<'p> Evaluations<'p> {
                 let point = Point { x: x.to_vec(), values: values.clone(), violation };
                 if self.ended.best.as_ref().is_none_or(|best| better(&point, best, self.stopping.violation)) {
                     self.ended.best = Some(point);
+                    self.best_gradients = None;
                 }
             }
             Err(_) => self.ended.failed += 1,
@@ -241,9 +276,23 @@ impl<'p> Evaluations<'p> {
         })
     }
 
-    /// The end.
-    pub fn end(self, reason: Reason) -> Ended {
-        Ended { reason, ..self.ended }
+    /// The end, at the best point of all, whatever the optimizer took for its last one: what it claims is held against the conditions of
+    /// optimality there.
+    pub fn end(mut self, reason: Reason) -> Ended {
+        let best = self.ended.best.clone();
+        if let (Some(best), None, false) = (&best, &self.best_gradients, reason == Reason::Stopped) {
+            // a trial point may be better than those that were taken
+            self.gradients(&best.x).ok();
+        }
+        let conditions = best.zip(self.best_gradients.as_ref());
+        let conditions = conditions.map(|(best, gradients)| self.conditions(&best.x, &best.values, gradients));
+        let reason = match (reason, conditions.as_ref().is_some_and(Conditions::hold)) {
+            (Reason::Change, false) => Reason::Creeping,
+            (Reason::Optimal, false) => Reason::Stalled,
+            (Reason::Stalled | Reason::Infeasible, true) => Reason::Optimal,
+            (reason, _) => reason,
+        };
+        Ended { reason, conditions, ..self.ended }
     }
 }
 

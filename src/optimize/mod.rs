@@ -5,6 +5,8 @@
 //! where gradients are wanted, for all functionals of the problem together. An [`Optimizer`] goes from point to point along a
 //! [`Evaluations`], which remembers values, keeps the best point and says when to end. [`Sqp`] is the default one.
 
+mod conditions;
+mod curvature;
 mod design_program;
 mod evaluations;
 mod history;
@@ -16,7 +18,9 @@ mod program;
 mod quadratic;
 mod scaling;
 mod sqp;
+mod subproblem;
 
+pub use conditions::Conditions;
 pub use evaluations::{Ended, Evaluations, Point, Reason, Stopping};
 pub use history::{DesignHistory, DesignPoint, Work};
 pub use optimization::{GradientBy, Optimization, Optimized, Watcher};

@@ -44,6 +44,10 @@ pub trait NonlinearProgram {
     fn constraints(&self) -> Vec<ConstraintKind> {
         Vec::new()
     }
+    /// Number of the first of the linear constraints, which come last and, once they hold, stay so.
+    fn linear_from(&self) -> usize {
+        self.constraints().len()
+    }
     /// Objective and constraints. Points lie within the bounds.
     ///
     /// # Errors

@@ -40,7 +40,7 @@ pub(super) enum NoStep {
 }
 
 /// Share of the size of its terms below which a residual counts as zero.
-const ROUND_OFF: f64 = 1e-12;
+pub(super) const ROUND_OFF: f64 = 1e-12;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

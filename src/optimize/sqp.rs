@@ -1,61 +1,70 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::quadratic::{NoStep, QuadraticProgram, Step};
-use super::{ConstraintKind, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
+use super::curvature::{Curvature, dot};
+use super::quadratic::NoStep;
+use super::subproblem::{Direction, Subproblem};
+use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
 
-/// Sequential quadratic programming: each iteration minimizes a quadratic model of the Lagrangian on linearized constraints, and a
-/// line search on f + sum of penalties times violations takes as much of the step as is good.
+/// Sequential quadratic programming within move limits: each iteration minimizes a quadratic model of the Lagrangian on linearized
+/// constraints in a box around the point, and takes the step if f + price times the largest violation falls by a share of what the model
+/// promises; otherwise the box shrinks, and after good steps it grows.
 ///
-/// The model's matrix is made of steps and the changes of the gradient along them (BFGS) and kept positive definite; until there are as
-/// many steps as variables, it has the size of the curvature seen last along directions that no step has taken, so that round-off there, as
-/// in a symmetric problem's asymmetry, hardly grows; linearized constraints that contradict each other
-/// are relaxed together; a full step that curved constraints spoil is corrected once. A point without values is one of infinite
-/// merit, from which the line search steps back. Bounds are never left.
+/// Linearized constraints that contradict each other within the box are given the least violation that they allow, and the price is as
+/// high as it takes to go there (restoration); the end is a minimum of the violation only if no step of the first box lessens it. A step
+/// that curved constraints spoil is corrected once. A point without values is one of infinite merit. Bounds are never left. What ends at a
+/// point is held against [`Conditions`], which know nothing of the model.
 ///
-/// Source: Powell (1978), "A fast algorithm for nonlinearly constrained optimization calculations" (update, penalties); Kraft (1988),
-/// DFVLR-FB 88-28 (relaxation); Nocedal & Wright (2006), sections 18.3 and 18.4.
+/// Source: Powell (1978) (update); Fletcher (1987), section 14.4 (exact penalty in a trust region); Byrd, Nocedal & Waltz (2008),
+/// "Steering exact penalty methods" (price); Nocedal & Wright (2006), sections 18.3 and 18.5.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sqp;
 
-/// Longest first step of a variable, in its scale: nothing is known about curvatures yet.
+/// Move limit of the first step, as a share of the range of a variable.
 const FIRST_STEP: f64 = 0.2;
+/// Range of a variable without bounds, by its size.
+const UNBOUNDED: f64 = 5.0;
 /// Share of the predicted decrease that a step must bring.
-const ARMIJO: f64 = 1e-4;
+const TAKEN: f64 = 1e-4;
+/// Share with which the box grows.
+const GOOD: f64 = 0.75;
 /// Share of a step to a point without values that is tried next.
 const SHORTER: f64 = 0.25;
-/// By how much the longest step grows from search to search after that.
+/// By how much the box grows after a good step.
 const LONGER: f64 = 2.0;
-/// Points tried along one direction.
+/// Points tried from one point.
 const TRIALS: usize = 16;
-/// Share of [`Stopping::change`](super::Stopping) below which a predicted change says that the point is optimal.
+/// Share of [`Stopping::change`](super::Stopping) below which a predicted change says that the point may be optimal.
 const OPTIMAL_SHARE: f64 = 1e-3;
 /// An objective smaller than this, in its scale, is as good as zero.
 const SMALL_OBJECTIVE: f64 = 1e-6;
-/// Penalty of relaxed constraints: first and last that is tried.
-const RELAXATION: [f64; 2] = [1e2, 1e8];
+/// Decrease that values no longer resolve, relative to the merit.
+const RESOLUTION: f64 = 1e-14;
+/// Share of the best reduction of the violation that a priced step must bring.
+const STEERED: f64 = 0.5;
+/// Share of the violation that a step of the first box must take away; less is none.
+const STATIONARY: f64 = 1e-3;
+/// Least price of the violation, and the largest.
+const PRICES: [f64; 2] = [1.0, 1e8];
 
 /// Where the method stands.
 struct State {
     x: Vec<f64>,
     values: Values,
     gradients: Gradients,
-    /// Model of the second derivatives of the Lagrangian.
-    hessian: Vec<Vec<f64>>,
-    /// The first steps, as many as there are variables, and the changes of the Lagrangian's gradient along them; none: nothing was
-    /// learned about curvatures yet.
-    learned: Vec<(Vec<f64>, Vec<f64>)>,
-    /// Of the constraints' violations in the merit.
-    penalties: Vec<f64>,
-    /// Longest step of a variable that is tried: finite near points without values, so that not every search runs into them.
+    curvature: Curvature,
+    /// Of the largest violation in the merit.
+    price: f64,
+    /// Half the side of the box, as a share of the ranges.
     reach: f64,
+    ranges: Vec<f64>,
 }
 
-/// A direction, with the share of the violations that the linearized constraints leave.
-struct Direction {
-    step: Vec<f64>,
-    multipliers: Vec<f64>,
-    left: f64,
+/// What came of a trial point.
+enum Tried {
+    Taken(Values, Gradients, Vec<f64>),
+    Worse(Values),
+    Failed,
 }
 
 impl Optimizer for Sqp {
@@ -69,10 +78,14 @@ impl Optimizer for Sqp {
             Err(NoValue::Stop) => return Reason::Stopped,
             Err(NoValue::Failed) => return Reason::StartFailed,
         };
-        let penalties = vec![0.0; evaluations.constraints().len()];
-        let hessian = Vec::new();
-        let (x, learned, reach) = (start.to_vec(), Vec::new(), f64::INFINITY);
-        let mut state = State { x, values, gradients, hessian, learned, penalties, reach };
+        let range = |((lower, upper), x): (&(f64, f64), &f64)| match upper - lower {
+            range if range.is_finite() => range,
+            _ => UNBOUNDED * x.abs().max(1.0),
+        };
+        let ranges = evaluations.bounds().iter().zip(start).map(range).collect();
+        let curvature = Curvature::of_size(0, 1.0);
+        let (x, price, reach) = (start.to_vec(), PRICES[0], FIRST_STEP);
+        let mut state = State { x, values, gradients, curvature, price, reach, ranges };
         state.forget();
         // points that are reached have values
         iterations(evaluations, &mut state).unwrap_or(Reason::Stopped)
@@ -80,176 +93,173 @@ impl Optimizer for Sqp {
 }
 
 fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason, NoValue> {
-    let kinds = evaluations.constraints().to_vec();
     let mut end = evaluations.accept(&state.x)?;
     while end.is_none() {
-        let Some(direction) = state.direction(evaluations, &state.values.constraints) else {
-            if state.learned.is_empty() {
-                return Ok(Reason::Stalled);
-            }
-            state.forget();
-            continue;
-        };
-        let satisfied = evaluations.violation(&state.values) <= evaluations.stopping().violation;
-        let longest = direction.step.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
-        if !satisfied && direction.left > 0.99 && longest <= evaluations.stopping().violation {
+        let violation = evaluations.violation(&state.values);
+        let satisfied = violation <= evaluations.stopping().violation;
+        let conditions = state.conditions(evaluations);
+        let direction = state.direction(evaluations, state.reach, &state.values.constraints);
+        if !satisfied && state.is_stationary(evaluations, violation) {
             return Ok(Reason::Infeasible);
         }
-        let predicted = dot(&state.gradients.objective, &direction.step).abs() + complementarity(state, &direction);
         let size = state.values.objective.abs().max(SMALL_OBJECTIVE);
-        if satisfied && predicted <= OPTIMAL_SHARE * evaluations.stopping().change * size {
-            return Ok(Reason::Optimal);
-        }
-        for (penalty, multiplier) in state.penalties.iter_mut().zip(&direction.multipliers) {
-            *penalty = multiplier.abs().max(0.5 * (*penalty + multiplier.abs()));
-        }
-        match state.search(evaluations, &kinds, &direction)? {
-            Some((x, values, gradients)) => {
-                state.learn(&x, &gradients, &direction.multipliers);
+        let small = OPTIMAL_SHARE * evaluations.stopping().change * size;
+        let step = match direction {
+            Some(direction) if conditions.hold() && state.first_order(&direction) <= small => return Ok(Reason::Optimal),
+            Some(direction) => state.search(evaluations, direction)?,
+            None => None,
+        };
+        match step {
+            Some((x, values, gradients, multipliers)) => {
+                state.learn(&x, &gradients, &multipliers);
                 (state.x, state.values, state.gradients) = (x, values, gradients);
                 end = evaluations.accept(&state.x)?;
             }
-            None if state.learned.is_empty() => return Ok(Reason::Stalled),
+            None if conditions.hold() => return Ok(Reason::Optimal),
+            None if state.curvature.is_new() => return Ok(Reason::Stalled),
             None => state.forget(),
         }
     }
     Ok(end.unwrap_or(Reason::Stalled))
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// sum |lambda c|: what the constraints' values still weigh.
-fn complementarity(state: &State, direction: &Direction) -> f64 {
-    direction.multipliers.iter().zip(&state.values.constraints).map(|(m, c)| (m * c).abs()).sum()
-}
-
-/// Violation of one constraint.
-fn violation(kind: ConstraintKind, c: f64) -> f64 {
-    match kind {
-        ConstraintKind::Equality => c.abs(),
-        ConstraintKind::AtMostZero => c.max(0.0),
-    }
-}
-
 impl State {
-    /// Sets the matrix to a multiple of the identity from which the first step is short.
+    /// Forgets what was learned of curvatures: the first step is then one of the first box.
     fn forget(&mut self) {
-        let n = self.x.len();
         let steepest = self.gradients.objective.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
-        let size = (steepest / FIRST_STEP).max(1.0);
-        self.learned.clear();
-        self.hessian = multiple_of_identity(n, size);
+        self.curvature = Curvature::of_size(self.x.len(), (steepest / FIRST_STEP).max(1.0));
+        self.reach = FIRST_STEP;
     }
 
-    /// The minimum of the model on linearized constraints of the values `offsets`, relaxed where they contradict each other.
-    fn direction(&self, evaluations: &Evaluations, offsets: &[f64]) -> Option<Direction> {
-        let bounds = evaluations.bounds().iter().zip(&self.x);
-        let (mut lower, mut upper): (Vec<f64>, Vec<f64>) = bounds.map(|((low, high), x)| (low - x, high - x)).unzip();
-        let kinds = evaluations.constraints();
-        let program = QuadraticProgram {
-            hessian: &self.hessian,
+    fn conditions(&self, evaluations: &Evaluations) -> Conditions {
+        evaluations.conditions(&self.x, &self.values, &self.gradients)
+    }
+
+    /// What the first-order model says that a step and the constraints' values still weigh.
+    fn first_order(&self, direction: &Direction) -> f64 {
+        let products = direction.multipliers.iter().zip(&self.values.constraints).map(|(m, c)| (m * c).abs());
+        dot(&self.gradients.objective, &direction.step).abs() + products.sum::<f64>()
+    }
+
+    fn subproblem<'s>(&'s self, evaluations: &'s Evaluations, reach: f64, offsets: &'s [f64]) -> Subproblem<'s> {
+        let limits = evaluations.bounds().iter().zip(&self.x).zip(&self.ranges);
+        let (lower, upper) = limits
+            .map(|(((low, high), x), range)| ((low - x).max(-reach * range), (high - x).min(reach * range)))
+            .unzip();
+        Subproblem {
+            hessian: &self.curvature.matrix,
             gradient: &self.gradients.objective,
             rows: &self.gradients.constraints,
             offsets,
-            kinds,
-            lower: &lower,
-            upper: &upper,
-        };
-        match program.solve() {
-            Ok(Step { step, multipliers }) => return Some(Direction { step, multipliers, left: 0.0 }),
-            Err(NoStep::IllConditioned) => return None,
-            Err(NoStep::Infeasible) => {}
+            kinds: evaluations.constraints(),
+            linear_from: evaluations.linear_from(),
+            lower,
+            upper,
         }
-        // one more unknown: the share of all violations that is left
-        lower.push(0.0);
-        upper.push(1.0);
-        let n = self.x.len();
-        let gradient: Vec<f64> = self.gradients.objective.iter().copied().chain([0.0]).collect();
-        let relaxed = |((row, &c), &kind): ((&Vec<f64>, &f64), &ConstraintKind)| -> Vec<f64> {
-            let share = if violation(kind, c) > 0.0 { -c } else { 0.0 };
-            row.iter().copied().chain([share]).collect()
-        };
-        let rows: Vec<Vec<f64>> = self.gradients.constraints.iter().zip(offsets).zip(kinds).map(relaxed).collect();
-        let mut hessian = self.hessian.clone();
-        hessian.iter_mut().for_each(|row| row.push(0.0));
-        hessian.push(vec![0.0; n + 1]);
-        let largest = (0..n).fold(1.0, |most: f64, i| most.max(self.hessian[i][i]));
-        let mut penalty = RELAXATION[0];
-        loop {
-            hessian[n][n] = penalty * largest;
-            let (gradient, rows) = (&gradient[..], &rows[..]);
-            let (lower, upper) = (&lower[..], &upper[..]);
-            let program = QuadraticProgram { hessian: &hessian, gradient, rows, offsets, kinds, lower, upper };
-            let Step { mut step, multipliers } = program.solve().ok()?;
-            let left = step.pop()?;
-            if left < 0.9 || penalty >= RELAXATION[1] {
-                return Some(Direction { step, multipliers, left });
+    }
+
+    /// The minimum of the model in a box, on linearized constraints of the values `offsets` or as near to these as they allow.
+    fn direction(&self, evaluations: &Evaluations, reach: f64, offsets: &[f64]) -> Option<Direction> {
+        let problem = self.subproblem(evaluations, reach, offsets);
+        match problem.strict() {
+            Ok(direction) => return Some(direction),
+            Err(NoStep::IllConditioned) if offsets.is_empty() => return None,
+            Err(_) => {}
+        }
+        let violation = super::evaluations::violation(evaluations.constraints(), offsets);
+        let nearest = problem.restoration(violation)?;
+        let wanted = STEERED * (violation - nearest.left);
+        let mut price = self.price;
+        while price <= PRICES[1] {
+            match problem.priced(price, violation) {
+                Some(direction) if violation - direction.left >= wanted => return Some(direction),
+                _ => price *= 10.0,
             }
-            penalty *= 10.0;
         }
+        Some(nearest)
     }
 
-    /// f + sum of penalties times violations.
-    fn merit(&self, kinds: &[ConstraintKind], values: &Values) -> f64 {
-        let violations = kinds.iter().zip(&values.constraints).map(|(&kind, &c)| violation(kind, c));
-        values.objective + violations.zip(&self.penalties).map(|(violation, penalty)| violation * penalty).sum::<f64>()
+    /// Whether no step of the first box lessens the largest violation to first order.
+    fn is_stationary(&self, evaluations: &Evaluations, violation: f64) -> bool {
+        let problem = self.subproblem(evaluations, FIRST_STEP, &self.values.constraints);
+        problem.restoration(violation).is_some_and(|direction| violation - direction.left <= STATIONARY * violation)
     }
 
-    /// A better point along a direction, with its values and gradients.
+    /// f + price times the largest violation.
+    fn merit(&self, evaluations: &Evaluations, values: &Values) -> f64 {
+        values.objective + self.price * evaluations.violation(values)
+    }
+
+    /// Decrease of the merit that the model promises; the price follows what the step needs.
+    fn promised(&mut self, violation: f64, direction: &Direction) -> f64 {
+        let own: f64 = direction.multipliers.iter().map(|multiplier| multiplier.abs()).sum();
+        self.price = PRICES[0].max(1.5 * own).max(0.5 * (self.price + 1.5 * own)).min(PRICES[1]);
+        let of_objective = -dot(&self.gradients.objective, &direction.step) - 0.5 * self.curvature.along(&direction.step);
+        let restored = violation - direction.left;
+        if restored > 0.0 && of_objective + self.price * restored < 0.5 * self.price * restored {
+            self.price = (-2.0 * of_objective / restored).max(self.price);
+        }
+        of_objective + self.price * restored
+    }
+
+    /// A better point, with its values, its gradients and the multipliers of the step.
     fn search(
         &mut self,
         evaluations: &mut Evaluations,
-        kinds: &[ConstraintKind],
-        direction: &Direction,
-    ) -> Result<Option<(Vec<f64>, Values, Gradients)>, NoValue> {
-        let here = self.merit(kinds, &self.values);
-        let penalty = here - self.values.objective;
-        let slope = dot(&self.gradients.objective, &direction.step) - (1.0 - direction.left) * penalty;
-        if !(slope < 0.0) {
-            return Ok(None);
-        }
-        let longest = direction.step.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
-        let mut share = (self.reach / longest).min(1.0);
-        self.reach *= LONGER;
+        mut direction: Direction,
+    ) -> Result<Option<(Vec<f64>, Values, Gradients, Vec<f64>)>, NoValue> {
+        let violation = evaluations.violation(&self.values);
         for trial in 0..TRIALS {
-            let limit = here + ARMIJO * share * slope;
-            let x = self.along(evaluations, &direction.step, share);
-            if x == self.x {
+            let promised = self.promised(violation, &direction);
+            let here = self.merit(evaluations, &self.values);
+            let size = self.values.objective.abs() + self.price * violation;
+            let x = self.along(evaluations, &direction.step);
+            if !(promised > RESOLUTION * size) || x == self.x {
                 return Ok(None);
             }
-            let merit = match self.taken(evaluations, kinds, x, limit)? {
-                Tried::Taken(values, gradients, x) => return Ok(Some((x, values, gradients))),
-                Tried::Failed => {
-                    share *= SHORTER;
-                    self.reach = share * longest;
-                    continue;
+            let share = self.share(&direction.step);
+            match self.taken(evaluations, x, here - TAKEN * promised)? {
+                Tried::Taken(values, gradients, x) => {
+                    let good = here - self.merit(evaluations, &values) >= GOOD * promised;
+                    if good && share > 0.5 * self.reach {
+                        self.reach *= LONGER;
+                    }
+                    return Ok(Some((x, values, gradients, direction.multipliers)));
                 }
-                Tried::Worse(merit, constraints) => {
-                    if trial == 0 && share == 1.0 && !kinds.is_empty() {
+                Tried::Failed => self.reach = SHORTER * share,
+                Tried::Worse(values) => {
+                    if trial == 0 && self.price * (evaluations.violation(&values) - direction.left) > 0.5 * promised {
                         // curved constraints: the same linearization, set right by their values at the full step
-                        let moved = self.gradients.constraints.iter().zip(&constraints);
+                        let moved = self.gradients.constraints.iter().zip(&values.constraints);
                         let offsets: Vec<f64> = moved.map(|(row, c)| c - dot(row, &direction.step)).collect();
-                        if let Some(corrected) = self.direction(evaluations, &offsets) {
-                            let x = self.along(evaluations, &corrected.step, 1.0);
-                            if let Tried::Taken(values, gradients, x) = self.taken(evaluations, kinds, x, limit)? {
-                                return Ok(Some((x, values, gradients)));
+                        if let Some(corrected) = self.direction(evaluations, self.reach, &offsets) {
+                            let x = self.along(evaluations, &corrected.step);
+                            let limit = here - TAKEN * promised;
+                            if let Tried::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
+                                return Ok(Some((x, values, gradients, direction.multipliers)));
                             }
                         }
                     }
-                    merit
+                    // the minimum of the parabola through both merits and the slope
+                    let lost = self.merit(evaluations, &values) - here;
+                    self.reach = share * (0.5 * promised / (lost + promised)).clamp(0.1, 0.5);
                 }
-            };
-            // the minimum of the parabola through both merits and the slope
-            let parabola = -0.5 * slope * share * share / (merit - here - share * slope);
-            share = parabola.clamp(0.1 * share, 0.5 * share);
+            }
+            match self.direction(evaluations, self.reach, &self.values.constraints) {
+                Some(shorter) => direction = shorter,
+                None => return Ok(None),
+            }
         }
         Ok(None)
     }
 
-    fn along(&self, evaluations: &Evaluations, step: &[f64], share: f64) -> Vec<f64> {
-        let place = |((x, d), (lower, upper)): ((&f64, &f64), &(f64, f64))| match share * d {
+    /// The longest part of a step as a share of the ranges.
+    fn share(&self, step: &[f64]) -> f64 {
+        step.iter().zip(&self.ranges).fold(0.0, |most: f64, (d, range)| most.max(d.abs() / range.max(f64::MIN_POSITIVE)))
+    }
+
+    fn along(&self, evaluations: &Evaluations, step: &[f64]) -> Vec<f64> {
+        let place = |((x, &d), (lower, upper)): ((&f64, &f64), &(f64, f64))| match d {
             // to the last digit
             d if d == lower - x => *lower,
             d if d == upper - x => *upper,
@@ -259,21 +269,14 @@ impl State {
     }
 
     /// Tries a point: it is taken if its merit is at most `limit` and it has gradients.
-    fn taken(
-        &self,
-        evaluations: &mut Evaluations,
-        kinds: &[ConstraintKind],
-        x: Vec<f64>,
-        limit: f64,
-    ) -> Result<Tried, NoValue> {
+    fn taken(&self, evaluations: &mut Evaluations, x: Vec<f64>, limit: f64) -> Result<Tried, NoValue> {
         let values = match evaluations.values(&x) {
             Ok(values) => values,
             Err(NoValue::Failed) => return Ok(Tried::Failed),
             Err(stop) => return Err(stop),
         };
-        let merit = self.merit(kinds, &values);
-        if !(merit <= limit) {
-            return Ok(Tried::Worse(merit, values.constraints));
+        if !(self.merit(evaluations, &values) <= limit) {
+            return Ok(Tried::Worse(values));
         }
         match evaluations.gradients(&x) {
             Ok(gradients) => Ok(Tried::Taken(values, gradients, x)),
@@ -282,67 +285,14 @@ impl State {
         }
     }
 
-    /// Updates the matrix by what a step says about the curvature of the Lagrangian.
+    /// Learns what a step says about the curvature of the Lagrangian.
     fn learn(&mut self, x: &[f64], gradients: &Gradients, multipliers: &[f64]) {
-        let n = x.len();
         let of_lagrangian = |gradients: &Gradients, i: usize| {
             let rows = gradients.constraints.iter().zip(multipliers);
             gradients.objective[i] + rows.map(|(row, multiplier)| row[i] * multiplier).sum::<f64>()
         };
         let step: Vec<f64> = x.iter().zip(&self.x).map(|(new, old)| new - old).collect();
-        let mut change: Vec<f64> = (0..n).map(|i| of_lagrangian(gradients, i) - of_lagrangian(&self.gradients, i)).collect();
-        let curvature = dot(&step, &change);
-        let modelled = dot(&step, &turned(&self.hessian, &step));
-        if !(modelled > 0.0) {
-            return;
-        }
-        if curvature > 0.0 && self.learned.len() < n {
-            // along directions that no step has taken yet: the mean of both usual estimates, |y|^2 / s . y and s . y / |s|^2
-            let size = (dot(&change, &change) / dot(&step, &step)).sqrt();
-            self.hessian = multiple_of_identity(n, size);
-            for (step, change) in &self.learned {
-                update(&mut self.hessian, step, change);
-            }
-        }
-        let of_model = turned(&self.hessian, &step);
-        let modelled = dot(&step, &of_model);
-        if curvature < 0.2 * modelled {
-            // mixed with the model's own so that the matrix stays positive definite
-            let share = 0.8 * modelled / (modelled - curvature);
-            for (change, turned) in change.iter_mut().zip(&of_model) {
-                *change = share * *change + (1.0 - share) * turned;
-            }
-        }
-        update(&mut self.hessian, &step, &change);
-        if self.learned.len() < n {
-            self.learned.push((step, change));
-        }
+        let change = (0..x.len()).map(|i| of_lagrangian(gradients, i) - of_lagrangian(&self.gradients, i)).collect();
+        self.curvature.learn(&step, change);
     }
-}
-
-fn multiple_of_identity(n: usize, size: f64) -> Vec<Vec<f64>> {
-    (0..n).map(|i| (0..n).map(|j| if i == j { size } else { 0.0 }).collect()).collect()
-}
-
-fn turned(matrix: &[Vec<f64>], step: &[f64]) -> Vec<f64> {
-    matrix.iter().map(|row| dot(row, step)).collect()
-}
-
-/// Updates a matrix so that it takes a step to a change of the gradient.
-fn update(matrix: &mut [Vec<f64>], step: &[f64], change: &[f64]) {
-    let turned = turned(matrix, step);
-    let (modelled, curvature) = (dot(step, &turned), dot(step, change));
-    for (i, row) in matrix.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry += change[i] * change[j] / curvature - turned[i] * turned[j] / modelled;
-        }
-    }
-}
-
-/// What came of a trial point.
-enum Tried {
-    Taken(Values, Gradients, Vec<f64>),
-    /// Its merit and its constraints.
-    Worse(f64, Vec<f64>),
-    Failed,
 }
