@@ -731,7 +731,8 @@ fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
     let folder = Folder::new("optimize");
     let common = ["optimize", "five-bar", "--end", "1", "--steps", "50", "--json"];
     let output = folder.run(&[&common[..], &["--iterations", "3"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("no optimum: the limit of 3 iterations"), "{}", text(&output.stderr));
     assert_eq!(folder.files("out/five-bar"), OPTIMIZED);
     let (header, rows) = csv(&folder.0.join("out/five-bar/optimization.csv"));
     assert_eq!(header[..6], ["evaluation", "iteration", "objective", "violation", "failed", "design L01 [m]"]);
@@ -759,6 +760,63 @@ fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
     assert!(number(&object["objective"]["after"]) < after, "{object}");
     let sweeps = object["gradient_sweeps"].as_u64().unwrap();
     assert_eq!(sweeps % 4, 0, "one simulation for each of four variables");
+}
+
+/// Thrown upwards: sharp or not, what is limited is a smooth maximum, and the stone itself goes higher.
+#[test]
+fn a_limit_that_is_kept_in_the_smooth_sense_only_is_said_with_the_largest_value() {
+    let folder = Folder::new("smooth");
+    let scene = r#"
+version = 1
+gravity = [0, 0, -10]
+[variable]
+w = { initial = 3, bounds = [1, 8], unit = "m/s" }
+[settings]
+end = 0.6
+steps = 300
+[[point]]
+name = "stone"
+mass = 1
+position = [0, 0, 0]
+velocity = [0, 0, "w"]
+[[functional]]
+name = "height"
+type = "position"
+on = "stone"
+direction = [0, 0, 1]
+over = { aggregate = "smooth_maximum", sharpness = 5 }
+[[functional]]
+name = "end"
+type = "position"
+on = "stone"
+direction = [0, 0, 1]
+over = "terminal"
+[optimization]
+maximize = "end"
+[[optimization.constraint]]
+functional = "height"
+at_most = 1.0
+"#;
+    fs::write(folder.0.join("stone.toml"), scene).unwrap();
+    let output = folder.run(&["optimize", "stone.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let object = json(&output);
+    let w = object["design"]["w"].as_f64().unwrap();
+    // closed form of the flight: w^2 / 2 g, after w / g
+    let largest = &object["largest_values"][0]["largest"];
+    let [value, t] = ["value", "t"].map(|key| largest[key].as_f64().unwrap());
+    assert!((value - w * w / 20.0).abs() < 1e-4 && (t - w / 10.0).abs() < 2e-3, "{w}: {value} at {t}");
+    assert!(value > 1.1, "{value}");
+    let said = object["kept_in_the_smooth_sense_only"][0].as_str().unwrap();
+    assert!(said.contains("\"height\" keeps its limit of 1 m in the smooth sense only"), "{said}");
+    assert!(text(&output.stderr).contains("smooth sense only"), "{}", text(&output.stderr));
+    assert_eq!(object["conditions"]["hold"], true);
+    assert!(object["conditions"]["multipliers"][0]["multiplier"].as_f64().unwrap() > 0.0);
+    // a run prints them too
+    let run = folder.run(&["run", "stone.toml", "--no-report", "--json"]);
+    let height = &json(&run)["functionals"][0];
+    assert!((height["largest"]["value"].as_f64().unwrap() - 0.45).abs() < 1e-4, "{height}");
+    assert!(text(&run.stdout).contains("aggregate  largest"), "{}", text(&run.stdout));
 }
 
 #[cfg(unix)]

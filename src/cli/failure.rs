@@ -4,12 +4,14 @@ use crate::io::IoError;
 /// Why the program ends without success: exit code and one message.
 #[derive(Debug)]
 pub struct Failure {
-    /// 1: a run failed or a check is out of tolerance; 2: bad input; 130: interrupted.
+    /// 1: a run failed or a check is out of tolerance; 2: bad input; 3: a limit of iterations was reached; 130: interrupted.
     pub code: u8,
     /// What goes to stderr.
     pub message: String,
 }
 
+/// Exit code of an optimization that its limit of iterations ended.
+pub const LIMIT_REACHED: u8 = 3;
 /// Exit code after Ctrl-C.
 pub const INTERRUPTED: u8 = 130;
 

@@ -50,6 +50,7 @@ mod motions;
 mod new;
 mod optimization_charts;
 mod optimize;
+mod optimum;
 mod options;
 mod part_sensitivities;
 mod report;

@@ -3,10 +3,11 @@
 
 use super::CommandLine;
 use super::console::{count, json_number, say, say_json, seconds, warn};
-use super::failure::{Failure, INTERRUPTED};
+use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
 use super::kept_moments::KeptMoments;
 use super::optimization_charts;
+use super::optimum::{conditions_json, largest_json, say_conditions, smooth_only};
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{Snapshot, check_folder};
@@ -309,7 +310,7 @@ impl<'r> Report<'r> {
     }
 
     fn say(&self) {
-        let Report { optimized, best, .. } = self;
+        let Report { optimization, optimized, best, .. } = self;
         let (history, ended) = (&optimized.history, &optimized.ended);
         let mut table = Table::new(&["iteration", "simulations", "objective", "violation"]);
         let mut simulations = 0;
@@ -368,6 +369,7 @@ impl<'r> Report<'r> {
             let why = optimized.failure.as_ref().map_or_else(String::new, |error| format!("; the last one: {error}"));
             say(format_args!("{} could not be simulated{why}", count(ended.failed, "design")));
         }
+        say_conditions(optimization, optimized, best);
         say(format_args!("best design, evaluation {}:{}\n", best.evaluation, self.settings()));
     }
 
@@ -385,6 +387,7 @@ impl<'r> Report<'r> {
                 best.violation
             ));
         }
+        smooth_only(optimization, optimized, best).into_iter().for_each(|message| page.warning(message));
         let wanted = self.wanted().into_iter().map(|Wanted { kind, name, limit, before, after, unit }| {
             let (sign, limit) = limit.map_or((Value::Null, Value::Null), |(sign, limit)| (json!(sign), json_number(limit)));
             vec![json!(kind), json!(name), sign, limit, json_number(before), json_number(after), json!(unit)]
@@ -462,6 +465,9 @@ impl<'r> Report<'r> {
             "objective": wanted(&rows[0]),
             "constraints": rows[1..].iter().map(wanted).collect::<Vec<_>>(),
             "largest_violation": json_number(best.violation),
+            "conditions": conditions_json(optimization, ended),
+            "largest_values": largest_json(optimized, best),
+            "kept_in_the_smooth_sense_only": smooth_only(optimization, optimized, best),
             "variables": variables.collect::<Vec<_>>(),
             "design": design.collect::<Map<_, _>>(),
             "best_evaluation": best.evaluation,
@@ -491,9 +497,26 @@ impl<'r> Report<'r> {
                     count(optimized.ended.iterations, "iteration")
                 ),
             }),
+            Reason::Iterations => Err(Failure {
+                code: LIMIT_REACHED,
+                message: format!(
+                    "no optimum: the limit of {} is reached{}; take more of them (--iterations), from here by --restart",
+                    count(optimized.ended.iterations, "iteration"),
+                    if best.violation <= tolerance {
+                        String::new()
+                    } else {
+                        format!(", and the best design violates limits by {:.1e} of their scale", best.violation)
+                    }
+                ),
+            }),
             reason if !(best.violation <= tolerance) => Err(Failure::run(format!(
-                "no design keeps all limits: the best one violates them by {:.1e} of their scale ({reason})",
+                "no design keeps all limits: the best one violates them by {:.1e} of their scale ({reason}); another start may find one \
+                 that does",
                 best.violation
+            ))),
+            reason if !reason.is_optimum() => Err(Failure::run(format!(
+                "the best design keeps all limits, but it is no verified optimum: {reason}; try another start, or more exact runs and \
+                 gradients"
             ))),
             _ => Ok(()),
         }

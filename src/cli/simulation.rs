@@ -5,7 +5,7 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{EnergyCourse, Finished, Results, Snapshot, check_folder};
 use super::stability::{self, Statement};
-use crate::functionals::{Measured, Times};
+use crate::functionals::{Extreme, Extremes, Measured, Times};
 use crate::history::{Observer, Usage};
 use crate::integrators::{Counters, Crossing, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
@@ -189,6 +189,11 @@ pub fn long_number(value: f64) -> String {
     }
 }
 
+/// A value with its time and place.
+pub fn json_extreme(Extreme { value, t, element }: &Extreme) -> Value {
+    json!({"value": json_number(*value), "t": json_number(*t), "element": element})
+}
+
 impl Simulation {
     /// Prints the values of the functionals.
     pub fn say_functionals(&self, prepared: &Prepared) {
@@ -200,6 +205,22 @@ impl Simulation {
             table.row([functional.name.as_str().into(), long_number(value).into(), functional.value_unit().into()]);
         }
         say(format_args!("{table}\n"));
+        let mut table = Table::new(&["aggregate", "largest", "at [s]", "in", "smallest", "at [s]", "in", "unit"]);
+        let mut any = false;
+        for (functional, extremes) in prepared.functionals().iter().zip(&self.forward.extremes) {
+            let Some(Extremes { smallest, largest }) = extremes else { continue };
+            any = true;
+            let cells = |extreme: &Extreme| -> [Cell; 3] {
+                let element = extreme.element.as_deref().map_or(Cell::Empty, Into::into);
+                [extreme.value.into(), extreme.t.into(), element]
+            };
+            let [value, t, element] = cells(largest);
+            let [least, when, place] = cells(smallest);
+            table.row([functional.name.as_str().into(), value, t, element, least, when, place, functional.unit.into()]);
+        }
+        if any {
+            say(format_args!("{table}\n"));
+        }
     }
 
     /// What the simulation cost.
@@ -343,9 +364,15 @@ impl Simulation {
     /// The parts of the JSON object that every simulation has.
     pub fn json(&self, prepared: &Prepared) -> Map<String, Value> {
         let design = prepared.variables.iter().zip(&prepared.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
-        let functionals = prepared.functionals().iter().zip(&self.forward.values);
+        let functionals = prepared.functionals().iter().zip(&self.forward.values).zip(&self.forward.extremes);
         let functionals: Vec<Value> = functionals
-            .map(|(f, &value)| json!({"name": f.name, "value": json_number(value), "unit": f.value_unit()}))
+            .map(|((f, &value), extremes)| {
+                let mut own = json!({"name": f.name, "value": json_number(value), "unit": f.value_unit()});
+                if let Some(Extremes { smallest, largest }) = extremes {
+                    (own["largest"], own["smallest"]) = (json_extreme(largest), json_extreme(smallest));
+                }
+                own
+            })
             .collect();
         let mut object = Map::new();
         object.insert("scene".into(), json!(prepared.scene.name()));

@@ -141,7 +141,8 @@ impl Aggregate {
                 let mean = if normalized { denominator / measure } else { denominator };
                 mean.ln() / self.sharpness + offset
             }
-            _ => numerator / denominator,
+            // powers of values that are all zero: nothing was there
+            _ => denominator.select(numerator / denominator, S::zero()),
         }
     }
 }
@@ -150,6 +151,16 @@ impl AggregateKind {
     /// With powers for weights.
     pub fn is_power(self) -> bool {
         matches!(self, AggregateKind::Power | AggregateKind::SquaredPower)
+    }
+
+    /// What the largest value of all would give: that of y, of |y|, or of the squares.
+    pub(crate) fn limit_value(self, smallest: f64, largest: f64) -> f64 {
+        let either = if self.is_power() { largest.abs().max(smallest.abs()) } else { largest };
+        match self {
+            AggregateKind::SquaredExponential => largest * largest,
+            AggregateKind::SquaredPower => either * either,
+            _ => either,
+        }
     }
 
     /// In the unit of y^2.
@@ -205,6 +216,17 @@ mod tests {
                     assert!((own - other).abs() < 1e-13, "{kind:?}: {own} {other}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn powers_of_values_that_are_all_zero_are_zero() {
+        for kind in [AggregateKind::Power, AggregateKind::SquaredPower] {
+            let of = Aggregate::new(kind, 8.0);
+            let sums = of.terms(0.0, 0.5, of.first_offset());
+            assert_eq!(of.value(Totals { offset: of.first_offset(), sums }), 0.0, "{kind:?}");
+            let bars = derivatives(sums, |sums| of.value(Totals { offset: of.first_offset(), sums }));
+            assert_eq!(bars, [0.0; SUMS], "{kind:?}");
         }
     }
 

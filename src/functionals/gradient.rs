@@ -41,7 +41,8 @@ impl<'f> FunctionalGradient<'f> {
 
     /// Adds the share of a sample with a weight in time.
     pub fn add(&mut self, model: &Model, sample: &Sample<f64>, p: &[f64], weight: f64, bars: &mut SampleBars) {
-        if weight == 0.0 {
+        // where the value does not depend on its sums, no sample counts
+        if weight == 0.0 || self.bars == [0.0; SUMS] {
             return;
         }
         let Functional { over, measured, .. } = self.functional;

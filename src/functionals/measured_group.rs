@@ -311,6 +311,18 @@ impl MeasuredGroup {
         all
     }
 
+    /// The element to which the value at a place of [`GroupWork::values`] belongs.
+    pub(super) fn element_of(&self, model: &Model, mut place: usize) -> Option<ElementId> {
+        for batch in self.batches(model) {
+            let own = batch.own.values.len();
+            match batch.members.get(place / own.max(1)) {
+                Some(member) => return Some(member.element),
+                None => place -= batch.members.len() * own,
+            }
+        }
+        None
+    }
+
     /// What gives the gradient of what these values add to the sums of a functional, towards the state and some parameters.
     pub(super) fn gradient(&self, model: &Model, over: &Over, active: &[bool]) -> GroupGradient {
         let (mut selections, mut chosen): (Vec<Selection>, Vec<Vec<GroupMember>>) = Default::default();

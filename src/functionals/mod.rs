@@ -3,6 +3,7 @@
 mod aggregate;
 mod element_group;
 mod element_sum;
+mod extremes;
 mod functional;
 mod gradient;
 mod load;
@@ -21,6 +22,7 @@ pub mod quantities;
 pub use aggregate::{Aggregate, AggregateKind, PointWeights, Totals};
 pub use element_group::ElementGroup;
 pub use element_sum::ElementSum;
+pub use extremes::{Extreme, Extremes};
 pub use functional::{Functional, Measured, Sample};
 pub use gradient::{FunctionalGradient, SampleBars};
 pub use load::{JointLoad, LoadKind, joint_force_and_moment};

@@ -1,6 +1,7 @@
 use super::aggregate::{SUMS, Totals};
+use super::extremes::{Extreme, Extremes, Seen, follow};
 use super::measured_group::GroupWork;
-use super::{Functional, Sample, Times};
+use super::{Functional, Measured, Sample, Times};
 use crate::assembly::Model;
 use crate::elements::RunScalar;
 use crate::integrators::{Combination, StartRecord, StepRecord, Table};
@@ -20,6 +21,8 @@ pub struct Values<'f, S> {
     /// Offsets follow the largest value; otherwise they are given.
     following: bool,
     offsets: Vec<f64>,
+    /// Of aggregates: smallest and largest value.
+    seen: Vec<Option<[Seen; 2]>>,
     /// For each functional its sums after the last step and before, latest first.
     sums: Vec<Vec<[S; SUMS]>>,
     /// The end of the last step.
@@ -46,6 +49,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             p,
             following: true,
             offsets: functionals.iter().map(|functional| functional.over.first_offset()).collect(),
+            seen: vec![None; functionals.len()],
             sums: functionals.iter().map(sums).collect(),
             last: None,
             sample: Sample::empty(),
@@ -72,6 +76,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
         let (sums, offset, work) = (&mut self.sums[k], &mut self.offsets[k], &mut self.work);
         measured.write_values(self.model, sample, self.p, over.points(), work);
         if let Some(aggregate) = over.aggregate().filter(|_| self.following) {
+            follow(&mut self.seen[k], sample.t, work.values.iter().map(|[y, _]| y.value()));
             let before = *offset;
             *offset = aggregate.following(before, &work.values);
             if *offset > before {
@@ -133,8 +138,8 @@ impl<'f, S: RunScalar> Values<'f, S> {
         self.sample = sample;
     }
 
-    /// The values at the end of the last step, and the sums of which they are made.
-    pub fn finish(mut self) -> (Vec<S>, Vec<Totals<S>>) {
+    /// The values at the end of the last step, the sums of which they are made, and smallest and largest values of aggregates.
+    pub fn finish(mut self) -> (Vec<S>, Vec<Totals<S>>, Vec<Option<Extremes>>) {
         if let Some(mut last) = self.last.take() {
             if self.reading {
                 last.share(self.model, self.p);
@@ -146,6 +151,16 @@ impl<'f, S: RunScalar> Values<'f, S> {
         let totals = |(sums, &offset): (&Vec<[S; SUMS]>, &f64)| Totals { offset, sums: sums[0] };
         let totals: Vec<Totals<S>> = self.sums.iter().zip(&self.offsets).map(totals).collect();
         let values = self.functionals.iter().zip(&totals).map(|(functional, &totals)| functional.over.value(totals));
-        (values.collect(), totals)
+        let extremes = self.functionals.iter().zip(&self.seen).map(|(functional, &seen)| {
+            let [smallest, largest] = seen?.map(|(value, t, place)| {
+                let element = match &functional.measured {
+                    Measured::Group(group) => group.element_of(self.model, place),
+                    _ => None,
+                };
+                Extreme { value, t, element: element.map(|id| self.model.elements[id.0].name.clone()) }
+            });
+            Some(Extremes { smallest, largest })
+        });
+        (values.collect(), totals, extremes.collect())
     }
 }

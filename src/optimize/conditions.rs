@@ -16,9 +16,9 @@ use nalgebra::{DMatrix, DVector};
 pub struct Conditions {
     /// Multipliers of the constraints.
     pub multipliers: Vec<f64>,
-    /// dL/dx, without the entries that bounds forbid to follow.
-    pub reduced: Vec<f64>,
-    /// Largest of its sizes, relative to the largest term of dL/dx, or to 1 if that is larger.
+    /// dL/dx.
+    pub slopes: Vec<f64>,
+    /// Largest size of its entries that no bound forbids to follow, relative to the largest term of dL/dx, or to 1 if that is larger.
     pub stationarity: f64,
     /// Largest violation of a constraint.
     pub violation: f64,
@@ -78,7 +78,7 @@ impl Conditions {
             violation: violation(kinds, &values.constraints),
             complementarity: products.fold(0.0, f64::max) / values.objective.abs().max(1.0),
             multipliers,
-            reduced,
+            slopes,
             tolerance: stopping.change.sqrt(),
             allowed: stopping.violation,
         }

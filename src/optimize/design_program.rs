@@ -172,17 +172,17 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         let mut work = Work { simulations: 1, simulation_seconds: seconds, ..Work::default() };
         let nothing = vec![f64::NAN; self.history.functionals.len()];
         let place = self.history.points.len();
-        let (functionals, values) = match run {
+        let (functionals, extremes, values) = match run {
             Ok((prepared, forward)) => {
                 work.simulation = forward.counters;
                 let values = self.values_at(y, &forward.values);
-                let functionals = forward.values.clone();
+                let (functionals, extremes) = (forward.values.clone(), forward.extremes.clone());
                 self.latest = Some(Simulated { prepared, forward, place });
-                (functionals, Ok(values))
+                (functionals, extremes, Ok(values))
             }
             Err(error) => {
                 self.failure = Some(error);
-                (nothing, Err(NoValue::Failed))
+                (nothing, Vec::new(), Err(NoValue::Failed))
             }
         };
         let weighted = |&(index, weight): &(usize, f64)| weight * functionals[index];
@@ -195,6 +195,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             iteration: None,
             design,
             functionals,
+            extremes,
             objective,
             violation,
             work,

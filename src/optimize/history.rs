@@ -1,4 +1,5 @@
 use crate::design::DesignVariable;
+use crate::functionals::Extremes;
 use crate::integrators::Counters;
 
 /// What a point cost.
@@ -40,6 +41,8 @@ pub struct DesignPoint {
     pub design: Vec<f64>,
     /// The functionals of the problem; NaN where the simulation failed.
     pub functionals: Vec<f64>,
+    /// Smallest and largest values of what those that are aggregates are made of.
+    pub extremes: Vec<Option<Extremes>>,
     /// The objective in its own unit and sense; NaN where the simulation failed.
     pub objective: f64,
     /// Largest violation of a constraint, in its scale; NaN where the simulation failed.
@@ -157,6 +160,7 @@ impl DesignHistory {
             iteration: None,
             design: designs.iter().map(|&place| row[place]).collect(),
             functionals: Vec::new(),
+            extremes: Vec::new(),
             objective: row[objective],
             violation: row[violation],
             work: Work::default(),

@@ -3,6 +3,7 @@ use super::quadratic::QuadraticProgram;
 use super::scaling::Scaling;
 use super::{ConstraintKind, DesignHistory, Ended, Optimizer, Stopping, minimize};
 use crate::design::{DesignVariable, check_design};
+use crate::functionals::AggregateKind;
 use crate::history::Keep;
 use crate::integrators::{Method, RunError};
 use crate::scenes::{AnyScene, LinearConstraint, OptimizationProblem, Prepared, Settings};
@@ -63,6 +64,8 @@ pub struct Optimization<'s> {
     pub(super) variables: Vec<DesignVariable>,
     /// Names and units of the functionals that the problem names.
     pub(super) functionals: Vec<(String, String)>,
+    /// Those of them that are aggregates.
+    aggregates: Vec<(String, AggregateKind)>,
 }
 
 /// Where an optimization ended.
@@ -110,9 +113,11 @@ impl<'s> Optimization<'s> {
         let names: Vec<&str> = all.clone().map(|functional| functional.name.as_str()).collect();
         let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.name()));
         problem.check(&variables, &names).map_err(problem_of)?;
+        let kind = |f: &crate::functionals::Functional| Some((f.name.clone(), f.over.aggregate()?.kind));
+        let aggregates = all.clone().filter_map(kind).collect();
         let functionals = all.filter(|f| named(&f.name)).map(|f| (f.name.clone(), f.value_unit())).collect();
         let (keep, gradient, stopping) = (Keep::default(), GradientBy::Adjoint, Stopping::default());
-        Ok(Optimization { scene, problem, method, settings, keep, gradient, stopping, variables, functionals })
+        Ok(Optimization { scene, problem, method, settings, keep, gradient, stopping, variables, functionals, aggregates })
     }
 
     /// The design variables.
@@ -123,6 +128,11 @@ impl<'s> Optimization<'s> {
     /// Names and units of the functionals that the problem names.
     pub fn functionals(&self) -> &[(String, String)] {
         &self.functionals
+    }
+
+    /// The kind of aggregate of a functional, if it is one.
+    pub fn aggregate(&self, name: &str) -> Option<AggregateKind> {
+        self.aggregates.iter().find(|own| own.0 == name).map(|own| own.1)
     }
 
     /// The scene's own design.

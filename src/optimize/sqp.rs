@@ -143,9 +143,8 @@ impl State {
 
     fn subproblem<'s>(&'s self, evaluations: &'s Evaluations, reach: f64, offsets: &'s [f64]) -> Subproblem<'s> {
         let limits = evaluations.bounds().iter().zip(&self.x).zip(&self.ranges);
-        let (lower, upper) = limits
-            .map(|(((low, high), x), range)| ((low - x).max(-reach * range), (high - x).min(reach * range)))
-            .unzip();
+        let (lower, upper) =
+            limits.map(|(((low, high), x), range)| ((low - x).max(-reach * range), (high - x).min(reach * range))).unzip();
         Subproblem {
             hessian: &self.curvature.matrix,
             gradient: &self.gradients.objective,

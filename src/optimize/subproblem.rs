@@ -45,8 +45,14 @@ impl Subproblem<'_> {
         let size = SHORTNESS * violation / (width * width).max(f64::MIN_POSITIVE);
         let n = self.gradient.len();
         let hessian: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| if i == j { size } else { 0.0 }).collect()).collect();
-        Subproblem { hessian: &hessian, gradient: &vec![0.0; n], lower: self.lower.clone(), upper: self.upper.clone(), ..*self }
-            .priced(1.0, violation)
+        Subproblem {
+            hessian: &hessian,
+            gradient: &vec![0.0; n],
+            lower: self.lower.clone(),
+            upper: self.upper.clone(),
+            ..*self
+        }
+        .priced(1.0, violation)
     }
 
     /// The minimum of the model plus `price` times the largest violation t of the linearized constraints: one more unknown.

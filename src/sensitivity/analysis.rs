@@ -5,7 +5,7 @@ use super::adjoint::adjoint;
 use crate::assembly::Model;
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
-use crate::functionals::{Functional, Over, Sample, StepEnds, Totals, Values};
+use crate::functionals::{Extremes, Functional, Over, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
     Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
@@ -54,6 +54,8 @@ pub struct Forward {
     pub values: Vec<f64>,
     /// The sums of which these are made.
     pub totals: Vec<Totals<f64>>,
+    /// Smallest and largest value of what each aggregate is made of.
+    pub extremes: Vec<Option<Extremes>>,
     /// Largest estimated error of a step, where steps of a motion are given.
     pub error: Option<StepError>,
     /// Start \[s\] and number of the first step that leaps over a dead point of a driven mechanism onto another branch.
@@ -168,14 +170,27 @@ impl<'m> Analysis<'m> {
         let Measuring { values, mut history, switches, .. } = recorder;
         let crossings = switches.finish();
         let run = run.and_then(|run| history.finish().map(|()| run));
-        let (values, totals) = values.finish();
+        let (values, totals, extremes) = values.finish();
         let (counters, rejected, error, leap, stability, stopped) = match run {
             Ok(run) => (run.counters, run.rejected, run.error, run.leap, run.stability, None),
             Err(error) => (Counters::default(), 0, None, None, None, Some(error)),
         };
         let x = x.to_vec();
-        let forward =
-            Forward { x, numbers, history, grid, rejected, values, totals, error, leap, stability, crossings, counters };
+        let forward = Forward {
+            x,
+            numbers,
+            history,
+            grid,
+            rejected,
+            values,
+            totals,
+            extremes,
+            error,
+            leap,
+            stability,
+            crossings,
+            counters,
+        };
         Ok((forward, stopped))
     }
 

@@ -7,6 +7,7 @@ use crate::cli::results::Snapshot;
 use crate::cli::simulation::{Simulation, long_number};
 use crate::cli::stability::{Statement, statement};
 use crate::design::DesignVariable;
+use crate::functionals::{Extreme, Extremes};
 use crate::integrators::{NewtonTolerance, StepError};
 use crate::io::number;
 use crate::scenes::Prepared;
@@ -95,6 +96,18 @@ impl Page {
         };
         let rows = prepared.functionals().iter().zip(&simulation.forward.values).map(row).collect();
         self.table("Functionals", &["functional", "value", "unit"], rows);
+        let of_aggregate = |(functional, extremes): (&crate::functionals::Functional, &Option<Extremes>)| {
+            let Extremes { smallest, largest } = extremes.as_ref()?;
+            let cells = |Extreme { value, t, element }: &Extreme| [json_number(*value), json_number(*t), json!(element)];
+            let own = [&[json!(functional.name)][..], &cells(largest), &cells(smallest), &[json!(functional.unit)]];
+            Some(own.concat())
+        };
+        let extremes: Vec<_> =
+            prepared.functionals().iter().zip(&simulation.forward.extremes).filter_map(of_aggregate).collect();
+        if !extremes.is_empty() {
+            let names = ["aggregate", "largest", "at [s]", "in", "smallest", "at [s]", "in", "unit"];
+            self.table("Largest and smallest values", &names, extremes);
+        }
     }
 
     /// Design variables, where there is no gradient that shows them.

@@ -1,0 +1,110 @@
+//! What is said of the end of an optimization: conditions of optimality, and largest values behind smooth ones.
+
+use super::console::{json_number, say, warn};
+use super::simulation::json_extreme;
+use crate::design::DesignVariable;
+use crate::functionals::Extremes;
+use crate::io::{Cell, Table};
+use crate::optimize::{Conditions, DesignPoint, Ended, Optimization, Optimized};
+use crate::scenes::{FunctionalConstraint, Limit};
+use serde_json::{Value, json};
+
+/// Names of the constraints, nonlinear ones first.
+fn constraint_names<'o>(optimization: &'o Optimization) -> impl Iterator<Item = &'o str> {
+    let problem = &optimization.problem;
+    let nonlinear = problem.constraints.iter().map(|constraint| constraint.functional.as_str());
+    nonlinear.chain(problem.linear.iter().map(|constraint| constraint.name.as_str()))
+}
+
+/// Prints whether and how well the conditions of optimality hold, and what is kept in the smooth sense only.
+pub fn say_conditions(optimization: &Optimization, optimized: &Optimized, best: &DesignPoint) {
+    if let Some(conditions) = &optimized.ended.conditions {
+        let Conditions { stationarity, violation, complementarity, tolerance, allowed, .. } = conditions;
+        let mut table = Table::new(&["condition of optimality, scaled", "off by", "allowed"]);
+        for (name, off, allowed) in [
+            ("slope of the Lagrangian where no bound holds it", *stationarity, *tolerance),
+            ("largest violation of a limit", *violation, *allowed),
+            ("multiplier times distance from its limit", *complementarity, *tolerance),
+        ] {
+            table.row([name.into(), off.into(), allowed.into()]);
+        }
+        say(format_args!("{table}\n"));
+        say_multipliers(optimization, conditions, best);
+    }
+    smooth_only(optimization, optimized, best).into_iter().for_each(|message| warn(&message));
+}
+
+/// Multipliers of constraints, and slopes of variables at their bounds.
+fn say_multipliers(optimization: &Optimization, conditions: &Conditions, best: &DesignPoint) {
+    let mut table = Table::new(&["", "", "multiplier or slope, scaled"]);
+    let mut any = false;
+    for (name, multiplier) in constraint_names(optimization).zip(&conditions.multipliers) {
+        table.row(["limit".into(), name.into(), Cell::from(*multiplier)]);
+        any = true;
+    }
+    for (place, slope) in optimization.varying().into_iter().zip(&conditions.slopes) {
+        let DesignVariable { name, lower, upper, .. } = &optimization.variables()[place];
+        let kind = match best.design[place] {
+            x if x <= *lower => "at its lower bound",
+            x if x >= *upper => "at its upper bound",
+            _ => continue,
+        };
+        table.row([kind.into(), name.as_str().into(), Cell::from(*slope)]);
+        any = true;
+    }
+    if any {
+        say(format_args!("{table}\n"));
+    }
+}
+
+/// The same in JSON.
+pub fn conditions_json(optimization: &Optimization, ended: &Ended) -> Value {
+    let Some(conditions) = &ended.conditions else { return Value::Null };
+    let multipliers = constraint_names(optimization).zip(&conditions.multipliers);
+    let multipliers: Vec<Value> =
+        multipliers.map(|(name, &multiplier)| json!({"name": name, "multiplier": json_number(multiplier)})).collect();
+    json!({
+        "hold": conditions.hold(),
+        "stationarity": json_number(conditions.stationarity),
+        "violation": json_number(conditions.violation),
+        "complementarity": json_number(conditions.complementarity),
+        "allowed": json_number(conditions.tolerance),
+        "allowed_violation": json_number(conditions.allowed),
+        "multipliers": multipliers,
+    })
+}
+
+/// Largest and smallest values of the aggregates of the best design.
+pub fn largest_json(optimized: &Optimized, best: &DesignPoint) -> Value {
+    let named = optimized.history.functionals.iter().zip(&best.extremes);
+    let row = |((name, _), extremes): (&(String, String), &Option<Extremes>)| {
+        let Extremes { smallest, largest } = extremes.as_ref()?;
+        Some(json!({"name": name, "largest": json_extreme(largest), "smallest": json_extreme(smallest)}))
+    };
+    named.filter_map(row).collect()
+}
+
+/// Limits that the best design keeps by a smooth maximum, while the largest value itself lies beyond them, in words.
+pub fn smooth_only(optimization: &Optimization, optimized: &Optimized, best: &DesignPoint) -> Vec<String> {
+    let functionals = &optimized.history.functionals;
+    let over = |name: &str| optimization.aggregate(name);
+    let message = |constraint: &FunctionalConstraint| {
+        let Limit::AtMost(limit) = constraint.limit else { return None };
+        let place = functionals.iter().position(|own| own.0 == constraint.functional)?;
+        let Extremes { smallest, largest } = best.extremes.get(place)?.as_ref()?;
+        let true_value = over(&constraint.functional)?.limit_value(smallest.value, largest.value);
+        let allowed = limit + optimization.stopping.violation * limit.abs();
+        let smooth = best.functionals[place];
+        (true_value > allowed && smooth <= allowed).then(|| {
+            let unit = &functionals[place].1;
+            format!(
+                "\"{}\" keeps its limit of {limit} {unit} in the smooth sense only ({smooth:.4e}): the largest value is {true_value:.4e} {unit} \
+                 at {:.4} s, {:.1} % beyond it; take a sharper aggregate or a lower limit",
+                constraint.functional,
+                largest.t,
+                100.0 * (true_value - limit) / limit.abs()
+            )
+        })
+    };
+    optimization.problem.constraints.iter().filter_map(message).collect()
+}
