@@ -295,8 +295,8 @@ fn the_worst_limit_is_lessened_though_another_one_grows() {
     assert!(ended.evaluations <= 25, "{}", ended.evaluations);
 }
 
-/// Published problems that are hard in their own ways: HS 13 ends at a point that satisfies no conditions of optimality (a cusp of what
-/// is allowed), HS 20 and HS 21 at bounds, HS 2 has a second, local optimum at its bound.
+/// HS 13 has its optimum at a cusp of what is allowed, where no conditions of optimality hold; the others have theirs at corners and
+/// where several limits meet.
 #[test]
 fn what_ends_at_bounds_or_at_a_cusp_is_claimed_only_where_it_is_an_optimum() {
     let wide = (-50.0, 50.0);
