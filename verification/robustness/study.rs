@@ -8,6 +8,7 @@ mod kills;
 mod massless;
 mod mechanisms;
 mod mutations;
+mod optima;
 mod program;
 mod random_mechanism;
 mod slender;
@@ -34,6 +35,7 @@ impl Study for Robustness {
         massless::count(report);
         equilibria::count(report)?;
         joins::count(report);
+        optima::count(report)?;
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });
