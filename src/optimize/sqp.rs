@@ -60,6 +60,14 @@ struct State {
     ranges: Vec<f64>,
 }
 
+/// A better point, and the multipliers of the step that led there.
+struct Found {
+    x: Vec<f64>,
+    values: Values,
+    gradients: Gradients,
+    multipliers: Vec<f64>,
+}
+
 /// What came of a trial point.
 enum Tried {
     Taken(Values, Gradients, Vec<f64>),
@@ -110,7 +118,7 @@ fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason
             None => None,
         };
         match step {
-            Some((x, values, gradients, multipliers)) => {
+            Some(Found { x, values, gradients, multipliers }) => {
                 state.learn(&x, &gradients, &multipliers);
                 (state.x, state.values, state.gradients) = (x, values, gradients);
                 end = evaluations.accept(&state.x)?;
@@ -201,12 +209,8 @@ impl State {
         of_objective + self.price * restored
     }
 
-    /// A better point, with its values, its gradients and the multipliers of the step.
-    fn search(
-        &mut self,
-        evaluations: &mut Evaluations,
-        mut direction: Direction,
-    ) -> Result<Option<(Vec<f64>, Values, Gradients, Vec<f64>)>, NoValue> {
+    /// A better point, tried along steps in boxes that shrink.
+    fn search(&mut self, evaluations: &mut Evaluations, mut direction: Direction) -> Result<Option<Found>, NoValue> {
         let violation = evaluations.violation(&self.values);
         for trial in 0..TRIALS {
             let promised = self.promised(violation, &direction);
@@ -223,7 +227,7 @@ impl State {
                     if good && share > 0.5 * self.reach {
                         self.reach *= LONGER;
                     }
-                    return Ok(Some((x, values, gradients, direction.multipliers)));
+                    return Ok(Some(Found { x, values, gradients, multipliers: direction.multipliers }));
                 }
                 Tried::Failed => self.reach = SHORTER * share,
                 Tried::Worse(values) => {
@@ -235,7 +239,7 @@ impl State {
                             let x = self.along(evaluations, &corrected.step);
                             let limit = here - TAKEN * promised;
                             if let Tried::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
-                                return Ok(Some((x, values, gradients, direction.multipliers)));
+                                return Ok(Some(Found { x, values, gradients, multipliers: direction.multipliers }));
                             }
                         }
                     }
