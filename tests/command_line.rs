@@ -116,6 +116,7 @@ fn bad_input_ends_with_code_2_and_one_message_that_says_what_is_allowed() {
         (&["optimize", "five-bar", "--optimizer", "spq"], &["--optimizer \"spq\"", "did you mean \"sqp\"?"]),
         (&["optimize", "five-bar", "--gradient", "difference:2"], &["--gradient", "'difference:2'", "between 0 and 1"]),
         (&["optimize", "five-bar", "--iterations", "0"], &["--iterations", "'0'", "whole number from 1 to"]),
+        (&["optimize", "five-bar", "--starts", "0"], &["--starts", "'0'", "whole number from 1 to"]),
         (&["optimize", "five-bar", "--change", "-1"], &["--change", "'-1'", "between 0 and 1"]),
         (&["optimize", "five-bar", "--restart", "no.csv"], &["--restart no.csv", "cannot read no.csv"]),
         (&["optimize", "five-bar", "--restart", "no.csv", "--set", "c=1"], &["--restart no.csv", "leave --set out"]),

@@ -47,12 +47,20 @@ pub struct OptimizeOptions {
     /// Start at the best design of an earlier optimization.csv
     #[arg(long, value_name = "FILE")]
     restart: Option<PathBuf>,
+    /// Go on with the optimization whose optimization.csv lies in the folder of results, as if it had not ended
+    #[arg(long)]
+    resume: bool,
+    /// Starts: the given design, and others that fill the bounds evenly, on all processors; the best end counts
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = start_count, allow_negative_numbers = true)]
+    starts: usize,
 }
 
 /// Relative change of variables for differences that balances their error and round-off.
 const DEFAULT_SHARE: f64 = 1e-7;
 /// Most iterations.
 const MOST_ITERATIONS: usize = 1_000_000;
+/// Most starts.
+const MOST_STARTS: usize = 10_000;
 
 fn gradient_by(text: &str) -> Result<GradientBy, String> {
     match text.split_once(':') {
@@ -83,6 +91,13 @@ fn iteration_count(text: &str) -> Result<usize, String> {
     }
 }
 
+fn start_count(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(count) if (1..=MOST_STARTS).contains(&count) => Ok(count),
+        _ => Err(format!("it must be a whole number from 1 to {MOST_STARTS}")),
+    }
+}
+
 /// Name in JSON.
 fn gradient_name(gradient: GradientBy) -> &'static str {
     match gradient {
@@ -96,14 +111,14 @@ fn gradient_name(gradient: GradientBy) -> &'static str {
 struct Recording<'g> {
     path: PathBuf,
     guard: &'g Guard,
-    progress: Progress,
+    progress: Option<Progress>,
     failed: Option<IoError>,
 }
 
 impl Watcher for Recording<'_> {
     fn changed(&mut self, history: &DesignHistory) -> bool {
         if let Some(iteration) = history.points.iter().rev().find_map(|point| point.iteration) {
-            self.progress.set(iteration as u64);
+            self.progress.iter().for_each(|progress| progress.set(iteration as u64));
         }
         self.failed = write_csv(&self.path, &history.header(), history.rows()).err();
         self.failed.is_none()
@@ -131,21 +146,44 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let folder = options.scene.folder(&*scene);
     let path = folder.join("optimization.csv");
     let start = start(options, &optimization)?;
+    if options.resume && (options.starts > 1 || options.restart.is_some() || options.scene.sets_design()) {
+        return Err(Failure::input(
+            "--resume goes on from the start of the earlier optimization; leave --starts, --restart and --set out",
+        ));
+    }
+    let recorded = match options.resume {
+        true => Some(read_csv(&path).map_err(|message| Failure::input(format!("--resume {}: {message}", path.display())))?),
+        false => None,
+    };
     check_folder(&folder)?;
     keep_earlier(&path)?;
 
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
-    let progress = Progress::new("optimizing", options.iterations as u64);
-    let mut recording = Recording { path: path.clone(), guard: &guard, progress, failed: None };
-    let optimized = optimization.run(&*optimizer, &start, &mut recording).map_err(located)?;
-    let Recording { failed, progress, .. } = recording;
-    progress.finish();
-    if let Some(error) = failed {
-        return Err(error.into());
-    }
+    let recording = |path: PathBuf, progress| Recording { path, guard: &guard, progress, failed: None };
+    let (optimized, mut files) = if options.starts == 1 {
+        let progress = Progress::new("optimizing", options.iterations as u64);
+        let mut recording = recording(path.clone(), Some(progress));
+        let optimized = match &recorded {
+            Some((header, rows)) => optimization.resume(&*optimizer, (header, rows), &mut recording),
+            None => optimization.run(&*optimizer, &start, &mut recording),
+        };
+        let optimized = optimized.map_err(located)?;
+        recording.failed.map_or(Ok(()), Err)?;
+        (optimized, vec![path])
+    } else {
+        let numbered = |number: usize| folder.join(format!("optimization.start-{number}.csv"));
+        let mut recordings: Vec<Recording> = (1..=options.starts).map(|k| recording(numbered(k), None)).collect();
+        let starts = optimization.starts(&start, options.starts);
+        let all = optimization.run_from_all(&*optimizer, &starts, &mut recordings);
+        recordings.into_iter().try_for_each(|recording| recording.failed.map_or(Ok(()), Err))?;
+        let (optimized, table) = best_of(&optimization, all).map_err(located)?;
+        say(format_args!("{table}\n"));
+        write_csv(&path, &optimized.history.header(), optimized.history.rows())?;
+        let files = (1..=options.starts).map(numbered).filter(|file| file.exists());
+        (optimized, files.chain([path]).collect())
+    };
     let report = Report::new(&optimization, &*optimizer, &optimized)?;
-    let mut files = vec![path];
     let charts = optimization_charts::charts(&optimization, &optimized.history);
     files.extend(optimization_charts::write(&charts, &folder)?);
     let [page, summary] = ["optimization.html", "optimization.json"].map(|name| folder.join(name));
@@ -166,6 +204,39 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &json);
     report.verdict()
+}
+
+/// The best end of several starts, and all of them as a table.
+fn best_of(optimization: &Optimization, all: Vec<Result<Optimized, RunError>>) -> Result<(Optimized, Table), RunError> {
+    let sign = if optimization.problem.sense == Sense::Maximize { -1.0 } else { 1.0 };
+    let mut table = Table::new(&["start", "objective", "violation", "simulations", "ended"]);
+    let mut best: Option<(Optimized, (u8, f64))> = None;
+    let mut failure = None;
+    for (k, own) in all.into_iter().enumerate() {
+        let number = Cell::Text(format!("{:>5}", k + 1));
+        let point = own.as_ref().ok().and_then(|optimized| optimized.history.best().cloned());
+        match (own, point) {
+            (Ok(optimized), Some(point)) => {
+                let simulations = Cell::Text(format!("{:>11}", optimized.history.work().simulations));
+                let ended = optimized.ended.reason.to_string();
+                table.row([number, point.objective.into(), point.violation.into(), simulations, ended.into()]);
+                let satisfied = point.violation <= optimization.stopping.violation;
+                let rank = (u8::from(!satisfied), if satisfied { sign * point.objective } else { point.violation });
+                if best.as_ref().is_none_or(|(_, other)| rank < *other) {
+                    best = Some((optimized, rank));
+                }
+            }
+            (Ok(_), None) => {}
+            (Err(error), _) => {
+                table.row([number, Cell::Empty, Cell::Empty, Cell::Empty, format!("failed: {error}").into()]);
+                failure = Some(error);
+            }
+        }
+    }
+    match (best, failure) {
+        (Some((optimized, _)), _) => Ok((optimized, table)),
+        (None, failure) => Err(failure.unwrap_or_else(|| RunError::Input("no start could be simulated".into()))),
+    }
 }
 
 /// The history of an earlier optimization in the same folder keeps its points: under the first number that is free.

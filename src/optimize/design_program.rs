@@ -6,6 +6,7 @@ use crate::history::Watch;
 use crate::integrators::{RunError, StepRecord};
 use crate::scenes::{Limit, Prepared, Sense};
 use crate::sensitivity::Forward;
+use std::collections::VecDeque;
 use std::time::Instant;
 
 /// factor (sum of weights times functionals) + constant.
@@ -65,6 +66,8 @@ pub(super) struct DesignProgram<'o, 'w> {
     kinds: Vec<ConstraintKind>,
     latest: Option<Simulated<'o>>,
     pub history: DesignHistory,
+    /// Points of an earlier run of the same optimization that are still to come, in their order: they are not simulated again.
+    recorded: VecDeque<DesignPoint>,
     /// What the last design without values or gradients failed with.
     pub failure: Option<RunError>,
     watcher: &'w mut dyn Watcher,
@@ -82,6 +85,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         scaling: Scaling,
         linear: Vec<Combination>,
         start: &[f64],
+        recorded: Vec<DesignPoint>,
         watcher: &'w mut dyn Watcher,
     ) -> Result<Self, RunError> {
         let problem = &optimization.problem;
@@ -112,6 +116,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
                 tolerance: optimization.stopping.violation,
                 points: Vec::new(),
             },
+            recorded: recorded.into(),
             failure: None,
             watcher,
             stopped: false,
@@ -127,6 +132,21 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             row.factor /= size(constraint.scale, &[constraint.limit.value(), row.value(values)]);
         }
         let y = program.scaling.scaled(start);
+        // the same law, method and machine give the same bits
+        if let Some(first) = program.recorded.front() {
+            let own = Some((start, &values[..])) == Some((&first.design, &first.functionals));
+            if !own {
+                return Err(RunError::Input(format!(
+                    "the history begins with the design {:?} and the functionals {:?}, but here they are {start:?} and {values:?}: it is of \
+                     another scene, start, method or machine; begin anew from its best design with --restart",
+                    first.design, first.functionals
+                )));
+            }
+        }
+        if program.replayed(&y, start).is_some() {
+            program.latest = Some(Simulated { prepared, forward, place: 0 });
+            return Ok(program);
+        }
         program.keep(&y, start.to_vec(), Ok((prepared, forward)), begun.elapsed().as_secs_f64()).ok();
         Ok(program)
     }
@@ -196,12 +216,30 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             design,
             functionals,
             extremes,
+            gradients: None,
             objective,
             violation,
             work,
         });
         self.tell();
         values
+    }
+
+    /// The values of the next recorded point if it is this one; none is recorded any more once the optimizer goes elsewhere.
+    fn replayed(&mut self, y: &[f64], design: &[f64]) -> Option<Result<Values, NoValue>> {
+        let point = self.recorded.pop_front()?;
+        if point.design != design {
+            self.failure = Some(RunError::Input(format!(
+                "evaluation {} of the history is at the design {:?}, but this optimization goes to {design:?}: its limits, bounds or optimizer \
+                 have changed; begin anew from its best design with --restart",
+                point.evaluation, point.design
+            )));
+            self.stopped = true;
+            return Some(Err(NoValue::Stop));
+        }
+        let values = if point.failed() { Err(NoValue::Failed) } else { Ok(self.values_at(y, &point.functionals)) };
+        self.history.points.push(point);
+        Some(values)
     }
 
     /// Tells the watcher of a change.
@@ -273,6 +311,13 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         Ok(rows)
     }
 
+    /// Gradients of objective and constraints by `n` scaled variables from those of the functionals.
+    fn gradients_of(&self, n: usize, rows: &[Vec<f64>]) -> Gradients {
+        let constraints = self.nonlinear.iter().map(|row| self.scaling.gradient(&row.gradient(rows)));
+        let constraints = constraints.chain(self.linear.iter().map(|row| row.slopes(n))).collect();
+        Gradients { objective: self.scaling.gradient(&self.objective.gradient(rows)), constraints }
+    }
+
     /// Simulates a design unless it is the latest one.
     fn simulated(&mut self, y: &[f64]) -> Result<Values, NoValue> {
         if self.stopped || self.watcher.wants_to_stop() {
@@ -281,6 +326,14 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         let design = self.scaling.design(y);
         if let Some(latest) = self.latest.as_ref().filter(|latest| latest.prepared.x == design) {
             return Ok(self.values_at(y, &latest.forward.values));
+        }
+        if let Some(known) =
+            self.history.points.iter().rev().find(|point| point.design == design && point.gradients.is_some())
+        {
+            return Ok(self.values_at(y, &known.functionals));
+        }
+        if let Some(values) = self.replayed(y, &design) {
+            return values;
         }
         let begun = Instant::now();
         let run = self.simulate(&design);
@@ -307,6 +360,23 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
     fn gradients(&mut self, y: &[f64]) -> Result<Gradients, NoValue> {
         // an optimizer may have gone on to other points since
         self.simulated(y)?;
+        let design = self.scaling.design(y);
+        let known = self.history.points.iter().rev().find(|point| point.design == design);
+        if let Some(rows) = known.and_then(|point| point.gradients.clone()) {
+            return Ok(self.gradients_of(y.len(), &rows));
+        }
+        if self.latest.as_ref().is_none_or(|latest| latest.prepared.x != design) {
+            // recorded, but without its gradients: simulated once more
+            let place = self.history.points.iter().rposition(|point| point.design == design).unwrap_or_default();
+            match self.simulate(&design) {
+                Ok((prepared, forward)) => self.latest = Some(Simulated { prepared, forward, place }),
+                Err(RunError::Interrupted { .. }) => return Err(NoValue::Stop),
+                Err(error) => {
+                    self.failure = Some(error);
+                    return Err(NoValue::Failed);
+                }
+            }
+        }
         let Some(latest) = self.latest.take() else { return Err(NoValue::Failed) };
         let mut work = Work::default();
         let begun = Instant::now();
@@ -323,12 +393,10 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
                 return Err(NoValue::Failed);
             }
         };
+        self.history.points[latest.place].gradients = Some(rows.clone());
         self.latest = Some(latest);
-        let constraints = self.nonlinear.iter().map(|row| self.scaling.gradient(&row.gradient(&rows)));
-        let constraints = constraints.chain(self.linear.iter().map(|row| row.slopes(y.len()))).collect();
-        let gradients = Gradients { objective: self.scaling.gradient(&self.objective.gradient(&rows)), constraints };
         self.tell();
-        Ok(gradients)
+        Ok(self.gradients_of(y.len(), &rows))
     }
     fn reached(&mut self, y: &[f64], iteration: usize) -> bool {
         let design = self.scaling.design(y);

@@ -43,6 +43,8 @@ pub struct DesignPoint {
     pub functionals: Vec<f64>,
     /// Smallest and largest values of what those that are aggregates are made of.
     pub extremes: Vec<Option<Extremes>>,
+    /// Derivatives of the functionals by all design variables, where they were computed.
+    pub gradients: Option<Vec<Vec<f64>>>,
     /// The objective in its own unit and sense; NaN where the simulation failed.
     pub objective: f64,
     /// Largest violation of a constraint, in its scale; NaN where the simulation failed.
@@ -116,10 +118,12 @@ impl DesignHistory {
         header.extend(self.variables.iter().map(|variable| named("design", variable)));
         header.extend(self.functionals.iter().map(|functional| named("functional", functional)));
         header.extend(LAST.map(String::from));
+        let by = |functional: &str| self.variables.iter().map(move |own| format!("d {functional} / d {}", own.0)).collect();
+        header.extend(self.functionals.iter().flat_map(|functional| -> Vec<String> { by(&functional.0) }));
         header
     }
 
-    /// One row of numbers for each point; the iteration of a trial is NaN.
+    /// One row of numbers for each point; the iteration of a trial is NaN, as are derivatives that were not computed.
     pub fn rows(&self) -> impl Iterator<Item = Vec<f64>> {
         self.points.iter().map(|point| {
             let Work { simulations, simulation, simulation_seconds, sweeps, gradient, gradient_seconds } = point.work;
@@ -132,8 +136,54 @@ impl DesignHistory {
             row.push(simulation_seconds);
             row.extend([sweeps, gradient.factorizations, gradient.solves, gradient.products].map(|count| count as f64));
             row.push(gradient_seconds);
+            match &point.gradients {
+                Some(gradients) => row.extend(gradients.iter().flatten()),
+                None => row.resize(row.len() + self.functionals.len() * self.variables.len(), f64::NAN),
+            }
             row
         })
+    }
+
+    /// The points of a table that was written from [`DesignHistory::header`] and [`DesignHistory::rows`] of a history with the same names,
+    /// to the last digit; not extremes.
+    ///
+    /// # Errors
+    /// Other columns.
+    pub(crate) fn read(&mut self, header: &[String], rows: &[Vec<f64>]) -> Result<(), String> {
+        let expected = self.header();
+        if let Some(place) = (0..expected.len()).find(|&k| header.get(k) != Some(&expected[k])) {
+            let found = header.get(place).map_or("nothing", String::as_str);
+            return Err(format!(
+                "column {} is \"{found}\", not \"{}\": it is of another optimization",
+                place + 1,
+                expected[place]
+            ));
+        }
+        let (n, m) = (self.variables.len(), self.functionals.len());
+        let work = FIRST.len() + n + m;
+        let point = |(evaluation, row): (usize, &Vec<f64>)| {
+            let last: [f64; 9] = std::array::from_fn(|k| row[work + k]);
+            let count = |k: usize| last[k] as usize;
+            let mut own = Work { simulations: count(0), simulation_seconds: last[3], ..Work::default() };
+            (own.simulation.iterations, own.simulation.factorizations) = (count(1), count(2));
+            (own.sweeps, own.gradient_seconds) = (count(4), last[8]);
+            (own.gradient.factorizations, own.gradient.solves, own.gradient.products) = (count(5), count(6), count(7));
+            let gradients = &row[work + LAST.len()..];
+            let known = !gradients.is_empty() && gradients.iter().all(|g| g.is_finite());
+            DesignPoint {
+                evaluation,
+                iteration: None,
+                design: row[FIRST.len()..FIRST.len() + n].to_vec(),
+                functionals: row[FIRST.len() + n..work].to_vec(),
+                extremes: Vec::new(),
+                gradients: known.then(|| gradients.chunks(n).map(<[f64]>::to_vec).collect()),
+                objective: row[2],
+                violation: row[3],
+                work: own,
+            }
+        };
+        self.points = rows.iter().enumerate().map(point).collect();
+        Ok(())
     }
 
     /// The best design of a table that was written from [`DesignHistory::header`] and [`DesignHistory::rows`], its objective and its
@@ -161,6 +211,7 @@ impl DesignHistory {
             design: designs.iter().map(|&place| row[place]).collect(),
             functionals: Vec::new(),
             extremes: Vec::new(),
+            gradients: None,
             objective: row[objective],
             violation: row[violation],
             work: Work::default(),

@@ -18,6 +18,7 @@ mod program;
 mod quadratic;
 mod scaling;
 mod sqp;
+mod starts;
 mod subproblem;
 
 pub use conditions::Conditions;

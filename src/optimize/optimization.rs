@@ -1,7 +1,7 @@
 use super::design_program::{Combination, DesignProgram, sided};
 use super::quadratic::QuadraticProgram;
 use super::scaling::Scaling;
-use super::{ConstraintKind, DesignHistory, Ended, Optimizer, Stopping, minimize};
+use super::{ConstraintKind, DesignHistory, DesignPoint, Ended, Optimizer, Stopping, minimize};
 use crate::design::{DesignVariable, check_design};
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
@@ -219,12 +219,50 @@ impl<'s> Optimization<'s> {
     /// optimizer does not treat. A later design that cannot be simulated is no error: the optimizer steps back from it, and it is
     /// counted.
     pub fn run(&self, optimizer: &dyn Optimizer, start: &[f64], watcher: &mut dyn Watcher) -> Result<Optimized, RunError> {
+        self.go(optimizer, start, Vec::new(), watcher)
+    }
+
+    /// Goes on with an optimization that ended early, from the table of its history: as the unbroken one, bit for bit. The optimizer is led
+    /// through the recorded values and gradients, which are not computed again but for the start, and so knows what it had learned.
+    ///
+    /// # Errors
+    /// As for [`Optimization::run`]; a table of another optimization, which its columns, the functionals of the start, or a design to which
+    /// the optimizer does not go tell.
+    pub fn resume(
+        &self,
+        optimizer: &dyn Optimizer,
+        (header, rows): (&[String], &[Vec<f64>]),
+        watcher: &mut dyn Watcher,
+    ) -> Result<Optimized, RunError> {
+        let variables = self.variables.iter().map(|variable| (variable.name.clone(), variable.unit.into())).collect();
+        let mut recorded = DesignHistory { variables, functionals: self.functionals.clone(), ..DesignHistory::default() };
+        recorded.read(header, rows).map_err(RunError::Input)?;
+        let first = recorded.points.first().map(|point| point.design.clone());
+        let start = first.ok_or_else(|| RunError::Input("the history has no point to go on from".into()))?;
+        let optimized = self.go(optimizer, &start, recorded.points, watcher)?;
+        match optimized.failure {
+            Some(RunError::Input(message))
+                if optimized.ended.reason == super::Reason::Stopped && message.contains("of the history") =>
+            {
+                Err(RunError::Input(message))
+            }
+            failure => Ok(Optimized { failure, ..optimized }),
+        }
+    }
+
+    fn go(
+        &self,
+        optimizer: &dyn Optimizer,
+        start: &[f64],
+        recorded: Vec<DesignPoint>,
+        watcher: &mut dyn Watcher,
+    ) -> Result<Optimized, RunError> {
         check_design(&self.variables, start).map_err(RunError::Input)?;
         let start = self.linear_start(start)?;
         let scaling = Scaling::new(&self.variables, &start, self.varying());
         let linear = self.linear(&scaling, &start);
         let y = scaling.scaled(&start);
-        let mut program = DesignProgram::begin(self, scaling, linear, &start, watcher)?;
+        let mut program = DesignProgram::begin(self, scaling, linear, &start, recorded, watcher)?;
         let ended = minimize(optimizer, &mut program, &y, self.stopping).map_err(RunError::Input)?;
         let DesignProgram { history, failure, .. } = program;
         if ended.reason == super::Reason::StartFailed {

@@ -4,7 +4,7 @@
 use super::{Ended, Evaluations, NonlinearProgram, Reason, Sqp, Stopping};
 
 /// A method that minimizes a [`NonlinearProgram`] by its gradients. A new one is a file here and a line in [`optimizers`].
-pub trait Optimizer {
+pub trait Optimizer: Sync {
     /// Name on the command line.
     fn name(&self) -> &'static str;
     /// Why it cannot treat a program, in words.

@@ -556,6 +556,66 @@ fn a_history_is_read_back_and_taken_up() {
 }
 
 #[test]
+fn starts_fill_the_bounds_and_end_on_threads_as_one_after_the_other() {
+    let scene =
+        Stone::thrown(OptimizationProblem::minimize("miss").subject_to("energy", Limit::AtMost(9.0)).varying(&["u", "w"]));
+    let optimization = Optimization::of(&scene).unwrap();
+    let starts = optimization.starts(&optimization.initial(), 9);
+    assert_eq!((starts.len(), &starts[0]), (9, &optimization.initial()));
+    for place in [0, 1] {
+        // a Latin hypercube: one in each eighth of the range from 0 to 10
+        let mut strata: Vec<usize> = starts[1..].iter().map(|start| (start[place] * 0.8) as usize).collect();
+        strata.sort_unstable();
+        assert_eq!(strata, (0..8).collect::<Vec<_>>());
+    }
+    assert!(starts.iter().all(|start| start[2] == 2.0), "what does not vary stays");
+    assert_eq!(starts, optimization.starts(&optimization.initial(), 9));
+    let all = optimization.run_from_all(&Sqp, &starts, &mut [(); 9]);
+    for (start, own) in starts.iter().zip(all) {
+        let (own, alone) = (own.unwrap(), optimization.run(&Sqp, start, &mut ()).unwrap());
+        assert_eq!(own.ended, alone.ended);
+        let designs = |optimized: &Optimized| optimized.history.points.iter().map(|p| p.design.clone()).collect::<Vec<_>>();
+        assert_eq!(designs(&own), designs(&alone));
+        assert!(own.ended.reason.is_optimum(), "{:?}", own.ended);
+    }
+}
+
+/// Broken off after every number of points, and gone on with from its table.
+#[test]
+fn an_optimization_that_is_resumed_is_the_unbroken_one_bit_for_bit() {
+    let scene =
+        Stone::thrown(OptimizationProblem::minimize("miss").subject_to("energy", Limit::AtMost(9.0)).varying(&["u", "w"]));
+    let optimization = Optimization::of(&scene).unwrap();
+    let whole = optimization.run(&Sqp, &optimization.initial(), &mut ()).unwrap();
+    let seen = |optimized: &Optimized| -> Vec<_> {
+        let points = optimized.history.points.iter();
+        points.map(|p| (p.iteration, p.design.clone(), p.functionals.clone(), p.gradients.clone())).collect()
+    };
+    let all = whole.history.points.len();
+    assert!(all > 5, "{all}");
+    for points in 1..=all {
+        let mut watcher = Impatient { points, asked: Cell::new(0), questions: usize::MAX };
+        let broken = optimization.run(&Sqp, &optimization.initial(), &mut watcher).unwrap();
+        let (header, rows) = (broken.history.header(), broken.history.rows().collect::<Vec<_>>());
+        let resumed = optimization.resume(&Sqp, (&header, &rows), &mut ()).unwrap();
+        assert_eq!(seen(&resumed), seen(&whole), "after {points} points");
+        assert_eq!(resumed.ended, whole.ended, "after {points} points");
+    }
+    let (header, rows) = (whole.history.header(), whole.history.rows().collect::<Vec<_>>());
+    // another law, and another limit
+    let mut other = Optimization::of(&scene).unwrap();
+    other.settings.end = 0.9;
+    let error = other.resume(&Sqp, (&header, &rows), &mut ()).unwrap_err().to_string();
+    assert!(error.contains("another scene, start, method or machine"), "{error}");
+    let mut other = Optimization::of(&scene).unwrap();
+    other.problem.constraints[0].limit = Limit::AtMost(8.0);
+    let error = other.resume(&Sqp, (&header, &rows), &mut ()).unwrap_err().to_string();
+    assert!(error.contains("limits, bounds or optimizer have changed"), "{error}");
+    let error = optimization.resume(&Sqp, (&header[1..], &rows), &mut ()).unwrap_err().to_string();
+    assert!(error.contains("another optimization"), "{error}");
+}
+
+#[test]
 fn mistakes_name_what_is_wrong_and_what_there_is() {
     let energy = |limit| OptimizationProblem::minimize("miss").subject_to("energy", limit);
     let linear = |name, factor, limit| OptimizationProblem::minimize("miss").linear("line", &[(name, factor)], limit);
