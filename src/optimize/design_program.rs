@@ -327,9 +327,7 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         if let Some(latest) = self.latest.as_ref().filter(|latest| latest.prepared.x == design) {
             return Ok(self.values_at(y, &latest.forward.values));
         }
-        if let Some(known) =
-            self.history.points.iter().rev().find(|point| point.design == design && point.gradients.is_some())
-        {
+        if let Some(known) = self.history.points.iter().rev().find(|point| point.design == design && !point.failed()) {
             return Ok(self.values_at(y, &known.functionals));
         }
         if let Some(values) = self.replayed(y, &design) {

@@ -320,8 +320,8 @@ fn what_ends_at_bounds_or_at_a_cusp_is_claimed_only_where_it_is_an_optimum() {
         let (best, reason) = (ended.best.unwrap(), ended.reason);
         let name = format!("HS {}: {reason}, {} evaluations, {best:?}", problem.number, ended.evaluations);
         println!("{name}");
-        assert_eq!(reason.is_optimum(), ended.conditions.unwrap().hold(), "{name}");
         if reason.is_optimum() {
+            assert!(ended.conditions.unwrap().hold(), "{name}");
             assert!((best.values.objective - problem.optimum).abs() < 1e-5 * (1.0 + problem.optimum.abs()), "{name}");
         } else {
             assert_eq!(problem.number, 13, "{name}");
