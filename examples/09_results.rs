@@ -16,8 +16,8 @@ impl TimeFormula for Bump {
         let share = (t / p[1]).max(S::zero()).min(S::one());
         p[0] * (-(share * TAU).cos() + 1.0) * 0.5
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
-        vec![0.0, p[1]]
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
+        vec![S::zero(), p[1]]
     }
 }
 

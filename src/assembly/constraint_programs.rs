@@ -76,13 +76,13 @@ impl Places {
     pub fn write_constraints<S: RunScalar>(
         &self,
         lanes: &mut Lanes<S>,
-        (at, p, t): (&VectorsAvq<S>, &[S], f64),
+        (at, p, t): (&VectorsAvq<S>, &[S], S),
         (unknowns, stabilized): (&Unknowns<S>, bool),
         scales: [f64; 2],
     ) {
         lanes.gather_nodes(&self.nodes, [&at.v, &at.q]);
         lanes.gather(&self.parameters, p);
-        lanes.spread(S::from(t));
+        lanes.spread(t);
         lanes.gather_nodes(&self.nodes, [&at.a]);
         lanes.gather(&self.multipliers, &unknowns.mu);
         if stabilized {

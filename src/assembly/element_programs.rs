@@ -59,14 +59,21 @@ impl ElementLayout {
 }
 
 impl Places {
-    /// Writes the arguments of the formula for elements side by side.
+    /// Writes the arguments of the formula for elements side by side; a momentum by the size of the step counts `pace` times.
     #[inline(always)]
-    pub fn write_elements<S: RunScalar>(&self, lanes: &mut Lanes<S>, (at, p, t): (&VectorsAvq<S>, &[S], f64), force: Force) {
+    pub fn write_elements<S: RunScalar>(
+        &self,
+        lanes: &mut Lanes<S>,
+        (at, p, t): (&VectorsAvq<S>, &[S], S),
+        (force, pace): (Force, S),
+    ) {
         lanes.gather_nodes(&self.nodes, [&at.a, &at.v, &at.q]);
         lanes.gather(&self.parameters, p);
-        lanes.spread(S::from(t));
+        lanes.spread(t);
         if let Force::Impulse(impulse) = force {
-            impulse.weights().into_iter().for_each(|weight| lanes.spread(S::from(weight)));
+            let [momentum, force] = impulse.weights();
+            lanes.spread(pace * momentum);
+            lanes.spread(S::from(force));
         }
     }
 }

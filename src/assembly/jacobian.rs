@@ -202,7 +202,7 @@ impl Jacobian {
                 batch.parts.len(),
                 work,
                 |mut lanes, numbers| {
-                    batch.places.write_elements(&mut lanes, (&point.at, p, t), force);
+                    batch.places.write_elements(&mut lanes, (&point.at, p, t), (force, 1.0));
                     if force == Force::Stresses {
                         let stresses = |part: usize| &relief.stresses[relief.starts[batch.parts[part]]..][..weights];
                         lanes.each(numbers, |part, own| own.extend_from_slice(stresses(part)));

@@ -12,6 +12,8 @@
 //! [`Equations`]). Constraints inside a node are eliminated there and never reach the matrix.
 
 mod batches;
+mod breakpoints;
+mod clock;
 mod constraint_programs;
 mod driven;
 mod element_programs;
@@ -31,6 +33,8 @@ mod residual;
 mod variational;
 
 pub(crate) use batches::{BatchWork, LaneResults, Lanes, Run, run_lanes};
+pub(crate) use breakpoints::BreakpointMap;
+pub use clock::Clock;
 pub use constraint_programs::ConstraintPart;
 pub(crate) use driven::RowsOfDrives;
 pub use element_programs::Force;

@@ -242,7 +242,7 @@ impl Products {
                     count,
                     work,
                     |mut lanes, _| {
-                        places.write_elements(&mut lanes, (at, p, t), force);
+                        places.write_elements(&mut lanes, (at, p, t), (force, 1.0));
                         adjoints.iter().for_each(|adjoint| lanes.gather_nodes(&places.nodes, [&adjoint.f]));
                     },
                     |results| own.add(&results, places, sign, bars),

@@ -4,7 +4,7 @@ use super::element_programs::Force;
 use super::node_runs::NodeRun;
 use super::numbering::System;
 use super::reduction::NodeReduction;
-use super::{Equations, Level, Rates, StageSystem, Unknowns, Variational, VectorsAvq};
+use super::{Clock, Equations, Level, Rates, StageSystem, Unknowns, Variational, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
@@ -44,6 +44,8 @@ pub struct Residual<S> {
     pub keep_values: bool,
     /// Leave unknowns as they are and move (a, v, q) to neighbouring numbers, some up and some down: what that changes is round-off.
     pub last_bits: bool,
+    /// How time goes, where derivative parts move the ends of steps.
+    pub clock: Option<Clock<S>>,
     /// Point at which reactions act, where that is another one than the constraints': in a step of a variational integrator.
     pub reaction_at: VectorsAvq<S>,
     /// What is subtracted: R at the base point, for a metric, or what the step before left.
@@ -93,6 +95,7 @@ impl<S> Default for Residual<S> {
             g_second: Vec::new(),
             keep_values: false,
             last_bits: false,
+            clock: None,
             reaction_at: VectorsAvq::default(),
             base: Vec::new(),
             constraint_base: VectorsAvq::default(),
@@ -147,12 +150,20 @@ impl<S: RunScalar> Residual<S> {
         let StageSystem { equations, base, p, t } = stage;
         self.make_room(system);
         if equations.is_difference() {
-            self.add_elements(scope, system, Force::Residual, base, p, t);
+            let own = self.clock.map(|clock| {
+                let mut own = base.clone();
+                clock.set_pace(&mut own);
+                own
+            });
+            self.add_elements(scope, system, Force::Residual, own.as_ref().unwrap_or(base), p, t);
             std::mem::swap(&mut self.f, &mut self.base);
         }
         if let Some(step) = equations.variational {
             let mut before = std::mem::take(&mut self.constraint_base);
             Variational::write_moved(base, step.to_before(), &mut before);
+            if let Some(clock) = self.clock {
+                clock.set_pace(&mut before);
+            }
             self.add_elements(scope, system, Force::Impulse(step.before()), &before, p, t + step.to_before());
             std::mem::swap(&mut self.f, &mut self.base);
             self.constraint_base = before;
@@ -197,6 +208,11 @@ impl<S: RunScalar> Residual<S> {
         self.constraint_base = moved;
         if let Some(step) = equations.variational {
             Variational::write_moved(base, step.to_start(), &mut self.reaction_at);
+        }
+        if let Some(clock) = self.clock {
+            let points = [&mut self.at, &mut self.constraint_at, &mut self.reaction_at];
+            let count = if equations.variational.is_some() { 3 } else { 2 };
+            points.into_iter().take(count).for_each(|at| clock.set_pace(at));
         }
         if self.last_bits {
             for at in [&mut self.at, &mut self.constraint_at] {
@@ -285,9 +301,16 @@ impl<S: RunScalar> Residual<S> {
         (FORCE_FLOOR * scale).max(ROUNDINGS * noise)
     }
 
+    /// The time as formulas see it.
+    fn time(&self, t: f64) -> S {
+        self.clock.map_or(S::from(t), |clock| clock.time(t))
+    }
+
     /// F = sum of what the elements add at `at`.
     fn add_elements(&mut self, scope: Scope, system: &System, force: Force, at: &VectorsAvq<S>, p: &[S], t: f64) {
         self.f.fill(S::zero());
+        let time = self.time(t);
+        let pace = self.clock.map_or(S::one(), |clock| clock.pace());
         for batch in system.element_batches(force).iter().filter(|batch| scope.has(batch)) {
             let program = batch.formula.values();
             let f = &mut self.f;
@@ -295,7 +318,7 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 &mut self.work,
-                |mut lanes, _| batch.places.write_elements(&mut lanes, (at, p, t), force),
+                |mut lanes, _| batch.places.write_elements(&mut lanes, (at, p, time), (force, pace)),
                 |results| {
                     results.add_to_nodes(0, &batch.places.nodes, 1.0, f);
                 },
@@ -334,6 +357,7 @@ impl<S: RunScalar> Residual<S> {
         p: &[S],
         t: f64,
     ) {
+        let time = self.time(t);
         for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
@@ -344,7 +368,7 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, t), (unknowns, stabilized), scales),
+                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, time), (unknowns, stabilized), scales),
                 |results| {
                     let mut place = 0;
                     if asked.reactions {

@@ -28,7 +28,7 @@ pub trait Constraint: Send + Sync + 'static {
         false
     }
     /// Times at which the motion it prescribes is not smooth: steps end there.
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
         Vec::new()
     }
 }

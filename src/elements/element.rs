@@ -76,7 +76,7 @@ pub trait Element: Send + Sync + 'static {
         S::zero()
     }
     /// Times at which a load jumps: steps end there and the acceleration is solved anew.
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
         Vec::new()
     }
     /// The residual of an element with a node map, in stages; of [`Flexible`](super::Flexible) alone.

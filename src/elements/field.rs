@@ -89,7 +89,7 @@ pub trait Field: Send + Sync + 'static {
         S::zero()
     }
     /// Times at which a load jumps.
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
         Vec::new()
     }
 }
@@ -275,7 +275,7 @@ impl<F: Field> Element for Flexible<F> {
     fn mass<S: Scalar>(&self, p: &[S]) -> S {
         self.0.mass(p)
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.0.breakpoints(p)
     }
     fn in_stages(&self, s: State<Recorded>, p: &[Recorded], t: Recorded) -> Option<(Vec<Recorded>, Stages<Recorded>)> {

@@ -20,7 +20,7 @@ pub trait NonholonomicConstraint: Send + Sync + 'static {
     /// h(v, q, p, t), linear in v, into `h`, which holds zeros before; scale the rows so that they are velocities or angular velocities.
     fn h<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, h: &mut [S]);
     /// Times at which the motion it prescribes is not smooth: steps end there.
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
         Vec::new()
     }
 }

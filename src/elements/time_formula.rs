@@ -39,12 +39,10 @@ pub trait TimeFormula: Send + Sync + 'static {
     /// f at a time \[s\]. It chooses by [`Scalar::select`], [`Scalar::min`] and the like: one that looks at a value is refused.
     fn value<S: Scalar>(&self, t: S, p: &[S]) -> S;
     /// Times \[s\] at which f or one of its first two derivatives jumps: steps end there. A driver may have jumps of the second alone.
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
         Vec::new()
     }
 }
-
-type Breakpoints = dyn Fn(&[f64]) -> Vec<f64> + Send + Sync;
 
 /// A [`TimeFormula`] that was recorded.
 #[derive(Clone)]
@@ -52,7 +50,8 @@ pub struct RecordedFunction {
     /// f of (t, p).
     formula: Arc<Formula>,
     parameters: Vec<Parameter>,
-    breakpoints: Arc<Breakpoints>,
+    /// Times of breakpoints as functions of p.
+    breakpoints: Arc<Formula>,
 }
 
 impl fmt::Debug for RecordedFunction {
@@ -75,7 +74,9 @@ impl RecordedFunction {
             vec![function.value(x[0], &x[1..])]
         });
         let formula = formula.map_err(|why| format!("a function of time: {why}"))?;
-        Ok(RecordedFunction { formula, parameters, breakpoints: Arc::new(move |p| function.breakpoints(p)) })
+        let breakpoints = Formula::record(parameters.len(), |p| function.breakpoints(p));
+        let breakpoints = breakpoints.map_err(|why| format!("the breakpoints of a function of time: {why}"))?;
+        Ok(RecordedFunction { formula, parameters, breakpoints })
     }
 
     /// Its parameters.
@@ -91,8 +92,12 @@ impl RecordedFunction {
     }
 
     /// Times at which f or one of its first two derivatives jumps.
-    pub fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
-        (self.breakpoints)(p)
+    pub fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
+        let mut times = vec![S::zero(); self.breakpoints.outputs.len()];
+        if !times.is_empty() {
+            self.breakpoints.values().run_in(p, &mut times, &mut ProgramWork::default());
+        }
+        times
     }
 
     /// The first breakpoint at which f or df/dt jumps: there their differences across the breakpoint do not shrink with the distance.
@@ -111,6 +116,6 @@ impl RecordedFunction {
             let (far, near) = (across(*t, distance), across(*t, 0.1 * distance));
             (0..2).any(|k| near[k].0 > 1e-9 * near[k].1 && near[k].0 > 0.5 * far[k].0)
         };
-        self.breakpoints(&p.iter().map(|p| p.re).collect::<Vec<f64>>()).into_iter().find(jumps)
+        self.breakpoints::<f64>(&p.iter().map(|p| p.re).collect::<Vec<f64>>()).into_iter().find(jumps)
     }
 }

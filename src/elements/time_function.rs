@@ -1,5 +1,5 @@
 use super::{Parameter, RecordedFunction, TimeFormula};
-use crate::scalar::{CurveId, Interpolant, Scalar};
+use crate::scalar::{COMPLEX_STEP, Complex64, CurveId, Interpolant, Scalar};
 use std::sync::Arc;
 
 /// A function of time f(t) for motion drivers and loads; its numbers are parameters of the element that holds it.
@@ -22,7 +22,7 @@ pub enum TimeFunction {
     /// Any of the others, started from rest: f(s(t)), with ds/dt going from 0 to 1 along 10 x^3 - 15 x^4 + 6 x^5, x = t / T.
     ///
     /// s = T (5/2 x^4 - 3 x^5 + x^6) until T, t - T/2 from there on, 0 before 0. Parameters: those of f, start duration T. If f jumps,
-    /// T moves the jump, which gradients by T leave out.
+    /// T moves the jump, and the ends of steps with it.
     SmoothStart(Arc<TimeFunction>),
     /// Straight lines through (t_i, f_i), constant outside; for loads only. Parameters: the values f_i; the times are topology.
     Lines(CurveId),
@@ -99,14 +99,14 @@ impl TimeFunction {
     }
 
     /// Times at which f or one of its first two derivatives jumps.
-    pub fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    pub fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         match self {
             TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
-            TimeFunction::Step { switch } => vec![*switch],
-            TimeFunction::Lines(curve) => curve.curve().knots().to_vec(),
+            TimeFunction::Step { switch } => vec![S::from(*switch)],
+            TimeFunction::Lines(curve) => curve.curve().knots().iter().map(|&knot| S::from(knot)).collect(),
             TimeFunction::SmoothStart(inner) => match p {
                 [own @ .., duration] => {
-                    let mapped = inner.breakpoints(own).into_iter().filter(|breakpoint| *breakpoint > 0.0);
+                    let mapped = inner.breakpoints(own).into_iter().filter(|breakpoint| breakpoint.value() > 0.0);
                     mapped.map(|breakpoint| time_started_at(breakpoint, *duration)).chain([*duration]).collect()
                 }
                 [] => unreachable!("the start duration is the last parameter"),
@@ -148,8 +148,16 @@ fn started_time<S: Scalar>(t: S, duration: S) -> S {
     x.less(S::one()).select(duration * (x.powi(4) * ((x - 3.0) * x + 2.5)), time - duration * 0.5)
 }
 
-/// The first time at which s(t) has reached `s` > 0, to the last bit: s grows from 0 on, so halving finds it.
-fn time_started_at(s: f64, duration: f64) -> f64 {
+/// The first time at which s(t) has reached `s` > 0, to the last bit, with its derivatives: one step of Newton's method has these.
+fn time_started_at<S: Scalar>(s: S, duration: S) -> S {
+    let t = real_time_started_at(s.value(), duration.value());
+    let rate = started_time(Complex64::new(t, COMPLEX_STEP), Complex64::from(duration.value())).im / COMPLEX_STEP;
+    let defect = started_time(S::from(t), duration) - s;
+    S::from(t) - (defect - defect.value()) / rate
+}
+
+/// The same in real numbers: s grows from 0 on, so halving finds it.
+fn real_time_started_at(s: f64, duration: f64) -> f64 {
     let (mut before, mut after) = (0.0, s + duration);
     loop {
         let middle = 0.5 * (before + after);

@@ -3,7 +3,7 @@ use super::load::JointLoad;
 use super::measured_group::GroupWork;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
 use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
-use crate::assembly::{ConstraintId, Model, NodeId, VectorsAvq};
+use crate::assembly::{Clock, ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
 use crate::integrators::{StartRecord, StepRecord};
 use crate::program::{Formula, ProgramWork};
@@ -54,9 +54,9 @@ pub struct Functional {
 #[derive(Clone, Debug)]
 pub struct Sample<S> {
     /// Time \[s\].
-    pub t: f64,
+    pub t: S,
     /// Weight in an integral \[s\]; h b_i for a one-step table.
-    pub weight: f64,
+    pub weight: S,
     /// Accelerations, velocities, coordinates.
     pub at: VectorsAvq<S>,
     /// Multipliers: of least norm where constraints are redundant.
@@ -72,17 +72,24 @@ impl<S: RunScalar> Sample<S> {
     pub fn initial(start: &StartRecord<S>) -> Self {
         let (dropped, start) = (start.dropped.clone(), &start.acceleration);
         let mu = start.unknowns.mu.clone();
-        Sample { t: start.t, weight: 0.0, at: start.point(), mu, solved_mu: Vec::new(), dropped }
+        Sample { t: S::from(start.t), weight: S::zero(), at: start.point(), mu, solved_mu: Vec::new(), dropped }
     }
 
     /// Room for a sample.
     pub fn empty() -> Self {
-        Sample { t: 0.0, weight: 0.0, at: VectorsAvq::default(), mu: Vec::new(), solved_mu: Vec::new(), dropped: Vec::new() }
+        Sample {
+            t: S::zero(),
+            weight: S::zero(),
+            at: VectorsAvq::default(),
+            mu: Vec::new(),
+            solved_mu: Vec::new(),
+            dropped: Vec::new(),
+        }
     }
 
     /// Moves to the end of a step: its state, with acceleration and multipliers of the last stage (none without stages).
     pub fn set_terminal(&mut self, step: &StepRecord<S>) {
-        (self.t, self.weight) = (step.t + step.h, 0.0);
+        (self.t, self.weight) = (S::from(step.t + step.h), S::zero());
         self.at.v.clone_from(&step.v);
         self.at.q.clone_from(&step.q);
         self.solved_mu.clear();
@@ -96,7 +103,7 @@ impl<S: RunScalar> Sample<S> {
     /// Moves to a stage, with its weight in an integral.
     pub fn set_stage(&mut self, step: &StepRecord<S>, stage: usize, weight: f64) {
         let solve = &step.stages[stage].solve;
-        (self.t, self.weight) = (solve.t, weight);
+        (self.t, self.weight) = (S::from(solve.t), S::from(weight));
         self.at.a.resize(solve.base.a.len(), S::zero());
         self.at.v.resize(solve.base.v.len(), S::zero());
         self.at.q.resize(solve.base.q.len(), S::zero());
@@ -104,6 +111,14 @@ impl<S: RunScalar> Sample<S> {
         self.mu.clone_from(&solve.unknowns.mu);
         self.solved_mu.clear();
         self.dropped.clone_from(&step.dropped);
+    }
+
+    /// Goes over from laid time to the time of a clock, where there is one.
+    pub(super) fn follow(&mut self, clock: Option<Clock<S>>) {
+        let Some(clock) = clock else { return };
+        self.t = clock.time(self.t.value());
+        self.weight *= clock.length();
+        clock.set_pace(&mut self.at);
     }
 
     /// Shares the forces of redundant constraints among all of them, if equations were dropped.
@@ -176,7 +191,7 @@ impl Functional {
         group.write_values(model, sample, p, self.over.points(), &mut work);
         let offset = aggregate.following(aggregate.first_offset(), &work.values);
         let mut sums = [S::zero(); SUMS];
-        self.over.add_terms(&work.values, offset, 1.0, &mut sums);
+        self.over.add_terms(&work.values, offset, S::one(), &mut sums);
         self.over.value(Totals { offset, sums })
     }
 }
@@ -223,7 +238,7 @@ impl Reading<'_> {
             Place::Q(dof) => sample.at.q[dof],
             Place::Mu(row) => sample.mu[row],
             Place::P(index) => p[index],
-            Place::Time => S::from(sample.t),
+            Place::Time => sample.t,
         }));
     }
 

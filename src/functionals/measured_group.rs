@@ -146,7 +146,7 @@ impl Numbers {
             lanes.gather_runs(runs, &places.lists, values);
         }
         if let Some(place) = self.time {
-            lanes.spread_at(place, &[S::from(sample.t)]);
+            lanes.spread_at(place, &[sample.t]);
         }
     }
 

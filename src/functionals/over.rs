@@ -81,7 +81,7 @@ impl Over {
     }
 
     /// Adds what values with their weights give, times a weight in time.
-    pub(super) fn add_terms<S: Scalar>(&self, values: &[[S; 2]], offset: f64, weight: f64, sums: &mut [S; SUMS]) {
+    pub(super) fn add_terms<S: Scalar>(&self, values: &[[S; 2]], offset: f64, weight: S, sums: &mut [S; SUMS]) {
         for &[y, own] in values {
             let terms = self.terms(y, own, S::from(offset));
             sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term * weight);

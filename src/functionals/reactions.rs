@@ -103,12 +103,12 @@ impl<S: Scalar> Length<S> {
 
 /// Rows A of all constraint equations towards `columns`; the moment on a body is G(e) f / 2 in its frame, with natural coordinates the
 /// sum of axis x force on it in the world.
-fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: f64) -> Matrix<S> {
+fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) -> Matrix<S> {
     let mut all = vec![vec![S::zero(); columns.count]; model.equations];
     for joint in &model.constraints {
         let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
         let own: Vec<S> = dofs.iter().map(|&dof| q[dof]).collect();
-        let all_forces = joint.physics.rows(&own, &p[joint.parameters.clone()], S::from(t));
+        let all_forces = joint.physics.rows(&own, &p[joint.parameters.clone()], t);
         for (force, equation) in all_forces.chunks_exact(own.len()).zip(joint.equations.clone()) {
             let mut local = 0;
             for node in &joint.nodes {
@@ -156,7 +156,7 @@ struct Sharing<S> {
 }
 
 impl<S: RunScalar> Sharing<S> {
-    fn new(model: &Model, dropped: &[usize], p: &[S], q: &[S], t: f64) -> Self {
+    fn new(model: &Model, dropped: &[usize], p: &[S], q: &[S], t: S) -> Self {
         let columns = Columns::of(model);
         let length = Length::of(model, p);
         let mut rows = rows(model, &columns, p, q, t);
@@ -243,7 +243,7 @@ impl<S: RunScalar> Sharing<S> {
 }
 
 /// The multipliers of least norm with the same forces as `mu`, which are zero for `dropped` equations.
-pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: f64) -> Vec<S> {
+pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: S) -> Vec<S> {
     let sharing = Sharing::new(model, dropped, p, q, t);
     sharing.measured(&sharing.least(&sharing.measured(mu, -1)), 1)
 }

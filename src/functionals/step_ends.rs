@@ -40,7 +40,7 @@ impl<S: RunScalar> Mean<S> {
 
     /// On the straight line through two at the time of a sample.
     fn write_between(first: &Self, second: &Self, sample: &mut Sample<S>) {
-        let share = (sample.t - first.t) / (second.t - first.t);
+        let share = (sample.t.value() - first.t) / (second.t - first.t);
         let lists = [(&mut sample.at.a, &first.a, &second.a), (&mut sample.mu, &first.mu, &second.mu)];
         for (to, first, second) in lists {
             to.clear();
@@ -68,7 +68,7 @@ impl<'t, S: RunScalar> StepEnds<'t, S> {
         // other equations left out: other multipliers
         if next.dropped == sample.dropped {
             Mean::write_between(&own, mean, &mut sample);
-            let known = Mean { t: sample.t, a: sample.at.a.clone(), mu: sample.mu.clone() };
+            let known = Mean { t: sample.t.value(), a: sample.at.a.clone(), mu: sample.mu.clone() };
             self.handed = [Some(known), self.handed[0].take()];
         } else {
             self.handed = [None, None];

@@ -2,9 +2,9 @@ use super::aggregate::{SUMS, Totals};
 use super::extremes::{Extreme, Extremes, Seen, follow};
 use super::measured_group::GroupWork;
 use super::{Functional, Measured, Sample, Times};
-use crate::assembly::Model;
+use crate::assembly::{Clock, Model};
 use crate::elements::RunScalar;
-use crate::integrators::{Combination, StartRecord, StepRecord, Table};
+use crate::integrators::{Clocks, Combination, StartRecord, StepRecord, Table, clock_at};
 
 /// Values of functionals, accumulated while a run goes on: no step needs to be kept for them.
 ///
@@ -31,6 +31,9 @@ pub struct Values<'f, S> {
     /// Whether any functional reads multipliers.
     reading: bool,
     work: GroupWork<S>,
+    /// How time goes, where derivative parts move the ends of steps; number of the next step.
+    clocks: Option<&'f Clocks<S>>,
+    next_step: usize,
 }
 
 impl<'f, S: RunScalar> Values<'f, S> {
@@ -55,6 +58,8 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sample: Sample::empty(),
             reading: functionals.iter().any(Functional::reads_multipliers),
             work: GroupWork::default(),
+            clocks: None,
+            next_step: 0,
         }
     }
 
@@ -65,18 +70,19 @@ impl<'f, S: RunScalar> Values<'f, S> {
         table: &'f Table,
         p: &'f [S],
         totals: &[Totals<f64>],
+        clocks: &'f Clocks<S>,
     ) -> Self {
         let offsets = totals.iter().map(|totals| totals.offset).collect();
-        Values { following: false, offsets, ..Self::new(functionals, model, table, p) }
+        Values { following: false, offsets, clocks: Some(clocks), ..Self::new(functionals, model, table, p) }
     }
 
     /// Adds what functional `k` reads at a sample with a weight in time.
-    fn add(&mut self, k: usize, sample: &Sample<S>, weight: f64) {
+    fn add(&mut self, k: usize, sample: &Sample<S>, weight: S) {
         let Functional { measured, over, .. } = &self.functionals[k];
         let (sums, offset, work) = (&mut self.sums[k], &mut self.offsets[k], &mut self.work);
         measured.write_values(self.model, sample, self.p, over.points(), work);
         if let Some(aggregate) = over.aggregate().filter(|_| self.following) {
-            follow(&mut self.seen[k], sample.t, work.values.iter().map(|[y, _]| y.value()));
+            follow(&mut self.seen[k], sample.t.value(), work.values.iter().map(|[y, _]| y.value()));
             let before = *offset;
             *offset = aggregate.following(before, &work.values);
             if *offset > before {
@@ -90,7 +96,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
     /// Reads functional `k` at its only sample.
     fn read(&mut self, k: usize, sample: &Sample<S>) {
         self.sums[k][0] = [S::zero(); SUMS];
-        self.add(k, sample, 1.0);
+        self.add(k, sample, S::one());
     }
 
     /// Functionals that read at some times.
@@ -99,10 +105,16 @@ impl<'f, S: RunScalar> Values<'f, S> {
         (0..functionals.len()).filter(move |&k| functionals[k].over.times() == times)
     }
 
+    /// That of the next step.
+    fn clock(&self) -> Option<Clock<S>> {
+        clock_at(self.clocks?, self.next_step)
+    }
+
     /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<S>) {
         for k in self.at(Times::Start) {
             let mut sample = Sample::initial(start);
+            sample.follow(self.clock());
             if self.functionals[k].reads_multipliers() {
                 sample.share(self.model, self.p);
             }
@@ -112,8 +124,12 @@ impl<'f, S: RunScalar> Values<'f, S> {
 
     /// A finished step.
     pub fn step(&mut self, step: &StepRecord<S>) {
+        let clock = self.clock();
+        self.next_step += 1;
         if self.at(Times::End).next().is_some() {
-            self.last.get_or_insert_with(Sample::empty).set_terminal(step);
+            let last = self.last.get_or_insert_with(Sample::empty);
+            last.set_terminal(step);
+            last.follow(clock);
         }
         if self.at(Times::Run).next().is_none() {
             return;
@@ -128,6 +144,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
         let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
         for (stage, weight) in stages.iter().enumerate() {
             sample.set_stage(step, stage, step.h * weight);
+            sample.follow(clock);
             if self.reading {
                 sample.share(self.model, self.p);
             }

@@ -95,7 +95,7 @@ pub fn march_adaptive(
     plan: &StartPlan,
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
-    let mut grid = TimeGrid { times: vec![stretches.times[0]], breakpoints: Default::default() };
+    let mut grid = TimeGrid::begin(stretches.times[0], 0);
     let course = Course::new(stretches, &mut grid);
     let run = control.check(&method.table).and_then(|()| {
         let march = if method.table.is_static() { march_loading } else { march_choosing };

@@ -22,7 +22,7 @@ pub fn march_dividing(
     plan: &StartPlan,
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
-    let mut grid = TimeGrid { times: vec![steps.times[0]], breakpoints: Default::default() };
+    let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
     let run = divide(problem, method, Course::new(steps, &mut grid), plan, recorder);
     (grid, run)
 }

@@ -1,4 +1,23 @@
+use crate::assembly::Clock;
+use crate::elements::RunScalar;
 use std::collections::BTreeMap;
+
+/// How time goes in each stretch between breakpoints, with the index of its first step; empty where these do not move.
+pub type Clocks<S> = Vec<(usize, Clock<S>)>;
+
+/// The clock of a step.
+pub fn clock_at<S: RunScalar>(clocks: &Clocks<S>, step: usize) -> Option<Clock<S>> {
+    let place = clocks.partition_point(|(first, _)| *first <= step);
+    place.checked_sub(1).map(|place| clocks[place].1)
+}
+
+/// Why there is no derivative where breakpoints coincide.
+pub fn moved_apart(t: f64) -> String {
+    format!(
+        "at t = {t} s breakpoints of several loads or drivers coincide which the design moves apart: to either side steps are laid in another way, \
+         so that there is no derivative; take a design in which they are apart, or make them the same number"
+    )
+}
 
 /// Most steps of a run: their ends are kept.
 pub const MOST_STEPS: usize = 10_000_000;
@@ -10,6 +29,8 @@ pub struct TimeGrid {
     pub times: Vec<f64>,
     /// Indices into `times` of breakpoints, each with the numbers of all that lie there, in the order in which they were given.
     pub breakpoints: BTreeMap<usize, Vec<usize>>,
+    /// How many equal steps were asked for; 0 where steps were chosen.
+    pub(super) asked: usize,
 }
 
 /// Times nearer to each other than this share of a step are one but for round-off.
@@ -30,13 +51,83 @@ impl TimeGrid {
             ));
         }
         let h = end / steps as f64;
-        let mut grid = TimeGrid { times: vec![0.0], breakpoints: BTreeMap::new() };
+        let mut grid = Self::begin(0.0, steps);
         for (time, numbers) in grouped(breakpoints, end, SAME_TIME * h) {
             grid.add_stretch(time, h);
             grid.breakpoints.insert(grid.steps(), numbers);
         }
         grid.add_stretch(end, h);
         Ok(grid)
+    }
+
+    /// Steps to be laid from a time on, for so many equal ones; 0 for steps to be chosen.
+    pub(super) fn begin(t: f64, asked: usize) -> Self {
+        TimeGrid { times: vec![t], breakpoints: BTreeMap::new(), asked }
+    }
+
+    /// Start, breakpoints and end: indices into the times.
+    fn boundaries(&self) -> impl Iterator<Item = usize> {
+        [0].into_iter().chain(self.breakpoints.keys().copied()).chain([self.steps()])
+    }
+
+    /// The same steps where breakpoints lie at other times: those of each stretch keep their relative places. Where breakpoints come in another
+    /// order, or others lie within the run, steps are laid anew.
+    ///
+    /// # Errors
+    /// Such an order where steps were chosen.
+    pub fn moved_to(&self, breakpoints: &[f64]) -> Result<Self, String> {
+        let end = self.times[self.steps()];
+        let groups = grouped(breakpoints, end, SAME_TIME * end / self.asked.max(1) as f64);
+        if !groups.iter().map(|(_, numbers)| numbers).eq(self.breakpoints.values()) {
+            return match self.asked {
+                0 => {
+                    Err("breakpoints come in another order, or others lie within the run, than where its steps were chosen"
+                        .into())
+                }
+                asked => Self::uniform(end, asked, breakpoints),
+            };
+        }
+        let ends: Vec<f64> = [self.times[0]].into_iter().chain(groups.iter().map(|(time, _)| *time)).chain([end]).collect();
+        let mut moved = self.clone();
+        let places: Vec<usize> = self.boundaries().collect();
+        for (place, end) in places.windows(2).zip(ends.windows(2)) {
+            let (first, last) = (self.times[place[0]], self.times[place[1]]);
+            if [first, last] == *end {
+                continue;
+            }
+            for index in place[0] + 1..place[1] {
+                moved.times[index] = end[0] + (end[1] - end[0]) * ((self.times[index] - first) / (last - first));
+            }
+            (moved.times[place[0]], moved.times[place[1]]) = (end[0], end[1]);
+        }
+        Ok(moved)
+    }
+
+    /// How time goes in each stretch, with the index of its first step, where breakpoints have these derivative parts; nothing where none has any.
+    ///
+    /// # Errors
+    /// Breakpoints that coincide and move apart, in words.
+    pub fn clocks<S: RunScalar>(&self, parts: &[S]) -> Result<Clocks<S>, String> {
+        let size = |part: &S| (0..S::PARTS).fold(0.0, |size: f64, i| size.max(part.part(i).abs()));
+        let mut moves = vec![S::zero()];
+        for (&index, numbers) in &self.breakpoints {
+            let own = parts[numbers[0]];
+            if numbers.iter().any(|&number| size(&(parts[number] - own)) > 1e-9 * size(&own).max(size(&parts[number]))) {
+                return Err(moved_apart(self.times[index]));
+            }
+            moves.push(own);
+        }
+        moves.push(S::zero());
+        if moves.iter().all(|own| size(own) == 0.0) {
+            return Ok(Vec::new());
+        }
+        let places: Vec<usize> = self.boundaries().collect();
+        let stretches = places.windows(2).zip(moves.windows(2));
+        let clock = |(places, moves): (&[usize], &[S])| {
+            let times = [self.times[places[0]], self.times[places[1]]];
+            (places[0], Clock::new(times, [moves[0], moves[1]]))
+        };
+        Ok(stretches.map(clock).collect())
     }
 
     /// Adds steps of equal size, none longer than `h`, up to a time.
@@ -80,7 +171,10 @@ fn grouped(breakpoints: &[f64], end: f64, near: f64) -> Vec<(f64, Vec<usize>)> {
     for number in within {
         let time = breakpoints[number];
         match groups.last_mut() {
-            Some((first, numbers)) if time - *first <= near => numbers.push(number),
+            Some((first, numbers)) if time - *first <= near => {
+                numbers.push(number);
+                numbers.sort_unstable();
+            }
             _ => groups.push((time, vec![number])),
         }
     }

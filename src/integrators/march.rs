@@ -4,8 +4,8 @@ use super::newton::NewtonTolerance;
 use super::pause::TakenUp;
 use super::record::{Guide, Recorder, StageRecord, StepRecord};
 use super::{
-    Combination, ConstraintLevel, Embedded, InitialState, Pace, Quadrature, RunError, StabilityCourse, StartPlan, StepError,
-    Stepper, Systems, Table, TimeGrid,
+    Clocks, Combination, ConstraintLevel, Embedded, InitialState, Pace, Quadrature, RunError, StabilityCourse, StartPlan,
+    StepError, Stepper, Systems, Table, TimeGrid,
 };
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
@@ -150,24 +150,25 @@ pub fn march<S: RunScalar>(
     plan: &StartPlan,
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
-    march_along(problem, method, grid, plan, None, recorder)
+    march_along(problem, method, (grid, &Vec::new()), plan, None, recorder)
 }
 
 /// As [`march`], with the values of a finished real run of the same problem where a guide is given: only derivative parts are
-/// solved for, so that they belong to exactly the states of that run.
+/// solved for, so that they belong to exactly the states of that run. Clocks have the derivative parts of the ends of steps.
 ///
 /// # Errors
 /// As for [`march`]; also a guide that does not solve the problem.
 pub fn march_along<S: RunScalar>(
     problem: &Problem<S>,
     method: &Method,
-    grid: &TimeGrid,
+    (grid, clocks): (&TimeGrid, &Clocks<S>),
     plan: &StartPlan,
     guide: Option<Guide>,
     recorder: &mut dyn Recorder<S>,
 ) -> Result<Run<S>, RunError> {
     let systems = Systems::new(problem.model, method, &plan.dropped);
     let mut stepper = Stepper::new(problem, method, &systems, plan)?;
+    stepper.clocks.clone_from(clocks);
     let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
     recorder.start(stepper.start(grid.times[0], plan, guided_start)?)?;
     let is_guided = guided_steps.is_some();

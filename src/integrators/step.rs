@@ -2,6 +2,7 @@
 
 use super::Counters;
 use super::checkpoint::{Checkpoint, StepState};
+use super::grid::{Clocks, clock_at};
 use super::march::{Method, Problem, Run, add_scaled, combine, embedded_difference};
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
@@ -11,7 +12,9 @@ use super::{
     Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, Stability, StabilityCourse,
     StartPlan, Systems, Table, TimeGrid, Verdict,
 };
-use crate::assembly::{Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq};
+use crate::assembly::{
+    Clock, Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq,
+};
 use crate::elements::RunScalar;
 use std::sync::Arc;
 
@@ -39,6 +42,9 @@ pub struct Stepper<'m, S> {
     drives: Option<RealDrives>,
     /// Estimated error of a step.
     difference: Vec<S>,
+    /// How time goes, where derivative parts move the ends of steps, and the clock by which what is carried is measured.
+    pub(super) clocks: Clocks<S>,
+    clock: Option<Clock<S>>,
 }
 
 /// A driven mechanism in real numbers.
@@ -174,6 +180,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             resolution: Resolution::default(),
             drives: None,
             difference: Vec::new(),
+            clocks: Vec::new(),
+            clock: None,
         })
     }
 
@@ -278,6 +286,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             add_scaled(&mut v, &second.unknowns.x, 1.0);
             start_projections = [Some(first), Some(second)];
             give_back(&mut self.start)?;
+        }
+        self.clock = clock_at(&self.clocks, 0);
+        if let Some(clock) = self.clock {
+            v.iter_mut().for_each(|v| *v *= clock.length());
         }
         let mut first = SolveRecord::empty();
         let mut guessed = Vec::new();
@@ -491,6 +503,19 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         !self.method.table.is_static() && self.method.table.carried.contains(&Carried::A)
     }
 
+    /// Goes over to the clock of the next step: within a stretch it is the same one.
+    fn change_clock(&mut self, state: &mut StepState<S>) {
+        let clock = clock_at(&self.clocks, state.step);
+        if let (Some(before), Some(own)) = (self.clock, clock) {
+            let factor = before.pace() * own.length();
+            for (values, kind) in state.carried.iter_mut().zip(&self.method.table.carried) {
+                (0..kind.order()).for_each(|_| values.iter_mut().for_each(|value| *value *= factor));
+            }
+            state.rate.iter_mut().for_each(|rate| *rate *= factor);
+        }
+        self.clock = clock;
+    }
+
     /// Makes a step with the equations that are kept now.
     fn try_step(
         &mut self,
@@ -503,6 +528,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let mut state = std::mem::take(&mut self.between);
         let mut record = std::mem::replace(&mut self.record, StepRecord::empty());
         let index = state.step;
+        self.change_clock(&mut state);
+        self.stage.residual.clock = self.clock;
         let table = method.table.scheme(scheme);
         let h = end - t;
         (record.t, record.h, record.scheme) = (t, h, scheme);
@@ -576,6 +603,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         first: InitialGuess,
         record: &mut SolveRecord<S>,
     ) -> Result<(), RunError> {
+        self.acceleration.residual.clock = self.clock;
         record.t = t;
         record.equations = Equations::acceleration();
         record.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };

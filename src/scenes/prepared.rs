@@ -316,10 +316,7 @@ impl<'s> Prepared<'s> {
 impl<S: Scalar> MechanismBuilder<S> {
     /// Times at which loads jump or drivers are not smooth.
     pub fn breakpoints(&self) -> Vec<f64> {
-        let p: Vec<f64> = self.numbers.p.iter().map(|p| p.value()).collect();
-        let elements = self.model.elements.iter().flat_map(|e| e.physics.breakpoint_times(&p[e.parameters.clone()]));
-        let joints = self.model.constraints.iter().flat_map(|c| c.physics.breakpoint_times(&p[c.parameters.clone()]));
-        elements.chain(joints).collect()
+        self.model.breakpoints(&self.numbers.p.iter().map(|p| p.value()).collect::<Vec<f64>>())
     }
 }
 

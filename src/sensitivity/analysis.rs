@@ -8,7 +8,7 @@ use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Over, Sample, StepEnds, Totals, Values};
 use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
 use crate::integrators::{
-    Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
+    Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
     StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march,
     march_adaptive, march_along, march_dividing,
 };
@@ -25,7 +25,7 @@ pub struct Analysis<'m> {
     pub functionals: &'m [Functional],
     /// How it is integrated.
     pub method: &'m Method,
-    /// The steps, the same for every run; with a control the stretches between breakpoints, which each real run divides.
+    /// The steps, which move with the breakpoints of each design; with a control the stretches between these, which each real run divides.
     pub grid: &'m TimeGrid,
     /// How real runs choose their steps; runs with derivative parts and the adjoint take the same ones.
     pub control: Option<StepControl>,
@@ -157,15 +157,19 @@ impl<'m> Analysis<'m> {
     ) -> Result<(Forward, Option<RunError>), RunError> {
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
         let are_given = self.control.is_none() && !divides;
-        let history = self.keep.history(are_given.then(|| self.grid.steps()), self.fingerprint(&numbers))?;
+        let steps = self.grid.moved_to(&self.model.breakpoints(&numbers.p)).map_err(RunError::Input)?;
+        let history = self.keep.history(are_given.then(|| steps.steps()), self.fingerprint(&numbers))?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
         let switches = SwitchWatch::new(self.model);
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
         let problem = self.problem(&numbers);
         let (grid, run) = match &self.control {
-            Some(control) => march_adaptive(&problem, self.method, control, self.grid, self.plan, &mut recorder),
-            None if divides => march_dividing(&problem, self.method, self.grid, self.plan, &mut recorder),
-            None => (self.grid.clone(), march(&problem, self.method, self.grid, self.plan, &mut recorder)),
+            Some(control) => march_adaptive(&problem, self.method, control, &steps, self.plan, &mut recorder),
+            None if divides => march_dividing(&problem, self.method, &steps, self.plan, &mut recorder),
+            None => {
+                let run = march(&problem, self.method, &steps, self.plan, &mut recorder);
+                (steps, run)
+            }
         };
         let Measuring { values, mut history, switches, .. } = recorder;
         let crossings = switches.finish();
@@ -343,7 +347,11 @@ impl<'m> Analysis<'m> {
         let places: Vec<usize> = (0..self.functionals.len()).filter(|&k| wanted[k]).collect();
         let functionals: Vec<&Functional> = places.iter().map(|&k| &self.functionals[k]).collect();
         let totals: Vec<Totals<f64>> = places.iter().map(|&k| forward.totals[k]).collect();
-        let run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
+        let mut run = adjoint(&rerun, &*forward.history, &functionals, &totals, &active)?;
+        let moved = self.by_moving_steps(forward, &chain, &active)?;
+        for (&k, bar) in places.iter().zip(&mut run.gradients) {
+            moved.iter().for_each(|moved| moved.add_to(k, &mut bar.p));
+        }
         let mut rows = vec![vec![0.0; x.len()]; self.functionals.len()];
         let mut by_parameters = vec![Vec::new(); self.functionals.len()];
         for (&k, bar) in places.iter().zip(run.gradients) {
@@ -474,9 +482,20 @@ impl<'m> Analysis<'m> {
     /// Values of the functionals with derivative parts.
     fn perturbed_values<S: RunScalar>(&self, x: &[S], forward: &Forward) -> Result<(Vec<S>, Counters), RunError> {
         let numbers = self.numbers_with_parts(x)?;
-        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals);
+        let clocks = self.clocks(&numbers.p, forward)?;
+        self.values_along(&numbers, &clocks, forward)
+    }
+
+    /// The same for numbers and ends of steps with derivative parts.
+    pub(super) fn values_along<S: RunScalar>(
+        &self,
+        numbers: &ModelNumbers<S>,
+        clocks: &Clocks<S>,
+        forward: &Forward,
+    ) -> Result<(Vec<S>, Counters), RunError> {
+        let values = Values::along(self.functionals, self.model, &self.method.table, &numbers.p, &forward.totals, clocks);
         let mut recorder = Perturbation(values);
-        let counters = self.perturbed_run(&numbers, forward, &mut recorder)?;
+        let counters = self.perturbed_run(numbers, clocks, forward, &mut recorder)?;
         Ok((recorder.0.finish().0, counters))
     }
 
@@ -485,6 +504,7 @@ impl<'m> Analysis<'m> {
     pub(super) fn perturbed_run<S: RunScalar>(
         &self,
         numbers: &ModelNumbers<S>,
+        clocks: &Clocks<S>,
         forward: &Forward,
         recorder: &mut dyn Recorder<S>,
     ) -> Result<Counters, RunError> {
@@ -493,7 +513,8 @@ impl<'m> Analysis<'m> {
         let rerun = Rerun::new(&real, self.method, &forward.grid, self.plan);
         let mut steps = forward.history.forward(&rerun)?;
         let guide = forward.history.start_record().map(|start| Guide { start, steps: &mut *steps });
-        Ok(march_along(&self.problem(numbers), self.method, &forward.grid, self.plan, guide, recorder)?.counters)
+        let steps = (&forward.grid, clocks);
+        Ok(march_along(&self.problem(numbers), self.method, steps, self.plan, guide, recorder)?.counters)
     }
 }
 

@@ -3,6 +3,7 @@
 mod adjoint;
 mod analysis;
 mod checks;
+mod moving_steps;
 mod over_time;
 mod solvers;
 mod transposed;

@@ -75,7 +75,15 @@ impl Analysis<'_> {
             measured: vec![Vec::new(); self.functionals.len()],
             ends: StepEnds::new(&self.method.table),
         };
-        let counters = self.perturbed_run(&numbers, forward, &mut reading)?;
+        let clocks = self.clocks(&numbers.p, forward)?;
+        if !clocks.is_empty() {
+            return Err(RunError::Input(
+                "a design variable moves a breakpoint of a load or driver, and the ends of steps with it: derivatives at given times are not \
+                 known there; take functionals over the run"
+                    .into(),
+            ));
+        }
+        let counters = self.perturbed_run(&numbers, &clocks, forward, &mut reading)?;
         if let Some(last) = reading.ends.end() {
             reading.read(last);
         }
@@ -105,7 +113,7 @@ impl<S: RunScalar> Reading<'_, S> {
         if self.functionals.iter().any(Functional::reads_multipliers) {
             sample.share(self.model, self.p);
         }
-        self.times.push(sample.t);
+        self.times.push(sample.t.value());
         for (functional, measured) in self.functionals.iter().zip(&mut self.measured) {
             measured.push(functional.measured_at(self.model, &sample, self.p));
         }

@@ -112,3 +112,148 @@ over = "terminal"
         }
     }
 }
+
+/// A bar of 1 kg and 1 m that a motor turns up within `duration`, while a force on its tip begins to swing within `beginning`, and another one
+/// jumps at 0.31 s.
+const LIFTED: &str = r#"
+version = 1
+name = "lifted bar"
+summary = "a bar that a motor turns up"
+gravity = [0, -9.81, 0]
+settings = { end = 1.0, steps = 60 }
+variable.duration = { initial = 0.43, bounds = [0.1, 0.9], unit = "s" }
+variable.beginning = { initial = 0.27, bounds = [0.1, 0.9], unit = "s" }
+variable.length = { initial = 1.0, bounds = [0.1, 2], unit = "m" }
+[[body]]
+name = "bar"
+position = ["length / 2", 0, 0]
+mass = 1
+inertia = [0.001, 0.083, 0.083]
+[[joint]]
+name = "hinge"
+type = "revolute"
+between = ["ground", "bar"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+[[driver]]
+name = "motor"
+type = "rotation"
+between = ["ground", "bar"]
+axis = [0, 0, 1]
+angle = { type = "smooth_ramp", to = 1.2, duration = "duration" }
+[[point]]
+name = "bob"
+position = ["length", 0.5, 0]
+mass = 0.3
+[[joint]]
+name = "rod"
+type = "distance"
+between = ["ground", "bob"]
+[[spring]]
+name = "spring"
+type = "line"
+between = ["bar", "bob"]
+stiffness = 40
+rest_length = 0.4
+[[force]]
+name = "swing"
+on = "bob"
+direction = [0, 0, 1]
+size = { type = "sine", amplitude = 3, angular_frequency = 9, phase = 0.7, smooth_start = "beginning" }
+[[force]]
+name = "push"
+on = "bob"
+direction = [1, 0, 0]
+size = { type = "step", before = 0, after = 2, at = 0.31 }
+[[functional]]
+name = "moment, integral"
+type = "reaction"
+joint = "motor"
+weights = [1]
+over = "integral"
+[[functional]]
+name = "largest force"
+type = "joint_load"
+joint = "rod"
+on = "bob"
+load = "force_norm"
+over = { aggregate = "smooth_maximum", sharpness = 2 }
+[[functional]]
+name = "x at the end"
+type = "position"
+on = "bob"
+direction = [1, 0, 0]
+over = "terminal"
+[[functional]]
+name = "speed"
+type = "velocity"
+on = "bob"
+direction = [0, 0, 1]
+over = "terminal"
+[[functional]]
+name = "energy at the end"
+type = "energy"
+over = "terminal"
+"#;
+
+#[test]
+fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_of_other_designs() {
+    let scene = FileScene::parse("lifted.toml", LIFTED).expect("sound");
+    let x = [0.43, 0.27, 1.0];
+    let mut failures = Vec::new();
+    for table in tables().into_iter().filter(|table| !table.is_static()) {
+        for level in ConstraintLevel::ALL {
+            let method = Method::new(table.clone(), level);
+            let prepared = Prepared::with(&scene, &x, method, Scene::settings(&scene).without_method()).expect("sound");
+            let analysis = prepared.analysis();
+            let forward = analysis.forward(&x).expect("runs");
+            let adjoint = analysis.adjoint(&x, &forward).expect("has a gradient").rows;
+            let complex = analysis.complex_step(&x, &forward).expect("runs").rows;
+            let tangent = analysis.tangent(&x, &forward).expect("runs").rows;
+            let mut quotients = vec![Vec::new(); adjoint.len()];
+            for variable in 0..x.len() {
+                let mut direction = [0.0; 3];
+                direction[variable] = 1.0;
+                let own = analysis.central_difference(&x, &direction, 1e-3).expect("runs");
+                quotients.iter_mut().zip(own).for_each(|(row, own)| row.push(own));
+            }
+            for (k, functional) in prepared.functionals().iter().enumerate() {
+                let size = complex[k].iter().fold(0.0, |size: f64, d| size.max(d.abs()));
+                for i in 0..x.len() {
+                    let what = format!("{}, {level:?}, {}, variable {i}", table.name, functional.name);
+                    let exact = complex[k][i];
+                    for (name, own, limit) in [
+                        ("adjoint", adjoint[k][i], 1e-11),
+                        ("tangent", tangent[k][i], 1e-12),
+                        ("quotient", quotients[k][i], 1e-5),
+                    ] {
+                        if (own - exact).abs() > limit * size {
+                            failures
+                                .push(format!("{what}: {name} {own}, complex step {exact}, {:.1e}", (own - exact) / size));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} differ:\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn breakpoints_that_pass_each_other_lay_steps_anew_and_those_that_coincide_have_no_derivative() {
+    let scene = FileScene::parse("lifted.toml", LIFTED).expect("sound");
+    let at = |x: &[f64]| {
+        Prepared::with(&scene, x, Prepared::default_method(), Scene::settings(&scene).without_method()).expect("sound")
+    };
+    let (prepared, other) = (at(&[0.43, 0.27, 1.0]), [0.2, 0.27, 1.0]);
+    let values = prepared.analysis().values(&other).expect("runs");
+    assert_eq!(values, at(&other).analysis().values(&other).expect("runs"));
+    let both = [0.4, 0.4, 1.0];
+    let prepared = at(&both);
+    let analysis = prepared.analysis();
+    let forward = analysis.forward(&both).expect("runs");
+    for refused in [analysis.adjoint(&both, &forward), analysis.complex_step(&both, &forward)] {
+        let why = refused.expect_err("no derivative").to_string();
+        assert!(why.contains("t = 0.4 s") && why.contains("coincide"), "{why}");
+    }
+}

@@ -20,8 +20,8 @@ impl TimeFormula for Corner {
     fn value<S: Scalar>(&self, t: S, _p: &[S]) -> S {
         (t - 0.5).abs()
     }
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
-        vec![0.5]
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        vec![S::from(0.5)]
     }
 }
 
@@ -32,8 +32,8 @@ impl TimeFormula for Start {
         let late = (t - 0.5).max(S::zero());
         late * late
     }
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
-        vec![0.5]
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        vec![S::from(0.5)]
     }
 }
 

@@ -27,8 +27,8 @@ impl Element for Oscillator {
         let inside = S::from(self.wall).less(s.q[0].abs()).select(S::from(f64::NAN), S::one());
         r[0] += (s.a[0] + p[0] * s.q[0] - load) * inside;
     }
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
-        self.jump.filter(|_| self.declared).into_iter().collect()
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.jump.filter(|_| self.declared).map(S::from).into_iter().collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is right, what is an error, and that nothing is wrong without a word.
 
+mod breakpoints;
 mod cantilever;
 mod elastica;
 mod equilibria;
@@ -36,6 +37,7 @@ impl Study for Robustness {
         equilibria::count(report)?;
         joins::count(report);
         optima::count(report)?;
+        breakpoints::count(report, if report.is_long() { 500 } else { 45 });
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });

@@ -58,7 +58,7 @@ impl Field for DistributedLoadField {
             force[i] += direction[i] * size;
         }
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[GEOMETRY..self.numbers()])
     }
 }

@@ -65,7 +65,7 @@ impl<F: Face> Field for ShellPressureField<F> {
             *force += load;
         }
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[self.areas()..])
     }
 }

@@ -40,7 +40,7 @@ impl Element for AppliedForce {
         }
         self.on.add_force(q, Vector3::first_three(&p[3..]), direction * self.size.value(t, &p[6..]), force);
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[6..])
     }
 }

@@ -33,7 +33,7 @@ impl Element for AppliedTorque {
         };
         self.on.add_moment(q, axis * self.size.value(t, &p[3..]), force);
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.size.breakpoints(&p[3..])
     }
 }

@@ -36,7 +36,7 @@ impl Constraint for PrescribedRotation {
     fn is_driver(&self) -> bool {
         true
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.angle.breakpoints(&p[9..])
     }
 }

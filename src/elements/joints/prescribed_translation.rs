@@ -35,7 +35,7 @@ impl Constraint for PrescribedTranslation {
     fn is_driver(&self) -> bool {
         true
     }
-    fn breakpoints(&self, p: &[f64]) -> Vec<f64> {
+    fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.displacement.breakpoints(&p[9..])
     }
 }

@@ -1,0 +1,92 @@
+//! Steps whose ends move with the design: breakpoints that depend on a variable.
+
+use super::{Analysis, Forward};
+use crate::assembly::BreakpointMap;
+use crate::design::{DesignChain, ModelNumbers};
+use crate::elements::RunScalar;
+use crate::integrators::{Clocks, RunError, moved_apart};
+use crate::scalar::{TANGENTS, Tangents};
+
+/// What functionals change by where breakpoints move and parameters stay.
+pub(super) struct MovingSteps {
+    map: BreakpointMap,
+    /// `rates[functional][breakpoint]`.
+    rates: Vec<Vec<f64>>,
+}
+
+/// Relative difference up to which breakpoints that coincide move together.
+const TOGETHER: f64 = 1e-9;
+
+impl MovingSteps {
+    /// Adds the derivatives of a functional by the parameters on which breakpoints depend.
+    pub fn add_to(&self, functional: usize, p_bar: &mut [f64]) {
+        self.map.add_transposed(&self.rates[functional], p_bar);
+    }
+}
+
+impl Analysis<'_> {
+    /// How time goes between the breakpoints of a run for parameters with derivative parts.
+    ///
+    /// # Errors
+    /// Breakpoints that coincide and move apart.
+    pub(super) fn clocks<S: RunScalar>(&self, p: &[S], forward: &Forward) -> Result<Clocks<S>, RunError> {
+        if forward.grid.breakpoints.is_empty() {
+            return Ok(Vec::new());
+        }
+        let parts = BreakpointMap::record(self.model, &forward.numbers.p).parts(p);
+        forward.grid.clocks(&parts).map_err(RunError::Input)
+    }
+
+    /// Derivatives of all functionals by those breakpoints that depend on an active parameter, by a tangent run for eight of them; `None` if none does.
+    /// Of breakpoints that coincide the first one stands for all.
+    pub(super) fn by_moving_steps(
+        &self,
+        forward: &Forward,
+        chain: &DesignChain,
+        active: &[bool],
+    ) -> Result<Option<MovingSteps>, RunError> {
+        if forward.grid.breakpoints.is_empty() {
+            return Ok(None);
+        }
+        let map = BreakpointMap::record(self.model, &forward.numbers.p);
+        let moving: Vec<(&usize, &Vec<usize>)> =
+            forward.grid.breakpoints.iter().filter(|(_, numbers)| map.reads(numbers, active)).collect();
+        if moving.is_empty() {
+            return Ok(None);
+        }
+        for &(&index, numbers) in &moving {
+            if numbers[1..].iter().any(|&other| !move_together(&map, chain, [numbers[0], other])) {
+                return Err(RunError::Input(moved_apart(forward.grid.times[index])));
+            }
+        }
+        let lift = |values: &[f64]| values.iter().map(|&value| Tangents::from(value)).collect();
+        let ModelNumbers { p, q, v } = &forward.numbers;
+        let numbers = ModelNumbers { p: lift(p), q: lift(q), v: lift(v) };
+        let mut rates = vec![vec![0.0; map.count()]; self.functionals.len()];
+        for chunk in moving.chunks(TANGENTS) {
+            let mut parts = vec![Tangents::from(0.0); map.count()];
+            for (lane, (_, numbers)) in chunk.iter().enumerate() {
+                numbers.iter().for_each(|&number| parts[number].add_to_part(lane, 1.0));
+            }
+            let clocks = forward.grid.clocks(&parts).map_err(RunError::Input)?;
+            let (values, _) = self.values_along(&numbers, &clocks, forward)?;
+            for (rates, value) in rates.iter_mut().zip(values) {
+                chunk.iter().enumerate().for_each(|(lane, (_, numbers))| rates[numbers[0]] = value.part(lane));
+            }
+        }
+        Ok(Some(MovingSteps { map, rates }))
+    }
+}
+
+/// Whether two breakpoints have the same derivatives by the design.
+fn move_together(map: &BreakpointMap, chain: &DesignChain, pair: [usize; 2]) -> bool {
+    let ModelNumbers { p, q, v } = chain.real();
+    let gradient = |weights: [f64; 2]| {
+        let mut bar = ModelNumbers { p: vec![0.0; p.len()], q: vec![0.0; q.len()], v: vec![0.0; v.len()] };
+        let mut all = vec![0.0; map.count()];
+        pair.iter().zip(weights).for_each(|(&number, weight)| all[number] = weight);
+        map.add_transposed(&all, &mut bar.p);
+        chain.gradient(&bar).into_iter().fold(0.0, |size: f64, rate| size.max(rate.abs()))
+    };
+    gradient([1.0, -1.0]) <= TOGETHER * gradient([1.0, 0.0])
+}
