@@ -50,7 +50,7 @@ impl TimeFormula for FormulaOfTime {
         }
     }
 
-    fn breakpoints(&self, _p: &[f64]) -> Vec<f64> {
-        self.breakpoints.clone()
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.breakpoints.iter().map(|&time| S::from(time)).collect()
     }
 }
