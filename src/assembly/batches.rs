@@ -325,7 +325,24 @@ pub(crate) struct LaneResults<'r, S> {
     pub parts: Range<usize>,
 }
 
+/// A rounding of a number of order one, up or down by its place in a list: in no pattern that numbers could follow.
+pub(super) fn last_bit(place: usize) -> f64 {
+    let up = (place as u32).wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15) >> 31 == 0;
+    if up { f64::EPSILON } else { -f64::EPSILON }
+}
+
 impl<S: RunScalar> LaneResults<'_, S> {
+    /// Adds the last bits of the first results, some up and some down, to the coordinates of the parts' nodes: what adding them up may lose.
+    pub fn add_last_bits(&self, segments: &[Starts], values: &mut [S]) {
+        for (lane, part) in self.parts.clone().enumerate() {
+            let mut numbers = Strided { numbers: self.numbers.get(lane..).unwrap_or_default(), width: self.width };
+            for place in segments.iter().flat_map(|starts| starts.of(part)) {
+                let Some(own) = numbers.next() else { return };
+                values[place] += own * last_bit(part.wrapping_mul(31).wrapping_add(place));
+            }
+        }
+    }
+
     /// Adds results from a place on, times a factor, to the coordinates of the parts' nodes, part by part; returns the place behind them.
     #[inline(always)]
     pub fn add_to_nodes(&self, first: usize, segments: &[Starts], factor: f64, values: &mut [S]) -> usize {

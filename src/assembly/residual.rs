@@ -1,4 +1,4 @@
-use super::batches::{Batch, BatchWork, run_lanes};
+use super::batches::{Batch, BatchWork, last_bit, run_lanes};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
 use super::node_runs::NodeRun;
@@ -22,8 +22,7 @@ const RESTORATIONS: usize = 8;
 
 /// The next number above or below, by a place in a list: in no pattern that coordinates could follow.
 fn neighbour<S: Scalar>(value: S, place: usize) -> S {
-    let up = (place as u32).wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15) >> 31 == 0;
-    value * (1.0 + if up { f64::EPSILON } else { -f64::EPSILON })
+    value * (1.0 + last_bit(place))
 }
 
 /// Residuals of one system at one point, with the workspace to evaluate them, which takes memory at its first use.
@@ -42,7 +41,8 @@ pub struct Residual<S> {
     pub g_second: Vec<S>,
     /// Leave the values of unknowns as they are given: they are a solution already, and only derivative parts are solved for.
     pub keep_values: bool,
-    /// Leave unknowns as they are and move (a, v, q) to neighbouring numbers, some up and some down: what that changes is round-off.
+    /// Leave unknowns as they are and move (a, v, q), and what each element and joint adds to a force, to neighbouring numbers, some up and
+    /// some down: what that changes is round-off.
     pub last_bits: bool,
     /// How time goes, where derivative parts move the ends of steps.
     pub clock: Option<Clock<S>>,
@@ -313,7 +313,7 @@ impl<S: RunScalar> Residual<S> {
         let pace = self.clock.map_or(S::one(), |clock| clock.pace());
         for batch in system.element_batches(force).iter().filter(|batch| scope.has(batch)) {
             let program = batch.formula.values();
-            let f = &mut self.f;
+            let (f, last_bits) = (&mut self.f, self.last_bits);
             run_lanes(
                 program,
                 batch.parts.len(),
@@ -321,6 +321,9 @@ impl<S: RunScalar> Residual<S> {
                 |mut lanes, _| batch.places.write_elements(&mut lanes, (at, p, time), (force, pace)),
                 |results| {
                     results.add_to_nodes(0, &batch.places.nodes, 1.0, f);
+                    if last_bits {
+                        results.add_last_bits(&batch.places.nodes, f);
+                    }
                 },
             );
         }
@@ -362,8 +365,8 @@ impl<S: RunScalar> Residual<S> {
             let physics = system.constraint_of(batch);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
-            let Residual { f, y, g, g_second, constraint_at: at, work, .. } = self;
-            let stabilized = asked.stabilized();
+            let Residual { f, y, g, g_second, constraint_at: at, work, last_bits, .. } = self;
+            let (stabilized, last_bits) = (asked.stabilized(), *last_bits);
             run_lanes(
                 program,
                 batch.parts.len(),
@@ -372,6 +375,9 @@ impl<S: RunScalar> Residual<S> {
                 |results| {
                     let mut place = 0;
                     if asked.reactions {
+                        if last_bits {
+                            results.add_last_bits(&batch.places.nodes, f);
+                        }
                         let sets = [(&mut *f, factor), (&mut *y, 1.0)].into_iter().take(1 + usize::from(stabilized));
                         for (target, factor) in sets {
                             place = results.add_to_nodes(place, &batch.places.nodes, factor, target);

@@ -2,7 +2,7 @@
 
 use crate::assembly::{Equations, Level, StageCoefficients, Unknowns, Variational, VectorsAvq};
 use crate::integrators::{
-    Checkpoint, Contraction, Contractions, Counters, FactoredAt, KeptFactorization, Pace, Pause, Prediction, Renewal,
+    Checkpoint, Contraction, Contractions, Counters, FactoredAt, Floor, KeptFactorization, Pace, Pause, Prediction, Renewal,
     Scheme, SolveRecord, Stability, StabilityCourse, StageRecord, StartRecord, StepError, StepErrors, StepRecord, StepState,
     Track,
 };
@@ -167,11 +167,12 @@ flat! {
     Contraction { rate, unseen }
     Contractions { known, age }
     Renewal { renews, trying, left, kept_for, cost, steps, other, step }
+    Floor { corrections, unknowns }
     KeptFactorization<f64> { factored, at, floors, measured, measured_for, contractions, renewal }
     Checkpoint<f64> { between, kept }
     Pace { h, last_error, rejected, halvings, left }
     StepError { share, step, t, dof, in_velocity }
-    StepErrors { worst, sizes, acceleration, fresh, orientation, leap, stability }
+    StepErrors { worst, sizes, accelerations, orientation, leap, stability }
     Stability { negative, neutral, determinant }
     StabilityCourse { end, lost }
     Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }

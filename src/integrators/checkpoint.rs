@@ -1,4 +1,4 @@
-use super::newton::{Contractions, Renewal};
+use super::newton::{Contractions, Floor, Renewal};
 use super::record::SolveRecord;
 use super::table::SAME_SIZE;
 use super::{Carried, Prediction, Scheme};
@@ -109,7 +109,7 @@ pub struct KeptFactorization<S> {
     /// Where they were.
     pub at: FactoredAt<S>,
     /// Size of corrections at round-off, for each kind of system, where it is known.
-    pub floors: [Option<[f64; 2]>; 3],
+    pub floors: [Option<Floor>; 3],
     /// Equations for which these were measured, and factorizations since then.
     pub measured: Option<Equations>,
     /// See [`KeptFactorization::measured`].

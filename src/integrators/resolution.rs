@@ -6,13 +6,14 @@ use super::record::StepRecord;
 use super::{StabilityCourse, Table};
 use crate::elements::RunScalar;
 use crate::linalg::sign_of_determinant;
+use smallvec::SmallVec;
 
 /// The largest estimated error of one step: in coordinates by the model's length, in velocities by the largest velocity of the run; angular
 /// ones count by the model's length, too.
 ///
-/// It is that of an embedded solution; where the method has none, the error in the coordinates of the trapezoidal rule, h^3/12 of the third
-/// derivative from the mean accelerations of this step and the one before: about that of a method of second order, more than that of one of
-/// higher order.
+/// It is that of an embedded solution; where the method of order p has none, its leading error terms C h^(p+1) d^(p+1)q/dt^(p+1) and
+/// C h^(p+1) d^(p+1)v/dt^(p+1), whose derivatives are those of a polynomial through the mean accelerations of the latest steps, and whose
+/// factors are those of the table for a given acceleration. What round-off makes of it does not count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepError {
     /// Of the length or velocity.
@@ -40,16 +41,69 @@ pub struct StepErrors {
     pub worst: [Option<StepError>; 2],
     /// Largest coordinate and velocity \[m, m/s\].
     pub sizes: [f64; 2],
-    /// Mean acceleration in the last step, before the first one that of the start, for methods without an embedded solution \[m/s2\].
-    pub acceleration: Vec<f64>,
-    /// It is that of the start.
-    pub fresh: bool,
-    /// Sign of the determinant of the constraints' rows, of a mechanism whose motion its drives determine: 1 or -1, 0 where not known.
+    /// Mean accelerations of the latest steps, latest first, and their times, for methods without an embedded solution; the acceleration that
+    /// was solved for at the start, or last anew, stands behind those after it [s, m/s2].
+    pub accelerations: Vec<(f64, Vec<f64>)>,
+    /// Sign of the determinant of the constraints' rows, of a mechanism whose motion its drives determine: 1 or -1, that before a singular
+    /// pose while it stands in one, 0 where not known.
     pub orientation: f64,
     /// Start of the first step in which it changed, and its number.
     pub leap: Option<(f64, usize)>,
     /// Of equilibria: whether they stand.
     pub stability: Option<StabilityCourse>,
+}
+
+/// Rounding of coordinates by the model's length, with what the tables make of it at stages: up to 300 times as much.
+const ROUNDINGS: f64 = 1e3 * f64::EPSILON;
+
+/// By what errors are measured.
+pub(super) struct Measures<'m> {
+    /// Scales of coordinates.
+    pub scales: &'m [f64],
+    /// The model's length \[m\].
+    pub length: f64,
+    /// What round-off may do to accelerations [m/s2].
+    pub round_off: f64,
+    /// Factors of the leading error terms of coordinates and velocities: [`Table::error_factors`].
+    pub error_factors: [f64; 2],
+}
+
+impl StepErrors {
+    /// Weights by which the kept accelerations give their derivative of an order by time, if they are enough of them: that of the polynomial
+    /// through them, k! sum a_j / prod (t_j - t_i).
+    fn weights_of_derivative(&self, order: usize) -> Option<SmallVec<[f64; 8]>> {
+        let list = self.accelerations.get(..=order)?;
+        let factorial: f64 = (1..=order).map(|k| k as f64).product();
+        let weight = |(j, (own, _)): (usize, &(f64, Vec<f64>))| {
+            let others = list.iter().enumerate().filter(|(i, _)| *i != j);
+            factorial / others.map(|(_, (other, _))| own - other).product::<f64>()
+        };
+        Some(list.iter().enumerate().map(weight).collect())
+    }
+
+    /// Writes a weighted sum of the latest accelerations, times a factor.
+    fn combine<S: RunScalar>(&self, weights: &[f64], factor: f64, sum: &mut Vec<S>) {
+        let lists = || weights.iter().zip(&self.accelerations);
+        let of_dof = |dof: usize| lists().map(|(weight, (_, list))| weight * list[dof]).sum::<f64>() * factor;
+        sum.clear();
+        sum.extend((0..self.accelerations[0].1.len()).map(|dof| S::from(of_dof(dof))));
+    }
+}
+
+/// Share of the change of coordinates in a step that their rates at both ends may leave open where it passes a singular pose on its own
+/// branch: where it leaps from a dead point it is a quarter or more.
+const SMOOTH: f64 = 1e-2;
+
+/// Whether coordinates change in a step of size `h` as their rates at its start and end say.
+pub(super) fn is_smooth<S: RunScalar>(before: [&[S]; 2], after: [&[S]; 2], h: f64, scales: &[f64]) -> bool {
+    let ([old_q, old_v], [q, v]) = (before, after);
+    let (mut change, mut open) = (0.0_f64, 0.0_f64);
+    for (dof, scale) in scales.iter().enumerate().take(q.len()) {
+        let own = q[dof].value() - old_q[dof].value();
+        change = change.max(own.abs() * scale);
+        open = open.max((own - 0.5 * h * (old_v[dof].value() + v[dof].value())).abs() * scale);
+    }
+    open <= SMOOTH * change
 }
 
 /// How well the steps so far resolve the motion.
@@ -67,76 +121,84 @@ impl<S> Default for Resolution<S> {
 
 impl<S: RunScalar> Resolution<S> {
     /// Begins with the acceleration of the start.
-    pub fn begin(&mut self, acceleration: &[S]) {
-        self.errors.acceleration.clear();
-        self.errors.acceleration.extend(acceleration.iter().map(|a| a.value()));
-        self.errors.fresh = true;
+    pub fn begin(&mut self, t: f64, acceleration: &[S]) {
+        self.errors.accelerations.clear();
+        self.errors.accelerations.push((t, acceleration.iter().map(|a| a.value()).collect()));
     }
 
-    /// Takes note of a step: its number, the carried vectors before it, and the scales of coordinates.
-    pub fn note(
-        &mut self,
-        table: &Table,
-        number: usize,
-        step: &StepRecord<S>,
-        carried: &[Vec<S>],
-        (scales, length): (&[f64], f64),
-    ) {
+    /// Takes note of a step: its number, the carried vectors before it, and how things are measured.
+    pub fn note(&mut self, table: &Table, number: usize, step: &StepRecord<S>, carried: &[Vec<S>], measures: &Measures) {
         if table.is_static() {
             return;
         }
         let mut difference = std::mem::take(&mut self.difference);
-        match &table.embedded {
-            Some(embedded) => {
-                for (order, in_velocity) in [(0, false), (1, true)] {
-                    embedded_difference((table, embedded), order, step, carried, &mut difference);
-                    self.judge(in_velocity, number, step, &difference, scales);
-                }
+        if let Some(embedded) = &table.embedded {
+            for (order, in_velocity) in [(0, false), (1, true)] {
+                embedded_difference((table, embedded), order, step, carried, &mut difference);
+                self.judge(in_velocity, number, step, &difference, measures);
             }
-            None => {
-                difference.clear();
-                if let Some(solved) = &step.restart {
-                    self.begin(&solved.unknowns.x);
+        } else {
+            self.note_acceleration(table.order, step, &carried[1]);
+            let factors = measures.error_factors.map(|factor| factor * step.h.powi(table.order as i32 + 1));
+            for (in_velocity, factor) in [false, true].into_iter().zip(factors) {
+                let order = if in_velocity { table.order } else { table.order - 1 };
+                if let Some(weights) = self.errors.weights_of_derivative(order) {
+                    self.errors.combine(&weights, factor, &mut difference);
+                    self.judge(in_velocity, number, step, &difference, measures);
                 }
-                // the middle of the step before is a step away, the acceleration that was solved for half a step
-                let factor = if self.errors.fresh { 2.0 } else { 1.0 } * step.h * step.h / 12.0;
-                let velocities = step.v.iter().zip(&carried[1]);
-                for ((end, start), last) in velocities.zip(&mut self.errors.acceleration) {
-                    let mean = (end.value() - start.value()) / step.h;
-                    difference.push(S::from((mean - *last) * factor));
-                    *last = mean;
-                }
-                self.judge(false, number, step, &difference, scales);
-                self.errors.fresh = false;
             }
         }
         self.difference = difference;
-        self.errors.sizes[0] = self.errors.sizes[0].max(length);
+        self.errors.sizes[0] = self.errors.sizes[0].max(measures.length);
+    }
+
+    /// Adds the mean acceleration of a step, of which as many are kept as an order asks for.
+    fn note_acceleration(&mut self, order: usize, step: &StepRecord<S>, start: &[S]) {
+        if let Some(solved) = &step.restart {
+            self.begin(step.t, &solved.unknowns.x);
+        }
+        let list = &mut self.errors.accelerations;
+        if list.len() > order {
+            list.truncate(order + 1);
+            list.rotate_right(1);
+        } else {
+            list.insert(0, Default::default());
+        }
+        let (t, mean) = &mut list[0];
+        *t = step.t + 0.5 * step.h;
+        mean.clear();
+        mean.extend(step.v.iter().zip(start).map(|(end, start)| (end.value() - start.value()) / step.h));
     }
 
     /// Errors of coordinates or of velocities, and how large these are.
-    fn judge(&mut self, in_velocity: bool, number: usize, step: &StepRecord<S>, errors: &[S], scales: &[f64]) {
+    fn judge(&mut self, in_velocity: bool, number: usize, step: &StepRecord<S>, errors: &[S], measures: &Measures) {
+        let Measures { scales, length, round_off, .. } = *measures;
         let place = usize::from(in_velocity);
         let states = if in_velocity { &step.v } else { &step.q };
         let StepErrors { worst, sizes, .. } = &mut self.errors;
         let (worst, size) = (&mut worst[place], &mut sizes[place]);
         let scaled = |x: S, scale: f64| x.value().abs() * scale;
         *size = size.max(largest_scaled(states, scales, scaled));
-        let share = largest_scaled(errors, scales, scaled);
+        let largest = largest_scaled(errors, scales, scaled);
+        // constraints that are kept on coordinates are rounded as these are, and velocities follow by the size of the step
+        let rounded = if in_velocity { step.h * round_off + ROUNDINGS * (length / step.h) } else { ROUNDINGS * length };
+        let share = if largest > rounded { largest } else { 0.0 };
         if worst.is_none_or(|worst| share > worst.share) {
-            let dof = errors.iter().zip(scales).position(|(&error, &scale)| scaled(error, scale) == share).unwrap_or(0);
+            let dof = errors.iter().zip(scales).position(|(&error, &scale)| scaled(error, scale) == largest).unwrap_or(0);
             *worst = Some(StepError { share, step: number, t: step.t, dof, in_velocity });
         }
     }
 
-    /// Takes note of the side on which a driven mechanism is after a step, by the rows of its constraints and drives.
-    pub fn note_side(&mut self, rows: &mut [f64], size: usize, t: f64, number: usize) {
+    /// Takes note of the side on which a driven mechanism is after a step, by the rows of its constraints and drives. A mechanism whose
+    /// coordinates change as its rates say goes through a singular pose as a parallelogram does: that is no leap.
+    pub fn note_side(&mut self, rows: &mut [f64], size: usize, (t, number): (f64, usize), is_smooth: impl FnOnce() -> bool) {
         let sign = sign_of_determinant(rows, size);
         let StepErrors { orientation, leap, .. } = &mut self.errors;
-        if *orientation * sign < 0.0 {
+        if *orientation * sign < 0.0 && !is_smooth() {
             *leap = leap.or(Some((t, number)));
         }
-        *orientation = sign;
+        // behind a pose that is exactly singular the side before it is the one to compare with
+        *orientation = if sign == 0.0 { *orientation } else { sign };
     }
 
     /// Takes note that the side is not known: other equations are left out.

@@ -7,7 +7,7 @@ use super::march::{Method, Problem, Run, add_scaled, combine, embedded_differenc
 use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
-use super::resolution::{Resolution, StepErrors};
+use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
 use super::{
     Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, Stability, StabilityCourse,
     StartPlan, Systems, Table, TimeGrid, Verdict,
@@ -38,6 +38,7 @@ pub struct Stepper<'m, S> {
     /// Carried vectors after the step.
     updated: Vec<Vec<S>>,
     resolution: Resolution<S>,
+    error_factors: Option<[f64; 2]>,
     /// Of a mechanism whose drives determine the motion.
     drives: Option<RealDrives>,
     /// Estimated error of a step.
@@ -178,6 +179,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             record: StepRecord::empty(),
             updated: Vec::new(),
             resolution: Resolution::default(),
+            error_factors: None,
             drives: None,
             difference: Vec::new(),
             clocks: Vec::new(),
@@ -317,13 +319,13 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let dropped = plan.dropped.clone();
         self.between = StepState { dropped, carried, rate, last, prediction, ..StepState::default() };
         self.between.set_acceleration(kinds, &first);
-        self.resolution.begin(&first.unknowns.x);
+        self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;
         if let Some(mut rows) = RowsOfDrives::new(&self.acceleration.system).filter(|_| watched) {
             let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
             let (q, p) = (real(&first.base.q), real(&self.problem.p));
             rows.evaluate(&self.acceleration.system, &q, &p, t);
-            self.resolution.note_side(&mut rows.rows, rows.size, t, 0);
+            self.resolution.note_side(&mut rows.rows, rows.size, (t, 0), || true);
             self.drives = Some(RealDrives { rows, q, p });
         }
         if !guessed.is_empty() {
@@ -345,8 +347,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     /// Takes note of the estimated error of the step made last.
     pub(super) fn note_error(&mut self) {
         let (table, Newton { coordinate_scales, length, .. }) = (&self.method.table, &self.stage);
+        let error_factors = *self.error_factors.get_or_insert_with(|| table.error_factors());
+        let (length, round_off) = (*length, self.stage.measured_round_off());
+        let measures = Measures { scales: coordinate_scales, length, round_off, error_factors };
         // what was carried before the step was swapped away
-        self.resolution.note(table, self.between.step, &self.record, &self.updated, (coordinate_scales, *length));
+        self.resolution.note(table, self.between.step, &self.record, &self.updated, &measures);
         self.note_side(self.record.t + self.record.h);
     }
 
@@ -379,7 +384,11 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         q.clear();
         q.extend(self.between.carried[0].iter().map(|q| q.value()));
         rows.evaluate(&self.acceleration.system, q, p, end);
-        self.resolution.note_side(&mut rows.rows, rows.size, self.record.t, self.between.step);
+        // what was carried before the step was swapped away
+        let (before, after) = (&self.updated, &self.between.carried);
+        let StepRecord { t, h, .. } = self.record;
+        let is_smooth = || is_smooth([&before[0], &before[1]], [&after[0], &after[1]], h, &self.stage.coordinate_scales);
+        self.resolution.note_side(&mut rows.rows, rows.size, (t, self.between.step), is_smooth);
     }
 
     /// The step made last.

@@ -41,6 +41,9 @@ impl Backend {
     }
 }
 
+/// Numbers below this are zero: what is made of them underflows, so that their last digits never settle.
+const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+
 /// A solver and what its factorizations take, known before the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverPlan {
@@ -329,7 +332,7 @@ impl Factorization {
             unsettled = None;
             for (x, change) in x.chunks_exact_mut(n).zip(correction.chunks_exact(n)) {
                 let [size, moved] = dispatch(Correction { x, change });
-                let most = SETTLED * size;
+                let most = (SETTLED * size).max(NOTHING);
                 // what is no number comes with the right-hand side
                 if moved > most {
                     unsettled = unsettled.or(change.iter().position(|change| change.abs() > most));
@@ -466,7 +469,7 @@ impl<const MEASURED: bool, const W: usize> Kernel for Residuals<'_, MEASURED, W>
                 r[place] = b - sum;
                 if MEASURED && r[place] != 0.0 {
                     let size = sizes[0][w] + sizes[1][w] + b.abs();
-                    worst[w] = larger(worst[w], r[place].abs() / size.max(least[w]));
+                    worst[w] = larger(worst[w], r[place].abs() / size.max(least[w]).max(NOTHING));
                 }
             }
         }
@@ -586,6 +589,20 @@ mod tests {
             factorization.solve(&mut x);
             assert!(x.iter().zip([1.0, 1.0, -1.0, 0.0, 0.0]).all(|(x, right)| (x - right).abs() < 1e-14), "{x:?}");
             assert!(factorization.scales().iter().all(|scale| (1e-3..1e3).contains(scale)), "{:?}", factorization.scales());
+        }
+    }
+
+    #[test]
+    fn right_hand_sides_that_underflow_are_solved_like_zeros() {
+        let (mut factorization, values, rhs) = factored();
+        for size in [1e-290, 1e-300, 1e-308, 1e-312, 1e-320] {
+            let tiny: Vec<f64> = rhs.iter().map(|b| b * size).collect();
+            for keeps in [false, true] {
+                factorization.factor(&values).unwrap();
+                assert!(!keeps || factorization.keep_factors(&values) == Ok(true));
+                let mut x = tiny.clone();
+                assert_eq!(factorization.solve_transposed(&mut x), Ok(TransposedSolution::Found), "{size:e}");
+            }
         }
     }
 

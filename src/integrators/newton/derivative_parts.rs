@@ -17,6 +17,8 @@ const SLOW_PARTS: f64 = 0.9;
 const ROUNDED_PARTS: f64 = 1e-6;
 /// Relative correction up to which a guide counts as the solution of the same problem.
 const GUIDED: f64 = 1e-6;
+/// The same in effects of one rounding of the state: what a guide was content with, and what its own state lost since.
+const GUIDED_ROUNDINGS: f64 = 16.0;
 
 impl<S: RunScalar> Newton<'_, S> {
     /// Solves for the derivative parts alone, the values being a solution already (that of a real run).
@@ -35,8 +37,12 @@ impl<S: RunScalar> Newton<'_, S> {
             Some((unit, size)) => unit * correction <= GUIDED * size,
             None => correction <= GUIDED * scale,
         };
-        // where nothing moves yet there is no size to compare with
-        if near || self.at_round_off(stage, unknowns, correction, scale) {
+        // where nothing moves there is no size to compare with
+        if near || self.is_nothing(stage.equations, correction) || self.at_round_off(stage, unknowns, correction, scale) {
+            return Ok(());
+        }
+        self.evaluate(stage, unknowns);
+        if correction <= GUIDED_ROUNDINGS * self.round_off_of(None, stage, unknowns) {
             return Ok(());
         }
         Err(Failure { how: FailureKind::Stagnated, iterations: 0, correction: correction / scale })

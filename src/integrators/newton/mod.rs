@@ -14,6 +14,7 @@ mod values;
 pub use contraction::{Contraction, Contractions};
 pub use failure::Failure;
 pub use renewal::Renewal;
+pub use round_off::Floor;
 
 use super::Counters;
 use super::checkpoint::{FactoredAt, KeptFactorization};
@@ -83,8 +84,8 @@ pub struct Newton<'m, S> {
     factored: Option<Equations>,
     /// Where it was.
     factored_at: FactoredAt<S>,
-    /// Size of corrections at round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
-    floors: [Option<[f64; 2]>; 3],
+    /// Corrections that are round-off: of metrics (projections of coordinates, then of velocities) and of other systems.
+    floors: [Option<Floor>; 3],
     /// Equations for which floors were measured, and factorizations since then.
     measured: Option<Equations>,
     measured_for: usize,

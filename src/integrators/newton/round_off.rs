@@ -4,12 +4,41 @@ use super::Newton;
 use crate::assembly::{Equations, Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
 
+/// Corrections that are round-off, and the unknowns of the state where that was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Floor {
+    /// Of coordinates and of multipliers.
+    pub corrections: [f64; 2],
+    /// Largest unknown, and largest multiplier in the scale of the matrix.
+    pub unknowns: [f64; 2],
+}
+
+/// Share of the unknowns up to which a correction may pass for round-off by what was measured in another state.
+const ELSEWHERE: f64 = 1e-10;
+/// Factor between the unknowns of two states up to which the round-off of one tells that of the other.
+const ALIKE: f64 = 8.0;
+
+impl Floor {
+    /// Whether corrections of a state with these unknowns, should they pass for round-off, may do so: where they are tiny, or where the
+    /// state is like the one that was measured. Forces of an impact have a round-off that is a motion afterwards.
+    pub(super) fn speaks_for(&self, unknowns: [f64; 2], corrections: [f64; 2]) -> bool {
+        let mut lists = self.unknowns.into_iter().zip(unknowns).zip(corrections);
+        lists.all(|((there, here), correction)| correction <= ELSEWHERE * here || there <= ALIKE * here)
+    }
+}
+
 impl<S: RunScalar> Newton<'_, S> {
-    /// Sizes of a correction of coordinates and of multipliers that are round-off alone: what the last bits of (a, v, q) change in the
-    /// residual, through the matrix.
-    pub(super) fn round_off(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> [f64; 2] {
+    /// Measures the corrections that are round-off alone at a state: what the last bits of (a, v, q) and of forces change in the residual,
+    /// through the matrix.
+    pub(super) fn round_off(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Floor {
         let step = self.round_off_of(None, stage, unknowns);
-        [step, self.multiplier_step()]
+        let sizes = [self.size(&unknowns.x).max(self.size(&unknowns.y)), self.multiplier_size(unknowns)];
+        Floor { corrections: [step, self.multiplier_step()], unknowns: sizes }
+    }
+
+    /// A correction of unknowns that is round-off in the system of stages, where that was measured.
+    pub(in crate::integrators) fn measured_round_off(&self) -> f64 {
+        self.floors[2].map_or(0.0, |floor| floor.corrections[0])
     }
 
     /// Size of a correction of coordinates, of their values or of a derivative part, that is round-off alone; the residual is evaluated.

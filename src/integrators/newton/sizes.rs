@@ -8,6 +8,10 @@ use crate::scalar::larger;
 
 /// Correction beyond which nothing is round-off, as a displacement by the model's length.
 pub(super) const NEAR: f64 = 1e-6;
+/// Numbers below this are zero: what is made of them underflows, and their last bits are no share of them.
+pub(super) const NOTHING: f64 = f64::MIN_POSITIVE / f64::EPSILON;
+/// Displacement by the model's length that no state could show.
+const UNSEEN: f64 = f64::EPSILON * f64::EPSILON;
 /// Coordinates that are smaller than this share of the lengths among the parameters say nothing about the size of the model.
 const NEGLIGIBLE: f64 = 1e-9;
 
@@ -65,6 +69,12 @@ impl<S: RunScalar> Newton<'_, S> {
     /// A correction of the unknowns as a displacement, by the model's length; 0 where coordinates are given.
     pub(super) fn displacement(&self, equations: &Equations, step: f64) -> f64 {
         step * equations.residual.alpha.abs().max(equations.constraint.alpha.abs()) / self.length
+    }
+
+    /// Whether a correction is zero in the scales of the model: what comes to rest has no size of its own.
+    pub(super) fn is_nothing(&self, equations: &Equations, step: f64) -> bool {
+        let moves = equations.residual.alpha != 0.0 && !equations.metric;
+        step <= NOTHING || moves && self.displacement(equations, step) <= UNSEEN
     }
 
     /// For a projection: the factor from its unknowns to the projected state, and the size of that state.

@@ -1,8 +1,8 @@
 //! The values: corrections until what is left is round-off.
 
 use super::failure::{Failure, FailureKind};
-use super::round_off::kind;
-use super::sizes::NEAR;
+use super::round_off::{Floor, kind};
+use super::sizes::{NEAR, NOTHING};
 use super::{MOST_ITERATIONS, Newton, NewtonTolerance, ROUND_OFF};
 use crate::assembly::{Equations, Level, StageSystem, Unknowns};
 use crate::elements::RunScalar;
@@ -110,24 +110,29 @@ impl<S: RunScalar> Newton<'_, S> {
             }
             // far from a solution, the last bits of large stresses would pass for those of the solution
             let is_near = self.displacement(equations, step) <= NEAR;
-            let [floor, reaction_floor] = match self.floors[kind] {
-                Some(floors) if is_near => floors,
-                None if is_near => {
-                    self.evaluate(stage, unknowns);
-                    let floors = self.round_off(stage, unknowns);
-                    *self.floors[kind].insert(floors)
-                }
-                _ => [0.0; 2],
+            let sizes = [scale, reactions];
+            let mut floor = match self.floors[kind] {
+                Some(floor) if is_near => floor,
+                None if is_near => self.measure_floor(kind, stage, unknowns),
+                _ => Floor::default(),
             };
-            let reactions_settled = reaction_step * reaction_share <= (ROUND_OFF * reactions).max(reaction_floor)
-                || reaction_step <= 2.0 * reaction_floor;
             // a projection is as good as its correction of the state is small against the state
             let moved = self.projected_size(stage).map(|(unit, size)| unit * step / size);
             let settled = match moved {
                 Some(moved) => moved * share <= 0.25 * f64::EPSILON,
                 None => step * share <= ROUND_OFF * scale,
+            } || self.is_nothing(equations, step);
+            let reactions_settle = reaction_step * reaction_share <= ROUND_OFF * reactions || reaction_step <= NOTHING;
+            let is_round_off = |Floor { corrections: [floor, reaction_floor], .. }: Floor| {
+                let reaction = reaction_step * reaction_share <= reaction_floor || reaction_step <= 2.0 * reaction_floor;
+                (settled || step * share <= floor || step <= 2.0 * floor, reactions_settle || reaction)
             };
-            if step == 0.0 || settled || step * share <= floor || step <= 2.0 * floor {
+            let by_floor = [if settled { 0.0 } else { step }, if reactions_settle { 0.0 } else { reaction_step }];
+            if is_near && is_round_off(floor).0 && !floor.speaks_for(sizes, by_floor) {
+                floor = self.measure_floor(kind, stage, unknowns);
+            }
+            let (settled, reactions_settled) = is_round_off(floor);
+            if settled {
                 let stalled = reaction_rate >= STALLED && previous_reaction.is_finite();
                 if reactions_settled || (stalled && (fresh || reaction_step <= NEARLY * reactions)) {
                     self.contractions.note(kind, (worst_rate > 0.0).then_some(worst_rate));
@@ -159,7 +164,8 @@ impl<S: RunScalar> Newton<'_, S> {
                 }
                 if comparable && is_near && self.at_round_off(stage, unknowns, step, scale) {
                     if corrections <= NEW {
-                        self.floors[kind] = Some([step, reaction_floor.max(reaction_step)]);
+                        let corrections = [step, floor.corrections[1].max(reaction_step)];
+                        self.floors[kind] = Some(Floor { corrections, unknowns: sizes });
                         return Ok(());
                     }
                     // a new matrix tells
@@ -187,6 +193,13 @@ impl<S: RunScalar> Newton<'_, S> {
         fail(FailureKind::Stagnated, MOST_ITERATIONS, previous / scale)
     }
 
+    /// Evaluates anew and measures what is round-off there.
+    fn measure_floor(&mut self, kind: usize, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Floor {
+        self.evaluate(stage, unknowns);
+        let floor = self.round_off(stage, unknowns);
+        *self.floors[kind].insert(floor)
+    }
+
     /// Solves, and asks the matrix at the unknowns that were accepted what it would still correct: at most [`BALANCED`] of the model's
     /// length, or round-off there.
     pub(super) fn solve_balanced(&mut self, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) -> Result<(), Failure> {
@@ -197,15 +210,15 @@ impl<S: RunScalar> Newton<'_, S> {
             self.factored = None;
             self.evaluate(stage, unknowns);
             self.factorize(stage, unknowns).map_err(|singular| Failure::singular(singular, 0))?;
-            let floors = self.round_off(stage, unknowns);
-            self.floors[kind(equations)] = Some(floors);
+            let floor = self.round_off(stage, unknowns);
+            self.floors[kind(equations)] = Some(floor);
             self.rhs.copy_from_slice(&self.exact);
             self.factorization.solve(&mut self.rhs);
             self.counters.solves += 1;
             self.work.clone_from(unknowns);
             let step = self.jacobian.add_step(&self.system, &self.rhs, None, &mut self.work, &self.coordinate_scales);
             left = self.displacement(equations, step);
-            let round_off = self.displacement(equations, floors[0]);
+            let round_off = self.displacement(equations, floor.corrections[0]);
             if left <= BALANCED.max(4.0 * round_off) && round_off <= NEAR {
                 return Ok(());
             }

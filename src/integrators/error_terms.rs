@@ -1,0 +1,98 @@
+//! The leading error terms of tables without an embedded solution.
+
+use super::{Carried, Combination, Table};
+
+/// Steps until what older vectors lack has died out.
+const STEPS: usize = 60;
+
+impl Table {
+    /// Factors C of the leading errors of one step, C h^(p+1) d^(p+1)/dt^(p+1) of coordinates and of velocities, p the order: those of steps
+    /// of length 1 for the acceleration t^(p-1)/(p-1)! and t^p/p!, which are given at the stages. Where that says nothing, of a rule that is
+    /// exact for these, those of the trapezoidal rule.
+    pub(super) fn error_factors(&self) -> [f64; 2] {
+        if self.is_static() || self.embedded.is_some() {
+            return [0.0; 2];
+        }
+        // a variational integrator of an order takes the mean velocities of steps where others have velocities: both have the rule's error
+        let found = |order: i32, power: i32| if self.variational.is_some() { 0.0 } else { self.error_factor(order, power) };
+        let power = self.order as i32 - 1;
+        [(0, power), (1, power + 1)].map(|(order, power)| {
+            let factor = found(order, power).abs();
+            let trapezoidal = if self.order == 1 { 0.5 } else { 1.0 / 12.0 };
+            if factor > 1e-6 && factor.is_finite() { factor } else { trapezoidal }
+        })
+    }
+
+    /// Error that each step of length 1 adds to coordinates (`order` 0) beside that of velocities, or to velocities (1), for the acceleration
+    /// t^power / power!.
+    fn error_factor(&self, order: i32, power: i32) -> f64 {
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        // about the middle of all steps, so that numbers stay small
+        let at = |t: f64, derivative: i32| {
+            let power = power + 2 - derivative;
+            (t - STEPS as f64).powi(power) / factorial(power)
+        };
+        let mut ages = [0.0; 3];
+        let mut carried: Vec<f64> = self
+            .carried
+            .iter()
+            .map(|kind| {
+                let age = &mut ages[kind.order() as usize];
+                // accelerations are all that of now
+                let t = if *kind == Carried::A { 0.0 } else { -*age };
+                *age += 1.0;
+                at(t, kind.order())
+            })
+            .collect();
+        let mut errors = Vec::with_capacity(STEPS + 1);
+        errors.push([0.0; 2]);
+        for step in 0..STEPS {
+            let t = step as f64;
+            let mut x: Vec<f64> = Vec::with_capacity(self.stages.len());
+            for stage in &self.stages {
+                let sum = |combination: &Combination, x: &[f64]| combined(combination, &carried, x);
+                // a_i = sum U_a Y + sum A_a x_j is what is given
+                let own = stage.a.stages.get(x.len()).copied().unwrap_or(0.0);
+                x.push(match stage.known {
+                    Some(place) => carried[place],
+                    None => (at(t + stage.c, 2) - sum(&stage.a, &x)) / own,
+                });
+            }
+            carried = self.update.iter().map(|update| combined(update, &carried, &x)).collect();
+            errors.push([carried[0] - at(t + 1.0, 0), carried[1] - at(t + 1.0, 1)]);
+        }
+        let added = |which: usize| (errors[STEPS][which] - errors[STEPS - 2][which]) / 2.0;
+        match order {
+            0 => added(0) - 0.5 * (errors[STEPS][1] + errors[STEPS - 2][1]),
+            _ => added(1),
+        }
+    }
+}
+
+/// The sum for steps of length 1.
+fn combined(combination: &Combination, carried: &[f64], x: &[f64]) -> f64 {
+    let terms = |factors: &[f64], values: &[f64]| factors.iter().zip(values).map(|(c, y)| c * y).sum::<f64>();
+    terms(&combination.carried, carried) + terms(&combination.stages, x)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::integrators::table_by_name;
+
+    /// C of the rules' own textbooks: implicit Euler 1/2, backward differences of order 2 2/9 and of order 3 3/22 by the step of velocities
+    /// that they divide by (2/3 and 6/11), the midpoint rule 1/24 and the trapezoidal rule 1/12 of velocities.
+    #[test]
+    fn factors_are_those_of_the_rules() {
+        for (name, exact) in
+            [("bdf1", 0.5), ("bdf2", 1.0 / 3.0), ("bdf3", 0.25), ("midpoint", 1.0 / 24.0), ("newmark", 1.0 / 12.0)]
+        {
+            let [q, v] = table_by_name(name).expect("listed").error_factors();
+            assert!((v - exact).abs() < 1e-6, "{name}: {v} for {exact}");
+            assert!(q > 0.0 && q < 2.0, "{name}: {q}");
+        }
+        for name in ["dirk2", "dirk3", "sdirk2", "sdirk3", "generalized-alpha", "variational"] {
+            let factors = table_by_name(name).expect("listed").error_factors();
+            assert!(factors.iter().all(|factor| (1e-6..2.0).contains(factor)), "{name}: {factors:?}");
+        }
+    }
+}
