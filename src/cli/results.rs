@@ -69,23 +69,45 @@ pub struct Results<'p> {
     kept: KeptMoments,
     /// Finished steps.
     steps: usize,
+    /// Why rows and meshes end before the run.
+    unwritten: Option<Failure>,
 }
 
-/// How the energy of a conservative scene, which is constant in an exact motion, grows.
+/// How the energy of a conservative scene, which is constant in an exact motion, changes.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyCourse {
     start: f64,
-    /// Largest growth over the start [J], and when [s].
-    growth: f64,
-    t: f64,
+    /// Largest growth over the start and largest loss [J], and when [s].
+    changes: [(f64, f64); 2],
     /// Largest kinetic energy [J].
     kinetic: f64,
+    /// Largest size of the kinetic and of the potential energy [J].
+    size: f64,
 }
 
+/// Share of the energies up to which a change is round-off: bodies at rest have nothing but that.
+const ENERGY_ROUNDING: f64 = 1e-12;
+
 impl EnergyCourse {
-    /// Largest growth as a share of the largest kinetic energy, and when [s].
-    pub fn share(&self) -> (f64, f64) {
-        (if self.kinetic > 0.0 { self.growth / self.kinetic } else { 0.0 }, self.t)
+    fn new(start: f64, t: f64) -> Self {
+        EnergyCourse { start, changes: [(0.0, t); 2], kinetic: 0.0, size: 0.0 }
+    }
+
+    /// Takes note of the energy and of its kinetic part at a time.
+    fn note(&mut self, energy: f64, kinetic: f64, t: f64) {
+        self.kinetic = self.kinetic.max(kinetic);
+        self.size = self.size.max(kinetic.abs()).max((energy - kinetic).abs());
+        for (change, own) in self.changes.iter_mut().zip([energy - self.start, self.start - energy]) {
+            if own > change.0 {
+                *change = (own, t);
+            }
+        }
+    }
+
+    /// Largest growth and largest loss beyond round-off as shares of the largest kinetic energy, and when [s].
+    pub fn shares(&self) -> [(f64, f64); 2] {
+        let is_some = |change: f64| change > ENERGY_ROUNDING * self.size && self.kinetic > 0.0;
+        self.changes.map(|(change, t)| (if is_some(change) { change / self.kinetic } else { 0.0 }, t))
     }
 }
 
@@ -134,6 +156,7 @@ impl<'p> Results<'p> {
             row: Vec::new(),
             kept: KeptMoments::default(),
             steps: 0,
+            unwritten: None,
         })
     }
 
@@ -160,12 +183,7 @@ impl<'p> Results<'p> {
         let energy = self.columns.have_energy().then(|| energy_of(v.to_vec()));
         if let Some(energy) = energy.filter(|_| self.is_conservative) {
             let kinetic = energy - energy_of(vec![0.0; v.len()]);
-            let course = self.energy.get_or_insert(EnergyCourse { start: energy, growth: 0.0, t, kinetic });
-            course.kinetic = course.kinetic.max(kinetic);
-            let growth = energy - course.start;
-            if growth > course.growth {
-                (course.growth, course.t) = (growth, t);
-            }
+            self.energy.get_or_insert(EnergyCourse::new(energy, t)).note(energy, kinetic, t);
         }
         let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
         let at = VectorsAvq { a: a.to_vec(), v: v.to_vec(), q: q.to_vec() };
@@ -174,13 +192,15 @@ impl<'p> Results<'p> {
         sample.share(model, p);
         self.row.clear();
         self.columns.add_row(&sample, energy, &mut self.row);
-        let written = self.histories.row(&self.row);
-        let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
-        written.and_then(|()| meshes()).map_err(|error| RunError::History {
-            place: if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) },
-            cause: error.to_string(),
-            hint: "choose a folder on a disk with room (--out)".into(),
-        })?;
+        // a full disk ends the files, not the simulation, whose other results may have room elsewhere
+        if self.unwritten.is_none() {
+            let written = self.histories.row(&self.row);
+            let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
+            let place = if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) };
+            self.unwritten = written.and_then(|()| meshes()).err().map(|error| {
+                Failure::run(format!("{place}: {error}; the files end there: choose a folder on a disk with room (--out)"))
+            });
+        }
         let moment = Snapshot {
             t,
             q: q.to_vec(),
@@ -220,7 +240,7 @@ impl<'p> Results<'p> {
         self.add_sample(last)
     }
 
-    /// How the energy grew, where it should be constant.
+    /// How the energy changed, where it should be constant.
     pub fn energy_course(&self) -> Option<EnergyCourse> {
         self.energy
     }
@@ -236,6 +256,7 @@ impl<'p> Results<'p> {
             Err(failure) => unwritten = unwritten.take().or(Some(failure)),
         };
         keep(self.add_end().map_err(Failure::from), &[]);
+        keep(self.unwritten.take().map_or(Ok(()), Err), &[]);
         let folder = self.folder;
         for (file, written) in self.histories.finish() {
             keep(written.map_err(Failure::from), &[file]);

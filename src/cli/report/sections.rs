@@ -68,13 +68,14 @@ impl Page {
             let of = if in_velocity { "largest velocity" } else { "model's length" };
             self.fact("estimated error of a step", format!("at most {share:.1e} of the {of}, at t = {} s", number(t)));
         }
-        if let Some((share, _)) = simulation.energy.map(|energy| energy.share()) {
-            let growth = if share > 0.0 {
-                format!("grows by {share:.1e} of the largest kinetic energy")
-            } else {
-                "does not grow".into()
+        if let Some([(growth, _), (loss, _)]) = simulation.energy.map(|energy| energy.shares()) {
+            let changes = [("grows", growth), ("falls", loss)].into_iter().filter(|(_, share)| *share > 0.0);
+            let changes: Vec<_> = changes.map(|(word, share)| format!("{word} by up to {share:.1e}")).collect();
+            let words = match changes.is_empty() {
+                true => "is constant".into(),
+                false => format!("{} of the largest kinetic energy", changes.join(", ")),
             };
-            self.fact("energy", growth);
+            self.fact("energy", words);
         }
         if let Some(Statement::Stable(words)) = statement(prepared, &simulation.forward) {
             self.fact("stability", words);
