@@ -2,6 +2,7 @@ use super::CommandLine;
 use super::console::{json_number, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, keep, resumed};
+use super::interrupt::set_last_words;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
 use super::part_sensitivities::PartSensitivities;
@@ -43,6 +44,10 @@ const SCATTER: f64 = 4.0;
 /// Entries that matter less than this share of the largest one are compared relative to that share.
 const SMALL: f64 = 1e-2;
 
+/// Share of the functional itself by which the changes that relative changes of the variables make count at least: the derivative by what it
+/// does not depend on is what round-off leaves of terms of that size, and zero against zero is zero.
+const ZERO: f64 = 1e-2;
+
 /// A gradient and the time it took.
 struct Timed {
     gradient: Gradient,
@@ -58,9 +63,8 @@ struct Check {
     complex_step: Timed,
     /// Relative differences, for each functional and variable.
     differences: Vec<Vec<f64>>,
-    largest: f64,
-    /// What a rounding of the variables does to complex-step derivatives, where the differences made it worth a look.
-    scatter: Option<f64>,
+    /// Of each functional, what a rounding of the variables does to its complex-step derivatives, where the differences made it worth a look.
+    scatter: Vec<Option<f64>>,
 }
 
 /// `costate gradient`: simulates, writes, differentiates, checks, prints.
@@ -98,6 +102,11 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
              computed again (--history file:PATH keeps all)\n"
         ));
     }
+    // a sweep that is stopped leaves what the simulation gave
+    let mut simulated = simulation.json(&prepared);
+    simulated.insert("error".into(), json!("interrupted before the gradient was there"));
+    simulation.summarize(&simulated);
+    set_last_words(options.scene.json.then(|| Value::from(simulated).to_string()));
     let parts = PartSensitivities::of(&prepared, page.is_some(), output.meshes);
     let mut by_parameters = Vec::new();
     let adjoint = timed("adjoint", forward, || {
@@ -111,7 +120,7 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
     let check = if options.check {
         let complex_step = timed("complex step", forward, || analysis.complex_step(x, forward));
-        let check = complex_step.and_then(|complex_step| Check::new(&prepared, &adjoint, complex_step));
+        let check = complex_step.and_then(|complex_step| Check::new(&prepared, &forward.values, &adjoint, complex_step));
         Some(check.inspect_err(|_| {
             (0..prepared.functionals().len()).for_each(|row| say_gradient(&prepared, row, &adjoint, None));
             simulation.say_files();
@@ -120,6 +129,7 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
         None
     };
 
+    set_last_words(None);
     for row in 0..prepared.functionals().len() {
         say_gradient(&prepared, row, &adjoint, check.as_ref());
     }
@@ -127,11 +137,21 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     let ratio = adjoint.seconds / simulation.seconds;
     say(format_args!("adjoint time / forward time: {}", number(ratio)));
     if let Some(check) = &check {
-        let (verdict, largest) = (check.verdict(&behind), check.largest);
-        let limit = check.limit();
-        say(format_args!("largest relative difference to complex step: {} (limit {limit:.0e}): {verdict}", brief(largest)));
-        if let Some(scatter) = check.scatter {
-            say(format_args!("a rounding of the variables changes complex-step derivatives by {} of them", brief(scatter)));
+        for (k, functional) in prepared.functionals().iter().enumerate() {
+            let (largest, limit) = (check.largest(k), check.limit(k));
+            let verdict = match largest <= limit {
+                true if behind.contains(&functional.name.as_str()) => "shows nothing behind a jump",
+                true => "pass",
+                false => "FAIL",
+            };
+            let rounding = check.scatter[k].filter(|_| limit > LIMIT).map_or_else(String::new, |scatter| {
+                format!("; a rounding of the variables changes its complex-step derivatives by {} of them", brief(scatter))
+            });
+            let largest = brief(largest);
+            say(format_args!(
+                "{}: largest relative difference to complex step: {largest} (limit {limit:.0e}): {verdict}{rounding}",
+                functional.name
+            ));
         }
     }
     say("");
@@ -151,11 +171,14 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     simulation.say_files();
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
     match check {
-        Some(check) if !check.pass() => Err(Failure::run(format!(
-            "the adjoint gradient differs from complex step by {}, more than {:.0e}",
-            brief(check.largest),
-            check.limit()
-        ))),
+        Some(check) if !check.passes() => {
+            let name = check.worst_functional().map_or("", |k| prepared.functionals()[k].name.as_str());
+            let (largest, limit) = check.figures();
+            let largest = brief(largest);
+            Err(Failure::run(format!(
+                "the adjoint gradient of \"{name}\" differs from complex step by {largest}, more than {limit:.0e}"
+            )))
+        }
         Some(_) if !behind.is_empty() => Err(Failure::run(format!(
             "the gradient of {} is behind a jump, where it is wrong: complex step passes the same jump, so their agreement shows nothing",
             behind.join(", ")
@@ -183,9 +206,9 @@ fn timed(
 
 fn rows_of<'g>(adjoint: &'g Timed, check: Option<&'g Check>, behind: &[&str]) -> GradientRows<'g> {
     let verdict = check.map_or_else(String::new, |check| {
-        let (verdict, limit) = (if check.pass() { "within" } else { "NOT within" }, check.limit());
+        let (verdict, (largest, limit)) = (if check.passes() { "within" } else { "NOT within" }, check.figures());
         let jump = if behind.is_empty() { "" } else { ", which shows nothing behind a jump" };
-        format!("{verdict} {limit:.0e} of complex step: largest relative difference {}{jump}", brief(check.largest))
+        format!("{verdict} {limit:.0e} of complex step: largest relative difference {}{jump}", brief(largest))
     });
     let check = check.map(|check| [&check.complex_step.gradient.rows[..], &check.differences]);
     GradientRows { adjoint: &adjoint.gradient.rows, check, verdict }
@@ -196,39 +219,58 @@ fn brief(difference: f64) -> String {
 }
 
 impl Check {
-    fn new(prepared: &Prepared, adjoint: &Timed, complex_step: Timed) -> Result<Self, Failure> {
+    fn new(prepared: &Prepared, values: &[f64], adjoint: &Timed, complex_step: Timed) -> Result<Self, Failure> {
         let rows = adjoint.gradient.rows.iter().zip(&complex_step.gradient.rows);
-        let differences: Vec<_> = rows.map(|(a, c)| relative_differences(&prepared.variables, &prepared.x, a, c)).collect();
-        let largest = largest_of(&differences);
-        let mut scatter = None;
-        if largest > LIMIT {
-            let nearby = prepared.complex_steps_nearby()?;
-            let pairs = nearby.iter().flat_map(|one| nearby.iter().flat_map(move |other| one.iter().zip(other)));
-            let apart: Vec<_> =
-                pairs.map(|(one, other)| relative_differences(&prepared.variables, &prepared.x, one, other)).collect();
-            scatter = Some(largest_of(&apart));
+        let design = (&prepared.variables[..], &prepared.x[..]);
+        let rows = rows.zip(values).map(|((own, other), &value)| relative_differences(design, value, [own, other]));
+        let differences: Vec<_> = rows.collect();
+        let mut check = Check { complex_step, scatter: vec![None; differences.len()], differences };
+        if check.passes() {
+            return Ok(check);
         }
-        Ok(Check { complex_step, differences, largest, scatter })
+        let nearby = prepared.complex_steps_nearby()?;
+        for (k, scatter) in check.scatter.iter_mut().enumerate() {
+            let rows = nearby.each_ref().map(|rows| &rows[k][..]);
+            let pairs = rows.iter().flat_map(|one| rows.iter().map(move |other| [*one, *other]));
+            let apart: Vec<_> = pairs.map(|pair| relative_differences(design, values[k], pair)).collect();
+            *scatter = Some(largest_of(&apart));
+        }
+        Ok(check)
     }
 }
 
 impl Check {
-    fn verdict(&self, behind: &[&str]) -> &'static str {
-        match self.pass() {
-            true if behind.is_empty() => "pass",
-            true => "shows nothing behind a jump",
-            false => "FAIL",
-        }
+    /// Whether each functional is within its limit.
+    fn passes(&self) -> bool {
+        self.worst() <= 1.0
     }
 
-    /// A NaN does not pass.
-    fn pass(&self) -> bool {
-        self.largest <= self.limit()
+    /// The largest difference of a functional.
+    fn largest(&self, k: usize) -> f64 {
+        largest_of(&self.differences[k..=k])
     }
 
-    /// What can be asked for: not less than what a rounding of the variables does.
-    fn limit(&self) -> f64 {
-        LIMIT.max(SCATTER * self.scatter.unwrap_or(0.0))
+    /// What can be asked for of a functional: not less than what a rounding of the variables does to its own derivatives.
+    fn limit(&self, k: usize) -> f64 {
+        LIMIT.max(SCATTER * self.scatter[k].unwrap_or(0.0))
+    }
+
+    /// The functional that is nearest to its limit, or furthest beyond.
+    fn worst_functional(&self) -> Option<usize> {
+        let size = |k: usize| self.largest(k) / self.limit(k);
+        // what is no number is worst
+        let key = |k: usize| if size(k).is_nan() { f64::INFINITY } else { size(k) };
+        (0..self.differences.len()).max_by(|&i, &j| key(i).total_cmp(&key(j)))
+    }
+
+    /// Its difference by its limit; NaN does not pass.
+    fn worst(&self) -> f64 {
+        self.worst_functional().map_or(0.0, |k| self.largest(k) / self.limit(k))
+    }
+
+    /// Difference and limit of that functional.
+    fn figures(&self) -> (f64, f64) {
+        self.worst_functional().map_or((0.0, LIMIT), |k| (self.largest(k), self.limit(k)))
     }
 }
 
@@ -239,7 +281,11 @@ fn largest_of(differences: &[Vec<f64>]) -> f64 {
 
 /// Differences of two gradients, each relative to the entry, or to [`SMALL`] of the largest change of the functional by a
 /// relative change of any variable: an entry that is zero but for round-off has no relative error of its own.
-fn relative_differences(variables: &[DesignVariable], x: &[f64], adjoint: &[f64], complex_step: &[f64]) -> Vec<f64> {
+fn relative_differences(
+    (variables, x): (&[DesignVariable], &[f64]),
+    value: f64,
+    [adjoint, complex_step]: [&[f64]; 2],
+) -> Vec<f64> {
     let size = |i: usize| {
         let range = variables[i].upper - variables[i].lower;
         match x[i].abs() {
@@ -248,7 +294,8 @@ fn relative_differences(variables: &[DesignVariable], x: &[f64], adjoint: &[f64]
             size => size,
         }
     };
-    let largest = complex_step.iter().enumerate().fold(0.0, |most: f64, (i, g)| most.max((g * size(i)).abs()));
+    let least = ZERO * value.abs();
+    let largest = complex_step.iter().enumerate().fold(least, |most: f64, (i, g)| most.max((g * size(i)).abs()));
     let difference = |(i, (a, c)): (usize, (&f64, &f64))| {
         let apart = (a - c).abs();
         if apart == 0.0 { 0.0 } else { apart / c.abs().max(SMALL * largest / size(i)) }
@@ -328,6 +375,7 @@ fn json_of(simulation: &Simulation, prepared: &Prepared, adjoint: &Timed, check:
             if let Some(check) = check {
                 functional["complex_step"] = named(&check.complex_step.gradient.rows[row]);
                 functional["relative_difference"] = named(&check.differences[row]);
+                functional["limit"] = json_number(check.limit(row));
             }
         }
     }
@@ -335,9 +383,10 @@ fn json_of(simulation: &Simulation, prepared: &Prepared, adjoint: &Timed, check:
     object.insert("adjoint_per_forward".into(), json_number(adjoint.seconds / simulation.seconds));
     if let Some(check) = check {
         insert_work(&mut object, "complex_step", complex_step_work(&check.complex_step));
-        object.insert("largest_relative_difference".into(), json_number(check.largest));
-        object.insert("limit".into(), json_number(check.limit()));
-        object.insert("pass".into(), json!(check.pass() && behind.is_empty()));
+        let (largest, limit) = check.figures();
+        object.insert("largest_relative_difference".into(), json_number(largest));
+        object.insert("limit".into(), json_number(limit));
+        object.insert("pass".into(), json!(check.passes() && behind.is_empty()));
     }
     object.into()
 }
@@ -355,13 +404,18 @@ mod tests {
     fn a_wrong_or_missing_entry_is_seen_and_round_off_of_a_zero_is_not() {
         let x = [2.0, 1e5, 0.0];
         let right = [3.0, 4e-5, 0.0];
-        let compare = |adjoint: [f64; 3]| largest_of(&[relative_differences(&variables(), &x, &adjoint, &right)]);
+        let compare = |adjoint: [f64; 3]| largest_of(&[relative_differences((&variables(), &x), 1e-9, [&adjoint, &right])]);
         assert_eq!(compare(right), 0.0);
         assert!(compare([3.0, 4e-5, 1e-15]) <= LIMIT);
         // in its unit the second entry is small, but it changes the functional as much as the first
         assert!((compare([3.0, 4e-5 * (1.0 + 1e-6), 0.0]) - 1e-6).abs() < 1e-12);
         assert!(compare([3.0 + 1e-8, 4e-5, 0.0]) > LIMIT);
         assert!(compare([3.0, 4e-5, 1e-3]) > LIMIT);
+        // of a functional of order one round-off is no derivative, and what is more is one
+        let nothing = |size: f64| {
+            largest_of(&[relative_differences((&variables(), &x), 1.0, [&[0.5 * size, 0.0, 0.0], &[-0.5 * size, 0.0, 0.0]])])
+        };
+        assert!(nothing(1e-16) <= LIMIT && nothing(1e-12) > LIMIT);
         for place in 0..3 {
             let mut adjoint = right;
             adjoint[place] = f64::NAN;

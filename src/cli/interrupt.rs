@@ -2,6 +2,7 @@
 
 use super::failure::{Failure, INTERRUPTED};
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 const LEAVE_AT_ONCE: u8 = 0;
 const FINISH_FIRST: u8 = 1;
@@ -9,11 +10,22 @@ const REQUESTED: u8 = 2;
 
 static STATE: AtomicU8 = AtomicU8::new(LEAVE_AT_ONCE);
 
+/// What is still said before the program leaves at once: the line of JSON that was asked for.
+static LAST_WORDS: Mutex<Option<String>> = Mutex::new(None);
+
+/// Sets what is said on stdout if the program is stopped from now on.
+pub fn set_last_words(words: Option<String>) {
+    *LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner) = words;
+}
+
 /// Listens for Ctrl-C.
 pub fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         let first = STATE.compare_exchange(FINISH_FIRST, REQUESTED, Ordering::SeqCst, Ordering::SeqCst).is_ok();
         if !first {
+            if let Some(words) = LAST_WORDS.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                super::console::say(words);
+            }
             super::console::complain("interrupted");
             std::process::exit(INTERRUPTED.into());
         }

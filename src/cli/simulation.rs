@@ -30,7 +30,7 @@ pub struct Simulation {
     pub seconds: f64,
     /// For recording formulas and compiling their programs [s]; those that were first needed during the simulation are part of its time.
     pub program_seconds: f64,
-    /// How the energy grew, where it should be constant.
+    /// How the energy changed, where it should be constant.
     pub energy: Option<EnergyCourse>,
     /// Files written.
     pub files: Vec<PathBuf>,
@@ -288,13 +288,14 @@ impl Simulation {
         if let Some(Statement::Warning(words)) = stability::statement(prepared, &self.forward) {
             warnings.push(words);
         }
-        let energy = self.energy.map(|energy| energy.share());
-        if let Some((share, t)) = energy.filter(|(share, _)| *share > StepError::COARSE) {
-            warnings.push(format!(
-                "the energy of this scene is constant in an exact motion, but grows by {:.1} % of the largest kinetic energy until t = {t} s: {}",
-                100.0 * share,
-                "take smaller steps, or a smaller tolerance"
-            ));
+        for (word, (share, t)) in ["grows", "falls"].into_iter().zip(self.energy.iter().flat_map(|energy| energy.shares())) {
+            if share > StepError::COARSE {
+                warnings.push(format!(
+                    "the energy of this scene is constant in an exact motion, but {word} by {:.1} % of the largest kinetic energy until \
+                     t = {t} s: take smaller steps, or a smaller tolerance",
+                    100.0 * share
+                ));
+            }
         }
         warnings
     }
@@ -354,6 +355,15 @@ impl Simulation {
         self.unwritten = self.unwritten.take().or(failed);
     }
 
+    /// Writes the summary of what is there already, before work that may be stopped; [`Simulation::conclude`] replaces it, and says what
+    /// could not be written.
+    pub fn summarize(&self, summary: &Map<String, Value>) {
+        if !self.files.is_empty() {
+            let text = format!("{:#}\n", Value::from(summary.clone()));
+            let _ = write_file(&self.folder.join("summary.json"), text.as_bytes());
+        }
+    }
+
     /// Prints the files.
     pub fn say_files(&self) {
         for file in &self.files {
@@ -410,8 +420,10 @@ impl Simulation {
         if !self.forward.crossings.is_empty() {
             object.insert("crossings".into(), crossings_json(&self.forward.crossings));
         }
-        if let Some((share, t)) = self.energy.map(|energy| energy.share()) {
-            object.insert("energy_growth".into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
+        let changes =
+            ["energy_growth", "energy_loss"].into_iter().zip(self.energy.iter().flat_map(|energy| energy.shares()));
+        for (name, (share, t)) in changes {
+            object.insert(name.into(), json!({"share_of_kinetic": json_number(share), "t": json_number(t)}));
         }
         object.insert("files".into(), names(&self.files));
         if let Some(failure) = &self.stopped {
