@@ -278,7 +278,12 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
 /// The error of equations that depend on the others.
 fn redundant(model: &Model, dependent: &[usize]) -> RunError {
     let kept: Vec<usize> = (0..model.equations).filter(|row| !dependent.contains(row)).collect();
-    let names = |list: &[usize]| list.iter().map(|&row| model.equation_name(row)).collect::<Vec<_>>().join("; ");
+    // of a loop of beams these are hundreds
+    const SHOWN: usize = 6;
+    let names = |list: &[usize]| {
+        let shown = list.iter().take(SHOWN).map(|&row| model.equation_name(row)).collect::<Vec<_>>().join("; ");
+        if list.len() > SHOWN { format!("{shown}; and {} more", list.len() - SHOWN) } else { shown }
+    };
     let subset = if kept.is_empty() { String::new() } else { format!(" An independent subset is: {}.", names(&kept)) };
     RunError::Input(format!(
         "the constraints are redundant: {} of {} equations depend on the others: {}.{subset} Remove a joint's excess equations or \

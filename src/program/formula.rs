@@ -8,6 +8,7 @@ use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
@@ -197,7 +198,12 @@ impl Formula {
     /// Records what is called once; not generic, as there are hundreds of formulas.
     fn recorded(arguments: Arguments, formula: &mut dyn FnMut(&[Recorded]) -> Results) -> Result<Arc<Formula>, String> {
         let _making = Making::begin();
-        let ((results, stages), recording) = record(&vec![f64::NAN; arguments.count()], formula);
+        // an index out of range in a user's formula: who recorded it knows the name of its part
+        let recorded = catch_unwind(AssertUnwindSafe(|| record(&vec![f64::NAN; arguments.count()], formula)));
+        let ((results, stages), recording) = recorded.map_err(|panic| {
+            let words = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+            format!("its formula panics: {}", words.unwrap_or("without a word"))
+        })?;
         Self::of_recording(arguments, results, stages, recording)
     }
 
