@@ -912,3 +912,112 @@ fn a_gradient_behind_a_jump_is_told_and_its_check_does_not_pass() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(json(&output).get("crossings").is_none());
 }
+
+/// A bar on a hinge, heavy or not, that hangs at rest or is brought to rest by a motor at 0.4 s.
+fn bar_on_a_hinge(coordinates: &str, gravity: f64, has_motor: bool) -> String {
+    let motor = r#"
+        [[driver]]
+        name = "motor"
+        type = "rotation"
+        between = ["ground", "bar"]
+        axis = [0, 1, 0]
+        angle = { type = "smooth_ramp", to = "turn", duration = 0.4 }
+    "#;
+    let motor = if has_motor { motor } else { "" };
+    format!(
+        r#"
+        version = 1
+        gravity = [0, 0, "-g"]
+        [variable]
+        g = {{ initial = {gravity}, bounds = [0, 20], unit = "m/s2" }}
+        size = {{ initial = 0.7, bounds = [0.1, 10], unit = "m" }}
+        mass = {{ initial = 1.3, bounds = [0.1, 10], unit = "kg" }}
+        turn = {{ initial = 0.5, bounds = [-10, 10], unit = "rad" }}
+        [settings]
+        end = 1.0
+        steps = 200
+        [[body]]
+        name = "bar"
+        coordinates = "{coordinates}"
+        position = [0, 0, "-size / 2"]
+        mass = "mass"
+        inertia = [0.11, 0.12, 0.13]
+        [[joint]]
+        name = "hinge"
+        type = "revolute"
+        between = ["ground", "bar"]
+        point = [0, 0, 0]
+        axis = [0, 1, 0]
+        {motor}
+        [[functional]]
+        name = "way"
+        type = "position"
+        on = "bar"
+        point = [0, 0, "-size"]
+        direction = [1, 0, 0]
+        over = "integral"
+        [[functional]]
+        name = "energy"
+        type = "energy"
+        over = "terminal"
+        "#
+    )
+}
+
+/// Nothing that moves is no size to divide by: no alarm, no error of derivative parts, a gradient that is checked.
+#[test]
+fn bodies_at_rest_or_brought_to_rest_raise_no_alarm() {
+    let folder = Folder::new("rest");
+    for coordinates in ["euler_parameters", "natural"] {
+        for (gravity, has_motor) in [(9.81, false), (0.0, false), (0.0, true), (9.81, true)] {
+            fs::write(folder.0.join("rest.toml"), bar_on_a_hinge(coordinates, gravity, has_motor)).unwrap();
+            for method in ["esdirk3", "esdirk4", "esdirk5", "bdf1", "bdf2", "generalized-alpha", "midpoint", "sdirk2"] {
+                for level in ["position", "velocity", "acceleration"] {
+                    let arguments = ["gradient", "rest.toml", "--check", "--no-report", "--json"];
+                    let method = ["--method", method, "--constraint-level", level];
+                    let output = folder.run(&[&arguments[..], &method[..]].concat());
+                    let said = text(&output.stderr);
+                    let case = format!("{coordinates}, g = {gravity}, motor {has_motor}, {method:?}");
+                    assert!(output.status.code() == Some(0), "{case}: {said}");
+                    assert!(has_motor || said.is_empty(), "{case}: {said}");
+                }
+            }
+        }
+    }
+}
+
+/// A method of first order takes the energy of a pendulum in many small steps: each is told as large as it is, and their sum is.
+#[test]
+fn energy_that_a_method_loses_is_said() {
+    let folder = Folder::new("loss");
+    let run = |method: &str| {
+        let output = folder.run(&["run", "pendulum", "--end", "10", "--steps", "1000", "--method", method, "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let (object, said) = (json(&output), text(&output.stderr));
+        (
+            object["largest_step_error"]["share"].as_f64().unwrap(),
+            object["energy_loss"]["share_of_kinetic"].as_f64().unwrap(),
+            said,
+        )
+    };
+    let (share, loss, said) = run("bdf1");
+    // h/2 of the rate by which velocities change: about half a step of g over the largest velocity
+    assert!((2e-4..1e-2).contains(&share), "{share:e}");
+    assert!(loss > 0.2 && said.contains("but falls by"), "{loss} {said}");
+    let (fine, loss, said) = run("esdirk4");
+    assert!(fine < 1e-5 && loss < 2e-3 && said.is_empty(), "{fine:e} {loss:e} {said}");
+}
+
+/// Each functional has the limit of its own noise.
+#[test]
+fn a_check_gives_each_functional_its_own_limit() {
+    let folder = Folder::new("limits");
+    fs::write(folder.0.join("rest.toml"), bar_on_a_hinge("euler_parameters", 9.81, true)).unwrap();
+    let output = folder.run(&["gradient", "rest.toml", "--check", "--no-report", "--json"]);
+    let object = json(&output);
+    for functional in object["functionals"].as_array().unwrap() {
+        assert!(functional["limit"].as_f64().is_some_and(|limit| limit <= 1e-9), "{functional}");
+        let name = functional["name"].as_str().unwrap();
+        assert!(text(&output.stdout).contains(&format!("{name}: largest relative difference to complex step")), "{name}");
+    }
+}

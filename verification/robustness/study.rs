@@ -1,6 +1,7 @@
 //! What is right, what is an error, and that nothing is wrong without a word.
 
 mod breakpoints;
+mod at_rest;
 mod cantilever;
 mod elastica;
 mod equilibria;
@@ -38,6 +39,7 @@ impl Study for Robustness {
         joins::count(report);
         optima::count(report)?;
         breakpoints::count(report, if report.is_long() { 500 } else { 45 });
+        at_rest::count(report);
         kills::count(report)?;
         mutations::count(report, Duration::from_secs(if report.is_long() { 600 } else { 10 }))?;
         mechanisms::count(report, if report.is_long() { 10_000 } else { 500 });
