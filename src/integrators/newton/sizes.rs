@@ -73,7 +73,7 @@ impl<S: RunScalar> Newton<'_, S> {
 
     /// Whether a correction is zero in the scales of the model: what comes to rest has no size of its own.
     pub(super) fn is_nothing(&self, equations: &Equations, step: f64) -> bool {
-        let moves = equations.residual.alpha != 0.0 && !equations.metric;
+        let moves = equations.residual.alpha != 0.0;
         step <= NOTHING || moves && self.displacement(equations, step) <= UNSEEN
     }
 
