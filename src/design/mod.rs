@@ -92,6 +92,10 @@ pub trait DesignMap {
     fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         self.real(x)
     }
+    /// What messages call a variable: its name, or its place from 1 on where none is known.
+    fn variable_name(&self, place: usize) -> String {
+        format!("{}", place + 1)
+    }
     /// In recorded ones, which have values: the map may choose by them, and is recorded anew for each design.
     fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String>;
 }

@@ -1,3 +1,4 @@
+use crate::design::shortest;
 use crate::linalg::Singular;
 use std::fmt;
 
@@ -118,8 +119,9 @@ impl fmt::Display for RunError {
             ),
             RunError::StepSize { step, t, h } => write!(
                 f,
-                "step {step} (t = {t} s): the error asks for a step of {h:.1e} s, which no longer advances; \
-                 the motion is not smooth there, or the tolerance is below round-off: try a larger tolerance"
+                "step {step} (t = {} s): the error asks for a step of {h:.1e} s, which no longer advances; \
+                 the motion is not smooth there, or the tolerance is below round-off: try a larger tolerance",
+                shortest(*t)
             ),
             RunError::NoEquilibrium { t, h, hint, cause } => {
                 write!(f, "no equilibrium was found beyond the load factor {t} with steps down to {h:.1e}: {hint} ({cause})")

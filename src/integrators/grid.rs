@@ -1,4 +1,5 @@
 use crate::assembly::Clock;
+use crate::design::shortest;
 use crate::elements::RunScalar;
 use std::collections::BTreeMap;
 
@@ -47,7 +48,8 @@ impl TimeGrid {
     pub fn uniform(end: f64, steps: usize, breakpoints: &[f64]) -> Result<Self, String> {
         if !(end > 0.0 && end.is_finite() && (1..=MOST_STEPS).contains(&steps)) {
             return Err(format!(
-                "a simulation needs an end time above 0, at least 1 and at most {MOST_STEPS} steps, not {end} s and {steps} steps"
+                "a simulation needs an end time above 0, at least 1 and at most {MOST_STEPS} steps, not {} s and {steps} steps",
+                shortest(end)
             ));
         }
         let h = end / steps as f64;
@@ -147,7 +149,7 @@ impl TimeGrid {
     /// "step 412 (t = 1.03 s)" for the step of index 411.
     pub fn place(&self, index: usize) -> String {
         let t = self.times.get(index).copied().unwrap_or(f64::NAN);
-        format!("step {} (t = {t} s)", index + 1)
+        format!("step {} (t = {} s)", index + 1, shortest(t))
     }
 
     /// Sum of the first `steps` step sizes \[s\].

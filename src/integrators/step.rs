@@ -15,6 +15,7 @@ use super::{
 use crate::assembly::{
     Clock, Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq,
 };
+use crate::design::shortest;
 use crate::elements::RunScalar;
 use std::sync::Arc;
 
@@ -491,7 +492,8 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
     fn check_dropped(&mut self, t: f64) -> Result<(), RunError> {
         let StepState { step, dropped, carried, .. } = &self.between;
         let worst = self.watch.worst(self.problem.model, &self.problem.p, dropped, &carried[0], t);
-        worst.map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {t} s)"), worst)))
+        worst
+            .map_or(Ok(()), |worst| Err(violated(self.problem.model, format!("step {step} (t = {} s)", shortest(t)), worst)))
     }
 
     /// Leaves out other redundant equations.
@@ -616,7 +618,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         record.t = t;
         record.equations = Equations::acceleration();
         record.base = VectorsAvq { a: vec![S::zero(); q.len()], v: v.to_vec(), q: q.to_vec() };
-        let place = || format!("acceleration before step {} (t = {t} s)", step + 1);
+        let place = || format!("acceleration before step {} (t = {} s)", step + 1, shortest(t));
         solve(&mut self.acceleration, record, first, &self.problem.p, &place)
     }
 
@@ -662,7 +664,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
                 continue;
             }
             let time = own.t;
-            let place = || format!("step {}, stage {} (t = {time} s)", step + 1, index + 1);
+            let place = || format!("step {}, stage {} (t = {} s)", step + 1, index + 1, shortest(time));
             let track = &mut state.prediction.tracks[index];
             let first = if let Some(step) = guided {
                 InitialGuess::Solved(&step.stages[index].solve.unknowns)
@@ -700,7 +702,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
         let StepState { carried, prediction, step, .. } = state;
         let [q, v, ..] = &mut carried[..] else { unreachable!("q and v are carried first") };
-        let place = || format!("step {}, projection (t = {t} s)", *step + 1);
+        let place = || format!("step {}, projection (t = {} s)", *step + 1, shortest(t));
         let a = record.stages.last().map_or(&[][..], |last| &last.solve.unknowns.x);
         let stages = record.stages.len();
         let own = [&mut record.position_projection, &mut record.velocity_projection];

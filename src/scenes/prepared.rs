@@ -325,6 +325,9 @@ impl DesignMap for Prepared<'_> {
         check_design(&self.variables, x)?;
         self.same_topology(self.scene.build_real(x))
     }
+    fn variable_name(&self, place: usize) -> String {
+        self.variables.get(place).map_or_else(|| format!("{}", place + 1), |own| format!("\"{}\"", own.name))
+    }
     fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         self.same_topology(self.scene.build_real(x))
     }

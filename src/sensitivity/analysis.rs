@@ -418,7 +418,7 @@ impl<'m> Analysis<'m> {
                 "the derivative of functional \"{}\" by variable {} is {}: what it measures has none at a state of the run, as a \
                  distance or a norm has none where it vanishes; measure its square or a component, or leave the functional out",
                 functional.name,
-                variable + 1,
+                self.map.variable_name(variable),
                 row[variable]
             )));
         }

@@ -289,6 +289,9 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
         "59:9",
         &["this point lies 1 m from \"bob\"", "leave it out"],
     ),
+    // other formats
+    ("version = 1\n", "$MeshFormat\n4.1 0 8\n", "", &["a mesh of Gmsh", "[[mesh]]"]),
+    ("version = 1\n", "<?xml version=\"1.0\"?>\n<robot name=\"arm\"/>\n", "", &["XML", "URDF"]),
     // what has nothing to build
     ("[[body]]", "[[drawing]]", "", &["key \"name\""]),
 ];
@@ -333,6 +336,41 @@ fn all_mistakes_of_a_file_are_told_at_once_in_their_order() {
     let message = refusal(&text);
     let lines: Vec<&str> = message.lines().map(|line| line.split(": ").next().unwrap()).collect();
     assert_eq!(lines, ["scene.toml:7:8", "scene.toml:25:1", "scene.toml:33:8"], "{message}");
+}
+
+#[test]
+fn one_mistake_makes_no_others() {
+    let shell = "[[shell]]\nname = \"plate\"\ntype = \"plate\"\nfirst = [1, 0, 0]\nsecond = [0, 1, 0]\nelements = [2, 2]\nmaterial = \"steel\"\n\
+                 thickness = 0.01\n\n[[shell]]\nname = \"other {i}\"\ntype = \"plate\"\ncorner = [\"2 * {i}\", 0, 0]\nfirst = [1, 0, 0]\nsecond = [0, 1, 0]\n\
+                 elements = [2, 2]\nmaterial = \"steel\"\nthickness = 0.01\nfor = { i = { from = 1, to = 2 } }\n\n";
+    let users: String = (0..9)
+        .map(|k| {
+            format!(
+                "[[functional]]\nname = \"energy {k}\"\ntype = \"strain_energy\"\nof = [\"plate\", \"other 1\"]\nover = \"terminal\"\n\n[[force]]\n\
+                 name = \"push {k}\"\non = \"plate[0, {k}]\"\ndirection = [0, 0, 1]\nsize = 1\n\n"
+            )
+        })
+        .collect();
+    let whole = format!(
+        "{SOUND}\n{shell}{}",
+        users
+            .replace("[0, 5]", "[0, 0]")
+            .replace("[0, 6]", "[0, 1]")
+            .replace("[0, 7]", "[0, 2]")
+            .replace("[0, 8]", "[0, 3]")
+    );
+    assert_eq!(refusal(&whole), "nothing was found");
+    for (what, by) in [
+        ("for = { i = { from = 1, to = 2 } }", "for = { i = 3 }"),
+        ("second = [0, 1, 0]\nelements", "second = [1, 0, 0]\nelements"),
+        ("thickness = 0.01\n\n", "thickness = -0.01\n\n"),
+        ("thickness = 0.01\n\n", "thickness = 0.01\nclosd = true\n\n"),
+        ("type = \"plate\"\nfirst", "type = \"plte\"\nfirst"),
+    ] {
+        assert!(whole.contains(what), "{what}");
+        let message = refusal(&whole.replacen(what, by, 1));
+        assert_eq!(message.lines().count(), 1, "{by}: {message}");
+    }
 }
 
 #[test]

@@ -355,20 +355,24 @@ impl<S: Scalar> FreeMesh<S> {
             return all;
         }
         let own_normals = self.own_normals();
-        for (number, normals) in own_normals.iter().enumerate() {
-            let mean = normals.iter().fold(Vector3::zeros(), |sum, &normal| sum + normal).unit();
-            let cosines = normals.iter().map(|normal| normal.unit().dot(&mean).value());
-            if let Some((node, cosine)) = cosines.enumerate().find(|(_, cosine)| !(*cosine > 0.0)) {
-                let (name, point) = (face_name(number), self.point_number(self.faces[number].points[node]));
-                all.push(format!(
-                    "{name} is folded or has no area at point {point}: its normal there and that of the whole face enclose an angle whose \
-                     cosine is {cosine:.3}; points must lie apart, corners be convex, and points on edges lie near their middles"
-                ));
-            }
+        let folded: Vec<(usize, usize, f64)> = own_normals.iter().enumerate().filter_map(fold_of).collect();
+        if let Some(&(number, node, cosine)) = folded.first() {
+            let (name, point) = (face_name(number), self.point_number(self.faces[number].points[node]));
+            let more = match folded.len() - 1 {
+                0 => String::new(),
+                more => format!("; the same holds for {more} more"),
+            };
+            all.push(format!(
+                "{name} is folded or has no area at point {point}: its normal there and that of the whole face enclose an angle whose \
+                 cosine is {cosine:.3}; points must lie apart, corners be convex, and points on edges lie near their middles{more}"
+            ));
         }
         all.extend(self.hanging(face_name));
         if all.is_empty() {
             all.extend(self.gaps(&own_normals, face_name));
+        }
+        if !all.is_empty() {
+            return all;
         }
         let mut turned = 0;
         for MeshEdge { points, faces } in self.edges() {
@@ -399,6 +403,13 @@ fn middle<S: Scalar>(points: &[Vector3<S>], own: &[usize]) -> Vector3<S> {
     let point = |point: usize| points.get(point).copied().unwrap_or_else(|| Vector3::from_f64([f64::NAN; 3]));
     let weighed = own.iter().enumerate().map(|(place, &own)| point(own) * S::from(if place < 4 { -0.25 } else { 0.5 }));
     weighed.fold(Vector3::zeros(), |sum, own| sum + own)
+}
+
+/// A face that is folded: its number, and the first node at which it is, with the cosine of the angle between the normals there and of all.
+fn fold_of<S: Scalar>((number, normals): (usize, &Vec<Vector3<S>>)) -> Option<(usize, usize, f64)> {
+    let mean = normals.iter().fold(Vector3::zeros(), |sum, &normal| sum + normal).unit();
+    let cosines = normals.iter().map(|normal| normal.unit().dot(&mean).value());
+    cosines.enumerate().find(|(_, cosine)| !(*cosine > 0.0)).map(|(node, cosine)| (number, node, cosine))
 }
 
 /// The first number that is there twice.

@@ -66,14 +66,9 @@ pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
                 Some("force_norm") => LoadKind::ForceNorm,
                 _ => LoadKind::MomentNorm,
             };
-            let ignored = match kind {
-                LoadKind::Force => &["point"][..],
-                LoadKind::Moment => &[],
-                LoadKind::ForceNorm => &["point", "frame"],
-                LoadKind::MomentNorm => &["frame"],
-            };
-            if let Some((key, (at, _))) = ignored.iter().find_map(|key| Some((key, fields.get(key)?))) {
-                return Err(Mistake::new(at, format!("{key} has no effect on this load: leave it out")));
+            // a point may be named for a force, too, which is the same at all of them
+            if let (LoadKind::ForceNorm | LoadKind::MomentNorm, Some((at, _))) = (kind, fields.get("frame")) {
+                return Err(Mistake::new(at, "frame has no effect on the size of a load: leave it out"));
             }
             let direction = match kind {
                 LoadKind::Force | LoadKind::Moment => vector("direction")?,

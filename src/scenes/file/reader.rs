@@ -133,6 +133,8 @@ pub(super) struct Reader {
     pub scope: Scope,
     pub declared: Vec<Declared>,
     pub by_name: HashMap<(String, &'static str), usize>,
+    /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
+    pub names_are_missing: bool,
     pub mistakes: Vec<Mistake>,
 }
 
@@ -197,7 +199,7 @@ impl Reader {
             .into_iter()
             .map(|(section, raw)| (section.name, self.fields(raw, &section.forms, &section.header())))
             .collect();
-        if self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
+        if !self.names_are_missing && self.declared.iter().all(|own| !WITH_NODES.contains(&own.section.name)) {
             self.wrong(0, "the file has no [[body]], [[point]], [[beam]], [[cable]], [[shell]] or [[mesh]]: nothing moves");
         }
         let mut items = Vec::new();
@@ -251,7 +253,10 @@ impl Reader {
         };
         let entries = match entries {
             Ok(entries) => entries,
-            Err(mistake) => return self.mistakes.push(mistake),
+            Err(mistake) => {
+                self.names_are_missing = true;
+                return self.mistakes.push(mistake);
+            }
         };
         for (raw, name) in entries {
             let at = raw.get("name").map_or(raw.at, |name| name.at);

@@ -26,7 +26,7 @@ impl Reader {
             return None;
         };
         let found = self.find(name, sections);
-        if found.is_none() {
+        if found.is_none() && !self.names_are_missing {
             let mut names = self.names_of(sections);
             if sections.contains(&"mesh") {
                 names.extend(self.group_names());
@@ -95,6 +95,9 @@ impl Reader {
             }
         };
         let Some(place) = self.find(name, WITH_NODES) else {
+            if self.names_are_missing {
+                return None;
+            }
             let mut known = self.names_of(WITH_NODES);
             known.push("ground".into());
             let text = match self.declared.iter().find(|own| own.name == name) {

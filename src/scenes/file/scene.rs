@@ -112,6 +112,9 @@ impl FileScene {
     pub fn parse(file: &str, text: &str) -> Result<Self, String> {
         let source = Source { name: file.into(), text: text.into() };
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        if let Some(kind) = other_format(text) {
+            return Err(format!("{file}: this is {kind}"));
+        }
         let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder)) {
             Ok(contents) => contents,
             Err(mistakes) => return Err(source.all_told(mistakes)),
@@ -153,6 +156,20 @@ impl FileScene {
         }
         Ok(FileScene { source, contents, name, variables, settings, problem, output })
     }
+}
+
+/// What a text is that is no scene file, and what to do with it.
+fn other_format(text: &str) -> Option<&'static str> {
+    let text = text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']);
+    if text.starts_with("$MeshFormat") {
+        return Some("a mesh of Gmsh, and no scene: name it in a scene file by the key file of a [[mesh]] of type \"gmsh\"");
+    }
+    if text.starts_with("<?xml") || text.starts_with("<robot") || text.starts_with("<mujoco") || text.starts_with("<sdf") {
+        return Some(
+            "a file in XML, as URDF and MJCF are, which are not read: write its bodies and joints as entries of a scene file in TOML",
+        );
+    }
+    text.starts_with('{').then_some("JSON, and no scene: scene files are TOML")
 }
 
 impl Variable {
@@ -445,8 +462,12 @@ impl Scene for FileScene {
             let before = mistakes.len();
             mistakes.extend(of_builder);
             match built {
-                // a mesh with mistakes has no elements: what needs them would only repeat it
-                Ok(Made::Mesh(_)) if mistakes.len() > before => break,
+                // a member with mistakes lacks nodes or elements: what needs them would only repeat it
+                Ok(Made::Mesh(_) | Made::Shell(_) | Made::Walls(_) | Made::Sphere(_) | Made::Beam(_) | Made::Cable(_))
+                    if mistakes.len() > before =>
+                {
+                    break;
+                }
                 Ok(made) => known.made[place] = made,
                 Err(mistake) => {
                     mistakes.push(mistake);
