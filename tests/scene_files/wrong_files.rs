@@ -274,7 +274,7 @@ const CASES: &[(&str, &str, &str, &[&str])] = &[
         "type = \"position\"\non = \"rod.end\"\ndirection = [0, 1, 0]",
         "type = \"joint_load\"\njoint = \"weld\"\non = \"crank\"\nload = \"moment_norm\"\nframe = \"body\"",
         "62:9",
-        &["frame has no effect on this load"],
+        &["frame has no effect on the size of a load"],
     ),
     (
         "type = \"circle\"\nmaterial = \"steel\"\ndiameter = 0.05",
