@@ -9,7 +9,9 @@ use crate::elements::NodeKind;
 use crate::program::ArgumentKind::{
     Acceleration, Coordinate, MeasureParameter, Parameter as OfPart, Strain, Time, Unread, Velocity, Weight,
 };
-use crate::program::{ArgumentKind, Codes, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, gradient_of};
+use crate::program::{
+    ArgumentKind, Codes, Digest, Formula, Graph, Node, Program, ProgramKind, ProgramWork, Recorded, gradient_of,
+};
 use crate::scalar::{Complex64, Scalar, SpatialVector, Tangents, Vector3};
 use num_dual::Derivative;
 use std::any::Any;
@@ -411,6 +413,10 @@ impl ElementPhysics {
     pub fn impulse_refused(&self) -> Option<&str> {
         self.0.impulse.get_or_init(|| self.0.own.record_impulse()).as_ref().err().map(String::as_str)
     }
+    /// What it does: its residual, or why it has none.
+    pub(crate) fn law(&self) -> Digest {
+        self.residual_refused().map_or_else(|| self.residual().digest(), Digest::of)
+    }
     /// R(a, v, q, p, t).
     pub fn residual(&self) -> &Arc<Formula> {
         checked(self.0.residual.get_or_init(|| self.0.own.record_residual()))
@@ -647,6 +653,10 @@ impl ConstraintPhysics {
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
         self.formula.get_or_init(|| record(&*self.own)).as_ref().err().map(String::as_str)
+    }
+    /// What it does: its formula, or why it has none.
+    pub(crate) fn law(&self) -> Digest {
+        self.refused().map_or_else(|| self.formula().digest(), Digest::of)
     }
     /// g or h of (v, q, p, t).
     pub fn formula(&self) -> &Arc<Formula> {

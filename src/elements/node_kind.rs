@@ -5,7 +5,7 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns,
 /// What a node's coordinates are, and how elements take hold of it.
 ///
 /// A node of plain coordinates has no place in space: positions, axes and forces in the world are those of the others, and zero there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NodeKind {
     /// Position of a point \[m\]; the body point of what takes hold of it is ignored.
     Point,

@@ -2,10 +2,11 @@ use super::aggregate::SUMS;
 use super::{AnyPointQuantity, Over, PointWeights, Sample};
 use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
-use crate::program::{Codes, Formula, Program, ProgramKind, Recorded, continued};
+use crate::program::{Codes, Digest, Formula, Program, ProgramKind, Recorded, continued};
 use crate::scalar::larger;
 use smallvec::SmallVec;
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -255,6 +256,19 @@ impl MeasuredGroup {
         let is_own = first.is_none_or(|element| model.find_element(element).is_some());
         assert!(is_own, "a quantity that was measured in one model is measured in another one: make it anew");
         batches
+    }
+
+    /// What is measured, and in which elements; `None` if they are those of another model.
+    pub(super) fn law(&self, model: &Model) -> Option<Digest> {
+        let batches = self.recorded(model).as_ref().ok()?;
+        let mut digest = Digest::of(&self.parameters);
+        for batch in batches {
+            let members: Option<Vec<usize>> =
+                batch.members.iter().map(|member| model.find_element(member.element).map(|_| member.element.0)).collect();
+            let GroupFormula { formula, values, weights, .. } = &batch.own;
+            (members?, formula.digest(), values, weights).hash(&mut digest);
+        }
+        Some(digest)
     }
 
     /// Writes all values at a sample, with their weights where these are asked for and otherwise 1.

@@ -6,6 +6,7 @@ mod element_sum;
 mod extremes;
 mod functional;
 mod gradient;
+mod law;
 mod load;
 mod measured_group;
 mod over;

@@ -1,5 +1,5 @@
 use super::flat::Flat;
-use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, write_frame};
+use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, check_place, write_frame};
 use super::{History, Rerun, Usage};
 use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, Steps, TimeGrid};
 use std::fmt;
@@ -78,6 +78,7 @@ fn has_steps(path: &Path) -> bool {
 
 /// Refuses what is there and is no file of a run.
 fn refuse_others(path: &Path) -> io::Result<()> {
+    check_place(path)?;
     let mut file = match File::open(path) {
         Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
         other => other?,
@@ -130,8 +131,7 @@ impl FileHistory {
             file = open()?;
             file.try_lock().map_err(|cause| refuse(&cause))?;
         }
-        // of a device there is nothing to be cut off
-        let _ = file.set_len(0);
+        file.set_len(0).map_err(|cause| refuse(&cause))?;
         Self::writing(path, run, Box::new(file))
     }
 
@@ -165,6 +165,10 @@ impl FileHistory {
     /// As for [`FileHistory::create`]; the file of another run, or one that cannot be read.
     pub fn resume(path: &Path, run: u64) -> Result<Self, RunError> {
         let part = part_of(path);
+        for there in [path, &part] {
+            let refuse = |cause| RunError::Input(format!("history file {}: cannot go on with it: {cause}", path.display()));
+            check_place(there).map_err(refuse)?;
+        }
         let (place, complete) = if has_steps(&part) { (&*part, false) } else { (path, true) };
         if !place.exists() {
             return Self::create(path, run);
@@ -184,7 +188,7 @@ impl FileHistory {
         let (mut own, damage) = Self::open(place)?;
         if own.run != run {
             return Err(unusable(
-                &"it holds a run of another scene, design, method, grid of steps or version of this program; name another file, or leave out what asks to go on",
+                &"it holds a run of another scene, design, method, grid of steps, law of a part or version of this program; name another file, or leave out what asks to go on",
             ));
         }
         own.path = path.to_path_buf();

@@ -51,6 +51,22 @@ impl fmt::Display for Damage {
     }
 }
 
+/// Whether a regular file stands at a place, or nothing: others hang when they are opened, or would be replaced by a file.
+pub(crate) fn check_place(path: &Path) -> io::Result<()> {
+    let what = match std::fs::symlink_metadata(path) {
+        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(cause) => return Err(cause),
+        Ok(own) if own.is_file() => return Ok(()),
+        Ok(own) if own.is_symlink() => match std::fs::metadata(path) {
+            Ok(end) if end.is_file() => return Ok(()),
+            _ => "a link that does not lead to a regular file",
+        },
+        Ok(own) if own.is_dir() => "a folder",
+        Ok(_) => "a device, a pipe or a socket",
+    };
+    Err(io::Error::other(format!("{} is {what}; name a regular file, or one that is not there", path.display())))
+}
+
 /// Reads frames.
 pub(super) struct Reader {
     file: File,
@@ -66,6 +82,7 @@ pub(super) struct Reader {
 
 impl Reader {
     pub(super) fn open(path: &Path) -> io::Result<Self> {
+        check_place(path)?;
         let file = File::open(path)?;
         let size = file.metadata()?.len();
         Ok(Reader { file, size, identity: 0, run: 0, length: 0, bytes: Vec::new() })

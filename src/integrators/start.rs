@@ -51,22 +51,34 @@ impl StartPlan {
     /// # Errors
     /// [`RunError::Input`] or [`RunError::Singular`] with the name and the numbers of what is wrong.
     pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
-        let model = problem.model;
-        check_formulas(model)?;
-        check_numbers(problem)?;
-        check_nodes(model)?;
-        check_finite(problem)?;
-        check_euler_parameters(problem, policy)?;
-        if table.is_static() {
-            check_stillness(problem)?;
-        }
-        if table.variational.is_some() {
-            check_lagrangian(model, &table.name)?;
-        }
-        check_consistency(problem, table, policy)?;
+        examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start })
     }
+
+    /// Examines the start of another design in the same way, but for the rank of its constraints.
+    ///
+    /// # Errors
+    /// As for [`StartPlan::prepare`].
+    pub fn check(&self, problem: &Problem<f64>, table: &Table) -> Result<(), RunError> {
+        examine(problem, table, ConstraintPolicy { project_start: self.project, drop_redundant: self.choose_again })
+    }
+}
+
+fn examine(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<(), RunError> {
+    let model = problem.model;
+    check_formulas(model)?;
+    check_numbers(problem)?;
+    check_nodes(model)?;
+    check_finite(problem)?;
+    check_euler_parameters(problem, policy)?;
+    if table.is_static() {
+        check_stillness(problem)?;
+    }
+    if table.variational.is_some() {
+        check_lagrangian(model, &table.name)?;
+    }
+    check_consistency(problem, table, policy)
 }
 
 /// Elements and constraints whose formulas can be recorded.

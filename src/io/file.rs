@@ -1,5 +1,6 @@
 //! Files appear under their name only when they are complete.
 
+use crate::history::check_place;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -69,6 +70,7 @@ impl Aside {
         if target.is_dir() {
             return Err(IoError::new(target, "a folder of this name exists"));
         }
+        check_place(target).map_err(|cause| IoError::new(target, cause))?;
         let folder = target.parent().unwrap_or(Path::new(""));
         fs::create_dir_all(folder)
             .map_err(|cause| IoError::new(target, format!("cannot create the folder {}: {cause}", folder.display())))?;

@@ -1,9 +1,11 @@
 use super::arguments::Arguments;
+use super::digest::Digest;
 use super::graph::{Graph, OperationHasher};
 use super::listing::Listing;
 use super::operation::{Node, Operation};
 use super::recorded::{Recorded, Recording, extend, record};
 use super::running::{Making, Program};
+use crate::scalar::CurveId;
 use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
@@ -74,6 +76,7 @@ pub struct Formula {
     programs: RwLock<HashMap<ProgramKey, Arc<Program>, BuildHasherDefault<OperationHasher>>>,
     values: OnceLock<Arc<Program>>,
     gradients: ProgramCache,
+    digest: OnceLock<Digest>,
 }
 
 /// Numbers between the coordinates of an element and its residual R: y = m(q) of each node by itself, the residual F of these numbers, and
@@ -240,8 +243,8 @@ impl Formula {
         all.forget_unused();
         let operations = graph.operations().to_vec();
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
-        let (inputs, gradients) = (arguments.count(), ProgramCache::default());
-        let formula = Arc::new(Formula { inputs, arguments, outputs, stages, graph, programs, values, gradients });
+        let (inputs, gradients, digest) = (arguments.count(), ProgramCache::default(), OnceLock::new());
+        let formula = Arc::new(Formula { inputs, arguments, outputs, stages, graph, programs, values, gradients, digest });
         all.known.entry(hash).or_default().push((operations, Arc::clone(&formula)));
         all.count += 1;
         formula
@@ -318,6 +321,26 @@ impl Formula {
         let inputs: Vec<Node> = (0..self.inputs).map(|index| graph.input(index)).collect();
         let outputs = results(&mut graph, &inputs, &self.outputs);
         Self::shared(self.arguments.clone(), outputs, None, graph)
+    }
+
+    /// What it computes of which arguments: the same for equal recordings in every process.
+    pub fn digest(&self) -> Digest {
+        *self.digest.get_or_init(|| {
+            let graph = lock(&self.graph);
+            let mut digest = Digest::of(&(&self.arguments, &self.outputs, &self.stages));
+            // what programs have added behind is none of the formula's
+            let count = self.outputs.iter().map(|output| output.0 as usize + 1).max().unwrap_or(0);
+            for operation in &graph.operations()[..count] {
+                match *operation {
+                    // numbers of curves are those of a process
+                    Operation::KnotWeight { curve, knot, order, at } => {
+                        (CurveId(curve).curve().knot_bits(), knot, order, at).hash(&mut digest);
+                    }
+                    operation => operation.hash(&mut digest),
+                }
+            }
+            digest
+        })
     }
 
     /// Looks at the recording.

@@ -12,6 +12,7 @@ mod assemble;
 mod back_ends;
 mod batches;
 mod derivatives;
+mod digest;
 mod formula;
 mod graph;
 mod linear_forms;
@@ -24,6 +25,7 @@ mod running;
 mod switches;
 
 pub use arguments::{ArgumentKind, Arguments};
+pub use digest::Digest;
 pub use formula::{Codes, Formula, ProgramCache, ProgramKey, ProgramKind, Stages, continued};
 pub use graph::Graph;
 pub use linear_forms::LinearForm;

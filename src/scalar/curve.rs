@@ -76,6 +76,11 @@ impl Curve {
         self.knots.partition_point(|&own| own <= t)
     }
 
+    /// Bits of all that it is made of: lines have knots alone.
+    pub(crate) fn knot_bits(&self) -> (Vec<u64>, bool) {
+        (self.knots.iter().map(|knot| knot.to_bits()).collect(), self.second.is_empty())
+    }
+
     /// Derivative of order `order` of the weight w_i of knot `knot` at `t`: for orders 0 to 3, beyond which it is zero.
     ///
     /// At a knot the piece to the right counts; before the first knot and from the last one on, the piece beyond.

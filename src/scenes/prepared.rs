@@ -1,6 +1,6 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
-use crate::assembly::{Attached, Model, NodeId, VectorsAvq};
+use crate::assembly::{Attached, Model, VectorsAvq};
 use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design, repeated};
 use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
@@ -291,27 +291,61 @@ impl<'s> Prepared<'s> {
         }
     }
 
-    fn same_topology<S: Scalar>(&self, built: Result<MechanismBuilder<S>, String>) -> Result<ModelNumbers<S>, String> {
+    /// The numbers of a mechanism that was built for a design `x`, if it is this one with other numbers.
+    fn same_laws<S: Scalar>(
+        &self,
+        x: &[f64],
+        built: Result<MechanismBuilder<S>, String>,
+    ) -> Result<ModelNumbers<S>, String> {
         let built = built?;
-        let (ours, theirs) = (&self.mechanism.model, &built.model);
-        let nodes = |model: &Model| model.nodes.iter().map(|n| (n.name.clone(), n.kind, n.fixed)).collect::<Vec<_>>();
-        let numbers = |nodes: &[NodeId]| nodes.iter().map(|node| node.0).collect();
-        let parts = |model: &Model| -> Vec<(String, Vec<usize>, usize)> {
-            let elements = model.elements.iter().map(|e| (e.name.clone(), numbers(&e.nodes), e.parameters.start));
-            let joints = model.constraints.iter().map(|c| (c.name.clone(), numbers(&c.nodes), c.parameters.start));
-            elements.chain(joints).collect()
+        // at its own design a scene has the options that it has
+        let is_own = x.iter().map(|x| x.to_bits()).eq(self.x.iter().map(|x| x.to_bits()));
+        let (ours, theirs) = (self.model(), &built.model);
+        let difference = match is_own {
+            true => ours.topology().difference(&theirs.topology(), ours),
+            false => self.changed_law(&built),
         };
-        let (a, b) = (parts(ours), parts(theirs));
-        if nodes(ours) != nodes(theirs) || a != b || ours.parameters != theirs.parameters {
-            let changed = a.iter().zip(&b).find(|(a, b)| a != b).map_or("nodes or parts", |(a, _)| &a.0);
-            return Err(format!(
-                "scene \"{}\": its topology changes with the design ({changed}); only numbers may depend on design variables",
-                self.scene.name()
-            ));
-        }
-        Ok(built.numbers)
+        difference.map_or(Ok(built.numbers), |what| Err(self.depends_on_design(&what)))
+    }
+
+    fn depends_on_design(&self, what: &str) -> String {
+        format!(
+            "scene \"{}\": its topology changes with the design, or its options do: {what}; only numbers may depend on design \
+             variables",
+            self.scene.name()
+        )
+    }
+
+    /// What this mechanism and another one do not have in common, beside numbers.
+    fn changed_law<S: Scalar>(&self, other: &MechanismBuilder<S>) -> Option<String> {
+        let (ours, theirs) = (self.model(), &other.model);
+        let of_functionals = || {
+            let laws = |functionals: &[Functional], model: &Model| -> Vec<_> {
+                functionals.iter().map(|own| (own.name.clone(), own.law(model))).collect()
+            };
+            // a caller may have chosen some of the functionals
+            let others = laws(&other.functionals, theirs);
+            let changed = laws(self.functionals(), ours).into_iter().find(|own| !others.contains(own));
+            changed.map(|(name, _)| format!("functional \"{name}\""))
+        };
+        ours.laws().difference(&theirs.laws(), ours).or_else(of_functionals)
+    }
+
+    /// Options that follow the variables would be missing in derivatives: at a design beside `x` they are others.
+    fn check_options_beside(&self, x: &[f64]) -> Result<(), String> {
+        let beside = |(variable, &x): (&DesignVariable, &f64)| {
+            let step = BESIDE * if x == 0.0 { 1.0 } else { x.abs() };
+            if x + step <= variable.upper { x + step } else { (x - step).max(variable.lower) }
+        };
+        let beside: Vec<f64> = self.variables.iter().zip(x).map(beside).collect();
+        // a design that cannot be built tells nothing
+        let changed = self.scene.build_real(&beside).ok().and_then(|built| self.changed_law(&built));
+        changed.map_or(Ok(()), |what| Err(self.depends_on_design(&what)))
     }
 }
+
+/// Distance of a design at which options are compared, as a share of each variable.
+const BESIDE: f64 = 1e-7;
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Times at which loads jump or drivers are not smooth.
@@ -323,16 +357,18 @@ impl<S: Scalar> MechanismBuilder<S> {
 impl DesignMap for Prepared<'_> {
     fn real(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         check_design(&self.variables, x)?;
-        self.same_topology(self.scene.build_real(x))
+        self.same_laws(x, self.scene.build_real(x))
     }
     fn variable_name(&self, place: usize) -> String {
         self.variables.get(place).map_or_else(|| format!("{}", place + 1), |own| format!("\"{}\"", own.name))
     }
     fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
-        self.same_topology(self.scene.build_real(x))
+        self.same_laws(x, self.scene.build_real(x))
     }
     fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String> {
-        check_design(&self.variables, &x.iter().map(|x| x.value()).collect::<Vec<_>>())?;
-        self.same_topology(self.scene.build_recorded(x))
+        let own: Vec<f64> = x.iter().map(|x| x.value()).collect();
+        check_design(&self.variables, &own)?;
+        self.check_options_beside(&own)?;
+        self.same_laws(&own, self.scene.build_recorded(x))
     }
 }

@@ -2,7 +2,8 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::adjoint::adjoint;
-use crate::assembly::Model;
+use super::signature::Signature;
+use crate::assembly::{Laws, Model};
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Over, Sample, StepEnds, Totals, Values};
@@ -12,6 +13,7 @@ use crate::integrators::{
     StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march,
     march_adaptive, march_along, march_dividing,
 };
+use crate::program::Digest;
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
@@ -67,6 +69,8 @@ pub struct Forward {
     pub crossings: Vec<Crossing>,
     /// Work done.
     pub counters: Counters,
+    /// What it follows from.
+    pub(super) signature: Signature,
 }
 
 /// df/dx for each functional: `rows[functional][variable]`.
@@ -129,21 +133,17 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map, and a history that cannot be begun.
     pub fn observed(&self, x: &[f64], observer: &mut dyn Observer) -> Result<(Forward, Option<RunError>), RunError> {
-        self.run(x, self.map.real(x).map_err(RunError::Input)?, observer)
+        let numbers = self.map.real(x).map_err(RunError::Input)?;
+        self.plan.check(&self.problem(&numbers), &self.method.table)?;
+        self.run(x, numbers, observer)
     }
 
-    /// Tells runs apart: a file goes on with the same problem, method and steps alone.
-    fn fingerprint(&self, numbers: &ModelNumbers<f64>) -> u64 {
-        let Analysis { model, method, grid, control, divide, plan, .. } = self;
-        let names = |name: fn(&Model) -> Vec<&str>| name(model).join("\n");
-        let nodes = names(|model| model.nodes.iter().map(|node| node.name.as_str()).collect());
-        let elements = names(|model| model.elements.iter().map(|element| element.name.as_str()).collect());
-        let joints = names(|model| model.constraints.iter().map(|joint| joint.name.as_str()).collect());
+    /// Tells runs apart: a file goes on with the same laws, numbers, method and steps alone.
+    fn fingerprint(&self, laws: &Laws, numbers: &ModelNumbers<f64>) -> u64 {
+        let Analysis { method, grid, control, divide, plan, .. } = self;
         let version = env!("CARGO_PKG_VERSION");
-        let words = format!(
-            "{version}{nodes}\n\n{elements}\n\n{joints}\n\n{method:?}{control:?}{divide}{plan:?}{:?}",
-            grid.breakpoints
-        );
+        let laws = Digest::of(laws);
+        let words = format!("{version}{laws:?}{method:?}{control:?}{divide}{plan:?}{:?}", grid.breakpoints);
         let ModelNumbers { p, q, v } = numbers;
         let numbers = [p, q, v, &grid.times].into_iter().flatten().flat_map(|number| number.to_le_bytes());
         checksum(&words.into_bytes().into_iter().chain(numbers).collect::<Vec<u8>>())
@@ -158,7 +158,9 @@ impl<'m> Analysis<'m> {
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
         let are_given = self.control.is_none() && !divides;
         let steps = self.grid.moved_to(&self.model.breakpoints(&numbers.p)).map_err(RunError::Input)?;
-        let history = self.keep.history(are_given.then(|| steps.steps()), self.fingerprint(&numbers))?;
+        let signature = Signature::of(self);
+        let run = self.fingerprint(&signature.laws, &numbers);
+        let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
         let switches = SwitchWatch::new(self.model);
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
@@ -194,6 +196,7 @@ impl<'m> Analysis<'m> {
             stability,
             crossings,
             counters,
+            signature,
         };
         Ok((forward, stopped))
     }
@@ -233,6 +236,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// [`RunError::Input`] for other times or a run that kept no steps; what the history says where it can't give a step.
     pub fn motion(&self, forward: &Forward, times: &[f64]) -> Result<Vec<Snapshot>, RunError> {
+        self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
         moments(&*forward.history, &Rerun::new(&problem, self.method, &forward.grid, self.plan), times)
     }
@@ -242,6 +246,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// A run that kept no steps; what the history says where it can't give a step.
     pub fn for_each_sample(&self, forward: &Forward, mut see: impl FnMut(&Sample<f64>)) -> Result<(), RunError> {
+        self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let mut steps = forward.history.forward(&rerun)?;
@@ -268,6 +273,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// [`RunError::Input`] with the name of one that is not.
     pub fn check_values(&self, forward: &Forward) -> Result<(), RunError> {
+        self.check_signature(forward)?;
         let Some(k) = forward.values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
         let (functional, value) = (&self.functionals[k], forward.values[k]);
         let why = match functional.over {
@@ -335,6 +341,7 @@ impl<'m> Analysis<'m> {
                 "the analysis has {functionals} functionals, but {flags} flags say which of them are wanted"
             )));
         }
+        self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
         let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
@@ -367,6 +374,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.check_signature(forward)?;
         check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
         let mut gradient = self.empty_gradient();
         for (seeded, lanes) in seeded_designs(x) {
@@ -384,6 +392,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
+        self.check_signature(forward)?;
         check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
         let mut gradient = self.empty_gradient();
         for perturbed in complex_designs(x) {
@@ -464,6 +473,17 @@ impl<'m> Analysis<'m> {
             }
         }
         Ok(numbers)
+    }
+
+    /// Whether a run follows from the laws, the method and the functionals of this analysis.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] with what differs.
+    pub(super) fn check_signature(&self, forward: &Forward) -> Result<(), RunError> {
+        let why = Signature::of(self).difference(&forward.signature, self);
+        why.map_or(Ok(()), |why| {
+            Err(RunError::Input(format!("the forward run belongs to another analysis: {why}; run forward with this one")))
+        })
     }
 
     /// Whether runs solve their equations to the digits that derivatives need.

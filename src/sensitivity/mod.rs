@@ -5,6 +5,7 @@ mod analysis;
 mod checks;
 mod moving_steps;
 mod over_time;
+mod signature;
 mod solvers;
 mod transposed;
 

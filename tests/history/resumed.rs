@@ -6,7 +6,6 @@ use costate::integrators::{
     ConstraintLevel, Counters, Method, RunError, StepControl, StepError, StepRecord, table_by_name, table_named,
 };
 use costate::prelude::*;
-use costate::scenes::AnyScene;
 use costate::sensitivity::Forward;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -157,7 +156,7 @@ fn a_file_of_something_else_is_refused_in_words() {
     prepared.analysis().forward(&prepared.x).expect("goes on");
 }
 
-/// A ball on which a force acts that is no parameter: what a file is bound to doesn't show it.
+/// A ball on which a force acts that is no parameter: its recorded formula alone shows it.
 struct Pushed(f64);
 
 impl Element for Pushed {
@@ -189,17 +188,16 @@ impl Scene for Pushed {
 }
 
 #[test]
-fn a_law_that_changed_is_noticed_at_the_steps_that_are_made_again() {
+fn a_law_that_changed_is_refused_before_a_step_is_made() {
     let folder = Folder::new("changed");
     let path = folder.0.join("run.bin");
     let (first, second) = (Pushed(1.0), Pushed(1.0 + 1e-12));
-    let run = |scene: &dyn AnyScene, steps: usize| {
-        let mut prepared = Prepared::new(scene).expect("a sound scene");
-        prepared.keep = Keep::Resumed(path.clone());
-        observed(&prepared, steps).1
+    let kept = |scene| {
+        let prepared = Prepared::new(scene).expect("a sound scene");
+        Prepared { keep: Keep::Resumed(path.clone()), ..prepared }
     };
-    assert!(matches!(run(&first, 25), Some(RunError::Interrupted { steps: 25 })));
-    let stopped = run(&second, usize::MAX).expect("another force").to_string();
-    assert_says(&stopped, &["run.bin.part", "differs from the one in the file", "begin a new file"]);
-    assert_eq!(run(&first, usize::MAX), None);
+    assert!(matches!(observed(&kept(&first), 25).1, Some(RunError::Interrupted { steps: 25 })));
+    let refusal = kept(&second).analysis().forward(&[]).expect_err("another force").to_string();
+    assert_says(&refusal, &["run.bin.part", "cannot go on with it", "law of a part"]);
+    assert_eq!(observed(&kept(&first), usize::MAX).1, None);
 }

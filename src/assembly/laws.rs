@@ -1,0 +1,66 @@
+//! What the parts of a model do, whatever they are called and whatever their numbers are.
+
+use super::{Attached, Model};
+use crate::elements::{ConstraintPhysics, ElementPhysics};
+use crate::program::Digest;
+
+/// The laws of a model: kinds of nodes, and of each element and constraint its nodes, the places of its parameters and its recorded formula.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Laws {
+    nodes: Vec<Digest>,
+    elements: Vec<Digest>,
+    constraints: Vec<Digest>,
+    parameters: usize,
+}
+
+fn law<P>(part: &Attached<P>, own: Digest) -> Digest {
+    let nodes: Vec<usize> = part.nodes.iter().map(|node| node.0).collect();
+    Digest::of(&(nodes, &part.parameters, own))
+}
+
+impl Model {
+    /// Its laws.
+    pub(crate) fn laws(&self) -> Laws {
+        self.laws_of(ElementPhysics::law, ConstraintPhysics::law)
+    }
+
+    /// The same without formulas: how its parts hang together.
+    pub(crate) fn topology(&self) -> Laws {
+        self.laws_of(|_| Digest::default(), |own| Digest::of(&own.equation_count()))
+    }
+
+    fn laws_of(
+        &self,
+        of_element: impl Fn(&ElementPhysics) -> Digest,
+        of_constraint: impl Fn(&ConstraintPhysics) -> Digest,
+    ) -> Laws {
+        Laws {
+            nodes: self.nodes.iter().map(|node| Digest::of(&(node.kind, node.fixed))).collect(),
+            elements: self.elements.iter().map(|own| law(own, of_element(&own.physics))).collect(),
+            constraints: self.constraints.iter().map(|own| law(own, of_constraint(&own.physics))).collect(),
+            parameters: self.parameters,
+        }
+    }
+}
+
+impl Laws {
+    /// What differs from other laws, in words, with the names of the model whose laws these are.
+    pub fn difference(&self, other: &Laws, model: &Model) -> Option<String> {
+        let first = |own: &[Digest], other: &[Digest]| own.iter().zip(other).position(|(own, other)| own != other);
+        let counts = [&self.nodes, &self.elements, &self.constraints].map(Vec::len);
+        let others = [&other.nodes, &other.elements, &other.constraints].map(Vec::len);
+        if let Some(node) = first(&self.nodes, &other.nodes) {
+            return Some(format!("the kind of node \"{}\"", model.nodes[node].name));
+        }
+        let parts = model.elements.iter().map(|own| &own.name).chain(model.constraints.iter().map(|own| &own.name));
+        let [own, others_laws] = [self, other].map(|laws| [&laws.elements[..], &laws.constraints].concat());
+        match (first(&own, &others_laws), counts == others && self.parameters == other.parameters) {
+            (Some(place), true) => {
+                let name = parts.into_iter().nth(place).map_or("", String::as_str);
+                Some(format!("the law of \"{name}\": its formula, its options, times of its jumps, or its nodes"))
+            }
+            (_, false) => Some("the number of nodes, elements, joints or parameters".into()),
+            (None, true) => None,
+        }
+    }
+}

@@ -1,0 +1,45 @@
+use super::Analysis;
+use crate::assembly::Laws;
+use crate::program::Digest;
+
+/// What a run follows from beside its numbers: the laws of the model, the method, decisions about the start, and the functionals.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Signature {
+    pub laws: Laws,
+    method: String,
+    functionals: Vec<Option<Digest>>,
+}
+
+impl Signature {
+    pub fn of(analysis: &Analysis) -> Self {
+        let Analysis { model, method, plan, functionals, .. } = analysis;
+        Signature {
+            laws: model.laws(),
+            method: format!("{method:?}{plan:?}"),
+            functionals: functionals.iter().map(|own| own.law(model)).collect(),
+        }
+    }
+
+    /// Why a run of another signature is none of this analysis, if so.
+    pub fn difference(&self, of_run: &Signature, analysis: &Analysis) -> Option<String> {
+        let name = |place: usize| analysis.functionals.get(place).map_or("", |own| own.name.as_str());
+        if let Some(foreign) = self.functionals.iter().position(Option::is_none) {
+            return Some(format!("functional \"{}\" measures parts of another model", name(foreign)));
+        }
+        if let Some(what) = self.laws.difference(&of_run.laws, analysis.model) {
+            return Some(format!("its model has other laws: {what} differs"));
+        }
+        if self.method != of_run.method {
+            return Some(format!(
+                "it was made by another method, level, solver or plan of the start than \"{}\" with those of the analysis",
+                analysis.method.table.name
+            ));
+        }
+        let (own, others) = (self.functionals.len(), of_run.functionals.len());
+        if own != others {
+            return Some(format!("it has {others} functionals, and the analysis {own}"));
+        }
+        let differing = self.functionals.iter().zip(&of_run.functionals).position(|(own, of_run)| own != of_run);
+        differing.map(|place| format!("functional \"{}\" is another one there", name(place)))
+    }
+}
