@@ -363,7 +363,7 @@ fn a_folder_that_takes_no_file_is_refused_before_the_first_step() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_stops_the_run_and_leaves_an_older_file_alone() {
+fn a_device_in_place_of_a_part_is_refused_and_an_older_file_left_alone() {
     let folder = Folder::new("full");
     let path = folder.0.join("run.bin");
     // the header of an earlier version's file
@@ -373,8 +373,8 @@ fn a_full_disk_stops_the_run_and_leaves_an_older_file_alone() {
     let scene = scene("pendulum");
     let mut prepared = prepared(&*scene, Prepared::default_method(), 0.5, 30);
     prepared.keep = Keep::File(path.clone());
-    let message = prepared.analysis().forward(&prepared.x).expect_err("the disk is full").to_string();
-    assert_says(&message, &["start", "run.bin", "cannot be written", "No space left", "a disk with room"]);
+    let message = prepared.analysis().forward(&prepared.x).expect_err("a device is no file").to_string();
+    assert_says(&message, &["run.bin.part", "a link that does not lead to a regular file", "name a regular file"]);
     assert_eq!(fs::read(&path).expect("untouched"), earlier);
 }
 
