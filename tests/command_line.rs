@@ -755,7 +755,9 @@ fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
     let output = folder.run(&[&common[..], &["--restart", file, "--gradient", "difference"]].concat());
     assert!(text(&output.stdout).contains("kept the earlier history as out/five-bar/optimization.1.csv"));
     assert_eq!(fs::read(folder.0.join("out/five-bar/optimization.1.csv")).unwrap(), first, "no point is lost");
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    // gradients by differences may not be good enough to verify an optimum
+    let is_short = text(&output.stderr).contains("the accuracy of values or gradients is used up");
+    assert_eq!(output.status.code(), Some(i32::from(is_short)), "{}", text(&output.stderr));
     let object = json(&output);
     assert_eq!(number(&object["objective"]["before"]), after, "the same design gives the same bits");
     assert!(number(&object["objective"]["after"]) < after, "{object}");

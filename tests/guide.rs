@@ -108,7 +108,10 @@ fn commands_on_the_pages_run() {
                 costate(&here, &own)
             };
             let said = String::from_utf8_lossy(&done.stderr).into_owned();
-            assert!(done.status.success(), "{name}: costate {}: {said}", own.join(" "));
+            // a few iterations end at their limit, which has a code of its own
+            let is_limited =
+                own[0] == "optimize" && own.contains(&"--iterations".to_string()) && done.status.code() == Some(3);
+            assert!(done.status.success() || is_limited, "{name}: costate {}: {said}", own.join(" "));
         }
     }
     fs::remove_dir_all(&folder).unwrap();

@@ -43,7 +43,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 13] = [
+const OTHERS: [(&str, &str, &str); 15] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives", "of what was recorded"),
     ("elements/dyn_layer.rs", "reaction_gradient", "of what was recorded"),
@@ -55,6 +55,12 @@ const OTHERS: [(&str, &str, &str); 13] = [
     ("functionals/measured_group.rs", "gradient", "makes the program of the recording"),
     ("functionals/functional.rs", "share_transposed", "hands on to the solve with transposed matrices below"),
     ("functionals/functional.rs", "add_gradient", "runs the program made of the recording"),
+    ("functionals/reactions.rs", "add_gradient", "of the root mean square of lengths: one of the last that are written"),
+    (
+        "functionals/reactions.rs",
+        "length_gradient",
+        "by the length that makes moments forces: one of the last that are written",
+    ),
     ("functionals/reactions.rs", "add_least_multipliers_transposed", "solve with transposed matrices, as in a step"),
     ("functionals/reactions.rs", "add_row_gradient", "runs the program made of the recording"),
 ];

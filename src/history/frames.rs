@@ -54,7 +54,8 @@ impl fmt::Display for Damage {
 /// Whether a regular file stands at a place, or nothing: others hang when they are opened, or would be replaced by a file.
 pub(crate) fn check_place(path: &Path) -> io::Result<()> {
     let what = match std::fs::symlink_metadata(path) {
-        Err(cause) if cause.kind() == io::ErrorKind::NotFound => return Ok(()),
+        // what cannot be there is told by the one who makes it
+        Err(cause) if matches!(cause.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => return Ok(()),
         Err(cause) => return Err(cause),
         Ok(own) if own.is_file() => return Ok(()),
         Ok(own) if own.is_symlink() => match std::fs::metadata(path) {

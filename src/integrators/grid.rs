@@ -137,7 +137,7 @@ impl TimeGrid {
         let start = self.times[self.steps()];
         let length = end - start;
         let count = (length / h - WHOLE).ceil().max(1.0);
-        self.times.extend((1..count as usize).map(|i| start + length * (i as f64 / count)));
+        self.times.extend((1..count as usize).map(|i| start + i as f64 * (length / count)));
         self.times.push(end);
     }
 

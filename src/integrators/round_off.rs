@@ -130,7 +130,9 @@ mod tests {
     #[test]
     fn the_shortest_step_decides_in_every_table() {
         // 0.5 to 0.51 s is the sixth step
-        let divided = TimeGrid::uniform(1.0, 10, &[0.51]).expect("steps");
+        let mut divided = tenths(10);
+        divided.times.insert(6, 0.51);
+        divided.breakpoints.insert(6, vec![0]);
         for table in tables() {
             for (level, power) in [(ConstraintLevel::Position, 2), (ConstraintLevel::Velocity, 1)] {
                 let [even, uneven] = [&tenths(10), &divided].map(|grid| table.round_off(level, grid, 1e-3).acceleration);

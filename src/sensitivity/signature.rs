@@ -1,5 +1,7 @@
 use super::Analysis;
 use crate::assembly::Laws;
+use crate::integrators::Method;
+use crate::linalg::Backend;
 use crate::program::Digest;
 
 /// What a run follows from beside its numbers: the laws of the model, the method, decisions about the start, and the functionals.
@@ -13,6 +15,8 @@ pub(super) struct Signature {
 impl Signature {
     pub fn of(analysis: &Analysis) -> Self {
         let Analysis { model, method, plan, functionals, .. } = analysis;
+        // the same run follows from whatever solves its systems
+        let method = Method { backend: Backend::default(), ..(*method).clone() };
         Signature {
             laws: model.laws(),
             method: format!("{method:?}{plan:?}"),
@@ -31,7 +35,7 @@ impl Signature {
         }
         if self.method != of_run.method {
             return Some(format!(
-                "it was made by another method, level, solver or plan of the start than \"{}\" with those of the analysis",
+                "it was made by another method, level or plan of the start than \"{}\" with those of the analysis",
                 analysis.method.table.name
             ));
         }

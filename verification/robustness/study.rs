@@ -1,7 +1,7 @@
 //! What is right, what is an error, and that nothing is wrong without a word.
 
-mod breakpoints;
 mod at_rest;
+mod breakpoints;
 mod cantilever;
 mod elastica;
 mod equilibria;
