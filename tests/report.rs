@@ -62,12 +62,15 @@ impl Folder {
         Folder(path)
     }
 
-    /// The report of a command in this folder.
-    fn report(&self, arguments: &[&str], name: &str) -> PathBuf {
+    /// The report of a command in this folder, which ends with a code.
+    fn report_with_code(&self, code: i32, arguments: &[&str], name: &str) -> PathBuf {
         let mut run = Command::new(env!("CARGO_BIN_EXE_costate"));
         let output = run.args(arguments).args(["--out", "out"]).current_dir(&self.0).output().unwrap();
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
         self.0.join("out").join(name)
+    }
+    fn report(&self, arguments: &[&str], name: &str) -> PathBuf {
+        self.report_with_code(0, arguments, name)
     }
 }
 
@@ -194,7 +197,7 @@ fn modes_swing_and_an_optimization_shows_its_history() {
     let seen = read(&folder, &folder.report(&["modes", "von-mises-truss"], "modes.html"));
     check_motion(&seen);
     let folder = Folder::new("optimize");
-    let report = folder.report(&["optimize", "five-bar", "--iterations", "3"], "optimization.html");
+    let report = folder.report_with_code(3, &["optimize", "five-bar", "--iterations", "3"], "optimization.html");
     let seen = read(&folder, &report);
     check_motion(&seen);
     assert!(seen["charts"].as_u64().unwrap() >= 2);
