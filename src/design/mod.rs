@@ -73,6 +73,28 @@ pub struct ModelNumbers<S> {
     pub v: Vec<S>,
 }
 
+/// A list of [`ModelNumbers`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberList {
+    /// p.
+    Parameters,
+    /// q.
+    Coordinates,
+    /// v.
+    Velocities,
+}
+
+impl NumberList {
+    /// One of its numbers.
+    pub fn word(self) -> &'static str {
+        match self {
+            NumberList::Parameters => "parameter",
+            NumberList::Coordinates => "initial coordinate",
+            NumberList::Velocities => "initial velocity",
+        }
+    }
+}
+
 impl<S> Default for ModelNumbers<S> {
     fn default() -> Self {
         ModelNumbers { p: Vec::new(), q: Vec::new(), v: Vec::new() }
@@ -92,13 +114,31 @@ pub trait DesignMap {
     fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         self.real(x)
     }
+    /// A design beside one, each variable moved by a share of itself, with its numbers; `None` where it cannot be built, which tells nothing.
+    ///
+    /// # Errors
+    /// What depends on the design beside numbers.
+    fn beside(&self, x: &[f64], share: f64) -> Result<Option<(Vec<f64>, ModelNumbers<f64>)>, String> {
+        let moved: Vec<f64> = x.iter().map(|&x| x + share * if x == 0.0 { 1.0 } else { x.abs() }).collect();
+        Ok(self.nearby(&moved).ok().map(|numbers| (moved, numbers)))
+    }
     /// What messages call a variable: its name, or its place from 1 on where none is known.
     fn variable_name(&self, place: usize) -> String {
         format!("{}", place + 1)
     }
+    /// What messages call a number of the model: one of a list of numbers, by its place there.
+    fn number_name(&self, list: NumberList, place: usize) -> String {
+        format!("{} {} of the model", list.word(), place + 1)
+    }
     /// In recorded ones, which have values: the map may choose by them, and is recorded anew for each design.
     fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String>;
 }
+
+/// Distance of a design at which the map is compared with its derivatives, as a share of each variable.
+const BESIDE: f64 = 1e-7;
+/// Share of a change by which it may be off from what the derivatives say, and of a number.
+const MAP_SHARE: f64 = 1e-3;
+const MAP_NOISE: f64 = 1e-13;
 
 /// The recorded map at one design.
 pub struct DesignChain {
@@ -136,6 +176,46 @@ impl DesignChain {
         recording.evaluate(x, &mut values);
         let (tangent, transposed) = (OnceLock::new(), OnceLock::new());
         Ok(DesignChain { x: x.to_vec(), real, active, recording, outputs, values, tangent, transposed })
+    }
+
+    /// Whether the recorded map changes as its numbers do beside the design: a map that goes through the value of a variable has numbers that
+    /// follow it and derivatives that do not, and complex steps would agree with them.
+    ///
+    /// # Errors
+    /// What depends on the design beside numbers; a number that does not change as its derivatives say.
+    pub fn check(&self, map: &dyn DesignMap) -> Result<(), String> {
+        let Some(apart) = self.apart(map, BESIDE)?.filter(|apart| apart.iter().any(|apart| *apart != 0.0)) else {
+            return Ok(());
+        };
+        // round-off and jumps of the numbers do not grow with the distance
+        let Some(further) = self.apart(map, 4.0 * BESIDE)? else { return Ok(()) };
+        let grows = |(near, far): (&f64, &f64)| *near != 0.0 && (far / near - 4.0).abs() < 0.1;
+        let Some(place) = apart.iter().zip(&further).position(grows) else { return Ok(()) };
+        let [p, q] = [self.real.p.len(), self.real.q.len()];
+        let what = match place {
+            place if place < p => map.number_name(NumberList::Parameters, place),
+            place if place < p + q => map.number_name(NumberList::Coordinates, place - p),
+            place => map.number_name(NumberList::Velocities, place - p - q),
+        };
+        let (share, change) = (4.0 * BESIDE, further[place]);
+        Err(format!(
+            "{what} changes by {change:.3e} more than its derivatives say where all variables change by {share:e} of \
+             themselves: it follows the value of a variable (Scalar::value) instead of the variable"
+        ))
+    }
+
+    /// By how much numbers beside the design are off from what the derivatives say, where that is a good part of what they change by.
+    fn apart(&self, map: &dyn DesignMap, share: f64) -> Result<Option<Vec<f64>>, String> {
+        let Some((moved, numbers)) = map.beside(&self.x, share)? else { return Ok(None) };
+        let direction: Vec<f64> = moved.iter().zip(&self.x).map(|(moved, x)| moved - x).collect();
+        let all = |numbers: &ModelNumbers<f64>| [&numbers.p[..], &numbers.q, &numbers.v].concat();
+        let (before, after, rates) = (all(&self.real), all(&numbers), all(&self.tangent(&direction)));
+        let apart = (0..before.len()).map(|k| {
+            let (change, noise) = (after[k] - before[k], MAP_NOISE * after[k].abs());
+            let apart = change - rates[k];
+            if apart.abs() > noise + MAP_SHARE * (change.abs() + rates[k].abs()) { apart } else { 0.0 }
+        });
+        Ok(Some(apart.collect()))
     }
 
     /// (p, q0, v0) at the design.

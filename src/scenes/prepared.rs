@@ -1,7 +1,7 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
 use crate::assembly::{Attached, Model, VectorsAvq};
-use crate::design::{DesignMap, DesignVariable, ModelNumbers, check_design, repeated};
+use crate::design::{DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
 use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
@@ -13,6 +13,7 @@ use crate::linalg::{Backend, Factorization, SolverPlan};
 use crate::program::Recorded;
 use crate::scalar::Scalar;
 use crate::sensitivity::{Analysis, largest_difference};
+use std::ops::Range;
 
 /// Defaults of a scene's runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -330,22 +331,7 @@ impl<'s> Prepared<'s> {
         };
         ours.laws().difference(&theirs.laws(), ours).or_else(of_functionals)
     }
-
-    /// Options that follow the variables would be missing in derivatives: at a design beside `x` they are others.
-    fn check_options_beside(&self, x: &[f64]) -> Result<(), String> {
-        let beside = |(variable, &x): (&DesignVariable, &f64)| {
-            let step = BESIDE * if x == 0.0 { 1.0 } else { x.abs() };
-            if x + step <= variable.upper { x + step } else { (x - step).max(variable.lower) }
-        };
-        let beside: Vec<f64> = self.variables.iter().zip(x).map(beside).collect();
-        // a design that cannot be built tells nothing
-        let changed = self.scene.build_real(&beside).ok().and_then(|built| self.changed_law(&built));
-        changed.map_or(Ok(()), |what| Err(self.depends_on_design(&what)))
-    }
 }
-
-/// Distance of a design at which options are compared, as a share of each variable.
-const BESIDE: f64 = 1e-7;
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// Times at which loads jump or drivers are not smooth.
@@ -359,8 +345,31 @@ impl DesignMap for Prepared<'_> {
         check_design(&self.variables, x)?;
         self.same_laws(x, self.scene.build_real(x))
     }
+    fn beside(&self, x: &[f64], share: f64) -> Result<Option<(Vec<f64>, ModelNumbers<f64>)>, String> {
+        let moved = |(variable, &x): (&DesignVariable, &f64)| {
+            let step = share * if x == 0.0 { 1.0 } else { x.abs() };
+            if x + step <= variable.upper { x + step } else { (x - step).max(variable.lower) }
+        };
+        let moved: Vec<f64> = self.variables.iter().zip(x).map(moved).collect();
+        let Ok(built) = self.scene.build_real(&moved) else { return Ok(None) };
+        // options that follow the variables would be missing in derivatives
+        let numbers = self.same_laws(&moved, Ok(built))?;
+        Ok(Some((moved, numbers)))
+    }
     fn variable_name(&self, place: usize) -> String {
         self.variables.get(place).map_or_else(|| format!("{}", place + 1), |own| format!("\"{}\"", own.name))
+    }
+    fn number_name(&self, list: NumberList, place: usize) -> String {
+        let model = self.model();
+        let parts = model.elements.iter().map(|own| (&own.name, &own.parameters));
+        let parts = parts.chain(model.constraints.iter().map(|own| (&own.name, &own.parameters)));
+        let nodes = model.nodes.iter().map(|node| (&node.name, &node.dofs));
+        let find = |mut owners: Box<dyn Iterator<Item = (&String, &Range<usize>)> + '_>| {
+            owners.find(|(_, numbers)| numbers.contains(&place)).map(|(name, numbers)| (name.clone(), place - numbers.start))
+        };
+        let owner = find(if list == NumberList::Parameters { Box::new(parts) } else { Box::new(nodes) });
+        let (name, place) = owner.unwrap_or_else(|| ("the model".into(), place));
+        format!("{} {} of \"{name}\"", list.word(), place + 1)
     }
     fn nearby(&self, x: &[f64]) -> Result<ModelNumbers<f64>, String> {
         self.same_laws(x, self.scene.build_real(x))
@@ -368,7 +377,6 @@ impl DesignMap for Prepared<'_> {
     fn recorded(&self, x: &[Recorded]) -> Result<ModelNumbers<Recorded>, String> {
         let own: Vec<f64> = x.iter().map(|x| x.value()).collect();
         check_design(&self.variables, &own)?;
-        self.check_options_beside(&own)?;
         self.same_laws(&own, self.scene.build_recorded(x))
     }
 }

@@ -344,7 +344,7 @@ impl<'m> Analysis<'m> {
         self.check_signature(forward)?;
         let problem = self.problem(&forward.numbers);
         let rerun = Rerun::new(&problem, self.method, &forward.grid, self.plan);
-        let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
+        let chain = self.checked_chain(x)?;
         // a power may be rounded otherwise where it is recorded
         if check_belonging(x, chain.real(), forward).is_err() {
             check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
@@ -374,8 +374,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
-        self.check_signature(forward)?;
-        check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
+        self.check_forward(x, forward)?;
         let mut gradient = self.empty_gradient();
         for (seeded, lanes) in seeded_designs(x) {
             let (values, counters) = self.perturbed_values(&seeded, forward)?;
@@ -392,8 +391,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step(&self, x: &[f64], forward: &Forward) -> Result<Gradient, RunError> {
-        self.check_signature(forward)?;
-        check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
+        self.check_forward(x, forward)?;
         let mut gradient = self.empty_gradient();
         for perturbed in complex_designs(x) {
             let (values, counters) = self.perturbed_values(&perturbed, forward)?;
@@ -417,6 +415,20 @@ impl<'m> Analysis<'m> {
         };
         let (coarse, fine) = (difference(step)?, difference(step / 2.0)?);
         Ok(coarse.iter().zip(fine).map(|(c, f)| (4.0 * f - c) / 3.0).collect())
+    }
+
+    /// Whether a run with derivative parts may go along a run at a design.
+    pub(super) fn check_forward(&self, x: &[f64], forward: &Forward) -> Result<(), RunError> {
+        self.check_signature(forward)?;
+        check_belonging(x, &self.map.real(x).map_err(RunError::Input)?, forward)?;
+        self.checked_chain(x).map(|_| ())
+    }
+
+    /// The recorded map at a design, whose derivatives are those of its numbers.
+    fn checked_chain(&self, x: &[f64]) -> Result<DesignChain, RunError> {
+        let chain = DesignChain::record(self.map, x).map_err(RunError::Input)?;
+        chain.check(self.map).map_err(RunError::Input)?;
+        Ok(chain)
     }
 
     /// A gradient all of whose entries are numbers.

@@ -28,7 +28,7 @@ impl Analysis<'_> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn tangent_over_time(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
-        self.check_signature(forward)?;
+        self.check_forward(x, forward)?;
         let mut course = GradientCourse::empty(self.functionals.len());
         for (seeded, lanes) in seeded_designs(x) {
             let (measured, counters) = self.measured_over_time(&seeded, forward, &mut course.times)?;
@@ -47,7 +47,7 @@ impl Analysis<'_> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn complex_step_over_time(&self, x: &[f64], forward: &Forward) -> Result<GradientCourse, RunError> {
-        self.check_signature(forward)?;
+        self.check_forward(x, forward)?;
         let mut course = GradientCourse::empty(self.functionals.len());
         for perturbed in complex_designs(x) {
             let (measured, counters) = self.measured_over_time(&perturbed, forward, &mut course.times)?;

@@ -142,3 +142,71 @@ fn a_formula_that_looks_at_a_number_is_refused_by_the_name_of_its_part() {
         assert!(refused.contains("\"law\"") && refused.contains("looks at the value of a number"), "{law:?}: {refused}");
     }
 }
+
+/// A mass whose numbers follow a variable, or its value.
+#[derive(Clone, Copy, Debug)]
+enum Way {
+    Variable,
+    Branch,
+    Mass,
+    Place,
+    HalfOfTheVelocity,
+}
+
+impl Scene for Way {
+    fn name(&self) -> String {
+        "mass".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("x", 0.7, (0.1, 2.0), "-"), DesignVariable::new("y", 0.0, (-1.0, 1.0), "-")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 20)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let known = S::from(x[0].value());
+        let [mass, place, velocity] = match self {
+            Way::Variable => [x[0], x[0] * x[0] - x[0].powi(3), x[0] + x[1]],
+            Way::Branch if x[0].value() > 0.5 => [x[0], x[0].sqrt() - x[1], S::one()],
+            Way::Branch => [S::one(); 3],
+            Way::Mass => [known, x[0], x[1]],
+            Way::Place => [x[0], known * 1e-6, x[1]],
+            Way::HalfOfTheVelocity => [x[0], x[1], (x[0] + known) * 0.5],
+        };
+        let node = m.coordinates("mass", &[place], &[velocity]);
+        m.element("law", &[node], Law::OneSided, &[mass]);
+        m.coordinate_functional("end", Over::Terminal, node, 0);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_scene_that_goes_through_the_value_of_a_variable_has_no_gradient() {
+    for (way, named) in [
+        (Way::Variable, None),
+        (Way::Branch, None),
+        (Way::Mass, Some("parameter 1 of \"law\"")),
+        (Way::Place, Some("initial coordinate 1 of \"mass\"")),
+        (Way::HalfOfTheVelocity, Some("initial velocity 1 of \"mass\"")),
+    ] {
+        let prepared = Prepared::new(&way).expect("sound");
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let forward = analysis.forward(x).expect("runs");
+        let ends = [
+            analysis.adjoint(x, &forward).map(|_| ()),
+            analysis.tangent(x, &forward).map(|_| ()),
+            analysis.complex_step(x, &forward).map(|_| ()),
+            analysis.tangent_over_time(x, &forward).map(|_| ()),
+        ];
+        for end in ends {
+            match (end, named) {
+                (Ok(()), None) => {}
+                (Err(error), Some(name)) => {
+                    let text = error.to_string();
+                    assert!(text.contains(name) && text.contains("Scalar::value"), "{text}");
+                }
+                (end, _) => panic!("{way:?}: {end:?}"),
+            }
+        }
+    }
+}
