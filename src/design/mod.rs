@@ -136,9 +136,13 @@ pub trait DesignMap {
 
 /// Distance of a design at which the map is compared with its derivatives, as a share of each variable.
 const BESIDE: f64 = 1e-7;
+/// Multiples of it at which what is off must be as many times as large.
+const FURTHER: [f64; 2] = [3.7, 1e3];
 /// Share of a change by which it may be off from what the derivatives say, and of a number.
 const MAP_SHARE: f64 = 1e-3;
 const MAP_NOISE: f64 = 1e-13;
+/// Share of the change of the largest coordinate that is the round-off of a number that vanishes.
+const MAP_NOUGHT: f64 = 1e-9;
 
 /// The recorded map at one design.
 pub struct DesignChain {
@@ -188,19 +192,24 @@ impl DesignChain {
             return Ok(());
         };
         // round-off and jumps of the numbers do not grow with the distance
-        let Some(further) = self.apart(map, 4.0 * BESIDE)? else { return Ok(()) };
-        let grows = |(near, far): (&f64, &f64)| *near != 0.0 && (far / near - 4.0).abs() < 0.1;
-        let Some(place) = apart.iter().zip(&further).position(grows) else { return Ok(()) };
+        let mut places: Vec<usize> = (0..apart.len()).filter(|&place| apart[place] != 0.0).collect();
+        let mut change = 0.0;
+        for times in FURTHER {
+            let Some(further) = self.apart(map, times * BESIDE)? else { return Ok(()) };
+            places.retain(|&place| (further[place] / apart[place] / times - 1.0).abs() < 0.05);
+            change = places.first().map_or(0.0, |&place| further[place]);
+        }
+        let Some(&place) = places.first() else { return Ok(()) };
         let [p, q] = [self.real.p.len(), self.real.q.len()];
         let what = match place {
             place if place < p => map.number_name(NumberList::Parameters, place),
             place if place < p + q => map.number_name(NumberList::Coordinates, place - p),
             place => map.number_name(NumberList::Velocities, place - p - q),
         };
-        let (share, change) = (4.0 * BESIDE, further[place]);
+        let share = FURTHER[FURTHER.len() - 1] * BESIDE;
         Err(format!(
-            "{what} changes by {change:.3e} more than its derivatives say where all variables change by {share:e} of \
-             themselves: it follows the value of a variable (Scalar::value) instead of the variable"
+            "{what} changes by {change:.3e} more than its derivatives say where all variables change by {share:.0e} of themselves: it \
+             follows the value of a variable (Scalar::value) instead of the variable"
         ))
     }
 
@@ -210,9 +219,11 @@ impl DesignChain {
         let direction: Vec<f64> = moved.iter().zip(&self.x).map(|(moved, x)| moved - x).collect();
         let all = |numbers: &ModelNumbers<f64>| [&numbers.p[..], &numbers.q, &numbers.v].concat();
         let (before, after, rates) = (all(&self.real), all(&numbers), all(&self.tangent(&direction)));
+        let length = self.real.q.iter().fold(0.0, |length: f64, q| length.max(q.abs()));
         let apart = (0..before.len()).map(|k| {
-            let (change, noise) = (after[k] - before[k], MAP_NOISE * after[k].abs());
-            let apart = change - rates[k];
+            let (change, apart) = (after[k] - before[k], after[k] - before[k] - rates[k]);
+            // what vanishes may do so by terms that cancel
+            let noise = if before[k] == 0.0 { MAP_NOUGHT * share * length } else { MAP_NOISE * before[k].abs() };
             if apart.abs() > noise + MAP_SHARE * (change.abs() + rates[k].abs()) { apart } else { 0.0 }
         });
         Ok(Some(apart.collect()))
