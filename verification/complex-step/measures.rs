@@ -136,6 +136,8 @@ pub enum Reach {
     Force,
     /// Nothing before some time after the start.
     Later,
+    /// The same, and where steps end: what a functional that cannot depend on it changes by with each of them, all together cancel.
+    LaterAndSteps,
     /// A constraint's number: it moves a projected start.
     Geometry,
     /// A driver's number that moves only the velocities of a projected start.
@@ -160,8 +162,8 @@ pub fn is_zero((measure, over): (Measure, Over), reach: Reach) -> bool {
         }
         (Measure::Mass, _) => !matches!(reach, Reach::Mass | ProjectedMass),
         _ if over != Over::Initial => false,
-        (Reaction, _) => reach == Later,
-        (Energy, _) => matches!(reach, Force | Later),
+        (Reaction, _) => matches!(reach, Later | LaterAndSteps),
+        (Energy, _) => matches!(reach, Force | Later | LaterAndSteps),
         (Velocity, _) => {
             !matches!(reach, ProjectedMass | ProjectedInertia | Geometry | Rate | StartPosition | StartVelocity)
         }

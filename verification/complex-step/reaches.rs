@@ -17,11 +17,11 @@ impl Case {
         let drive = |function: &TimeFunction| match function {
             TimeFunction::Sine => vec![Geometry, Geometry, Rate, Geometry],
             TimeFunction::ConstantRate => vec![Geometry, Rate],
-            TimeFunction::SmoothRamp if !self.one_sided.is_empty() => vec![Geometry, Later, Later, Later],
+            TimeFunction::SmoothRamp if !self.one_sided.is_empty() => vec![Geometry, Later, LaterAndSteps, LaterAndSteps],
             // at rest at the start, and without acceleration
             TimeFunction::SmoothStart(inner) => match **inner {
-                TimeFunction::Sine => vec![Geometry, Geometry, Later, Geometry, Later],
-                _ => vec![Geometry, Later, Later],
+                TimeFunction::Sine => vec![Geometry, Geometry, Later, Geometry, LaterAndSteps],
+                _ => vec![Geometry, Later, LaterAndSteps],
             },
             _ => vec![Geometry; self.function.len()],
         };

@@ -22,7 +22,7 @@ use costate::integrators::{
 };
 use costate::scenes::{AnyScene, Prepared, Settings};
 use costate::sensitivity::largest_difference;
-use measures::Reads;
+use measures::{Reach, Reads};
 use quotient::Quotient;
 use rayon::prelude::*;
 use scenes::{Case, Subject};
@@ -30,6 +30,8 @@ use shell::ShellSubject;
 
 /// Largest difference of the exact gradients, relative to the largest entry of each row.
 const EXACT: f64 = 1e-12;
+/// What is left of terms that cancel, relative to the functional and its derivatives.
+const CANCELLED: f64 = 1e-14;
 /// Roundings of a constraint, in units in the last place, where a multiplier follows from it through 1 / (h a_ii)^2 or 1 / (h a_ii).
 const ROUNDINGS: f64 = 8.0;
 /// Largest difference from a difference quotient, relative to the largest term of the directional derivative.
@@ -299,7 +301,18 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
     let mut nearby = None;
     let mut outcome = Outcome { steps: forward.grid.steps(), chosen, limits, ..Outcome::default() };
     for (index, entry) in case.measures().into_iter().enumerate() {
-        let rows = [&complex.rows[index], &adjoint.rows[index], &tangent.rows[index]];
+        let mut rows = [&complex, &adjoint, &tangent].map(|gradient| gradient.rows[index].clone());
+        let largest = rows.iter().flatten().fold(forward.values[index].abs(), |most: f64, entry| most.max(entry.abs()));
+        for row in &mut rows {
+            for (derivative, &reach) in row.iter_mut().zip(&reaches) {
+                let cancels = reach == Reach::LaterAndSteps && measures::is_zero(entry, reach);
+                if cancels && derivative.abs() <= CANCELLED * largest {
+                    *derivative = 0.0;
+                }
+            }
+        }
+        let [complex_row, adjoint_row, tangent_row] = &rows;
+        let rows = [complex_row, adjoint_row, tangent_row];
         let mut differences = [largest_difference(rows[0], rows[1]), largest_difference(rows[0], rows[2])];
         let exact = match measures::reads(entry) {
             Reads::Multipliers => limits.force,
