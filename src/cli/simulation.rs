@@ -308,12 +308,12 @@ impl Simulation {
     /// Functionals that read behind a jump, whose gradients are wrong there: agreement with a complex step, which passes the same jump,
     /// proves nothing.
     pub fn behind_jumps<'p>(&self, prepared: &'p Prepared) -> Vec<&'p str> {
-        if !self.forward.crossings.iter().any(|crossing| crossing.kind == SwitchKind::Jump) {
-            return Vec::new();
-        }
+        let jumps = self.forward.crossings.iter().filter(|crossing| crossing.kind == SwitchKind::Jump);
+        let (own, of_motion): (Vec<_>, Vec<_>) = jumps.partition(|crossing| crossing.is_functional);
         let behind = prepared.functionals().iter().filter(|functional| {
             let is_mass = matches!(&functional.measured, Measured::Group(group) if group.is_still(prepared.model()));
-            functional.over.times() != Times::Start && !is_mass
+            own.iter().any(|crossing| crossing.part == functional.name)
+                || !of_motion.is_empty() && functional.over.times() != Times::Start && !is_mass
         });
         behind.map(|functional| functional.name.as_str()).collect()
     }
@@ -441,22 +441,28 @@ fn quoted(names: &[&str]) -> String {
 /// One sentence for each part that passes from one piece of its formula to another.
 pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
     let words = |crossing: &Crossing| {
-        let Crossing { part, kind, step, t, count, last } = crossing;
+        let Crossing { part, is_functional, kind, step, t, count, last } = crossing;
         let more = if *count > 1 { format!(", and in {} more steps until step {last}", count - 1) } else { String::new() };
-        let (what, follows) = match kind {
-            SwitchKind::Jump => (
+        let (what, follows) = match (kind, is_functional) {
+            (SwitchKind::Jump, false) => (
                 "jumps",
                 "gradients of what is measured behind it are wrong, and so are their complex steps; keep the motion on one side, or write the \
-                 formula without the jump",
+                 formula without the jump; the estimated error of such a step is not to be trusted",
             ),
-            SwitchKind::Kink => (
+            (SwitchKind::Kink, false) => (
                 "has a kink",
-                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps and compare",
+                "the motion and gradients of what is measured behind it are right to first order of the step only; take smaller steps and \
+                 compare; the estimated error of such a step is not to be trusted",
             ),
+            (SwitchKind::Jump, true) => {
+                ("jumps", "its gradient is wrong, and so is its complex step; measure something that does not jump")
+            }
+            (SwitchKind::Kink, true) => {
+                ("has a kink", "its gradient is right to first order of the step only; take smaller steps and compare")
+            }
         };
-        format!(
-            "step {step} (t = {t} s){more}: the formula of \"{part}\" {what} there: {follows}; the estimated error of such a step is not to be trusted"
-        )
+        let whose = if *is_functional { "the formula of functional" } else { "the formula of" };
+        format!("step {step} (t = {t} s){more}: {whose} \"{part}\" {what} there: {follows}")
     };
     crossings.iter().map(words).collect()
 }
@@ -464,9 +470,9 @@ pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
 /// The same for JSON.
 pub fn crossings_json(crossings: &[Crossing]) -> Value {
     let object = |crossing: &Crossing| {
-        let Crossing { part, kind, step, t, count, last } = crossing;
+        let Crossing { part, is_functional, kind, step, t, count, last } = crossing;
         let kind = if *kind == SwitchKind::Jump { "jump" } else { "kink" };
-        json!({"part": part, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last})
+        json!({"part": part, "functional": is_functional, "kind": kind, "step": step, "t": json_number(*t), "steps": count, "last_step": last})
     };
     crossings.iter().map(object).collect()
 }

@@ -2,13 +2,14 @@ use super::aggregate::{SUMS, Totals};
 use super::load::JointLoad;
 use super::measured_group::GroupWork;
 use super::reactions::{Bars, add_least_multipliers_transposed, least_multipliers};
-use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars};
+use super::{ElementSum, MeasuredGroup, MeasuredQuantity, Over, PointWeights, SampleBars, Times};
 use crate::assembly::{Clock, ConstraintId, Model, NodeId, VectorsAvq};
 use crate::elements::RunScalar;
-use crate::integrators::{StartRecord, StepRecord};
-use crate::program::{Formula, ProgramWork};
+use crate::integrators::{Place, StartRecord, StepRecord, SwitchWatch};
+use crate::program::{Formula, ProgramWork, SwitchKind};
 use smallvec::SmallVec;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What is measured at one time.
 pub enum Measured {
@@ -156,6 +157,25 @@ impl Functional {
         }
     }
 
+    /// Has its formulas watched in a run, if it reads all of it: where what it measures jumps, derivatives of what it makes of that over time
+    /// are wrong; kinks take one order of the step from those of an integral.
+    pub fn watch(&self, model: &Model, watch: &mut SwitchWatch) {
+        if self.over.times() != Times::Run {
+            return;
+        }
+        let told = if self.over == Over::Integral { SwitchKind::Kink } else { SwitchKind::Jump };
+        let of = (&*self.name, Some(told));
+        match &self.measured {
+            Measured::Energy(_) => {}
+            Measured::Group(group) => group.watch(model, |formula, places| watch.add(of, formula, false, places)),
+            local => {
+                if let Some(Reading { formula, places }) = local.reading(model) {
+                    watch.add(of, formula, true, || places.to_vec());
+                }
+            }
+        }
+    }
+
     /// Whether it reads multipliers.
     pub fn reads_multipliers(&self) -> bool {
         match &self.measured {
@@ -199,20 +219,9 @@ impl Functional {
 /// Share of the changes by single multipliers above which that by all of them together is no round-off.
 const SURELY: f64 = 1e-7;
 
-/// Where the arguments of a measured formula stand in the vectors of a sample.
-#[derive(Clone, Copy)]
-enum Place {
-    A(usize),
-    V(usize),
-    Q(usize),
-    Mu(usize),
-    P(usize),
-    Time,
-}
-
 /// A formula with the places of its arguments.
 struct Reading<'m> {
-    formula: &'m Formula,
+    formula: &'m Arc<Formula>,
     places: SmallVec<[Place; 64]>,
 }
 

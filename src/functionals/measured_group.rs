@@ -2,6 +2,7 @@ use super::aggregate::SUMS;
 use super::{AnyPointQuantity, Over, PointWeights, Sample};
 use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
+use crate::integrators::Place;
 use crate::program::{Codes, Digest, Formula, Program, ProgramKind, Recorded, continued};
 use crate::scalar::larger;
 use smallvec::SmallVec;
@@ -192,6 +193,24 @@ impl MeasuredGroup {
     /// A quantity of some elements, or of all that the model has in the end.
     pub fn new(elements: Option<Vec<ElementId>>, quantity: Box<dyn AnyPointQuantity>, parameters: Range<usize>) -> Self {
         MeasuredGroup { elements, quantity, parameters, batches: OnceLock::new() }
+    }
+
+    /// Gives the formula of each element to `add`, with the places of its arguments.
+    pub(super) fn watch(&self, model: &Model, mut add: impl FnMut(&Arc<Formula>, &dyn Fn() -> Vec<Place>)) {
+        for batch in self.batches(model) {
+            for member in &batch.members {
+                let dofs: Vec<usize> = member.nodes.iter().cloned().flatten().collect();
+                let place = |argument: &Argument| match *argument {
+                    Argument::A(dof) => Place::A(dofs[dof]),
+                    Argument::V(dof) => Place::V(dofs[dof]),
+                    Argument::Q(dof) => Place::Q(dofs[dof]),
+                    Argument::Parameter(place) => Place::P(member.parameters.start + place),
+                    Argument::Own(place) => Place::P(self.parameters.start + place),
+                    Argument::Time => Place::Time,
+                };
+                add(&batch.own.formula, &|| batch.own.arguments.iter().map(place).collect());
+            }
+        }
     }
 
     /// Why it cannot be measured in a model, if so.

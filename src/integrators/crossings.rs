@@ -5,12 +5,15 @@ use crate::assembly::{Model, NodeId, VectorsAvq};
 use crate::program::{Formula, ProgramWork, SwitchKind, Switches};
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
-/// A part whose formula passes from one piece to another.
+/// A formula that passes from one piece to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Crossing {
-    /// Name of the element or joint.
+    /// Name of the element, joint or functional.
     pub part: String,
+    /// Whether it is a functional: the motion does not depend on it.
+    pub is_functional: bool,
     /// What it does there.
     pub kind: SwitchKind,
     /// Number of the first step in which that happens.
@@ -23,61 +26,90 @@ pub struct Crossing {
     pub last: usize,
 }
 
-/// A part with switches, and where it was at the start of the step.
+/// Where an argument of a formula stands in the vectors of a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// An acceleration.
+    A(usize),
+    /// A velocity.
+    V(usize),
+    /// A coordinate.
+    Q(usize),
+    /// A multiplier.
+    Mu(usize),
+    /// A parameter.
+    P(usize),
+    /// The time.
+    Time,
+}
+
+/// A formula with switches, and where it was at the start of the step.
 struct Watched {
     name: String,
     switches: Switches,
-    /// Whether accelerations are among the arguments.
-    of_element: bool,
-    dofs: Vec<Range<usize>>,
-    parameters: Range<usize>,
+    /// Of functionals: the mildest change that is told.
+    of_functional: Option<SwitchKind>,
+    places: Vec<Place>,
     inputs: Vec<f64>,
     numbers: Vec<f64>,
 }
 
+/// The latest state of a run.
+#[derive(Default)]
+struct Seen {
+    at: VectorsAvq<f64>,
+    mu: Vec<f64>,
+}
+
 /// Sees the steps of a run, and notes which switches change sides; without switches it does nothing.
+#[derive(Default)]
 pub struct SwitchWatch {
     parts: Vec<Watched>,
-    at: VectorsAvq<f64>,
+    seen: Seen,
     inputs: Vec<f64>,
     numbers: Vec<f64>,
     work: ProgramWork<f64>,
     step: usize,
     crossings: Vec<Crossing>,
+    /// Switches of formulas, with lengths and without.
+    known: HashMap<(*const Formula, bool), Option<Switches>>,
 }
 
 impl SwitchWatch {
     /// Over the parts of a model.
     pub fn new(model: &Model) -> Self {
-        let mut known: HashMap<*const Formula, Option<Switches>> = HashMap::new();
-        let mut of = |formula: &std::sync::Arc<Formula>, state: usize| -> Option<Switches> {
-            known.entry(std::sync::Arc::as_ptr(formula)).or_insert_with(|| formula.switches(state)).clone()
-        };
-        let dofs = |nodes: &[NodeId]| nodes.iter().map(|node| model.nodes[node.0].dofs.clone()).collect();
-        let mut parts = Vec::new();
-        let mut add = |name: &str, switches, of_element, nodes: &[NodeId], parameters: &Range<usize>| {
-            let (name, dofs, parameters) = (name.into(), dofs(nodes), parameters.clone());
-            let (inputs, numbers) = (Vec::new(), Vec::new());
-            parts.push(Watched { name, switches, of_element, dofs, parameters, inputs, numbers });
-        };
+        let mut watch = SwitchWatch::default();
         for own in model.elements.iter().filter(|own| own.physics.residual_refused().is_none()) {
-            if let Some(switches) = of(own.physics.residual(), 3 * own.physics.dof_count()) {
-                add(&own.name, switches, true, &own.nodes, &own.parameters);
-            }
+            let lists: &[fn(usize) -> Place] = &[Place::A, Place::V, Place::Q];
+            watch.add((&own.name, None), own.physics.residual(), true, || places(model, lists, &own.nodes, &own.parameters));
         }
         for own in model.constraints.iter().filter(|own| own.physics.refused().is_none()) {
-            if let Some(switches) = of(own.physics.formula(), 2 * own.physics.dof_count()) {
-                add(&own.name, switches, false, &own.nodes, &own.parameters);
-            }
+            let lists: &[fn(usize) -> Place] = &[Place::V, Place::Q];
+            watch.add((&own.name, None), own.physics.formula(), true, || places(model, lists, &own.nodes, &own.parameters));
         }
-        let (at, work) = (VectorsAvq::default(), ProgramWork::default());
-        SwitchWatch { parts, at, inputs: Vec::new(), numbers: Vec::new(), work, step: 0, crossings: Vec::new() }
+        watch
+    }
+
+    /// Watches a formula if it has switches, lengths of vectors among them if these are asked for: that of a part by its name, or that of
+    /// a functional, of which changes of a kind and worse are told.
+    pub fn add(
+        &mut self,
+        (name, of_functional): (&str, Option<SwitchKind>),
+        formula: &Arc<Formula>,
+        lengths: bool,
+        places: impl FnOnce() -> Vec<Place>,
+    ) {
+        let known = self.known.entry((Arc::as_ptr(formula), lengths));
+        if let Some(switches) = known.or_insert_with(|| formula.switches(lengths)).clone() {
+            let (name, inputs, numbers) = (name.into(), Vec::new(), Vec::new());
+            self.parts.push(Watched { name, switches, of_functional, places: places(), inputs, numbers });
+        }
     }
 
     /// The start of the run.
     pub fn start(&mut self, start: &StartRecord<f64>, p: &[f64]) {
         if !self.parts.is_empty() {
-            self.at = start.acceleration.point();
+            self.seen = Seen { at: start.acceleration.point(), mu: start.acceleration.unknowns.mu.clone() };
             self.begin(p, start.acceleration.t);
         }
     }
@@ -92,15 +124,16 @@ impl SwitchWatch {
             self.begin(p, step.t);
         }
         for stage in step.stages.iter().filter(|stage| stage.known.is_none()) {
-            let solve = &stage.solve;
-            self.at.a.resize(solve.base.a.len(), 0.0);
-            self.at.v.resize(solve.base.v.len(), 0.0);
-            self.at.q.resize(solve.base.q.len(), 0.0);
-            self.at.set_shifted(&solve.base, solve.equations.residual, &solve.unknowns);
+            let (solve, Seen { at, mu }) = (&stage.solve, &mut self.seen);
+            at.a.resize(solve.base.a.len(), 0.0);
+            at.v.resize(solve.base.v.len(), 0.0);
+            at.q.resize(solve.base.q.len(), 0.0);
+            at.set_shifted(&solve.base, solve.equations.residual, &solve.unknowns);
+            mu.clone_from(&solve.unknowns.mu);
             self.compare(p, solve.t);
         }
-        self.at.v.clone_from(&step.v);
-        self.at.q.clone_from(&step.q);
+        self.seen.at.v.clone_from(&step.v);
+        self.seen.at.q.clone_from(&step.q);
         let end = step.t + step.h;
         self.compare(p, end);
         self.begin(p, end);
@@ -115,48 +148,58 @@ impl SwitchWatch {
 
     fn begin(&mut self, p: &[f64], t: f64) {
         for part in &mut self.parts {
-            write(&self.at, p, t, (part.of_element, &part.dofs, &part.parameters), &mut part.inputs);
+            self.seen.write(&part.places, p, t, &mut part.inputs);
             part.switches.evaluate(&part.inputs, &mut part.numbers, &mut self.work);
         }
     }
 
     fn compare(&mut self, p: &[f64], t: f64) {
-        let SwitchWatch { parts, at, inputs, numbers, work, step, crossings } = self;
+        let SwitchWatch { parts, seen, inputs, numbers, work, step, crossings, .. } = self;
         for part in parts {
-            write(at, p, t, (part.of_element, &part.dofs, &part.parameters), inputs);
+            seen.write(&part.places, p, t, inputs);
             part.switches.evaluate(inputs, numbers, work);
             if !part.switches.change(&part.numbers, numbers) {
                 continue;
             }
             // along the way an element's inertia would cancel its forces: the accelerations stay, unless a switch reads them
             let mut to = inputs.clone();
-            let count: usize = part.dofs.iter().map(Range::len).sum();
-            if part.of_element {
-                to[..count].copy_from_slice(&part.inputs[..count]);
-            }
+            let count = part.places.iter().take_while(|place| matches!(place, Place::A(_))).count();
+            to[..count].copy_from_slice(&part.inputs[..count]);
             part.switches.evaluate(&to, numbers, work);
             let to = if part.switches.change(&part.numbers, numbers) { &to } else { &*inputs };
             let Some(kind) = part.switches.kind(&part.inputs, to) else { continue };
-            match crossings.iter_mut().find(|own| own.part == part.name && own.kind == kind) {
+            let is_functional = part.of_functional.is_some();
+            if part.of_functional == Some(SwitchKind::Jump) && kind == SwitchKind::Kink {
+                continue;
+            }
+            let is_own = |own: &&mut Crossing| (&own.part, own.is_functional, own.kind) == (&part.name, is_functional, kind);
+            match crossings.iter_mut().find(is_own) {
                 Some(own) => own.count += usize::from(std::mem::replace(&mut own.last, *step) != *step),
-                None => crossings.push(Crossing { part: part.name.clone(), kind, step: *step, t, count: 1, last: *step }),
+                None => {
+                    let (part, step) = (part.name.clone(), *step);
+                    crossings.push(Crossing { part, is_functional, kind, step, t, count: 1, last: step });
+                }
             }
         }
     }
 }
 
-fn write(
-    at: &VectorsAvq<f64>,
-    p: &[f64],
-    t: f64,
-    (of_element, dofs, parameters): (bool, &[Range<usize>], &Range<usize>),
-    inputs: &mut Vec<f64>,
-) {
-    inputs.clear();
-    let lists = [&at.a, &at.v, &at.q];
-    for list in if of_element { &lists[..] } else { &lists[1..] } {
-        dofs.iter().for_each(|own| inputs.extend_from_slice(&list[own.clone()]));
+fn places(model: &Model, lists: &[fn(usize) -> Place], nodes: &[NodeId], parameters: &Range<usize>) -> Vec<Place> {
+    let dofs = || nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone());
+    let state = lists.iter().flat_map(|list| dofs().map(list));
+    state.chain(parameters.clone().map(Place::P)).chain([Place::Time]).collect()
+}
+
+impl Seen {
+    fn write(&self, places: &[Place], p: &[f64], t: f64, inputs: &mut Vec<f64>) {
+        inputs.clear();
+        inputs.extend(places.iter().map(|&place| match place {
+            Place::A(dof) => self.at.a[dof],
+            Place::V(dof) => self.at.v[dof],
+            Place::Q(dof) => self.at.q[dof],
+            Place::Mu(row) => self.mu[row],
+            Place::P(index) => p[index],
+            Place::Time => t,
+        }));
     }
-    inputs.extend_from_slice(&p[parameters.clone()]);
-    inputs.push(t);
 }

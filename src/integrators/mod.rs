@@ -41,7 +41,7 @@ pub use butcher::Butcher;
 pub use checkpoint::{Checkpoint, FactoredAt, KeptFactorization, StepState};
 pub(crate) use counters::Phase;
 pub use counters::{Counters, measure_phases};
-pub use crossings::{Crossing, SwitchWatch};
+pub use crossings::{Crossing, Place, SwitchWatch};
 pub use dividing::march_dividing;
 pub use error::RunError;
 pub use grid::{Clocks, MOST_STEPS, TimeGrid};

@@ -36,6 +36,14 @@ impl Arguments {
     pub fn count(&self) -> usize {
         self.0.iter().map(|(_, count)| count).sum()
     }
+    /// Which of them are of the state of a mechanism: coordinates, their derivatives, multipliers.
+    pub fn of_state(&self) -> Vec<bool> {
+        use ArgumentKind::{Acceleration, Coordinate, Multiplier, Velocity};
+        let of_kind = |&(kind, count): &(ArgumentKind, usize)| {
+            std::iter::repeat_n(matches!(kind, Acceleration | Velocity | Coordinate | Multiplier), count)
+        };
+        self.0.iter().flat_map(of_kind).collect()
+    }
     /// Kinds and numbers.
     pub fn kinds(&self) -> &[(ArgumentKind, usize)] {
         &self.0

@@ -343,6 +343,11 @@ impl Formula {
         })
     }
 
+    /// What its arguments are.
+    pub fn arguments(&self) -> &Arguments {
+        &self.arguments
+    }
+
     /// Looks at the recording.
     pub fn inspect<T>(&self, look: impl FnOnce(&mut Graph, &[Node]) -> T) -> T {
         look(&mut lock(&self.graph), &self.outputs)

@@ -50,13 +50,15 @@ const KINK: f64 = 1e-6;
 const NEAR: [f64; 3] = [1e-9, 1e-6, 1e-3];
 
 impl Formula {
-    /// Its switches that depend on the first `state` arguments; `None` where it has none.
-    pub fn switches(&self, state: usize) -> Option<Switches> {
-        let (sides, nodes) = self.inspect(|graph, outputs| conditions(graph, outputs, state));
+    /// Its switches that depend on coordinates, their derivatives or multipliers, lengths of vectors among them if they are asked for; `None`
+    /// where it has none.
+    pub fn switches(&self, lengths: bool) -> Option<Switches> {
+        let of_state = self.arguments().of_state();
+        let (sides, nodes) = self.inspect(|graph, outputs| conditions(graph, outputs, &of_state, lengths));
         if sides.is_empty() {
             return None;
         }
-        let program = self.dense_program((ProgramKind::Switches, smallvec![state as u32]), 0, |_, _, _| nodes);
+        let program = self.dense_program((ProgramKind::Switches, smallvec![u32::from(lengths)]), 0, |_, _, _| nodes);
         let count = self.inputs;
         let course = self.dense_program((ProgramKind::Course, smallvec![]), count, |graph, x, outputs| {
             let seeds: Vec<(Node, Node)> = x[..count].iter().copied().zip(x[count..].iter().copied()).collect();
@@ -67,12 +69,13 @@ impl Formula {
     }
 }
 
-/// Sides of the switches that results depend on, and the numbers that tell them; of those alone that read one of the first `state` arguments.
-fn conditions(graph: &Graph, outputs: &[Node], state: usize) -> (Vec<Side>, Vec<Node>) {
+/// Sides of the switches that results depend on, and the numbers that tell them; of those alone that read an argument `of_state`.
+fn conditions(graph: &Graph, outputs: &[Node], of_state: &[bool], lengths: bool) -> (Vec<Side>, Vec<Node>) {
     let (needed, mut moves) = (graph.needed(outputs), Vec::new());
     let (mut sides, mut nodes) = (Vec::new(), Vec::new());
     for (place, &operation) in graph.operations().iter().take(needed.len()).enumerate() {
-        let mut any = matches!(operation, Operation::Input(index) if (index as usize) < state);
+        let is_of_state = |index: u32| of_state.get(index as usize).copied().unwrap_or(false);
+        let mut any = matches!(operation, Operation::Input(index) if is_of_state(index));
         operation.for_each_operand(|operand| any |= moves[operand.0 as usize]);
         moves.push(any);
         if !any || !needed[place] {
@@ -95,8 +98,8 @@ fn conditions(graph: &Graph, outputs: &[Node], state: usize) -> (Vec<Side>, Vec<
                     nodes.push(at);
                 }
             }
-            Operation::Unary(Unary::Sqrt, square) => add_length(graph, square, &mut sides, &mut nodes),
-            Operation::Power(square, bits) if f64::from_bits(bits).fract() != 0.0 => {
+            Operation::Unary(Unary::Sqrt, square) if lengths => add_length(graph, square, &mut sides, &mut nodes),
+            Operation::Power(square, bits) if lengths && f64::from_bits(bits).fract() != 0.0 => {
                 add_length(graph, square, &mut sides, &mut nodes);
             }
             _ => {}

@@ -64,7 +64,7 @@ pub struct Forward {
     pub leap: Option<(f64, usize)>,
     /// Of equilibria: whether they stand; gradients at an unstable one are those of a state that no structure keeps.
     pub stability: Option<StabilityCourse>,
-    /// Parts whose formulas pass from one piece to another on the way: behind a jump the gradient is wrong, behind a kink right to first order of
+    /// Parts and functionals whose formulas pass from one piece to another on the way: behind a jump the gradient is wrong, behind a kink right to first order of
     /// the step.
     pub crossings: Vec<Crossing>,
     /// Work done.
@@ -162,7 +162,8 @@ impl<'m> Analysis<'m> {
         let run = self.fingerprint(&signature.laws, &numbers);
         let history = self.keep.history(are_given.then(|| steps.steps()), run)?;
         let values = Values::new(self.functionals, self.model, &self.method.table, &numbers.p);
-        let switches = SwitchWatch::new(self.model);
+        let mut switches = SwitchWatch::new(self.model);
+        self.functionals.iter().for_each(|functional| functional.watch(self.model, &mut switches));
         let mut recorder = Measuring { values, history, observer, switches, p: &numbers.p };
         let problem = self.problem(&numbers);
         let (grid, run) = match &self.control {

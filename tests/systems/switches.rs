@@ -210,3 +210,82 @@ fn a_scene_that_goes_through_the_value_of_a_variable_has_no_gradient() {
         }
     }
 }
+
+/// What is measured of a mass: one at a place beyond 0 and zero before it, the size of the place, or its square.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Seen {
+    Beyond,
+    Size,
+    Square,
+    OfElement,
+}
+
+impl Quantity for Seen {
+    fn dofs(&self) -> usize {
+        1
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
+        match self {
+            Seen::Beyond | Seen::OfElement => S::zero().less(s.q[0]),
+            Seen::Size => s.q[0].abs(),
+            Seen::Square => s.q[0] * s.q[0],
+        }
+    }
+}
+
+impl PointQuantity for Seen {
+    type Element = Law;
+    const NAME: &'static str = "whether a mass is beyond 0";
+    fn at_points<S: Scalar>(&self, _of: &Law, s: State<S>, _p: PointParameters<S>, t: S) -> Vec<PointValue<S>> {
+        vec![PointValue { value: Quantity::value(self, s, &[], &[], t), weight: S::one() }]
+    }
+}
+
+/// A free mass that passes 0, and what is measured of it.
+struct Watched(Seen, Over);
+
+impl Scene for Watched {
+    fn name(&self) -> String {
+        "mass".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        vec![DesignVariable::new("velocity", 2.02, (0.0, 100.0), "m/s")]
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 100)
+    }
+    fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let node = m.coordinates("mass", &[S::from(-0.5)], &[x[0]]);
+        let element = m.element("law", &[node], Law::SineOfAngle, &[S::from(1e9)]);
+        match self.0 {
+            Seen::OfElement => {
+                let group = ElementGroup::new("mass", [element]);
+                m.group_functional("seen", "-", self.1, &group, self.0, &[]);
+            }
+            _ => m.functional("seen", "-", self.1, (&[node], &[]), self.0, &[]),
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_functional_that_jumps_is_told_where_it_reads_the_whole_run() {
+    use SwitchKind::{Jump, Kink};
+    let largest = Over::smooth_maximum(3.0);
+    for (seen, over, told) in [
+        (Seen::Beyond, Over::Integral, Some(Jump)),
+        (Seen::OfElement, Over::Integral, Some(Jump)),
+        (Seen::Beyond, largest, Some(Jump)),
+        (Seen::Size, Over::Integral, Some(Kink)),
+        (Seen::Size, largest, None),
+        (Seen::Square, Over::Integral, None),
+        (Seen::Beyond, Over::Terminal, None),
+    ] {
+        let scene = Watched(seen, over);
+        let prepared = Prepared::new(&scene).expect("sound");
+        let found = prepared.analysis().forward(&prepared.x).expect("runs").crossings;
+        let found: Vec<_> = found.iter().map(|own| (&*own.part, own.is_functional, own.kind, own.step)).collect();
+        let expected: Vec<_> = told.into_iter().map(|kind| ("seen", true, kind, 25)).collect();
+        assert_eq!(found, expected, "{seen:?} {over:?}");
+    }
+}
