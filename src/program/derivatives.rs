@@ -70,6 +70,7 @@ impl Graph {
             }
             Operation::Binary(function, x, y) => match function {
                 Binary::Add => smallvec![(x, One), (y, One)],
+                Binary::Sub if x == y => smallvec![],
                 Binary::Sub => smallvec![(x, One), (y, MinusOne)],
                 Binary::Mul => smallvec![(x, Factor(y)), (y, Factor(x))],
                 Binary::Div => {

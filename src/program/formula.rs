@@ -216,7 +216,7 @@ impl Formula {
         stages: Option<Stages<Recorded>>,
         recording: Recording,
     ) -> Result<Arc<Formula>, String> {
-        let Recording { mut graph, looked, .. } = recording;
+        let Recording { mut graph, looked, undefined, .. } = recording;
         if looked {
             return Err(
                 "its formula looks at the value of a number (Scalar::value, is_constant, is_zero, ==, or its text), and may take another branch \
@@ -224,8 +224,17 @@ impl Formula {
                     .into(),
             );
         }
-        let outputs = results.into_iter().map(|result| result.node(&mut graph)).collect();
-        let stages = stages.map(|stages| stages.nodes(&mut graph));
+        let mut outputs: Vec<Node> = results.into_iter().map(|result| result.node(&mut graph)).collect();
+        let mut stages = stages.map(|stages| stages.nodes(&mut graph));
+        for x in undefined.unseen(&graph, &outputs) {
+            let nought = graph.nought(x);
+            for list in [Some(&mut outputs), stages.as_mut().map(|stages| &mut stages.forces)].into_iter().flatten() {
+                let moving = list.iter().position(|node| graph.constant_of(*node).is_none());
+                if let Some(result) = list.get_mut(moving.unwrap_or(0)) {
+                    *result = graph.add(*result, nought);
+                }
+            }
+        }
         Ok(Self::shared(arguments, outputs, stages, graph))
     }
 

@@ -160,6 +160,14 @@ impl Graph {
         self.mul(x, factor)
     }
 
+    /// x - x that is not folded: 0, or no number where x is infinite or none; it has no derivatives.
+    pub fn nought(&mut self, x: Node) -> Node {
+        match self.constant_of(x) {
+            Some(value) => self.constant(value - value),
+            None => self.push(Operation::Binary(Binary::Sub, x, x)),
+        }
+    }
+
     /// The operand of a negation.
     fn negated(&self, node: Node) -> Option<Node> {
         match self.operation(node) {
@@ -354,6 +362,7 @@ impl Graph {
         match self.operation(node) {
             Operation::Input(_) | Operation::Constant(_) => node,
             Operation::Unary(function, x) => self.unary(function, operand(x)),
+            Operation::Binary(Binary::Sub, x, y) if x == y => self.nought(operand(x)),
             Operation::Binary(function, x, y) => self.binary(function, operand(x), operand(y)),
             Operation::Power(x, bits) => self.power(operand(x), f64::from_bits(bits)),
             Operation::Select([mask, then, otherwise]) => self.select(operand(mask), operand(then), operand(otherwise)),

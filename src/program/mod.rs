@@ -23,6 +23,7 @@ mod operation;
 mod recorded;
 mod running;
 mod switches;
+mod undefined;
 
 pub use arguments::{ArgumentKind, Arguments};
 pub use digest::Digest;

@@ -1,5 +1,6 @@
 use super::graph::Graph;
 use super::operation::{Binary, Node, Unary};
+use super::undefined::Undefined;
 use crate::scalar::{CurveId, Scalar, assign_operators};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -26,6 +27,8 @@ pub struct Recording {
     pub looked: bool,
     /// True if a residual was not written out, but is to follow from energies.
     pub from_energies: bool,
+    /// What was folded to 0 and may be undefined.
+    pub(super) undefined: Undefined,
 }
 
 thread_local! {
@@ -122,11 +125,29 @@ impl Recorded {
         if self.place == CONSTANT && other.place == CONSTANT {
             return Recorded::from(value);
         }
-        Self::made(value, |graph| {
+        let made = Self::made(value, |graph| {
             let (x, y) = (self.node(graph), other.node(graph));
             graph.binary(function, x, y)
-        })
+        });
+        // a factor or numerator 0, or two equal numbers
+        if made.is_known_zero() && matches!(function, Binary::Sub | Binary::Mul | Binary::Div) {
+            folded(function, if self.place == CONSTANT { other } else { self });
+        }
+        made
     }
+}
+
+fn folded(function: Binary, number: Recorded) {
+    RECORDING.with_borrow_mut(|recording| {
+        let Some(Recording { graph, undefined, .. }) = recording else { return };
+        let mut node = Node(number.place);
+        // what is divided by may be 0, too
+        if function == Binary::Div {
+            let one = graph.constant(1.0);
+            node = graph.div(one, node);
+        }
+        undefined.fold(node);
+    });
 }
 
 /// A formula may branch by it: whether two numbers are equal is known of constants alone.
