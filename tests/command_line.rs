@@ -909,10 +909,17 @@ fn a_gradient_behind_a_jump_is_told_and_its_check_does_not_pass() {
     assert!((crossing["t"].as_f64().unwrap() - exact).abs() <= 0.006, "{crossing}");
     assert_eq!((crossing["part"].as_str(), crossing["kind"].as_str()), (Some("clock"), Some("jump")));
     assert_eq!(json(&output)["pass"], false);
+    // nor do runs of their own: the rate is one of pieces
+    let output = folder.run(&["gradient", "wheel.toml", "--check=independent", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert_eq!(json(&output)["pass"], false);
     // slower, it turns back before
-    let output = folder.run(&["gradient", "wheel.toml", "--set", "speed=9", "--check", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert!(json(&output).get("crossings").is_none());
+    for check in ["--check", "--check=independent"] {
+        let output = folder.run(&["gradient", "wheel.toml", "--set", "speed=9", check, "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        assert!(json(&output).get("crossings").is_none());
+        assert_eq!(json(&output)["pass"], true);
+    }
 }
 
 /// A bar on a hinge, heavy or not, that hangs at rest or is brought to rest by a motor at 0.4 s.

@@ -46,6 +46,8 @@ const REVERSED: f64 = -0.9;
 /// Change of results over neighbouring numbers, as a share of their size, that is a jump; and of their slopes.
 const JUMP: f64 = 1e-7;
 const KINK: f64 = 1e-6;
+/// What counts of terms that cancel: times [`JUMP`] their round-off.
+const ROUND_OFF: f64 = 1e-5;
 /// Shares of a step within which a vector may pass zero.
 const NEAR: [f64; 3] = [1e-9, 1e-6, 1e-3];
 
@@ -241,6 +243,19 @@ impl Switches {
         (high > low).then_some((low, high))
     }
 
+    /// The largest change of a result by an argument of its own size: results that cancel have its round-off.
+    fn terms(&self, inputs: &[f64]) -> f64 {
+        let mut results = vec![0.0; self.course.outputs()];
+        let mut terms = 0.0;
+        for (place, &input) in inputs.iter().enumerate() {
+            let direction = (0..inputs.len()).map(|own| if own == place { input } else { 0.0 });
+            let all: Vec<f64> = inputs.iter().copied().chain(direction).collect();
+            self.course.run(&all, &mut results, &mut ProgramWork::default());
+            terms = f64::max(terms, largest(results[results.len() / 2..].iter().copied().filter(|rate| rate.is_finite())));
+        }
+        terms
+    }
+
     fn change_of_results(&self, way: (&[f64], &[f64]), middle: f64, near: f64) -> [[f64; 2]; 2] {
         self.change_between(way, middle - near, middle + near)
     }
@@ -258,7 +273,7 @@ impl Switches {
         let change = |own: std::ops::Range<usize>| largest(own.map(|k| above[k] - below[k]));
         let size = |own: std::ops::Range<usize>| largest(own.flat_map(|k| [above[k], below[k]]));
         let slopes = size(count..2 * count);
-        let values = size(0..count) + slopes;
+        let values = size(0..count) + slopes + ROUND_OFF * self.terms(&at(way, low));
         // slopes that are nothing beside their values are round-off
         [[change(0..count), values], [change(count..2 * count), slopes + KINK * values]]
     }

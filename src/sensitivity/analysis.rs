@@ -409,12 +409,7 @@ impl<'m> Analysis<'m> {
     /// # Errors
     /// Those of the map and of the runs.
     pub fn central_difference(&self, x: &[f64], direction: &[f64], step: f64) -> Result<Vec<f64>, RunError> {
-        let difference = |step: f64| -> Result<Vec<f64>, RunError> {
-            let at = |sign: f64| -> Vec<f64> { x.iter().zip(direction).map(|(x, d)| x + sign * step * d).collect() };
-            let (plus, minus) = (self.values_nearby(&at(1.0))?, self.values_nearby(&at(-1.0))?);
-            Ok(plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * step)).collect())
-        };
-        let (coarse, fine) = (difference(step)?, difference(step / 2.0)?);
+        let (coarse, fine) = (self.central(x, direction, step)?, self.central(x, direction, step / 2.0)?);
         Ok(coarse.iter().zip(fine).map(|(c, f)| (4.0 * f - c) / 3.0).collect())
     }
 

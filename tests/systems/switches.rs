@@ -4,6 +4,7 @@ use costate::integrators::Crossing;
 use costate::prelude::*;
 use costate::program::SwitchKind;
 use costate::scalar::{CurveId, Interpolant};
+use costate::scenes::built_in;
 
 /// m a + f(q) = 0 with one of several laws f.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,6 +132,17 @@ fn what_goes_on_smoothly_is_not_told() {
     for (law, velocity) in smooth {
         let found = crossings(law, velocity);
         assert!(found.is_empty(), "{law:?}: {found:?}");
+    }
+}
+
+#[test]
+fn drives_through_half_a_turn_do_not_jump() {
+    for name in ["universal-shaft", "flexible-four-bar"] {
+        let scenes = built_in::all();
+        let scene = scenes.iter().find(|scene| scene.name() == name).expect("built in");
+        let prepared = Prepared::new(&**scene).expect("sound");
+        let found = prepared.analysis().forward(&prepared.x).expect("runs").crossings;
+        assert!(found.is_empty(), "{name}: {found:?}");
     }
 }
 

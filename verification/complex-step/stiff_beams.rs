@@ -1,7 +1,6 @@
 //! Stiff beams with the default method: what a difference quotient can show, functional by functional.
 
 use super::QUOTIENT;
-use super::quotient::{central, noise, quotients};
 use crate::verification::Report;
 use crate::verification::rounding::SCATTER;
 use costate::design::{DesignMap, ModelNumbers};
@@ -66,7 +65,7 @@ fn of_scene(report: &mut Report, scene: &dyn AnyScene, end: f64, axial: Option<f
     let analysis = prepared.analysis();
     let forward = analysis.forward(&x)?;
     let adjoint = analysis.adjoint(&x, &forward)?;
-    let (quotients, noise) = (quotients(&analysis, &x, &direction)?, noise(&analysis, &x, &direction)?);
+    let (quotients, noise) = (analysis.quotients(&x, &direction)?, analysis.noise(&x, &direction)?);
     let scatter = scatter(&analysis, &x)?;
     let stiffness = axial.map_or(String::new(), |axial| format!(", EA = {axial:.1e} N"));
     for (k, functional) in prepared.functionals().iter().enumerate() {
@@ -86,7 +85,7 @@ fn of_scene(report: &mut Report, scene: &dyn AnyScene, end: f64, axial: Option<f
         report.inform(format!("{name}/EA eps r / L [N]"), rounding);
         report.at_most(format!("{name}/noise by EA eps r / L"), noise[k] / rounding, 10.0);
         for step in SMALL_STEPS {
-            let miss = (central(&analysis, &x, &direction, step)?[k] - slope).abs();
+            let miss = (analysis.central(&x, &direction, step)?[k] - slope).abs();
             report.inform(format!("{name}/step {step:.0e}: difference, relative"), miss / largest);
             report.inform(format!("{name}/step {step:.0e}: EA eps r / L by the step, relative"), rounding / step / largest);
             report.at_most(

@@ -8,7 +8,6 @@ mod cable;
 mod coverage;
 mod measures;
 mod mechanism;
-mod quotient;
 mod reaches;
 mod scenes;
 mod shell;
@@ -21,9 +20,8 @@ use costate::integrators::{
     table_named, tables,
 };
 use costate::scenes::{AnyScene, Prepared, Settings};
-use costate::sensitivity::largest_difference;
+use costate::sensitivity::{Quotient, largest_difference};
 use measures::{Reach, Reads};
-use quotient::Quotient;
 use rayon::prelude::*;
 use scenes::{Case, Subject};
 use shell::ShellSubject;
@@ -293,7 +291,7 @@ fn compare(case: &Case, member: &Member, level: ConstraintLevel) -> Result<Outco
             if left_out { 0.0 } else { f64::from(3 * i).cos() * variable.initial.abs().max(0.1) }
         })
         .collect();
-    let quotients = quotient::quotients(&analysis, &x, &direction)?;
+    let quotients = analysis.quotients(&x, &direction)?;
 
     let reaches = case.reaches();
     let sizes = forward.grid.times.windows(2).map(|ends| ends[1] - ends[0]);

@@ -13,12 +13,12 @@ use crate::io::number;
 use crate::scenes::Prepared;
 use serde_json::{Value, json};
 
-/// A gradient with the complex step beside it, if that was asked for: of each functional by each variable.
+/// A gradient with what it was compared with beside it, if that was asked for: of each functional by each variable.
 pub struct GradientRows<'g> {
     /// By the adjoint.
     pub adjoint: &'g [Vec<f64>],
-    /// By complex step, with relative differences.
-    pub check: Option<[&'g [Vec<f64>]; 2]>,
+    /// In which other way, by that, and relative differences.
+    pub check: Option<(&'g str, [&'g [Vec<f64>]; 2])>,
     /// The verdict in words.
     pub verdict: String,
 }
@@ -127,14 +127,14 @@ impl Page {
     pub fn gradient(&mut self, prepared: &Prepared, gradient: &GradientRows) {
         for (k, functional) in prepared.functionals().iter().enumerate() {
             let mut columns = vec!["variable", "value", "unit", "adjoint"];
-            if gradient.check.is_some() {
-                columns.extend(["complex step", "difference"]);
+            if let Some((way, _)) = gradient.check {
+                columns.extend([way, "difference"]);
             }
             let row = |(i, (variable, &x)): (usize, (&DesignVariable, &f64))| -> Vec<Value> {
                 let mut row = vec![json!(variable.name), json_number(x), json!(variable.unit)];
                 row.push(json!(long_number(gradient.adjoint[k][i]).trim()));
-                if let Some([complex, differences]) = gradient.check {
-                    row.push(json!(long_number(complex[k][i]).trim()));
+                if let Some((_, [other, differences])) = gradient.check {
+                    row.push(json!(long_number(other[k][i]).trim()));
                     row.push(json!(format!("{:.1e}", differences[k][i])));
                 }
                 row
