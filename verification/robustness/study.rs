@@ -7,6 +7,7 @@ mod elastica;
 mod equilibria;
 mod joins;
 mod kills;
+mod laws;
 mod massless;
 mod mechanisms;
 mod mutations;
@@ -14,6 +15,7 @@ mod optima;
 mod program;
 mod random_mechanism;
 mod slender;
+mod switches;
 
 use crate::verification::{Form, Report, Study};
 use std::time::Duration;
@@ -37,6 +39,8 @@ impl Study for Robustness {
         massless::count(report);
         equilibria::count(report)?;
         joins::count(report);
+        laws::count(report, if report.is_long() { 2000 } else { 200 })?;
+        switches::count(report, if report.is_long() { 2000 } else { 200 })?;
         optima::count(report)?;
         breakpoints::count(report, if report.is_long() { 500 } else { 45 });
         at_rest::count(report);
