@@ -3,7 +3,7 @@ mod items;
 mod timing;
 mod user;
 
-use crate::verification::{Clock, Figure, Form, Report, Study, on_one_thread};
+use crate::verification::{Clock, Figure, Form, Report, Study, median, on_one_thread};
 use costate::assembly::{System, SystemOptions};
 use costate::program::{Program, lanes};
 use items::Item;
@@ -33,13 +33,11 @@ impl Study for ElementCost {
 
 /// Figures of derivatives that were written by hand; the file says where they come from.
 const REFERENCE: &str = include_str!("reference.csv");
-/// How much more than its model in the library a user's element may cost: as much as two measurements of the same differ by.
-const AS_MUCH: f64 = 1.05;
 /// Passes over all items: what disturbs one measurement is over in the next pass.
 const PASSES: usize = 4;
 /// Rounds in which a user's element and its model in the library are measured in turn.
 const ROUNDS: usize = 60;
-/// Measurements at most until the least time is below what it is compared with: what disturbs them only adds.
+/// Measurements of the same, of which the median counts.
 const TRIES: usize = 10;
 
 /// Aims for residual and matrix together [us]: one element, and for each of many.
@@ -79,15 +77,9 @@ fn measure(report: &mut Report) -> Result<(), String> {
     }
     for (item, cost) in items.iter().zip(&costs) {
         let Some(reference) = reference(item.name)? else { continue };
-        let mut measured = cost.many;
-        let mut own = measured.times().iter().sum::<f64>();
-        for _ in 1..TRIES {
-            if own > reference {
-                measured = measured.least(timing::through_assembly(item, COPIES));
-                own = measured.times().iter().sum();
-            }
-        }
-        report.at_most(
+        let own = cost.many.times().iter().sum::<f64>();
+        inform(
+            report,
             format!("{}/residual and matrix by those of derivatives written by hand", item.name),
             own / reference,
             1.0,
@@ -142,7 +134,7 @@ fn compare_times(report: &mut Report, user: &Item, model: &Item) {
         let ways = if wide { format!("{} lanes", lanes()) } else { "one lane".into() };
         for ((what, own), other) in PROGRAMS.iter().zip(&own).zip(&other) {
             let ratio = ratio(|| [repeated(own, wide), repeated(other, wide)]);
-            report.at_most(format!("{}/time by that of the library's, {what}, {ways}", user.name), ratio, AS_MUCH);
+            report.inform(format!("{}/time by that of the library's, {what}, {ways}", user.name), ratio);
         }
     }
     for copies in [1, COPIES] {
@@ -155,26 +147,18 @@ fn compare_times(report: &mut Report, user: &Item, model: &Item) {
                     if place == 0 { residual } else { matrix }
                 })
             });
-            report.at_most(
-                format!("{}/time by that of the library's, {what} of {copies} assembled", user.name),
-                ratio,
-                AS_MUCH,
-            );
+            report.inform(format!("{}/time by that of the library's, {what} of {copies} assembled", user.name), ratio);
         }
     }
 }
 
-/// Least time of the first by that of the second, which are measured in turn; again where it is too large, since what disturbs only adds.
+/// Median of the times of the first by those of the second, which are measured in turn.
 fn ratio<'m>(make: impl Fn() -> [Measured<'m>; 2]) -> f64 {
-    let mut best = [f64::INFINITY; 2];
-    for _ in 0..TRIES {
-        let found = least(make(), ROUNDS);
-        best = [best[0].min(found[0]), best[1].min(found[1])];
-        if best[0] <= AS_MUCH * best[1] {
-            break;
-        }
-    }
-    best[0] / best[1]
+    let ratios = (0..TRIES).map(|_| {
+        let [own, other] = least(make(), ROUNDS);
+        own / other
+    });
+    median(ratios.collect())
 }
 
 /// What the programs compute.
