@@ -1030,3 +1030,89 @@ fn a_check_gives_each_functional_its_own_limit() {
         assert!(text(&output.stdout).contains(&format!("{name}: largest relative difference to complex step")), "{name}");
     }
 }
+
+/// A door on thirty hinges.
+const DOOR: &str = r#"
+version = 1
+[settings]
+end = 0.1
+steps = 10
+[[body]]
+name = "door"
+position = [0.5, 0, 0]
+mass = 1
+inertia = [1, 1, 1]
+[[joint]]
+name = "hinge {i}"
+for = { i = { from = 1, to = 30 } }
+type = "revolute"
+between = ["ground", "door"]
+point = [0, 0, "0.1 * {i}"]
+axis = [0, 0, 1]
+[[functional]]
+name = "load"
+type = "reaction_norm"
+joint = "hinge 3"
+over = "terminal"
+"#;
+
+#[test]
+fn many_redundant_equations_are_told_in_few_words_and_what_is_not_determined_is_said() {
+    let folder = Folder::new("door");
+    fs::write(folder.0.join("door.toml"), DOOR).unwrap();
+    let output = folder.run(&["run", "door.toml"]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("145 of 150 equations") && message.contains("and 139 more"), "{message}");
+    assert!(message.lines().all(|line| line.len() < 1000), "{message}");
+    fs::write(folder.0.join("door.toml"), DOOR.replace("steps = 10", "steps = 10\ndrop_redundant = true")).unwrap();
+    let output = folder.run(&["run", "door.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("not determined by the model: how the joints \"hinge 1\""));
+    let said = &json(&output)["not_determined"];
+    assert_eq!((said["joints"].as_array().unwrap().len(), &said["functionals"][0]), (30, &"load".into()), "{said}");
+}
+
+#[test]
+fn files_that_are_no_scenes_are_told_by_what_they_are() {
+    let folder = Folder::new("formats");
+    for (name, content, says) in [
+        ("plate.msh", "$MeshFormat\n4.1 0 8\n", "a mesh of Gmsh"),
+        ("arm.urdf", "<robot name=\"arm\"/>", "a file in XML, as URDF"),
+        ("arm.json", "{\"bodies\": 1}", "JSON"),
+    ] {
+        fs::write(folder.0.join(name), content).unwrap();
+        for name in [name.to_string(), format!("./{name}")] {
+            let output = folder.run(&["run", &name]);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains(says) && message.contains("scene file"), "{message}");
+        }
+    }
+}
+
+#[test]
+fn numbers_without_end_are_printed_in_few_digits() {
+    let folder = Folder::new("digits");
+    let output = folder.run(&["run", "pendulum", "--end", "1e308"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = [text(&output.stdout), text(&output.stderr)].concat();
+    assert!(!said.contains(&"0".repeat(30)), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_for_the_histories_does_not_end_the_simulation() {
+    let folder = Folder::new("full-disk");
+    // files of at most 8 KiB
+    let line = format!(
+        "trap '' XFSZ; ulimit -f 8; {} run pendulum --steps 4000 --no-report --json --out out",
+        env!("CARGO_BIN_EXE_costate")
+    );
+    let output = Command::new("bash").args(["-c", &line]).current_dir(&folder.0).output().unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("histories.csv") && message.contains("the files end there"), "{message}");
+    let whole = folder.run(&["run", "pendulum", "--steps", "4000", "--json", "--out", "whole"]);
+    assert_eq!(json(&output)["functionals"], json(&whole)["functionals"]);
+}

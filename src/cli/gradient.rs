@@ -43,9 +43,9 @@ pub struct GradientOptions {
 /// What a gradient is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum CheckWay {
-    /// Complex-step runs along the states of the real run
+    // along the states of the real run
     ComplexStep,
-    /// Difference quotients of real runs that share nothing with the gradient
+    // by difference quotients of real runs that share nothing with the gradient
     Independent,
 }
 

@@ -13,7 +13,7 @@ use super::report::Page;
 use super::results::{Snapshot, check_folder};
 use super::simulation::{crossings_in_words, crossings_json};
 use super::stability::{Statement, statement};
-use crate::design::DesignVariable;
+use crate::design::{DesignVariable, shortest};
 use crate::history::Keep;
 use crate::integrators::{Crossing, RunError};
 use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
@@ -300,7 +300,7 @@ fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
         optimizer.name(),
         gradient_name(optimization.gradient)
     ));
-    say(format_args!("each design: {}, {steps} over {} s\n", method.table.name, settings.end));
+    say(format_args!("each design: {}, {steps} over {} s\n", method.table.name, shortest(settings.end)));
 }
 
 /// The best design once more: its motion, and where formulas pass from one piece to another.

@@ -130,6 +130,9 @@ impl<'p> CommandLine<'p> {
         }
         let known: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
         let found = self.scenes.iter().find(|scene| scene.name() == name);
+        if found.is_none() && Path::new(name).is_file() {
+            return Ok(FoundScene::File(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?)));
+        }
         found
             .map(|scene| FoundScene::Own(*scene))
             .ok_or_else(|| Failure::input(format!("{}; a scene file is named with .toml", unknown("scene", name, &known))))

@@ -7,6 +7,7 @@ use super::kept_moments::KeptMoments;
 use super::meshes::Meshes;
 use super::motions::{extent, motion};
 use crate::assembly::{Model, Node, NodeId, VectorsAvq};
+use crate::design::shortest;
 use crate::elements::NodeKind;
 use crate::functionals::{Functional, Measured, Sample, StepEnds};
 use crate::history::{Dense, Observer};
@@ -196,7 +197,8 @@ impl<'p> Results<'p> {
         if self.unwritten.is_none() {
             let written = self.histories.row(&self.row);
             let mut meshes = || self.meshes.as_mut().map_or(Ok(()), |meshes| meshes.add(&sample));
-            let place = if self.steps == 0 { "start".into() } else { format!("step {} (t = {t} s)", self.steps) };
+            let place =
+                if self.steps == 0 { "start".into() } else { format!("step {} (t = {} s)", self.steps, shortest(t)) };
             self.unwritten = written.and_then(|()| meshes()).err().map(|error| {
                 Failure::run(format!("{place}: {error}; the files end there: choose a folder on a disk with room (--out)"))
             });

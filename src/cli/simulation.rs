@@ -5,6 +5,7 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{EnergyCourse, Finished, Results, Snapshot, check_folder};
 use super::stability::{self, Statement};
+use crate::design::shortest;
 use crate::functionals::{Extreme, Extremes, Measured, Times};
 use crate::history::{Observer, Usage};
 use crate::integrators::{Counters, Crossing, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
@@ -143,9 +144,9 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
         rule => format!(", Newton's method by the rule \"{}\"", rule.name()),
     };
     if is_static {
-        say(format_args!("{}, equilibria, {steps} up to the load factor {end}{newton}", method.table.name));
+        say(format_args!("{}, equilibria, {steps} up to the load factor {}{newton}", method.table.name, shortest(end)));
     } else {
-        say(format_args!("{}, constraints at {level} level, {steps} over {end} s{newton}", method.table.name));
+        say(format_args!("{}, constraints at {level} level, {steps} over {} s{newton}", method.table.name, shortest(end)));
     }
     if !plan.dropped.is_empty() {
         let names: Vec<_> = plan.dropped.iter().map(|&row| prepared.model().equation_name(row)).collect();
@@ -273,8 +274,9 @@ impl Simulation {
         let mut warnings: Vec<String> = self.error_in_words(prepared).and_then(|error| error.1).into_iter().collect();
         if let Some((t, step)) = self.forward.leap {
             warnings.push(format!(
-                "step {step} (t = {t} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
-                 let the steps be chosen (--tolerance)"
+                "step {step} (t = {} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
+                 let the steps be chosen (--tolerance)",
+                shortest(t)
             ));
         }
         let [_, functionals] = prepared.undetermined();
@@ -292,8 +294,9 @@ impl Simulation {
             if share > StepError::COARSE {
                 warnings.push(format!(
                     "the energy of this scene is constant in an exact motion, but {word} by {:.1} % of the largest kinetic energy until \
-                     t = {t} s: take smaller steps, or a smaller tolerance",
-                    100.0 * share
+                     t = {} s: take smaller steps, or a smaller tolerance",
+                    100.0 * share,
+                    shortest(t)
                 ));
             }
         }
@@ -323,7 +326,7 @@ impl Simulation {
         let StepError { share, step, t, dof, in_velocity } = self.forward.error?;
         let of = if in_velocity { "largest velocity" } else { "model's length" };
         let name = prepared.model().dof_name(dof);
-        let place = format!("step {step} (t = {t} s), {name}{}", if in_velocity { ", velocity" } else { "" });
+        let place = format!("step {step} (t = {} s), {name}{}", shortest(t), if in_velocity { ", velocity" } else { "" });
         let warning = (share > StepError::COARSE).then(|| {
             let steps = prepared.grid.steps();
             let chosen =
@@ -462,7 +465,7 @@ pub fn crossings_in_words(crossings: &[Crossing]) -> Vec<String> {
             }
         };
         let whose = if *is_functional { "the formula of functional" } else { "the formula of" };
-        format!("step {step} (t = {t} s){more}: {whose} \"{part}\" {what} there: {follows}")
+        format!("step {step} (t = {} s){more}: {whose} \"{part}\" {what} there: {follows}", shortest(*t))
     };
     crossings.iter().map(words).collect()
 }

@@ -2,6 +2,7 @@ use super::flat::Flat;
 use super::memory::Listed;
 use super::schedule::split;
 use super::{History, Rerun, Usage};
+use crate::design::shortest;
 use crate::integrators::{Checkpoint, Pause, Recorder, RunError, StartRecord, StepRecord, Stepper, Steps, TimeGrid};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
@@ -105,7 +106,7 @@ impl Checkpoints {
         self.slots = budget.saturating_sub(step_bytes) / checkpoint_bytes;
         if self.slots == 0 {
             return Err(RunError::History {
-                place: format!("step 1 (t = {t} s), checkpoints"),
+                place: format!("step 1 (t = {} s), checkpoints", shortest(t)),
                 cause: format!(
                     "one step and one checkpoint take {} bytes, {budget} are allowed",
                     step_bytes + checkpoint_bytes

@@ -1,6 +1,7 @@
 use super::flat::Flat;
 use super::frames::{ANY_KIND, Damage, HEADER, KIND, PAUSE, Reader, check_place, write_frame};
 use super::{History, Rerun, Usage};
+use crate::design::shortest;
 use crate::integrators::{Pause, Recorder, Replay, RunError, StartRecord, StepRecord, Steps, TimeGrid};
 use std::fmt;
 use std::fs::{self, File, TryLockError};
@@ -380,7 +381,7 @@ impl Recorder<f64> for FileHistory {
             (self.steps, self.found) = (number, Some(found));
             return Ok(true);
         }
-        let place = |t: f64| format!("step {number} (t = {t} s)");
+        let place = |t: f64| format!("step {number} (t = {} s)", shortest(t));
         self.append_frame(number as u64, step).map_err(|cause| self.unwritten(place(step.t), &cause))?;
         (self.steps, self.steps_end) = (number, self.bytes);
         Ok(true)
@@ -539,7 +540,7 @@ mod tests {
             let mut history = FileHistory::writing(&path, 7, Box::new(Disk { file, room })).unwrap();
             history.start(start()).unwrap();
             let error = (0..10).find_map(|index| history.step(&step(index)).err()).unwrap().to_string();
-            let place = format!("step {} (t = {} s), history file {}", steps + 1, step(steps).t, path.display());
+            let place = format!("step {} (t = {} s), history file {}", steps + 1, shortest(step(steps).t), path.display());
             assert!(error.starts_with(&place) && error.contains("cannot be written"), "{error}");
             assert_eq!(error.contains(&format!("the {steps} steps before it stay readable in")), steps > 0, "{error}");
             // nothing more is written behind a gap

@@ -1,5 +1,6 @@
 use super::flat::Flat;
 use super::{History, Rerun, Usage};
+use crate::design::shortest;
 use crate::integrators::{Recorder, RunError, StartRecord, StepRecord, Steps};
 use crate::scalar::Scalar;
 
@@ -83,7 +84,7 @@ impl Recorder<f64> for MemoryWithin {
         let steps = self.memory.steps.len() + 1;
         if steps.saturating_mul(self.step_bytes) > self.most {
             return Err(RunError::History {
-                place: format!("step {steps} (t = {} s), memory", step.t),
+                place: format!("step {steps} (t = {} s), memory", shortest(step.t)),
                 cause: format!("{steps} steps of {} bytes take more than the {} bytes allowed", self.step_bytes, self.most),
                 hint: "keep the run in a file, or as checkpoints".into(),
             });

@@ -15,8 +15,9 @@ pub fn clock_at<S: RunScalar>(clocks: &Clocks<S>, step: usize) -> Option<Clock<S
 /// Why there is no derivative where breakpoints coincide.
 pub fn moved_apart(t: f64) -> String {
     format!(
-        "at t = {t} s breakpoints of several loads or drivers coincide which the design moves apart: to either side steps are laid in another way, \
-         so that there is no derivative; take a design in which they are apart, or make them the same number"
+        "at t = {} s breakpoints of several loads or drivers coincide which the design moves apart: to either side steps are laid in another way, \
+         so that there is no derivative; take a design in which they are apart, or make them the same number",
+        shortest(t)
     )
 }
 

@@ -4,6 +4,7 @@ use crate::assembly::{
     Adjoints, ConstraintPart, Equations, Force, Jacobian, Level, NodeBars, ProductBars, ProductPoint, Products, Residual,
     StageSystem, System, Unknowns, Variational, VectorsAvq,
 };
+use crate::design::shortest;
 use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
 use crate::linalg::{Factorization, Singular, SolverPlan, TransposedSolution};
 use smallvec::SmallVec;
@@ -448,7 +449,7 @@ impl<'m> TransposedSolver<'m> {
     }
 
     fn singular_at(&self, Singular { unknown }: Singular, t: f64) -> RunError {
-        singular_named(self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {t} s"))
+        singular_named(self.system.unknown_name(unknown, &self.jacobian), &format!("adjoint at t = {} s", shortest(t)))
     }
 }
 

@@ -563,6 +563,45 @@ fn a_functional_without_a_derivative_is_told() {
     assert_eq!(forward.values, [0.0]);
     for gradient in [analysis.adjoint(x, &forward), analysis.tangent(x, &forward)] {
         let error = gradient.expect_err("a gradient that is no number").to_string();
-        assert_says(&error, &["\"root of its place\"", "by variable ", "has none at a state", "leave the functional out"]);
+        assert_says(&error, &["\"root of its place\"", "by variable \"", "has none at a state", "leave the functional out"]);
     }
+}
+
+/// Looks for a coordinate that it does not have.
+struct OutOfRange;
+
+impl Element for OutOfRange {
+    fn nodes(&self) -> Vec<NodeKind> {
+        vec![NodeKind::Coordinates(2)]
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, _p: &[S], _t: S, r: &mut [S]) {
+        r[0] += s.a[0] + s.q[2];
+        r[1] += s.a[1];
+    }
+}
+
+/// A scene with it.
+struct Beyond;
+
+impl Scene for Beyond {
+    fn name(&self) -> String {
+        "beyond".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::new(1.0, 10)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let node = m.coordinates("mass", &[S::zero(); 2], &[S::zero(); 2]);
+        m.element("finger", &[node], OutOfRange, &[]);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_formula_that_panics_is_told_by_the_name_of_its_part() {
+    let error = Prepared::new(&Beyond).map(|_| ()).expect_err("an index out of range").to_string();
+    assert_says(&error, &["\"finger\"", "its formula panics", "index out of bounds"]);
 }
