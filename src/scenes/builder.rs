@@ -1,5 +1,6 @@
 mod beams;
 mod cables;
+mod carriers;
 mod forces;
 mod free_mesh;
 mod functionals;
@@ -7,6 +8,7 @@ mod groups;
 mod joints;
 mod loads;
 mod mesh_gaps;
+mod mortar;
 mod outlined;
 mod rolling;
 mod shell_joining;
@@ -16,6 +18,7 @@ mod shells;
 mod surface_mesh;
 mod surface_search;
 mod thin_walls;
+mod ties;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
@@ -35,7 +38,7 @@ use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, 
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// A line of the picture of the motion, through points that move with nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,6 +83,8 @@ pub struct MechanismBuilder<S> {
     pub(crate) outlined: Vec<OutlinedLine>,
     /// Shells, for what is shown of them.
     pub(super) shells: Vec<MeshedShell>,
+    /// Nodes that follow faces.
+    ties: HashMap<NodeId, ties::Tied>,
     /// Elements of shells, and the place of gravity among their parameters.
     heavy_shells: Vec<(ElementId, usize)>,
     /// Joint angles with their bodies and axes.
@@ -109,6 +114,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     heavy_cables,
     outlined,
     shells,
+    ties,
     heavy_shells,
     angles,
     names_of_nodes,

@@ -6,7 +6,7 @@ use costate::elements::bodies::{EulerParameterNorm, OrthonormalAxes};
 use costate::elements::joints::{
     AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HeldSlope, HelicalJoint,
     PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion,
-    RevoluteJoint, RigidLink, SphericalJoint, UniversalJoint,
+    RevoluteJoint, RigidLink, SphericalJoint, TiedNode, UniversalJoint,
 };
 use costate::elements::joints::{RollingDisc, RollingSphere};
 use costate::elements::{Constraint, ConstraintPhysics, NodeKind, Nonholonomic, NonholonomicConstraint, TimeFunction};
@@ -290,6 +290,10 @@ pub fn cases() -> Vec<Case> {
                 let point = if b.has_axes() { turned.turn.rotate(POINT_B) - placed.turn.rotate(POINT_B) } else { Vector3::zeros() };
                 turned.shifted(point)
             }));
+        if a == Body {
+            list.push(Case::new(format!("tied {b:?}"), TiedNode { carriers: 1, b }, &[&[1.0], &offset.components()[..], relative].concat(), together)
+                .shows("shift along y", &[1], |placed| placed.shifted(Y * STEP)));
+        }
         list.push(Case::new(format!("{b:?} on line of {a:?}"), PointOnLine { a, b }, &[&points[..], &across].concat(), together.shifted(AXIS * 1.3))
             .shows("any turn and shift along the line", &[], |placed| placed.turned(NORMAL_W, 1.2).shifted(AXIS))
             .shows("shift along u", &[0], |placed| placed.shifted(NORMAL_U * STEP))

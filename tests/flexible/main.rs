@@ -7,3 +7,4 @@ mod joins;
 mod shell_loads;
 mod shell_meshes;
 mod shells;
+mod ties;

@@ -19,6 +19,7 @@ mod revolute;
 mod rigid_link;
 mod rolling;
 mod spherical;
+mod tied_node;
 mod universal;
 
 pub use angle_coordinate::AngleCoordinate;
@@ -40,6 +41,7 @@ pub use revolute::RevoluteJoint;
 pub use rigid_link::RigidLink;
 pub use rolling::{DiscOnPlane, RollingDisc, RollingSphere};
 pub use spherical::SphericalJoint;
+pub use tied_node::TiedNode;
 pub use universal::UniversalJoint;
 
 use super::dyn_layer::instantiate_here;
@@ -47,7 +49,7 @@ use super::{AnyConstraint, Frame, NodeKind, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
-instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
+instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, TiedNode, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
 pub(crate) const POINTS: [Parameter; 6] = [

@@ -119,7 +119,7 @@ impl<S: Scalar> FreeMesh<S> {
             let (number, place, name) = (self.point_number(point), shown(self.value_of(point)), face_name(face));
             format!(
                 "point {number} at {place} lies on {name}, {distance:.1e} m from its surface, and is no point of it, so that faces are not joined \
-                 there: divide both sides alike, or let it with coincident = true (with_coincident_points) if it is a slit"
+                 there: divide both sides alike, or let it with coincident = true (with_coincident_points) if it is a slit or a tie closes it"
             )
         };
         // the sides of a slit between edges of different lengths, which curved ones do not lie on

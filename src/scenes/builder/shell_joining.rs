@@ -9,7 +9,7 @@ use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::collections::HashMap;
 
 /// What divides neighbours otherwise is told with this remedy.
-const REMEDY: &str = "divide both sides alike, so that all nodes there are common ones";
+const REMEDY: &str = "divide both sides alike, so that all nodes there are common ones, or tie the edge instead (tie)";
 
 /// Shells that a mesh is to be joined to.
 struct Neighbours<'s> {
@@ -123,7 +123,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         };
         format!(
             "is to be joined to \"{name}\", but no node of its edges stands where one of \"{name}\" does: the nearest are its {} at {} and \
-             \"{}\", {distance:.3e} m apart, and up to {:.1e} m are one place",
+             \"{}\", {distance:.3e} m apart, and up to {:.1e} m are one place; a tie follows faces between their nodes",
             mesh.node_name(point),
             shown(free.value_of(point)),
             self.model.nodes[node.0].name,

@@ -41,15 +41,16 @@ pub(super) struct PlacedFace {
     pub nodes: SmallVec<[Point; MOST_NODES]>,
 }
 
-/// The face that a point is nearest to.
+/// The face that a point is nearest to, and the place (r, s) on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foot {
     pub face: usize,
+    pub at: [f64; 2],
     pub distance: f64,
 }
 
 /// Shape functions of a face and their derivatives at (r, s): differences of polynomials of second degree are exact.
-fn shape_functions(shape: &FaceShape, [r, s]: [f64; 2]) -> [SmallVec<[f64; MOST_NODES]>; 3] {
+pub(super) fn shape_functions(shape: &FaceShape, [r, s]: [f64; 2]) -> [SmallVec<[f64; MOST_NODES]>; 3] {
     let n = |dr: f64, ds: f64| (shape.values)(r + dr, s + ds);
     let half = |after: SmallVec<[f64; MOST_NODES]>, before: SmallVec<[f64; MOST_NODES]>| {
         after.iter().zip(&before).map(|(a, b)| 0.5 * (a - b)).collect()
@@ -63,11 +64,11 @@ fn combine(weights: &[f64], nodes: &[Point]) -> Point {
 }
 
 impl PlacedFace {
-    fn is_triangle(&self) -> bool {
+    pub fn is_triangle(&self) -> bool {
         self.shape.corners == 3
     }
     /// The nearest place in the domain of the face.
-    fn inside(&self, [r, s]: [f64; 2]) -> [f64; 2] {
+    pub fn inside(&self, [r, s]: [f64; 2]) -> [f64; 2] {
         if !self.is_triangle() {
             return [r.clamp(-1.0, 1.0), s.clamp(-1.0, 1.0)];
         }
@@ -76,7 +77,7 @@ impl PlacedFace {
         let sum = (r + s).max(1.0);
         [r / sum, s / sum]
     }
-    fn box_around(&self) -> [Point; 2] {
+    pub fn box_around(&self) -> [Point; 2] {
         let bound = |axis: usize, pick: fn(f64, f64) -> f64, from| self.nodes.iter().map(|node| node[axis]).fold(from, pick);
         let all = |pick, from| [bound(0, pick, from), bound(1, pick, from), bound(2, pick, from)];
         let (least, most) = (all(f64::min, f64::INFINITY), all(f64::max, f64::NEG_INFINITY));
@@ -84,19 +85,21 @@ impl PlacedFace {
         let bulge = 0.1 * length(minus(most, least));
         [least.map(|own| own - bulge), most.map(|own| own + bulge)]
     }
-    /// Distance of a point: by Gauss and Newton's method from places all over the face, kept inside.
-    fn distance(&self, point: Point) -> f64 {
+    /// The place nearest to a point and its distance: by Gauss and Newton's method from places all over the face, kept inside.
+    fn foot(&self, point: Point) -> ([f64; 2], f64) {
         let starts: &[[f64; 2]] = match self.is_triangle() {
             true => &[[1.0 / 3.0, 1.0 / 3.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
             false => &[[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
         };
-        let mut nearest = f64::INFINITY;
+        let mut nearest = (starts[0], f64::INFINITY);
         for &start in starts {
             let mut at = start;
             for _ in 0..CORRECTIONS {
                 let [own, first, second] = shape_functions(self.shape, at).map(|weights| combine(&weights, &self.nodes));
                 let gap = minus(own, point);
-                nearest = nearest.min(length(gap));
+                if length(gap) < nearest.1 {
+                    nearest = (at, length(gap));
+                }
                 let tangents = [first, second];
                 let [[a, b], [_, d]] = tangents.map(|first| tangents.map(|second| dot(first, second)));
                 let (r, s) = (dot(gap, tangents[0]), dot(gap, tangents[1]));
@@ -161,11 +164,27 @@ impl Surfaces {
         };
         let mut found: Option<Foot> = None;
         for &face in listed.filter(|&&face| is_wanted(face) && is_near(face)) {
-            let distance = self.faces[face].distance(point);
+            let (at, distance) = self.faces[face].foot(point);
             if distance <= self.reach && found.is_none_or(|own| distance < own.distance) {
-                found = Some(Foot { face, distance });
+                found = Some(Foot { face, at, distance });
             }
         }
         found
+    }
+    /// The nearest of all feet on faces that are wanted, however far away.
+    pub fn nearest_of_all(&self, point: Point, is_wanted: impl Fn(usize) -> bool) -> Option<Foot> {
+        let foot = |face: usize| {
+            let (at, distance) = self.faces[face].foot(point);
+            Foot { face, at, distance }
+        };
+        (0..self.faces.len()).filter(|&face| is_wanted(face)).map(foot).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+    /// Its faces.
+    pub fn faces(&self) -> &[PlacedFace] {
+        &self.faces
+    }
+    /// How far away points find them \[m\].
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 }

@@ -1,10 +1,10 @@
 //! Entries of a file as calls of the builder.
 
 use super::build_functionals::functional;
-use super::build_members::{beam, cable, group, laminate, section, shell, thin_walls};
+use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
 use super::build_soft_joints::soft_joint;
-use super::known::{Found, Known, Made, count, frame, list, text};
+use super::known::{Found, Known, Made, count, fixed, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::{ConstraintId, NodeId};
@@ -55,13 +55,13 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
         },
         "rigid_interface" => {
             let body = known.node(fields, "body", m)?;
-            let mut nodes = Vec::new();
-            for (at, value) in list(fields, "nodes") {
-                if let Value::Node(place) = value {
-                    nodes.extend(known.nodes_at(at, place, m)?);
-                }
-            }
+            let nodes = node_sets(known, fields, m)?;
             m.rigid_interface(name, body, &nodes);
+            Ok(Made::Nothing)
+        }
+        "tie" => {
+            let nodes = node_sets(known, fields, m)?;
+            m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
             Ok(Made::Nothing)
         }
         "driver" => driver(known, name, fields, m),
@@ -84,6 +84,17 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
         "functional" => functional(known, name, fields, m),
         other => Err(Mistake::new(fields.at, format!("nothing builds a {other}"))),
     }
+}
+
+/// All nodes of the key `nodes`.
+fn node_sets<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Found<Vec<NodeId>> {
+    let mut nodes = Vec::new();
+    for (at, value) in list(fields, "nodes") {
+        if let Value::Node(place) = value {
+            nodes.extend(known.nodes_at(at, place, m)?);
+        }
+    }
+    Ok(nodes)
 }
 
 /// Three or six numbers of an inertia tensor.

@@ -272,10 +272,10 @@ pub(super) fn cable<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     Ok(Made::Cable(cable))
 }
 
-/// Shells that the key `joined` names, a list of those of each entry.
-pub(super) fn joined<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields) -> Vec<Vec<&'k MeshedShell>> {
+/// Shells that a key names, a list of those of each entry.
+pub(super) fn shells_named<'k, S: Scalar>(known: &'k Known<S>, fields: &Fields, key: &str) -> Vec<Vec<&'k MeshedShell>> {
     let mut others: Vec<Vec<&MeshedShell>> = Vec::new();
-    for (_, value) in list(fields, "joined") {
+    for (_, value) in list(fields, key) {
         let (Value::Item(item) | Value::Group(item, _)) = value else { continue };
         others.push(match &known.made[*item] {
             Made::Shell(shell) => vec![shell],
@@ -326,7 +326,7 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
     if flag(fields, "coincident", false) {
         mesh = mesh.with_coincident_points();
     }
-    mesh = m.joined_to_each(mesh, &joined(known, fields));
+    mesh = m.joined_to_each(mesh, &shells_named(known, fields, "joined"));
     for (at, value) in list(fields, "held") {
         let Value::Fields(own) = value else { continue };
         let [i, j] = counts(own, "place").unwrap_or([0; 2]);

@@ -1,7 +1,7 @@
 //! Shells on meshes of a file.
 
 use super::build::Builder;
-use super::build_members::joined;
+use super::build_members::shells_named;
 use super::known::{Found, Known, Made, fixed, flag, list, texts};
 use super::meshes::{names, nodes_of};
 use super::mistake::Mistake;
@@ -137,7 +137,7 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     if flag(fields, "coincident", false) {
         mesh = mesh.with_coincident_points();
     }
-    mesh = m.joined_to_each(mesh, &joined(known, fields));
+    mesh = m.joined_to_each(mesh, &shells_named(known, fields, "joined"));
 
     // which entry says the section of each face
     let parts: Vec<&Fields> =

@@ -144,7 +144,7 @@ pub(super) fn name_space(section: &str) -> &'static str {
         "variable" | "material" | "section" | "laminate" | "drawing" => {
             SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
         }
-        "joint" | "driver" | "rigid_interface" => "joint",
+        "joint" | "driver" | "rigid_interface" | "tie" => "joint",
         "spring" | "damper" | "force" | "torque" | "distributed_load" | "pressure" => "force",
         "functional" => "functional",
         _ => "member",

@@ -604,6 +604,28 @@ pub(super) const SECTIONS: &[Section] = &[
         ],
     },
     Section {
+        name: "tie",
+        shape: Shape::Listed,
+        doc: "Edges of shells, or other nodes, that follow the faces of shells on which they lie, where nodes do not meet: edges in the mean along \
+              them, so that constant stresses pass exactly; other nodes where they stand.",
+        forms: one_form![
+            NAME,
+            need(
+                "nodes",
+                NodeSets,
+                "what follows: edges of shells, ends of walls, node sets of meshes, nodes; the more finely divided or the shorter \
+                 side"
+            ),
+            need("to", Items(SHELLS), "shells, meshes and walls whose faces they follow"),
+            may(
+                "within",
+                Fixed("m", AtLeastZero),
+                "how far from the faces they may lie: they keep that distance; a millionth of the diagonal of \
+                all of them"
+            ),
+        ],
+    },
+    Section {
         name: "driver",
         shape: Shape::Listed,
         doc: "A prescribed motion.",
