@@ -101,6 +101,9 @@ impl<S> Default for ModelNumbers<S> {
     }
 }
 
+/// A design with its numbers.
+pub type Beside = (Vec<f64>, ModelNumbers<f64>);
+
 /// The map x -> (p, q0, v0).
 ///
 /// Topology must not depend on x; implementations check it and report what changed.
@@ -118,7 +121,7 @@ pub trait DesignMap {
     ///
     /// # Errors
     /// What depends on the design beside numbers.
-    fn beside(&self, x: &[f64], share: f64) -> Result<Option<(Vec<f64>, ModelNumbers<f64>)>, String> {
+    fn beside(&self, x: &[f64], share: f64) -> Result<Option<Beside>, String> {
         let moved: Vec<f64> = x.iter().map(|&x| x + share * if x == 0.0 { 1.0 } else { x.abs() }).collect();
         Ok(self.nearby(&moved).ok().map(|numbers| (moved, numbers)))
     }

@@ -161,6 +161,7 @@ impl Graph {
     }
 
     /// x - x that is not folded: 0, or no number where x is infinite or none; it has no derivatives.
+    #[allow(clippy::eq_op)] // not 0 where the value is infinite or none
     pub fn nought(&mut self, x: Node) -> Node {
         match self.constant_of(x) {
             Some(value) => self.constant(value - value),

@@ -201,7 +201,7 @@ fn solved<S: Scalar>(mut matrix: Vec<Row<S>>, mut right: Row<S>) -> Row<S> {
             let known = right[column];
             right[k] -= matrix[k][column] * known;
         }
-        right[k] = right[k] / matrix[k][k];
+        right[k] /= matrix[k][k];
     }
     right
 }
