@@ -189,7 +189,7 @@ impl Follower<'_> {
             unknown,
             hint: "nothing holds it in equilibrium: give it a support, a joint or a spring".into(),
         })?;
-        point.stability = self.newton.stability(&EQUATIONS);
+        point.stability = self.newton.stability();
         self.load_weight = self.dot(&tangent.q, &tangent.q);
         if self.load_weight == 0.0 {
             return Err(RunError::Input(
@@ -334,7 +334,7 @@ impl Follower<'_> {
                     own.scale(-1.0);
                 }
                 point.slope = own.load * self.load_weight.sqrt();
-                point.stability = self.newton.stability(&EQUATIONS);
+                point.stability = self.newton.stability();
                 return Ok(Trial { point, tangent: own, corrections });
             }
             previous = step;

@@ -4,7 +4,6 @@
 //! (Sylvester's law of inertia). The count takes about as long as one factorization.
 
 use super::newton::Newton;
-use crate::assembly::Equations;
 use crate::elements::RunScalar;
 use crate::linalg::{Inertia, Signs};
 
@@ -63,12 +62,11 @@ impl StabilityCourse {
 
 impl<S: RunScalar> Newton<'_, S> {
     /// Stability of the equilibrium at which the matrix was assembled last.
-    pub(super) fn stability(&self, equations: &Equations) -> Stability {
+    pub(super) fn stability(&self) -> Stability {
         let size = self.system.size();
         let first = self.system.multiplier_places().iter().flatten().min().copied().unwrap_or(size);
         let values = &self.jacobian.values;
-        let Signs { inertia: Inertia { negative, zero, .. }, is_symmetric } =
-            self.factorization.signs(values, first, equations.constraint.alpha);
+        let Signs { inertia: Inertia { negative, zero, .. }, is_symmetric } = self.factorization.signs(values, first, 1.0);
         let constraints = size - first;
         let (negative, neutral) = (negative.saturating_sub(constraints), zero);
         let determinant = (!is_symmetric).then(|| {

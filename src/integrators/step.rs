@@ -358,8 +358,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
 
     /// Whether the equilibrium at the end of the step made last stands; `None` of motions.
     pub(super) fn stability(&self) -> Option<Stability> {
-        let stage = self.record.stages.last().filter(|_| self.method.table.is_static() && S::PARTS == 0)?;
-        Some(self.stage.stability(&stage.solve.equations))
+        (self.method.table.is_static() && S::PARTS == 0).then(|| self.stage.stability())
     }
 
     /// Whether such an equilibrium leads away in more directions than the one before: it may lie on another branch than the path.

@@ -280,7 +280,7 @@ impl Operator<'_> {
         let equations = Equations::stage(StageCoefficients::new(shift, 0.0, 1.0), Level::Position);
         let Operator { newton, base, reactions, t, problem: Problem { p, .. }, .. } = self;
         newton.linearize(StageSystem { equations: &equations, base, p, t: *t }, reactions)?;
-        Ok(newton.stability(&equations))
+        Ok(newton.stability())
     }
 
     /// Searches again, from more vectors, while modes are missing below the last one, or anywhere where fewer were found than asked for.
