@@ -36,7 +36,7 @@ pub enum Reason {
     Iterations,
     /// No better point was found along the search direction: the accuracy of values or gradients is used up.
     Stalled,
-    /// The violation of the constraints has a minimum here that is not zero.
+    /// The violation of the constraints has a minimum here that is not zero, and an optimizer that looks elsewhere found no less.
     Infeasible,
     /// Someone asked to stop.
     Stopped,
@@ -72,7 +72,7 @@ impl fmt::Display for Reason {
             Reason::Creeping => "the objective no longer changes, but the conditions of optimality do not hold",
             Reason::Iterations => "the limit of iterations is reached",
             Reason::Stalled => "no better point along the search direction: the accuracy of values or gradients is used up",
-            Reason::Infeasible => "the constraints cannot be satisfied nearby",
+            Reason::Infeasible => "the constraints cannot be satisfied nearby, nor at points tried throughout the bounds",
             Reason::Stopped => "stopped by request",
             Reason::StartFailed => "there is no gradient at the start",
         })

@@ -8,6 +8,7 @@
 mod conditions;
 mod curvature;
 mod design_program;
+mod escape;
 mod evaluations;
 mod history;
 #[cfg(feature = "nlopt")]

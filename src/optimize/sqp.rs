@@ -2,6 +2,7 @@
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::curvature::{Curvature, dot};
+use super::escape::Escape;
 use super::quadratic::NoStep;
 use super::subproblem::{Direction, Subproblem};
 use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
@@ -11,8 +12,8 @@ use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Valu
 /// promises; otherwise the box shrinks, and after good steps it grows.
 ///
 /// Linearized constraints that contradict each other within the box are given the least violation that they allow, and the price is as
-/// high as it takes to go there (restoration); the end is a minimum of the violation only if no step of the first box lessens it. A step
-/// that curved constraints spoil is corrected once. A point without values is one of infinite merit. Bounds are never left. What ends at a
+/// high as it takes to go there (restoration). Where no step of the first box lessens the violation, the search goes on from a point of less
+/// violation among some that fill the bounds evenly; the end is a minimum of the violation only if there is none. A step that curved constraints spoil is corrected once. A point without values is one of infinite merit. Bounds are never left. What ends at a
 /// point is held against [`Conditions`], which know nothing of the model.
 ///
 /// Source: Powell (1978) (update); Fletcher (1987), section 14.4 (exact penalty in a trust region); Byrd, Nocedal & Waltz (2008),
@@ -102,13 +103,18 @@ impl Optimizer for Sqp {
 
 fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason, NoValue> {
     let mut end = evaluations.accept(&state.x)?;
+    let mut escape = Escape::new(state.x.len());
     while end.is_none() {
         let violation = evaluations.violation(&state.values);
         let satisfied = violation <= evaluations.stopping().violation;
         let conditions = state.conditions(evaluations);
         let direction = state.direction(evaluations, state.reach, &state.values.constraints);
         if !satisfied && state.is_stationary(evaluations, violation) {
-            return Ok(Reason::Infeasible);
+            match state.go_on_elsewhere(evaluations, &mut escape)? {
+                true => end = evaluations.accept(&state.x)?,
+                false => return Ok(Reason::Infeasible),
+            }
+            continue;
         }
         let size = state.values.objective.abs().max(SMALL_OBJECTIVE);
         let small = OPTIMAL_SHARE * evaluations.stopping().change * size;
@@ -124,7 +130,10 @@ fn iterations(evaluations: &mut Evaluations, state: &mut State) -> Result<Reason
                 end = evaluations.accept(&state.x)?;
             }
             None if conditions.hold() => return Ok(Reason::Optimal),
-            None if state.curvature.is_new() => return Ok(Reason::Stalled),
+            None if state.curvature.is_new() => match !satisfied && state.go_on_elsewhere(evaluations, &mut escape)? {
+                true => end = evaluations.accept(&state.x)?,
+                false => return Ok(Reason::Stalled),
+            },
             None => state.forget(),
         }
     }
@@ -137,6 +146,15 @@ impl State {
         let steepest = self.gradients.objective.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
         self.curvature = Curvature::of_size(self.x.len(), (steepest / FIRST_STEP).max(1.0));
         self.reach = FIRST_STEP;
+    }
+
+    /// Begins anew at a point of less violation somewhere within the bounds, if there is one among some that fill these evenly.
+    fn go_on_elsewhere(&mut self, evaluations: &mut Evaluations, escape: &mut Escape) -> Result<bool, NoValue> {
+        let here = (&self.x[..], &self.values, &self.gradients);
+        let Some((x, values, gradients)) = escape.from(evaluations, here, &self.ranges)? else { return Ok(false) };
+        (self.x, self.values, self.gradients, self.price) = (x, values, gradients, PRICES[0]);
+        self.forget();
+        Ok(true)
     }
 
     fn conditions(&self, evaluations: &Evaluations) -> Conditions {

@@ -10,7 +10,7 @@ use costate::optimize::{
 use costate::prelude::*;
 use costate::scalar::Tangents;
 use costate::scenes::built_in::{FiveBar, SliderCrank};
-use costate::scenes::{AnyScene, Sense};
+use costate::scenes::{AnyScene, FileScene, Sense};
 use std::cell::Cell;
 
 /// f and c of a problem, in real numbers and with derivatives along up to eight variables.
@@ -293,6 +293,79 @@ fn the_worst_limit_is_lessened_though_another_one_grows() {
     let optimum = 1.0 - (0.1_f64 / 15.0).powf(0.125);
     assert!(ended.reason.is_optimum() && (best.x[0] - optimum).abs() < 1e-5, "{:?}: {} {optimum}", ended.reason, best.x[0]);
     assert!(ended.evaluations <= 25, "{}", ended.evaluations);
+}
+
+/// Of `n` variables between 0 and 1: the square of the distance from 0.2 at least, within a ball of radius 0.15 about 0.8 or, in front of it,
+/// nowhere: around 0.2 the violation has a minimum of its own. The first two variables are equal by a linear constraint.
+struct Hollow {
+    n: usize,
+    points: Vec<Vec<f64>>,
+}
+
+impl NonlinearProgram for Hollow {
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        vec![(0.0, 1.0); self.n]
+    }
+    fn constraints(&self) -> Vec<ConstraintKind> {
+        [vec![ConstraintKind::AtMostZero], vec![ConstraintKind::Equality; usize::from(self.n > 1)]].concat()
+    }
+    fn linear_from(&self) -> usize {
+        1
+    }
+    fn values(&mut self, y: &[f64]) -> Result<Values, NoValue> {
+        self.points.push(y.to_vec());
+        let square = |from: f64| y.iter().map(|y| (y - from).powi(2)).sum::<f64>();
+        let limit = (20.0 * (square(0.8) - 0.15 * 0.15)).min(0.5 + 2.0 * square(0.2));
+        Ok(Values {
+            objective: 1.0 + square(0.2),
+            constraints: [vec![limit], y[1..].iter().take(1).map(|y1| y1 - y[0]).collect()].concat(),
+        })
+    }
+    fn gradients(&mut self, y: &[f64]) -> Result<Gradients, NoValue> {
+        let square = |from: f64| y.iter().map(|y| (y - from).powi(2)).sum::<f64>();
+        let slopes = |from: f64, factor: f64| y.iter().map(|y| 2.0 * factor * (y - from)).collect::<Vec<f64>>();
+        let is_near = 20.0 * (square(0.8) - 0.15 * 0.15) < 0.5 + 2.0 * square(0.2);
+        let limit = if is_near { slopes(0.8, 20.0) } else { slopes(0.2, 2.0) };
+        let equal: Vec<f64> = (0..self.n).map(|i| [-1.0, 1.0].get(i).copied().unwrap_or(0.0)).collect();
+        let rows = if self.n > 1 { vec![limit, equal] } else { vec![limit] };
+        Ok(Gradients { objective: slopes(0.2, 1.0), constraints: rows })
+    }
+}
+
+/// The optimum is where the ball is nearest to 0.2: 0.15 from 0.8 along the diagonal.
+#[test]
+fn a_least_violation_that_is_not_zero_is_left_for_a_design_that_keeps_the_limits() {
+    for (n, most) in [(1, 40), (2, 60), (3, 100)] {
+        for start in [0.1, 0.2, 0.35] {
+            let mut hollow = Hollow { n, points: Vec::new() };
+            let ended = minimize(&Sqp, &mut hollow, &vec![start; n], Stopping::default()).unwrap();
+            let best = ended.best.unwrap();
+            let name = format!("{n} variables from {start}: {}, {} evaluations, {best:?}", ended.reason, ended.evaluations);
+            let distance = (n as f64).sqrt() * 0.6 - 0.15;
+            assert!(ended.reason.is_optimum() && ended.conditions.unwrap().hold(), "{name}");
+            assert!((best.values.objective - 1.0 - distance * distance).abs() < 1e-4, "{name}");
+            assert!(ended.evaluations <= most, "{name}");
+            // linear constraints that hold stay so, wherever points are tried
+            assert!(n == 1 || hollow.points.iter().all(|y| (y[1] - y[0]).abs() < 1e-6), "{name}");
+        }
+    }
+}
+
+/// A four-bar whose coupler is as light as its stress allows: of thin ones the stress has minima in between that are too high. Public reports
+/// of another program had these starts.
+#[test]
+fn a_coupler_ends_at_a_thickness_that_keeps_all_stresses() {
+    let scene = FileScene::parse("four-bar.toml", include_str!("four-bar.toml")).expect("sound");
+    let optimization = Optimization::of(&scene).unwrap();
+    for thickness in [0.003, 0.005] {
+        let optimized = optimization.run(&Sqp, &[thickness], &mut ()).unwrap();
+        let (best, reason) = (optimized.history.best().unwrap(), optimized.ended.reason);
+        let name = format!("from {thickness}: {reason}, {} designs, {best:?}", optimized.history.points.len());
+        assert!(reason.is_optimum() && best.violation <= 1e-6, "{name}");
+        // both optima that other starts find
+        let known = [0.006_304_8, 0.007_028_9].iter().any(|optimum| (best.design[0] - optimum).abs() < 1e-6);
+        assert!(known && optimized.history.points.len() <= 25, "{name}");
+    }
 }
 
 /// HS 13 has its optimum at a cusp of what is allowed, where no conditions of optimality hold; the others have theirs at corners and
