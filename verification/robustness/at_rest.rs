@@ -78,7 +78,7 @@ pub fn count(report: &mut Report) {
     }
     report.inform("at rest/right", f64::from(right));
     report.inform("at rest/right, with a warning about the motion to the rest", f64::from(warned));
-    report.inform("at rest/ended by an error", f64::from(errors));
+    report.at_most("at rest/ended by an error", f64::from(errors), 0.0);
     report.at_most("at rest/wrong", f64::from(wrong), 0.0);
 }
 

@@ -77,6 +77,22 @@ impl<S: RunScalar> Newton<'_, S> {
         step <= NOTHING || moves && self.displacement(equations, step) <= UNSEEN
     }
 
+    /// Whether corrections of multipliers, in the scale of the matrix, are zero in the scales of the model beside those of coordinates that
+    /// are: a force of that size would move none of them as far as any state could show. Reactions of what comes to rest without a load have
+    /// no size of their own.
+    pub(super) fn is_no_reaction(&mut self, equations: &Equations, reaction_step: f64, step: f64) -> bool {
+        if equations.residual.alpha == 0.0 || !self.is_nothing(equations, step) {
+            return false;
+        }
+        // scales of coordinates: an entry of theirs on the diagonal is of order 1, and so is that of a multiplier in their rows
+        let Newton { exact, factorization, system, coordinate_scales, .. } = self;
+        exact.copy_from_slice(factorization.scales());
+        system.places_of_multipliers().for_each(|places| exact[places].fill(0.0));
+        let lever = coordinate_scales.iter().fold(1.0, |most: f64, &scale| most.max(scale));
+        let largest = exact.iter().fold(0.0, |most: f64, &scale| most.max(scale));
+        self.displacement(equations, reaction_step * largest * lever) <= UNSEEN
+    }
+
     /// For a projection: the factor from its unknowns to the projected state, and the size of that state.
     pub(super) fn projected_size(&self, StageSystem { equations, base, .. }: StageSystem<S>) -> Option<(f64, f64)> {
         let largest = |values: &[S]| self.size(values).max(f64::MIN_POSITIVE);

@@ -122,7 +122,9 @@ impl<S: RunScalar> Newton<'_, S> {
                 Some(moved) => moved * share <= 0.25 * f64::EPSILON,
                 None => step * share <= ROUND_OFF * scale,
             } || self.is_nothing(equations, step);
-            let reactions_settle = reaction_step * reaction_share <= ROUND_OFF * reactions || reaction_step <= NOTHING;
+            let reactions_settle = reaction_step * reaction_share <= ROUND_OFF * reactions
+                || reaction_step <= NOTHING
+                || self.is_no_reaction(equations, reaction_step, step);
             let is_round_off = |Floor { corrections: [floor, reaction_floor], .. }: Floor| {
                 let reaction = reaction_step * reaction_share <= reaction_floor || reaction_step <= 2.0 * reaction_floor;
                 (settled || step * share <= floor || step <= 2.0 * floor, reactions_settle || reaction)
