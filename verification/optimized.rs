@@ -12,11 +12,23 @@ pub const DIFFERENCES: GradientBy = GradientBy::Difference { share: 0.01 };
 
 /// Solves a scene's own problem from its own design.
 pub fn optimize(scene: &dyn AnyScene, steps: usize, gradient: GradientBy, iterations: usize) -> Result<Optimized, RunError> {
+    let initial = Optimization::of(scene)?.initial();
+    optimize_from(&initial, scene, steps, gradient, iterations)
+}
+
+/// The same from another design.
+pub fn optimize_from(
+    start: &[f64],
+    scene: &dyn AnyScene,
+    steps: usize,
+    gradient: GradientBy,
+    iterations: usize,
+) -> Result<Optimized, RunError> {
     let mut optimization = Optimization::of(scene)?;
     optimization.settings.steps = steps;
     optimization.gradient = gradient;
     optimization.stopping.iterations = iterations;
-    optimization.run(&Sqp, &optimization.initial(), &mut ())
+    optimization.run(&Sqp, start, &mut ())
 }
 
 /// Time of all simulations and gradients [s].
