@@ -130,12 +130,12 @@ mod tests {
         for n in [1, 2, 3] {
             let mut escape = Escape::new(n);
             let (bounds, x, ranges) = (vec![(1.0, 3.0); n], vec![1.5; n], vec![2.0; n]);
-            let points: Vec<Vec<f64>> = (0..60).map(|_| escape.next(&bounds, &x, &ranges)).collect();
+            let points: Vec<Vec<f64>> = (0..600).map(|_| escape.next(&bounds, &x, &ranges)).collect();
             for i in 0..n {
                 let places = points.iter().map(|point| ((point[i] - 1.0) * 3.0) as usize);
                 let mut counts = [0; 6];
                 places.for_each(|place| counts[place] += 1);
-                assert!(counts.iter().all(|count| (8..=12).contains(count)), "{n}: {counts:?}");
+                assert!(counts.iter().all(|count| (94..=106).contains(count)), "{n}: {counts:?}");
             }
         }
     }
