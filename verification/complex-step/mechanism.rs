@@ -44,6 +44,16 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
         Universal => m.universal(name, both, elbow, [axis, axis.perpendiculars()[0]]),
         Helical => m.helical(name, both, elbow, axis, S::from(0.8)),
         RigidLink(_) => m.rigid_link(name, both),
+        TiedNode => {
+            let weights = [0.6, 0.4].map(S::from);
+            let start = m.rotation(both[0]);
+            let mean = m.position(both[0]) * weights[0] + m.position(third) * weights[1];
+            let offset = start.rotate_back(m.position(both[1]) - mean).components();
+            let relative = start.conjugate().times(m.rotation(both[1])).0;
+            let p: Vec<S> = weights.into_iter().chain(offset).chain(relative).collect();
+            let tied = joints::TiedNode { carriers: 2, b: NodeKind::Body };
+            m.constraint(name, &[both[0], third, both[1]], tied, &p)
+        }
         PointOnLine(_) => m.point_on_line(name, both, held, axis),
         PointInPlane(_) => m.point_in_plane(name, both, held, axis),
         RackAndPinion => {
@@ -170,9 +180,11 @@ impl Case {
             m.rigid_body("link", link, S::from(0.6), at([-0.03, 0.06, 0.02]), inertia);
             link
         };
-        // gears and racks have a third body, on the other side of the arm
-        let third = geared.then(|| {
-            let third = m.body("third", place([-0.3, 0.4, 0.2]), whole.times(arm_rotation));
+        // gears and racks have a third body, on the other side of the arm, and so has what two bodies carry
+        let tied = matches!(self.kind(), TiedNode);
+        let third = (geared || tied).then(|| {
+            let rotation = if tied { arm_rotation } else { whole.times(arm_rotation) };
+            let third = m.body("third", place([-0.3, 0.4, 0.2]), rotation);
             m.set_velocity(third, omega.cross(&(m.position(third) - shoulder)), omega);
             let inertia = [0.05, 0.07, 0.06, 0.008, -0.01, 0.006].map(S::from);
             m.rigid_body("third", third, S::from(0.5), at([0.02, 0.03, -0.04]), inertia);

@@ -49,6 +49,7 @@ impl Case {
             Subject::Force(_, _, f) => [own(3, Force), own(3, Nothing), load(f)].concat(),
             Subject::Torque(_, f) => [own(3, Force), load(f)].concat(),
             Subject::Spherical(of) => with_point(of, 3, 0),
+            Subject::TiedNode => own(9, Geometry),
             Subject::PointOnLine(of) => with_point(of, 3, 6),
             Subject::PointInPlane(of) => with_point(of, 3, 3),
             Subject::RigidLink(of) => own(if *of == NodeKind::Body { 7 } else { 3 }, Geometry),

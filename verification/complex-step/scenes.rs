@@ -49,6 +49,8 @@ pub enum Subject {
     Universal,
     Helical,
     RigidLink(NodeKind),
+    /// A body that two others carry.
+    TiedNode,
     PointOnLine(NodeKind),
     PointInPlane(NodeKind),
     RackAndPinion,
@@ -156,6 +158,7 @@ pub fn list() -> Vec<Case> {
         constraint("helical", Helical, &[]),
         constraint("rigid-link", RigidLink(NodeKind::Body), &[]),
         constraint("rigid-link-point", RigidLink(NodeKind::Point), &[]),
+        constraint("tied-node", TiedNode, &[]),
         constraint("point-on-line", PointOnLine(NodeKind::Body), &[]),
         constraint("point-on-line-point", PointOnLine(NodeKind::Point), &[]),
         constraint("point-in-plane", PointInPlane(NodeKind::Body), &[]),
@@ -251,6 +254,7 @@ impl Case {
                 | Universal
                 | Helical
                 | RigidLink(_)
+                | TiedNode
                 | PointOnLine(_)
                 | PointInPlane(_)
                 | RackAndPinion

@@ -123,6 +123,7 @@ fn joints() -> Vec<Item> {
         constraint("point in plane", BODIES, move || PointInPlane { a, b }),
         constraint("distance", BODIES, move || DistanceJoint { a, b }),
         constraint("rigid link", BODIES, move || RigidLink { a, b }),
+        constraint("tied node", &[Body; 4], move || TiedNode { carriers: 3, b }),
         constraint("driven rotation", BODIES, move || PrescribedRotation { a, b, angle: TimeFunction::ConstantRate }),
         constraint("driven translation", BODIES, move || PrescribedTranslation { a, b, displacement: TimeFunction::Sine }),
         constraint("angle coordinate", &[Body, Body, Coordinates(1)], move || AngleCoordinate { a, b }),
