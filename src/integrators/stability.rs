@@ -66,7 +66,7 @@ impl<S: RunScalar> Newton<'_, S> {
         let size = self.system.size();
         let first = self.system.multiplier_places().iter().flatten().min().copied().unwrap_or(size);
         let values = &self.jacobian.values;
-        let Signs { inertia: Inertia { negative, zero, .. }, is_symmetric } = self.factorization.signs(values, first, 1.0);
+        let Signs { inertia: Inertia { negative, zero, .. }, is_symmetric } = self.factorization.signs(values, first);
         let constraints = size - first;
         let (negative, neutral) = (negative.saturating_sub(constraints), zero);
         let determinant = (!is_symmetric).then(|| {

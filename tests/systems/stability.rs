@@ -2,7 +2,7 @@
 
 use costate::integrators::{ArcLength, StabilityCourse, StepControl, Verdict};
 use costate::prelude::*;
-use costate::scenes::{FileScene, Settings};
+use costate::scenes::{FileScene, Settings, built_in};
 use std::f64::consts::PI;
 
 fn file(text: &str) -> FileScene {
@@ -11,44 +11,8 @@ fn file(text: &str) -> FileScene {
 
 /// A column along x with EI = L = 1 under P along it and a share of P across it.
 fn column(load: f64, side: f64) -> FileScene {
-    file(&format!(
-        r#"
-        version = 1
-        settings = {{ method = "static", steps = 5 }}
-        section.s = {{ type = "beam", axial = 1e6, shear = [1e6, 1e6], torsion = 1, bending = [1, 1], mass = 1, inertia = [1e-6, 1e-6] }}
-        [[beam]]
-        name = "beam"
-        from = [0, 0, 0]
-        to = [1, 0, 0]
-        elements = 8
-        section = "s"
-        second_axis = [0, 1, 0]
-        clamped = "start"
-        [[force]]
-        name = "load"
-        on = "beam.end"
-        direction = [-1, 0, 0]
-        size = {{ type = "constant_rate", rate = {load} }}
-        [[force]]
-        name = "side"
-        on = "beam.end"
-        direction = [0, 1, 0]
-        size = {{ type = "constant_rate", rate = {} }}
-        [[functional]]
-        name = "x"
-        type = "position"
-        on = "beam.end"
-        direction = [1, 0, 0]
-        over = "terminal"
-        [[functional]]
-        name = "y"
-        type = "position"
-        on = "beam.end"
-        direction = [0, 1, 0]
-        over = "terminal"
-        "#,
-        load * side
-    ))
+    let text = include_str!("../../verification/robustness/column.toml");
+    file(&text.replace("LOAD", &format!("{load}")).replace("SIDE", &format!("{}", load * side)))
 }
 
 /// The tip, and what is said of its equilibrium.
@@ -106,6 +70,19 @@ fn a_straight_path_loses_its_stability_at_the_load_of_euler() {
         assert_eq!(point.stability.verdict(), expected, "{}", point.load);
     }
     assert!(path.points.iter().any(|point| point.load > euler));
+}
+
+#[test]
+fn a_truss_on_joints_has_a_symmetric_stiffness_at_every_number_of_load_steps() {
+    let scenes = built_in::all();
+    let scene = scenes.iter().find(|scene| scene.name() == "von-mises-truss").expect("built in");
+    for steps in [1, 3, 4, 10] {
+        let settings = Settings { steps, ..scene.settings() };
+        let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+        let prepared = Prepared::with(&**scene, &x, Prepared::method_of(&settings).unwrap(), settings).unwrap();
+        let end = prepared.analysis().forward(&x).unwrap().stability.expect("of equilibria").end;
+        assert!(end.determinant.is_none() && end.verdict() == Verdict::Stable, "{steps} steps: {end:?}");
+    }
 }
 
 /// A bar that stands on a hinge, held by a torsion spring: K = k - m g l.

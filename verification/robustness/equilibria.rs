@@ -85,43 +85,7 @@ fn verdict(stability: Option<Stability>) -> Option<Verdict> {
 
 /// EI = L = 1, under P along it and H across it.
 fn column(load: f64, side: f64) -> String {
-    format!(
-        r#"
-        version = 1
-        settings = {{ method = "static", steps = 5 }}
-        section.s = {{ type = "beam", axial = 1e6, shear = [1e6, 1e6], torsion = 1, bending = [1, 1], mass = 1, inertia = [1e-6, 1e-6] }}
-        [[beam]]
-        name = "beam"
-        from = [0, 0, 0]
-        to = [1, 0, 0]
-        elements = 8
-        section = "s"
-        second_axis = [0, 1, 0]
-        clamped = "start"
-        [[force]]
-        name = "load"
-        on = "beam.end"
-        direction = [-1, 0, 0]
-        size = {{ type = "constant_rate", rate = {load} }}
-        [[force]]
-        name = "side"
-        on = "beam.end"
-        direction = [0, 1, 0]
-        size = {{ type = "constant_rate", rate = {side} }}
-        [[functional]]
-        name = "x"
-        type = "position"
-        on = "beam.end"
-        direction = [1, 0, 0]
-        over = "terminal"
-        [[functional]]
-        name = "y"
-        type = "position"
-        on = "beam.end"
-        direction = [0, 1, 0]
-        over = "terminal"
-        "#
-    )
+    include_str!("column.toml").replace("LOAD", &format!("{load}")).replace("SIDE", &format!("{side}"))
 }
 
 /// Where the tip stands: theta'' = -(P sin theta + H cos theta), theta(0) = 0, theta'(1) = 0, by shooting from the tip, whose angle is the

@@ -18,18 +18,16 @@ const SYMMETRIC: f64 = 1e-8;
 const MOST_UNKNOWNS: usize = 600;
 
 impl Factorization {
-    /// Signs of the symmetric part of the values, in the scales of what was factored last, whose columns from `first` on are multiplied by
-    /// a factor: of [K, A^T; c A, 0] by c.
-    pub fn signs(&self, values: &[f64], first: usize, factor: f64) -> Signs {
-        let (size, by) = (self.pattern.size, |column: usize| if column < first { 1.0 } else { factor });
+    /// Signs of the symmetric part of the values, in the scales of what was factored last, from `first` on those of multipliers.
+    pub fn signs(&self, values: &[f64], first: usize) -> Signs {
         let scale = |i: usize| if i < first { self.scaling.columns[i] } else { self.scaling.rows[i] };
         let mut symmetric = vec![0.0; values.len()];
         let mut is_symmetric = true;
-        for column in 0..size {
+        for column in 0..self.pattern.size {
             for place in self.entries(column) {
                 let row = self.pattern.rows[place] as usize;
-                let mirrored = self.pattern.position(column, row).map_or(0.0, |mirrored| values[mirrored] * by(row));
-                let own = values[place] * by(column);
+                let mirrored = self.pattern.position(column, row).map_or(0.0, |mirrored| values[mirrored]);
+                let own = values[place];
                 let scale = scale(row) * scale(column);
                 is_symmetric &= (own - mirrored).abs() * scale <= SYMMETRIC;
                 symmetric[place] = 0.5 * (own + mirrored) * scale;
