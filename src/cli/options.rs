@@ -125,12 +125,9 @@ impl<'p> Deref for FoundScene<'p> {
 impl<'p> CommandLine<'p> {
     /// The scene with a given name, or in a given file.
     pub(super) fn find_scene(&self, name: &str) -> Result<FoundScene<'p>, Failure> {
-        if is_path(name) {
-            return Ok(FoundScene::File(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?)));
-        }
         let known: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
         let found = self.scenes.iter().find(|scene| scene.name() == name);
-        if found.is_none() && Path::new(name).is_file() {
+        if is_path(name) || found.is_none() && Path::new(name).is_file() {
             return Ok(FoundScene::File(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?)));
         }
         found

@@ -1,7 +1,7 @@
 use super::builder::MechanismBuilder;
 use super::scene::AnyScene;
 use crate::assembly::{Attached, Model, VectorsAvq};
-use crate::design::{DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
+use crate::design::{Beside, DesignMap, DesignVariable, ModelNumbers, NumberList, check_design, repeated};
 use crate::elements::ConstraintPhysics;
 use crate::functionals::{Functional, Sample, multipliers_without_forces};
 use crate::history::Keep;
@@ -345,7 +345,7 @@ impl DesignMap for Prepared<'_> {
         check_design(&self.variables, x)?;
         self.same_laws(x, self.scene.build_real(x))
     }
-    fn beside(&self, x: &[f64], share: f64) -> Result<Option<(Vec<f64>, ModelNumbers<f64>)>, String> {
+    fn beside(&self, x: &[f64], share: f64) -> Result<Option<Beside>, String> {
         let moved = |(variable, &x): (&DesignVariable, &f64)| {
             let step = share * if x == 0.0 { 1.0 } else { x.abs() };
             if x + step <= variable.upper { x + step } else { (x - step).max(variable.lower) }
