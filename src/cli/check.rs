@@ -2,6 +2,7 @@ use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
 use super::options::{located, named};
+use crate::elements::entries::JointPart;
 use crate::integrators::RunError;
 use crate::scenes::Prepared;
 use clap::Args;
@@ -55,8 +56,8 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
 }
 
 /// `costate schema`: the JSON schema of scene files.
-pub fn schema() -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(&crate::scenes::file::schema());
+pub fn schema(joints: &[JointPart]) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(&crate::scenes::file::schema(joints));
     say(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
     Ok(())
 }

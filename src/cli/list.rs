@@ -3,6 +3,8 @@ use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::options::located;
 use crate::design::DesignVariable;
+use crate::elements::entries::Key;
+use crate::elements::joints::{DRIVERS, JOINTS};
 use crate::io::Table;
 use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
@@ -13,6 +15,9 @@ use serde_json::{Value, json};
 pub struct ListOptions {
     /// Name of a scene, or path of a scene file (.toml): lists its design variables and functionals
     scene: Option<String>,
+    /// Lists the joints and drivers that scene files may have, with their keys
+    #[arg(long, conflicts_with = "scene")]
+    parts: bool,
     /// Print one JSON object on the last line of stdout
     #[arg(long)]
     json: bool,
@@ -22,11 +27,31 @@ pub struct ListOptions {
 pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> {
     match &options.scene {
         Some(name) => one(&*program.find_scene(name)?, name, options.json),
+        None if options.parts => {
+            parts(program, options.json);
+            Ok(())
+        }
         None => {
             all(program, options.json);
             Ok(())
         }
     }
+}
+
+/// Joints and drivers by their entries.
+fn parts(program: &CommandLine, json: bool) {
+    let mut table = Table::new(&["part", "section", "what it is", "keys; optional ones in brackets"]);
+    let mut list = Vec::new();
+    let all = [("joint", JOINTS), ("driver", DRIVERS), ("joint", &program.joints)];
+    for (section, form) in all.into_iter().flat_map(|(section, parts)| parts.iter().map(move |part| (section, part.form))) {
+        let key = |key: &Key| if key.is_needed { key.name.to_string() } else { format!("[{}]", key.name) };
+        let keys = form.keys.iter().map(key).collect::<Vec<_>>().join(" ");
+        table.row([form.name.into(), section.into(), form.doc.into(), keys.into()]);
+        let keys = form.keys.iter().map(|key| json!({"name": key.name, "needed": key.is_needed, "doc": key.doc}));
+        list.push(json!({"name": form.name, "section": section, "doc": form.doc, "keys": keys.collect::<Vec<_>>()}));
+    }
+    say(format_args!("{table}\n\nall sections and keys: {} schema", program.name));
+    say_json(json, &json!({ "parts": list }));
 }
 
 fn all(program: &CommandLine, json: bool) {

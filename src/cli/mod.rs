@@ -64,6 +64,8 @@ mod verify;
 pub use study::{Figure, Form, Report, Study};
 
 use crate::design::repeated;
+use crate::elements::entries::JointPart;
+use crate::elements::joints::{DRIVERS, JOINTS};
 use crate::scenes::AnyScene;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
@@ -155,6 +157,7 @@ pub struct CommandLine<'p> {
     name: String,
     scenes: Vec<&'p dyn AnyScene>,
     studies: Vec<&'p dyn Study>,
+    joints: Vec<JointPart>,
 }
 
 impl<'p> CommandLine<'p> {
@@ -162,13 +165,20 @@ impl<'p> CommandLine<'p> {
     pub fn new(scenes: impl IntoIterator<Item = &'p dyn AnyScene>) -> Self {
         let called = std::env::args_os().next();
         let name = called.as_ref().and_then(|path| Path::new(path).file_stem()?.to_str()).unwrap_or("costate").into();
-        CommandLine { name, scenes: scenes.into_iter().collect(), studies: Vec::new() }
+        CommandLine { name, scenes: scenes.into_iter().collect(), studies: Vec::new(), joints: Vec::new() }
     }
 
     /// With studies that `verify` measures.
     #[must_use]
     pub fn with_studies(mut self, studies: impl IntoIterator<Item = &'p dyn Study>) -> Self {
         self.studies.extend(studies);
+        self
+    }
+
+    /// With joints of one's own, which scene files may have by their names.
+    #[must_use]
+    pub fn with_joints(mut self, joints: impl IntoIterator<Item = JointPart>) -> Self {
+        self.joints.extend(joints);
         self
     }
 
@@ -201,8 +211,12 @@ impl<'p> CommandLine<'p> {
     /// Scenes are found by their names.
     fn checked(&self) -> Result<(), Failure> {
         let names: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
-        match repeated(names.iter().map(String::as_str)) {
-            Some(name) => Err(Failure::input(format!("two scenes of this program are named \"{name}\""))),
+        if let Some(name) = repeated(names.iter().map(String::as_str)) {
+            return Err(Failure::input(format!("two scenes of this program are named \"{name}\"")));
+        }
+        let joints = JOINTS.iter().chain(DRIVERS).chain(&self.joints);
+        match repeated(joints.map(|joint| joint.form.name)) {
+            Some(name) => Err(Failure::input(format!("two joints of this program are named \"{name}\""))),
             None => Ok(()),
         }
     }
@@ -217,7 +231,7 @@ impl<'p> CommandLine<'p> {
             Command::Verify(options) => verify::run(options, self),
             Command::Check(options) => check::run(options, self),
             Command::New(options) => new::run(options, self),
-            Command::Schema => check::schema(),
+            Command::Schema => check::schema(&self.joints),
             Command::List(options) => list::run(options, self),
             Command::Completions(options) => manual::complete(options, self),
             Command::Man(options) => manual::write(options, self),

@@ -128,7 +128,9 @@ impl<'p> CommandLine<'p> {
         let known: Vec<String> = self.scenes.iter().map(|scene| scene.name()).collect();
         let found = self.scenes.iter().find(|scene| scene.name() == name);
         if is_path(name) || found.is_none() && Path::new(name).is_file() {
-            return Ok(FoundScene::File(Box::new(FileScene::read(Path::new(name)).map_err(Failure::input)?)));
+            return Ok(FoundScene::File(Box::new(
+                FileScene::read_with(Path::new(name), &self.joints).map_err(Failure::input)?,
+            )));
         }
         found
             .map(|scene| FoundScene::Own(*scene))

@@ -21,6 +21,7 @@ mod time_formula;
 mod time_function;
 
 pub mod bodies;
+pub mod entries;
 pub mod flexible;
 pub mod forces;
 pub mod joints;

@@ -24,6 +24,7 @@ pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
+pub(in crate::scenes) use joints::Wrong;
 pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};
 pub use shell_parts::ShellPart;
@@ -34,7 +35,8 @@ pub use thin_walls::{Extrusion, Profile, ThinWalls};
 use crate::assembly::{ConstraintId, ElementId, Model, Node, NodeId};
 use crate::design::{ModelNumbers, repeated};
 use crate::elements::bodies::{NaturalBody, PointMass, RigidBody};
-use crate::elements::{AnyConstraint, AnyElement, Frame, NodeKind, Nonholonomic, NonholonomicConstraint};
+use crate::elements::entries::{Placed, no_body, nowhere, unit};
+use crate::elements::{AnyConstraint, AnyElement, NodeKind, Nonholonomic, NonholonomicConstraint};
 use crate::functionals::{AnyQuantity, Functional, Measured, MeasuredQuantity, Over};
 use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
@@ -231,42 +233,30 @@ impl<S: Scalar> MechanismBuilder<S> {
         kind.angular_velocity(v, q)
     }
 
+    /// A node where it stands at the start.
+    fn placed(&self, node: NodeId) -> Option<Placed<'_, S>> {
+        let Node { kind, dofs, .. } = self.model.find_node(node)?;
+        Some(Placed { kind: *kind, q: &self.numbers.q[dofs.clone()] })
+    }
+
     /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vector3<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else { return no_vector() };
-        match kind {
-            NodeKind::Coordinates(_) => Vector3::zeros(),
-            _ => Vector3::first_three(&self.numbers.q[dofs.start..]),
-        }
+        self.placed(node).map_or_else(no_vector, Placed::position)
     }
 
     /// Initial Euler parameters of a body; other nodes have the axes of the world.
     pub fn rotation(&self, node: NodeId) -> Quaternion<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else {
-            return Quaternion([S::from(f64::NAN); 4]);
-        };
-        match kind {
-            NodeKind::Body => Quaternion::from_slice(&self.numbers.q[dofs.start + 3..]),
-            NodeKind::Natural => Quaternion::of_columns(&NodeKind::Natural.axes(&self.numbers.q[dofs.clone()])),
-            _ => Quaternion::identity(),
-        }
+        self.placed(node).map_or(Quaternion([S::from(f64::NAN); 4]), Placed::rotation)
     }
 
     /// A world point \[m\] in the frame of a body; zero for other nodes, whose own position it is.
     pub fn local_point(&self, node: NodeId, point: Vector3<S>) -> Vector3<S> {
-        match self.model.find_node(node) {
-            Some(own) if !own.kind.has_axes() => Vector3::zeros(),
-            _ => self.local_direction(node, point - self.position(node)),
-        }
+        self.placed(node).map_or_else(no_vector, |own| own.local_point(point))
     }
 
     /// A world direction in the frame of a body.
     pub fn local_direction(&self, node: NodeId, direction: Vector3<S>) -> Vector3<S> {
-        let Some(Node { kind, dofs, .. }) = self.model.find_node(node) else { return no_vector() };
-        match kind {
-            NodeKind::Natural => Frame::of(NodeKind::Natural, &self.numbers.q[dofs.clone()]).seen(direction),
-            _ => self.rotation(node).rotate_back(direction),
-        }
+        self.placed(node).map_or_else(no_vector, |own| own.local_direction(direction))
     }
 
     /// What `owner` takes hold of belongs to another builder.
@@ -309,7 +299,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         let Some(kind) = self.kind_of(owner, node) else { return NodeKind::Point };
         kind.in_space().unwrap_or_else(|| {
             let name = &self.model.nodes[node.0].name;
-            self.mistakes.push(format!("\"{owner}\" needs a point or a body, but node \"{name}\" is neither"));
+            self.mistakes.push(nowhere(owner, name));
             NodeKind::Point
         })
     }
@@ -321,22 +311,16 @@ impl<S: Scalar> MechanismBuilder<S> {
             return kind;
         }
         let name = &self.model.nodes[node.0].name;
-        self.mistakes.push(format!(
-            "\"{owner}\" needs a body, which has axes, but node \"{name}\" is none: make it a body, or take a joint for points"
-        ));
+        self.mistakes.push(no_body(owner, name));
         NodeKind::Body
     }
 
     /// A vector of length one along an axis or normal.
     fn unit(&mut self, owner: &str, direction: Vector3<S>) -> Vector3<S> {
-        let length = direction.length().value();
-        if length > 0.0 && length.is_finite() {
-            return direction.unit();
-        }
-        let components = direction.components().map(Scalar::value);
-        self.mistakes
-            .push(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"));
-        Vector3::from_f64([1.0, 0.0, 0.0])
+        unit(owner, direction).unwrap_or_else(|text| {
+            self.mistakes.push(text);
+            Vector3::from_f64([1.0, 0.0, 0.0])
+        })
     }
 
     fn check_parameters(&mut self, name: &str, parameters: usize, given: usize) -> bool {

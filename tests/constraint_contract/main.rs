@@ -1,6 +1,7 @@
 //! What every constraint owes, for every joint in every topology: one line in `cases` enters a new one.
 
 mod cases;
+mod entries;
 #[path = "../support/mod.rs"]
 mod support;
 

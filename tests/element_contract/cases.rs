@@ -4,6 +4,7 @@ use super::Contract;
 use super::support::time_functions::time_functions;
 use super::users::users_own;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
+use costate::elements::entries::{Given, JointEntry, JointVisitor, Placed};
 use costate::elements::flexible::faces::{Face, NODE_PARAMETERS, Quad4, Quad9, Triangle6};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
@@ -13,12 +14,9 @@ use costate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
     SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
 };
-use costate::elements::joints::{
-    AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
-    PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
-    SphericalJoint, UniversalJoint,
-};
+use costate::elements::joints::{self, AngleCoordinate};
 use costate::elements::{Constraint, Element, ElementPhysics, Field, Flexible, NodeKind, TimeFunction};
+use costate::scalar::{Quaternion, SpatialVector, Vector3};
 use costate::testing::element_physics;
 use std::sync::Arc;
 
@@ -74,7 +72,12 @@ impl Case {
     fn soft<J: Constraint>(name: &str, joint: J, p: &[f64]) -> Case {
         let coefficients = [vec![3.1; joint.equations()], vec![0.7; joint.equations()]].concat();
         let kind = if ["rotation", "translation"].contains(&name) { "drive" } else { "spring damper" };
-        Case::new(format!("soft {name} {kind}"), Soft(joint), &[&coefficients[..], p].concat())
+        let nodes = joint.nodes();
+        let mut case = Case::new(format!("soft {name} {kind}"), Soft(joint), &[&coefficients[..], p].concat());
+        if let [a, b] = nodes[..] {
+            case = case.ignoring("point a", a).ignoring("point b", b);
+        }
+        case
     }
     /// A flexible element of three bodies' nodes; each parameter differs from the others.
     fn flexible<F: Field>(name: String, field: F) -> Case {
@@ -93,10 +96,53 @@ impl Case {
     }
     /// `name` is not read if its node has no axes.
     fn ignoring(mut self, name: &'static str, node: NodeKind) -> Case {
-        if !node.has_axes() {
+        if !node.has_axes() && node.in_space().is_some() {
             self.ignored.push(name);
         }
         self
+    }
+}
+
+/// Soft versions of all joints and drivers, on all nodes that they take.
+struct SoftJoints(Vec<Case>);
+
+impl JointVisitor for SoftJoints {
+    fn visit<J: JointEntry>(&mut self) {
+        let (nodes, example) = J::EXAMPLE;
+        let mut kinds: Vec<Vec<NodeKind>> = vec![nodes.to_vec()];
+        if nodes.iter().all(|kind| kind.in_space().is_some()) {
+            let three = |[a, b]: [NodeKind; 2]| [vec![a, b], vec![a; nodes.len() - 2]].concat();
+            kinds =
+                PAIRS.into_iter().chain(BODIES).chain(GUIDED).chain([[Slope, Slope], [Body, Slope]]).map(three).collect();
+            kinds.sort_by_key(|kinds| format!("{kinds:?}"));
+            kinds.dedup();
+        }
+        for kinds in kinds {
+            let q: Vec<Vec<f64>> = kinds.iter().enumerate().map(|(place, kind)| somewhere(place, *kind)).collect();
+            let placed = kinds.iter().zip(&q).map(|(&kind, q)| ("node", Placed { kind, q }));
+            let axes = kinds.iter().all(|kind| kind.has_axes());
+            let values = example.iter().filter(|(key, _)| axes || !["point", "points", "origin"].contains(key));
+            let turn = Quaternion::about(Vector3::new(0.36, 0.48, 0.8), 0.9);
+            let values = values.map(|(key, sample)| (*key, sample.placed(Vector3::new(0.2, -0.1, 0.4), turn))).collect();
+            let mut given = Given::new("any", placed, values);
+            let (law, p) = J::make(&mut given);
+            if given.mistakes().is_empty() {
+                self.0.push(Case::soft(J::NAME, law, &p));
+            }
+        }
+    }
+}
+
+/// Coordinates of a node where it may stand.
+fn somewhere(place: usize, kind: NodeKind) -> Vec<f64> {
+    let (shift, turn) = (0.3 * place as f64, Quaternion::about(Vector3::new(0.6, 0.0, 0.8), 0.4 + 0.5 * place as f64));
+    let position = [0.1 + shift, -0.2 + shift, 0.3 - shift];
+    match kind {
+        Point => position.to_vec(),
+        Body => [&position[..], &turn.0].concat(),
+        Natural => [&position[..], &turn.columns().map(|axis| axis.components()).concat()].concat(),
+        Slope => [position, turn.rotate(Vector3::new(1.1, 0.0, 0.0)).components()].concat(),
+        NodeKind::Coordinates(count) => vec![0.3 + shift; count],
     }
 }
 
@@ -134,44 +180,24 @@ pub fn cases() -> Vec<Case> {
     ];
     list.extend(users_own());
     let (u, w, axis, turned) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.8, 0.36, 0.48, 0.0]);
-    let guide = [&ends[..], &u, &w, &axis].concat();
     let angle = [axis, u, w].concat();
     let six = [3.0, 5.0, 7.0, 2.0, 4.0, 6.0];
     list.push(Case::new("coordinate spring damper", CoordinateSpringDamper { of: NodeKind::Coordinates(3), index: 1 }, &[3.1, 0.7, 0.2]));
-    list.push(Case::soft("gear", GearJoint, &[0.5, -0.2, 0.3]));
+    let mut soft = SoftJoints(Vec::new());
+    joints::visit_all(&mut soft);
+    list.extend(soft.0);
     for [a, b] in BODIES {
     list.extend([
         Case::new("torsion spring damper", TorsionSpringDamper { a, b }, &torsion),
         Case::new("bushing spring damper", Bushing { a, b }, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
-        Case::soft("fixed", FixedJoint { a, b }, &[&ends[..], &turned].concat()),
-        Case::soft("revolute", RevoluteJoint { a, b }, &guide),
-        Case::soft("cylindrical", CylindricalJoint { a, b }, &guide),
-        Case::soft("planar", PlanarJoint { a, b }, &guide),
-        Case::soft("prismatic", PrismaticJoint { a, b }, &[&guide[..12], &turned].concat()),
-        Case::soft("universal", UniversalJoint { a, b }, &guide[..12]),
-        Case::soft("helical", HelicalJoint { a, b }, &[&guide[..], &u, &[2.5]].concat()),
-        Case::soft("rack and pinion", RackAndPinion { nodes: [a, b, a] }, &[&ends[..], &angle, &w, &[0.4]].concat()),
         Case::soft("angle coordinate", AngleCoordinate { a, b }, &angle),
-        // with 0.2 rad a sample is so near half a turn that differences reach over its jump
-        Case::soft("rotation", PrescribedRotation { a, b, angle: TimeFunction::Sine }, &[&angle[..], &[0.3, 1.4, 2.3, 0.6]].concat()),
     ]);
     }
     for [a, b] in GUIDED {
         let slide = [&[3.1, 0.7, 0.2], &ends[..], &axis].concat();
-        let link = if b.has_axes() { &[0.3, -0.2, 0.5, 0.8, 0.36, 0.48, 0.0][..] } else { &ends[..3] };
         list.extend([
             Case::new(format!("slide spring damper of {b:?} on {a:?}"), SlideSpringDamper { a, b }, &slide),
-            Case::soft("point on line", PointOnLine { a, b }, &guide[..12]),
-            Case::soft("point in plane", PointInPlane { a, b }, &guide[..9]),
-            Case::soft("rigid link", RigidLink { a, b }, link),
-            Case::soft("translation", PrescribedTranslation { a, b, displacement: TimeFunction::Sine },
-                &[&ends[..], &axis, &[0.2, 1.4, 2.3, 0.6]].concat()),
         ].map(|case| case.ignoring("point b", b)));
-    }
-    for [a, b] in PAIRS {
-        list.push(Case::soft("spherical", SphericalJoint { a, b }, &ends).ignoring("point a", a).ignoring("point b", b));
-        list.push(Case::soft("distance", DistanceJoint { a, b }, &[&ends[..], &[0.9]].concat())
-            .ignoring("point a", a).ignoring("point b", b));
     }
     for (coupled, damped, eccentric) in [(false, false, false), (true, false, true), (false, true, false), (true, true, true)] {
         let name = format!("beam{}{}{}", if coupled { ", coupled" } else { "" }, if damped { ", internal damper" } else { "" },

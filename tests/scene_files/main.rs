@@ -3,6 +3,7 @@
 mod coverage;
 mod meshes;
 mod mutations;
+mod own_joints;
 mod signals;
 mod wrong_files;
 mod wrong_meshes;
@@ -203,7 +204,7 @@ fn the_reference_page_is_what_the_reader_knows() {
 
 #[test]
 fn the_published_schema_is_the_one_of_the_reader() {
-    let schema = serde_json::to_string_pretty(&file::schema()).unwrap();
+    let schema = serde_json::to_string_pretty(&file::schema(&[])).unwrap();
     kept("examples/scenes/schema.json", &format!("{schema}\n"));
     let printed = std::process::Command::new(env!("CARGO_BIN_EXE_costate")).arg("schema").output().unwrap();
     assert_eq!(String::from_utf8(printed.stdout).unwrap(), format!("{schema}\n"));
@@ -275,7 +276,7 @@ fn as_json(value: &DeValue) -> serde_json::Value {
 
 #[test]
 fn the_schema_accepts_the_example_files_and_refuses_wrong_keys() {
-    let schema = file::schema();
+    let schema = file::schema(&[]);
     for path in files() {
         let text = std::fs::read_to_string(&path).unwrap();
         let value = as_json(&DeValue::Table(DeTable::parse(&text).unwrap().into_inner()));

@@ -4,10 +4,11 @@ use super::cable::CableSubject;
 use super::measures::Seen;
 use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
+use costate::elements::entries::{GivenValue, JointPart, Values};
 use costate::elements::forces::{AppliedForce, AppliedTorque};
-use costate::elements::{Constraint, NodeKind, joints};
+use costate::elements::{NodeKind, TimeFunction, joints};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use costate::scenes::{BushingRates, MechanismBuilder, Signal, SpringDamper};
+use costate::scenes::{BushingRates, MechanismBuilder, SpringDamper};
 use std::ops::Range;
 
 /// Where a joint between arm and link stands.
@@ -28,22 +29,46 @@ struct Host<'f, S> {
 /// The name of what is tested.
 const NAME: &str = "subject";
 
+/// The entry of a joint between both bodies, and the values of its keys.
+fn entry<S: Scalar>(kind: &Subject, host: &Host<S>) -> Option<(&'static JointPart, Values<S>)> {
+    use Subject::*;
+    let Host { elbow, held, ends, axis, function, .. } = *host;
+    let (at_elbow, along) = (("point", elbow.into()), ("axis", axis.into()));
+    let motion = |of: &TimeFunction| GivenValue::Function(of.clone(), function.to_vec());
+    let (name, values) = match kind {
+        Spherical(_) => ("spherical", vec![("point", held.into())]),
+        Revolute => ("revolute", vec![at_elbow, along]),
+        Fixed => ("fixed", vec![at_elbow]),
+        Distance => ("distance", vec![("points", GivenValue::Vectors(ends.to_vec()))]),
+        Prismatic => ("prismatic", vec![at_elbow, along]),
+        Cylindrical => ("cylindrical", vec![at_elbow, along]),
+        Planar => ("planar", vec![at_elbow, ("normal", axis.into())]),
+        Universal => ("universal", vec![at_elbow, ("pin_a", axis.into()), ("pin_b", axis.perpendiculars()[0].into())]),
+        Helical => ("helical", vec![at_elbow, along, ("pitch", S::from(0.8).into())]),
+        RigidLink(_) => ("rigid_link", vec![]),
+        PointOnLine(_) => ("point_on_line", vec![("point", held.into()), along]),
+        PointInPlane(_) => ("point_in_plane", vec![("point", held.into()), ("normal", axis.into())]),
+        Rotation(angle) => ("rotation", vec![along, ("angle", motion(angle))]),
+        Translation(path) => {
+            ("translation", vec![along, ("origin", elbow.into()), at_elbow, ("displacement", motion(path))])
+        }
+        _ => return None,
+    };
+    Some((joints::named(name)?, values))
+}
+
 /// Adds a joint of the list, with the hinges that it needs before it.
 fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) -> ConstraintId {
     use Subject::*;
-    let Host { both, third, elbow, held, ends, axis, other: (hinge, other_axis), function, .. } = *host;
+    let Host { both, third, elbow, axis, other: (hinge, _), .. } = *host;
     let name = NAME;
+    if matches!(kind, Rotation(_)) {
+        m.revolute("hinge", both, elbow, axis);
+    }
+    if let Some((part, values)) = entry(kind, host) {
+        return m.joint(part, name, &both, values);
+    }
     match kind {
-        Spherical(_) => m.spherical(name, both, held),
-        Revolute => m.revolute(name, both, elbow, axis),
-        Fixed => m.fixed(name, both, elbow),
-        Distance => m.distance(name, both, ends),
-        Prismatic => m.prismatic(name, both, elbow, axis),
-        Cylindrical => m.cylindrical(name, both, elbow, axis),
-        Planar => m.planar(name, both, elbow, axis),
-        Universal => m.universal(name, both, elbow, [axis, axis.perpendiculars()[0]]),
-        Helical => m.helical(name, both, elbow, axis, S::from(0.8)),
-        RigidLink(_) => m.rigid_link(name, both),
         TiedNode => {
             let weights = [0.6, 0.4].map(S::from);
             let start = m.rotation(both[0]);
@@ -54,8 +79,6 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
             let tied = joints::TiedNode { carriers: 2, b: NodeKind::Body };
             m.constraint(name, &[both[0], third, both[1]], tied, &p)
         }
-        PointOnLine(_) => m.point_on_line(name, both, held, axis),
-        PointInPlane(_) => m.point_in_plane(name, both, held, axis),
         RackAndPinion => {
             let [across, along] = axis.perpendiculars();
             m.revolute("hinge", both, elbow, axis);
@@ -63,13 +86,13 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
             let contact = elbow + across * S::from(0.3);
             m.rack_and_pinion(name, [both[0], both[1], third], [elbow, contact], axis)
         }
-        JointAngle | Gear => {
-            let other = [both[0], third];
-            m.revolute("hinge", both, elbow, axis);
-            m.revolute("other hinge", other, hinge, other_axis);
-            let [counted, teeth] = if matches!(kind, Gear) { ["angle", name] } else { [name, "gear"] };
-            let angles = [m.joint_angle(counted, both, axis), m.joint_angle("other angle", other, other_axis)];
-            m.gear(teeth, angles, [0.3, 0.2].map(S::from))
+        JointAngle => {
+            let angles = joint_angles([name, "other angle"], host, m);
+            m.gear("gear", angles, RADII.map(S::from))
+        }
+        Gear => {
+            let angles = joint_angles(["angle", "other angle"], host, m);
+            m.gear(name, angles, RADII.map(S::from))
         }
         DiscOnPlane | RollingDisc => {
             let [along, across] = axis.perpendiculars();
@@ -79,41 +102,43 @@ fn add_joint<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder
             m.rolling_disc(names, both, (elbow, along), (rim, axis + across), S::from(0.3))[subject]
         }
         RollingSphere => m.rolling_sphere(["contact", name], both, elbow, axis, S::from(0.3))[1],
-        Rotation(angle) => {
-            m.revolute("hinge", both, elbow, axis);
-            m.prescribed_rotation(name, both, axis, Signal::of(angle.clone(), function))
-        }
-        Translation(path) => m.prescribed_translation(name, both, [elbow; 2], axis, Signal::of(path.clone(), function)),
         other => unreachable!("{other:?} is no joint"),
     }
 }
 
-/// Adds the soft version of a joint.
-fn softened<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) {
-    let add = |m: &mut MechanismBuilder<S>| add_joint(kind, host, m);
-    let a = NodeKind::Body;
-    match kind {
-        Subject::Spherical(b) => soft(joints::SphericalJoint { a, b: *b }, add, m),
-        Subject::Revolute => soft(joints::RevoluteJoint { a, b: a }, add, m),
-        Subject::Prismatic => soft(joints::PrismaticJoint { a, b: a }, add, m),
-        Subject::Universal => soft(joints::UniversalJoint { a, b: a }, add, m),
-        Subject::Helical => soft(joints::HelicalJoint { a, b: a }, add, m),
-        Subject::Gear => soft(joints::GearJoint, add, m),
-        Subject::Rotation(angle) => soft(joints::PrescribedRotation { a, b: a, angle: angle.clone() }, add, m),
-        Subject::Translation(path) => {
-            soft(joints::PrescribedTranslation { a, b: a, displacement: path.clone() }, add, m);
-        }
-        other => unreachable!("{other:?} is no joint with a soft version"),
-    }
+/// Pitch radii of the gears [m].
+const RADII: [f64; 2] = [0.3, 0.2];
+
+/// Hinges on both sides of the arm, with coordinates for their angles.
+fn joint_angles<S: Scalar>(names: [&str; 2], host: &Host<S>, m: &mut MechanismBuilder<S>) -> [NodeId; 2] {
+    let Host { both, third, elbow, axis, other: (hinge, other_axis), .. } = *host;
+    let other = [both[0], third];
+    m.revolute("hinge", both, elbow, axis);
+    m.revolute("other hinge", other, hinge, other_axis);
+    [m.joint_angle(names[0], both, axis), m.joint_angle(names[1], other, other_axis)]
 }
 
-fn soft<S: Scalar, J: Constraint>(
-    joint: J,
-    add: impl FnOnce(&mut MechanismBuilder<S>) -> ConstraintId,
-    m: &mut MechanismBuilder<S>,
-) {
-    let each = [60.0, 1.5].map(|c| vec![S::from(c); joint.equations()]);
-    m.soft(joint, [&each[0], &each[1]], add);
+/// Adds the soft version of a joint.
+fn softened<S: Scalar>(kind: &Subject, host: &Host<S>, m: &mut MechanismBuilder<S>) {
+    let equations = match kind {
+        Subject::Spherical(_) => 3,
+        Subject::Universal => 4,
+        Subject::Revolute | Subject::Prismatic | Subject::Helical => 5,
+        _ => 1,
+    };
+    let [stiffness, damping] = [60.0, 1.5].map(|c| vec![S::from(c); equations]);
+    let rates = [&stiffness[..], &damping];
+    if let Subject::Gear = kind {
+        let angles = joint_angles(["angle", "other angle"], host, m);
+        let radii = GivenValue::Numbers(RADII.map(S::from).to_vec());
+        m.soft_joint(joints::named("gear").expect("an entry"), NAME, &angles, [("radii", radii)], rates);
+        return;
+    }
+    if let Subject::Rotation(_) = kind {
+        m.revolute("hinge", host.both, host.elbow, host.axis);
+    }
+    let (part, values) = entry(kind, host).expect("an entry");
+    m.soft_joint(part, NAME, &host.both, values, rates);
 }
 
 impl Case {

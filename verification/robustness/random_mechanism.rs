@@ -5,7 +5,7 @@ use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{CableSection, Material, Section};
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
-use costate::elements::joints::RevoluteJoint;
+use costate::elements::joints;
 use costate::functionals::quantities::SectionMeasure;
 use costate::integrators::{STATIC_TABLE, StepControl};
 use costate::prelude::*;
@@ -525,8 +525,9 @@ impl<S: Scalar> Growing<'_, S> {
             self.m.bushing(&name, [a.node, b.node], at, axes, rates);
         } else {
             let axis = self.axis();
-            let joint = RevoluteJoint { a: a.kind, b: b.kind };
-            self.m.soft(joint, [&stiffness[..5], &damping[..5]], |m| m.revolute(&name, [a.node, b.node], at, axis));
+            let keys = [("point", at.into()), ("axis", axis.into())];
+            let revolute = joints::named("revolute").expect("an entry of this name");
+            self.m.soft_joint(revolute, &name, &[a.node, b.node], keys, [&stiffness[..5], &damping[..5]]);
         }
     }
 

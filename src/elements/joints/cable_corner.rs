@@ -1,3 +1,4 @@
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, Sample};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -26,5 +27,37 @@ impl Constraint for CableCorner {
         let [slope_a, slope_b] = [a, b].map(|node| Vector3::first_three(&node[3..]).unit());
         let (sine, cosine) = p[0].sin_cos();
         g[3] = (cosine - slope_a.dot(&slope_b)) / sine;
+    }
+}
+
+/// Least sine of the angle of a corner.
+const LEAST_SINE: f64 = 1e-3;
+
+impl JointEntry for CableCorner {
+    type Law = Self;
+    const NAME: &'static str = "cable_corner";
+    const DOC: &'static str = "nodes of two cables welded to each other";
+    const KEYS: &'static [Key] = &[BETWEEN];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (&[NodeKind::Slope, NodeKind::Slope], &[]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let name = given.owner();
+        if [0, 1].map(|node| given.node(node).kind) != [NodeKind::Slope; 2] {
+            given.wrong(format!(
+                "\"{name}\" needs nodes of two cables, but got \"{}\" and \"{}\": a cable is welded to a body by cable_weld",
+                given.name(0),
+                given.name(1)
+            ));
+            return (CableCorner, vec![S::one()]);
+        }
+        let [a, b] = [0, 1].map(|node| given.node(node).slope());
+        let angle = a.cross(&b).length().atan2(a.dot(&b));
+        if angle.sin().value() < LEAST_SINE {
+            let degrees = angle.value().to_degrees();
+            given.wrong(format!(
+                "\"{name}\" joins cables at {degrees:.3} degrees; cables that go straight on share a node (from_node, to_node)"
+            ));
+        }
+        (CableCorner, vec![angle])
     }
 }

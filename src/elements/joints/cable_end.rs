@@ -1,4 +1,5 @@
 use super::{components, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, Sample, Type, may};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -61,5 +62,71 @@ impl Constraint for CableEnd {
         } else {
             components(&frame, &p[3..], slope, &mut g[3..]);
         }
+    }
+}
+
+/// The body that holds, and the slope of the cable at the start.
+fn ends<S: Scalar>(given: &mut Given<S>) -> (NodeKind, Vector3<S>) {
+    let a = given.body(0);
+    if given.node(1).kind == NodeKind::Slope {
+        return (a, given.node(1).slope());
+    }
+    given.wrong(format!(
+        "\"{}\" needs a cable's node as the second, but \"{}\" is none: name the body first, then the node",
+        given.owner(),
+        given.name(1)
+    ));
+    (a, Vector3::from_f64([1.0, 0.0, 0.0]))
+}
+
+/// A cable's node in the frame of the body, and directions there.
+fn held<S: Scalar, const N: usize>(given: &Given<S>, directions: [Vector3<S>; N]) -> Vec<S> {
+    let place = given.node(0).local_point(given.node(1).position()).components();
+    [&place[..], &given.local_directions(0, directions)].concat()
+}
+
+/// A cable welded to a body.
+pub struct CableWeld;
+
+impl JointEntry for CableWeld {
+    type Law = CableEnd;
+    const NAME: &'static str = "cable_weld";
+    const DOC: &'static str = "b, a cable's node, welded to body a";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        may("holds", Type::Choice(&["direction", "vector"]), "the direction of its slope, or its stretch, too; direction"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (&[NodeKind::Body, NodeKind::Slope], &[]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (CableEnd, Vec<S>) {
+        let (a, slope) = ends(given);
+        match given.says("holds", "vector") {
+            true => (CableEnd { a, held: HeldSlope::Vector }, held(given, [slope])),
+            false => (CableEnd { a, held: HeldSlope::Direction }, held(given, slope.unit().perpendiculars())),
+        }
+    }
+}
+
+/// A cable on a hinge of a body.
+pub struct CableHinge;
+
+impl JointEntry for CableHinge {
+    type Law = CableEnd;
+    const NAME: &'static str = "cable_hinge";
+    const DOC: &'static str = "b, a cable's node, on a hinge of body a";
+    const KEYS: &'static [Key] = &[BETWEEN, AXIS];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
+        (&[NodeKind::Body, NodeKind::Slope], &[("axis", Sample::Direction([0.0, 1.0, 0.0]))]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (CableEnd, Vec<S>) {
+        let axis = given.unit("axis");
+        let (a, slope) = ends(given);
+        if let Some(angle) = Given::angle_if_not_right(axis, slope.unit()) {
+            given.wrong(format!(
+                "the axis of \"{}\" is at {angle:.6} degrees to the cable; it must be at 90: a cable cannot be told to turn about itself",
+                given.owner()
+            ));
+        }
+        (CableEnd { a, held: HeldSlope::Plane }, held(given, [axis]))
     }
 }

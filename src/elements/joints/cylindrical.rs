@@ -1,4 +1,5 @@
 use super::{POINTS, components, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -30,5 +31,22 @@ impl Constraint for CylindricalJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
         components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..]);
+    }
+}
+
+impl JointEntry for CylindricalJoint {
+    type Law = Self;
+    const NAME: &'static str = "cylindrical";
+    const DOC: &'static str = "b slides along and turns about an axis";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let (point, axis) = (given.point("point", 1), given.unit("axis"));
+        (CylindricalJoint { a, b }, [given.local_points([0, 1], [point; 2]), given.guide(axis)].concat())
     }
 }

@@ -1,6 +1,7 @@
 use super::{POINTS, gap};
+use crate::elements::entries::{BETWEEN, ENDS, Given, JointEntry, Key, Sample};
 use crate::elements::{Constraint, NodeKind, Parameter};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A massless link of given length between two points: g = (|x_b - x_a|^2 - l^2) / (2 l) \[m\].
 ///
@@ -28,5 +29,21 @@ impl Constraint for DistanceJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let between = gap([self.a, self.b], q, p);
         g[0] = (between.dot(&between) - p[6] * p[6]) / (p[6] * 2.0);
+    }
+}
+
+impl JointEntry for DistanceJoint {
+    type Law = Self;
+    const NAME: &'static str = "distance";
+    const DOC: &'static str = "a massless link between points";
+    const KEYS: &'static [Key] = &[BETWEEN, ENDS];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
+        (&[NodeKind::Body, NodeKind::Body], &[("points", Sample::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]]))]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let ends = given.points("points");
+        let length = (ends[1] - ends[0]).length();
+        (DistanceJoint { a, b }, [&given.local_points([0, 1], ends)[..], &[length]].concat())
     }
 }

@@ -1,4 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, POINT, Sample};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -28,5 +29,21 @@ impl Constraint for FixedJoint {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g[..3].copy_from_slice(&gap([self.a, self.b], q, p).components());
         g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[6..]).components());
+    }
+}
+
+impl JointEntry for FixedJoint {
+    type Law = Self;
+    const NAME: &'static str = "fixed";
+    const DOC: &'static str = "two bodies welded together";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
+        (&[NodeKind::Body, NodeKind::Body], &[("point", Sample::Point([0.3, -0.2, 0.5]))]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let point = given.point("point", 1);
+        let relative = given.relative_rotation().0;
+        (FixedJoint { a, b }, [&given.local_points([0, 1], [point; 2])[..], &relative].concat())
     }
 }

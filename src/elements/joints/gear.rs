@@ -1,3 +1,4 @@
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, Placed, Range, Sample, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -25,5 +26,33 @@ impl Constraint for GearJoint {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g[0] = p[0] * q[0] + p[1] * q[1] - p[2];
+    }
+}
+
+impl JointEntry for GearJoint {
+    type Law = Self;
+    const NAME: &'static str = "gear";
+    const DOC: &'static str = "gears on two joint angles";
+    const KEYS: &'static [Key] =
+        &[BETWEEN, need("radii", Type::Numbers(&[2], "m", Range::Any), "pitch radii; of one sign for external gears")];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
+        (&[NodeKind::Coordinates(1), NodeKind::Coordinates(1)], &[("radii", Sample::Numbers(&[0.5, -0.2]))]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let radii: [S; 2] = given.numbers("radii");
+        let mut offset = S::zero();
+        for (node, radius) in radii.into_iter().enumerate() {
+            match given.node(node) {
+                Placed { kind: NodeKind::Coordinates(1), q } => offset += radius * q[0],
+                _ => {
+                    let (name, own) = (given.owner(), given.name(node));
+                    let text = format!(
+                        "gear \"{name}\" needs two joint angles, but node \"{own}\" is none: add one by joint_angle"
+                    );
+                    given.wrong(text);
+                }
+            }
+        }
+        (GearJoint, vec![radii[0], radii[1], offset])
     }
 }

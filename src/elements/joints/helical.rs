@@ -1,4 +1,5 @@
 use super::{POINTS, angle_beyond, components, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Range, Sample, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
@@ -40,5 +41,33 @@ impl Constraint for HelicalJoint {
         components(&a, &p[6..12], b.direction(&p[12..]), &mut g[2..4]);
         let turn = a.seen(between).dot(&axis_of_a) * TAU / pitch;
         g[4] = angle_beyond([&a, &b], [&axis_of_a.components(), &p[6..], &p[15..]], turn) * pitch / TAU;
+    }
+}
+
+impl JointEntry for HelicalJoint {
+    type Law = Self;
+    const NAME: &'static str = "helical";
+    const DOC: &'static str = "a screw";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        POINT,
+        AXIS,
+        need("pitch", Type::Number("m", Range::Any), "advance with each turn; negative for a left-handed thread"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("point", Sample::Point([0.3, -0.2, 0.5])),
+            ("axis", Sample::Direction([0.6, 0.0, 0.8])),
+            ("pitch", Sample::Number(0.8)),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let (point, axis) = (given.point("point", 1), given.unit("axis"));
+        let points = given.local_points([0, 1], [point; 2]);
+        let mark = given.local_directions(1, [axis.perpendiculars()[0]]);
+        (HelicalJoint { a, b }, [&points[..], &given.guide(axis), &mark, &[given.number("pitch")]].concat())
     }
 }

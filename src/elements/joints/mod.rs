@@ -24,7 +24,7 @@ mod universal;
 
 pub use angle_coordinate::AngleCoordinate;
 pub use cable_corner::CableCorner;
-pub use cable_end::{CableEnd, HeldSlope};
+pub use cable_end::{CableEnd, CableHinge, CableWeld, HeldSlope};
 pub use cylindrical::CylindricalJoint;
 pub use distance::DistanceJoint;
 pub use fixed::FixedJoint;
@@ -45,11 +45,27 @@ pub use tied_node::TiedNode;
 pub use universal::UniversalJoint;
 
 use super::dyn_layer::instantiate_here;
+use super::entries::{JointPart, entries};
 use super::{AnyConstraint, Frame, NodeKind, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
 instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, TiedNode, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
+
+entries! {
+    /// Joints by the names that scene files and programs use, each described in its own file.
+    JOINTS:
+    SphericalJoint, RevoluteJoint, FixedJoint, RigidLink, DistanceJoint, PrismaticJoint, CylindricalJoint, PlanarJoint, UniversalJoint,
+    HelicalJoint, PointOnLine, PointInPlane, GearJoint, RackAndPinion, CableWeld, CableHinge, CableCorner;
+    /// Motion drivers, likewise.
+    DRIVERS:
+    PrescribedRotation, PrescribedTranslation;
+}
+
+/// The entry of a joint or driver of this name.
+pub fn named(name: &str) -> Option<&'static JointPart> {
+    JOINTS.iter().chain(DRIVERS).find(|part| part.form.name == name)
+}
 
 /// The joint point in the frames of both bodies: the first six parameters of every joint that holds points together.
 pub(crate) const POINTS: [Parameter; 6] = [

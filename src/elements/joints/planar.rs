@@ -1,4 +1,5 @@
 use super::{POINTS, components, vectors};
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, NORMAL, POINT, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -31,5 +32,22 @@ impl Constraint for PlanarJoint {
         let normal = b.direction(&p[12..]);
         g[0] = normal.dot(&(b.point(&p[3..]) - a.point(p)));
         components(&a, &p[6..12], normal, &mut g[1..]);
+    }
+}
+
+impl JointEntry for PlanarJoint {
+    type Law = Self;
+    const NAME: &'static str = "planar";
+    const DOC: &'static str = "b slides on a plane and turns about its normal";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, NORMAL];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("normal", Sample::Direction([0.6, 0.0, 0.8]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let (point, normal) = (given.point("point", 1), given.unit("normal"));
+        (PlanarJoint { a, b }, [given.local_points([0, 1], [point; 2]), given.guide(normal)].concat())
     }
 }

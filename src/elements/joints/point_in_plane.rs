@@ -1,4 +1,5 @@
 use super::{POINTS, components, gap, vectors};
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, NORMAL, POINT, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -26,5 +27,23 @@ impl Constraint for PointInPlane {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let ends = [self.a, self.b];
         components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
+    }
+}
+
+impl JointEntry for PointInPlane {
+    type Law = Self;
+    const NAME: &'static str = "point_in_plane";
+    const DOC: &'static str = "a point of b in a plane of a";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, NORMAL];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("normal", Sample::Direction([0.6, 0.0, 0.8]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.body_and_guided();
+        let (point, normal) = (given.point("point", 1), given.unit("normal"));
+        let normal = given.local_directions(0, [normal]);
+        (PointInPlane { a, b }, [given.local_points([0, 1], [point; 2]), normal].concat())
     }
 }

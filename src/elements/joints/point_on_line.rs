@@ -1,6 +1,7 @@
 use super::{POINTS, components, gap, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, SpatialVector};
 
 /// A point of b on a line of a: g = (u_a . d, w_a . d) with d = x_b - x_a \[m\].
 ///
@@ -26,5 +27,23 @@ impl Constraint for PointOnLine {
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         let ends = [self.a, self.b];
         components(&Frame::of(self.a, q), &p[6..], gap(ends, q, p), g);
+    }
+}
+
+impl JointEntry for PointOnLine {
+    type Law = Self;
+    const NAME: &'static str = "point_on_line";
+    const DOC: &'static str = "a point of b on a line of a";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.body_and_guided();
+        let (point, axis) = (given.point("point", 1), given.unit("axis"));
+        let normals = given.local_directions(0, axis.perpendiculars());
+        (PointOnLine { a, b }, [given.local_points([0, 1], [point; 2]), normals].concat())
     }
 }

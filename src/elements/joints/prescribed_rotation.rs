@@ -1,4 +1,5 @@
 use super::{ANGLE, angle_between};
+use crate::elements::entries::{AXIS, BETWEEN, FUNCTION, Given, JointEntry, Key, Sample, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -38,5 +39,23 @@ impl Constraint for PrescribedRotation {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.angle.breakpoints(&p[9..])
+    }
+}
+
+impl JointEntry for PrescribedRotation {
+    type Law = Self;
+    const NAME: &'static str = "rotation";
+    const DOC: &'static str = "the angle of b against a about an axis, zero as they stand";
+    const KEYS: &'static [Key] = &[BETWEEN, AXIS, need("angle", Type::Function("rad", &FUNCTION), "angle over time")];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("axis", Sample::Direction([0.6, 0.0, 0.8])), ("angle", Sample::Sine([0.0, 0.3, 2.0, 0.0]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let (angle, numbers) = given.motion("angle");
+        let [a, b] = given.bodies();
+        let axis = given.unit("axis");
+        (PrescribedRotation { a, b, angle }, [given.angle_frame(axis), numbers].concat())
     }
 }

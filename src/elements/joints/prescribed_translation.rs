@@ -1,4 +1,5 @@
 use super::{POINTS, gap, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, FUNCTION, Given, JointEntry, Key, POINT, Sample, Type, may, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -37,5 +38,36 @@ impl Constraint for PrescribedTranslation {
     }
     fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         self.displacement.breakpoints(&p[9..])
+    }
+}
+
+impl JointEntry for PrescribedTranslation {
+    type Law = Self;
+    const NAME: &'static str = "translation";
+    const DOC: &'static str = "a point of b along an axis of a";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        AXIS,
+        may("origin", Type::Vector("m"), "where the displacement is zero; the place of a"),
+        POINT,
+        need("displacement", Type::Function("m", &FUNCTION), "displacement over time"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("axis", Sample::Direction([0.6, 0.0, 0.8])),
+            ("origin", Sample::Point([0.3, -0.2, 0.5])),
+            ("point", Sample::Point([0.3, -0.2, 0.5])),
+            ("displacement", Sample::Sine([0.0, 0.3, 2.0, 0.0])),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let (displacement, numbers) = given.motion("displacement");
+        let [a, b] = given.body_and_guided();
+        let places = [given.point("origin", 0), given.point("point", 1)];
+        let axis = given.unit("axis");
+        let axis = given.local_directions(0, [axis]);
+        (PrescribedTranslation { a, b, displacement }, [given.local_points([0, 1], places), axis, numbers].concat())
     }
 }

@@ -1,4 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -31,5 +32,23 @@ impl Constraint for PrismaticJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         components(&a, &p[6..12], b.point(&p[3..]) - a.point(p), &mut g[..2]);
         g[2..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[12..]).components());
+    }
+}
+
+impl JointEntry for PrismaticJoint {
+    type Law = Self;
+    const NAME: &'static str = "prismatic";
+    const DOC: &'static str = "b slides along an axis without turning";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let (point, axis) = (given.point("point", 1), given.unit("axis"));
+        let (points, normals) = (given.local_points([0, 1], [point; 2]), given.local_directions(0, axis.perpendiculars()));
+        (PrismaticJoint { a, b }, [&points[..], &normals, &given.relative_rotation().0].concat())
     }
 }

@@ -1,4 +1,5 @@
 use super::{ANGLE, POINTS, angle_between, vectors};
+use crate::elements::entries::{AXIS, Given, JointEntry, Key, Sample, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -38,5 +39,38 @@ impl Constraint for RackAndPinion {
         let between = rack.position(&q[behind..], Vector3::first_three(&p[3..])) - frame.point(p);
         let path = frame.direction(&p[15..]).dot(&between);
         g[0] = angle_between([carrier, pinion], q, &p[6..], path / radius) * radius;
+    }
+}
+
+impl JointEntry for RackAndPinion {
+    type Law = Self;
+    const NAME: &'static str = "rack_and_pinion";
+    const DOC: &'static str = "a rack on a pinion";
+    const KEYS: &'static [Key] = &[
+        need("between", Type::Nodes(3), "carrier, pinion, rack"),
+        need("centre", Type::Vector("m"), "a point of the pinion's axis"),
+        need("contact", Type::Vector("m"), "where the pitch circle touches the rack"),
+        AXIS,
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body, NodeKind::Body],
+        &[
+            ("centre", Sample::Point([0.0, 0.0, 0.0])),
+            ("contact", Sample::Point([0.24, 0.0, -0.18])),
+            ("axis", Sample::Direction([0.6, 0.0, 0.8])),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let nodes = [0, 1, 2].map(|node| given.body(node));
+        let [centre, contact] = ["centre", "contact"].map(|place| given.vector(place));
+        let axis = given.unit("axis");
+        let arm = contact - centre;
+        let arm = arm - axis * axis.dot(&arm);
+        let radius = arm.length();
+        let points = given.local_points([0, 2], [contact; 2]);
+        let along = given.unit_of(arm);
+        let direction = given.local_directions(0, [axis.cross(&along)]);
+        (RackAndPinion { nodes }, [&points[..], &given.angle_frame(axis), &direction, &[radius]].concat())
     }
 }

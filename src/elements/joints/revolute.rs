@@ -1,4 +1,5 @@
 use super::{POINTS, vectors};
+use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -32,5 +33,22 @@ impl Constraint for RevoluteJoint {
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         g[3] = a.direction(&p[6..]).dot(&axis);
         g[4] = a.direction(&p[9..]).dot(&axis);
+    }
+}
+
+impl JointEntry for RevoluteJoint {
+    type Law = Self;
+    const NAME: &'static str = "revolute";
+    const DOC: &'static str = "a common point and axis";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let (point, axis) = (given.point("point", 1), given.unit("axis"));
+        (RevoluteJoint { a, b }, [given.local_points([0, 1], [point; 2]), given.guide(axis)].concat())
     }
 }

@@ -1,4 +1,5 @@
 use super::{RELATIVE_ROTATION, remaining_rotation};
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, Sample};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -38,5 +39,22 @@ impl Constraint for RigidLink {
         if self.b.has_axes() {
             g[3..].copy_from_slice(&remaining_rotation([self.a, self.b], q, &p[3..]).components());
         }
+    }
+}
+
+impl JointEntry for RigidLink {
+    type Law = Self;
+    const NAME: &'static str = "rigid_link";
+    const DOC: &'static str = "b carried along by a as it stands";
+    const KEYS: &'static [Key] = &[BETWEEN];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (&[NodeKind::Body, NodeKind::Body], &[]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.body_and_guided();
+        let mut p = given.node(0).local_point(given.node(1).position()).components().to_vec();
+        if b.has_axes() {
+            p.extend(given.relative_rotation().0);
+        }
+        (RigidLink { a, b }, p)
     }
 }

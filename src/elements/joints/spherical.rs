@@ -1,4 +1,5 @@
 use super::{POINTS, gap};
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, POINT, Sample};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -22,5 +23,20 @@ impl Constraint for SphericalJoint {
     #[inline(always)]
     fn g<S: Scalar>(&self, q: &[S], p: &[S], _t: S, g: &mut [S]) {
         g.copy_from_slice(&gap([self.a, self.b], q, p).components());
+    }
+}
+
+impl JointEntry for SphericalJoint {
+    type Law = Self;
+    const NAME: &'static str = "spherical";
+    const DOC: &'static str = "a common point";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
+        (&[NodeKind::Body, NodeKind::Body], &[("point", Sample::Point([0.3, -0.2, 0.5]))]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let point = given.point("point", 1);
+        (SphericalJoint { a, b }, given.local_points([0, 1], [point; 2]))
     }
 }

@@ -1,4 +1,5 @@
 use super::{POINTS, components, vectors};
+use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, POINT, Sample, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -30,5 +31,40 @@ impl Constraint for UniversalJoint {
         let [a, b] = Frame::pair([self.a, self.b], q);
         g[..3].copy_from_slice(&(b.point(&p[3..]) - a.point(p)).components());
         components(&a, &p[6..9], b.direction(&p[9..]), &mut g[3..]);
+    }
+}
+
+impl JointEntry for UniversalJoint {
+    type Law = Self;
+    const NAME: &'static str = "universal";
+    const DOC: &'static str = "a cross with one pin in a and one in b";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        POINT,
+        need("pin_a", Type::Vector("-"), "pin in a, at right angles to the other"),
+        need("pin_b", Type::Vector("-"), "pin in b"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("point", Sample::Point([0.3, -0.2, 0.5])),
+            ("pin_a", Sample::Direction([0.6, 0.0, 0.8])),
+            ("pin_b", Sample::Direction([0.8, 0.0, -0.6])),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let point = given.point("point", 1);
+        let [pin_a, pin_b] = ["pin_a", "pin_b"].map(|pin| given.unit(pin));
+        if let Some(angle) = Given::angle_if_not_right(pin_a, pin_b) {
+            given.wrong(format!(
+                "the pins of universal joint \"{}\" are at {angle:.6} degrees; \
+                 they must be at 90: take from one of them its part along the other",
+                given.owner()
+            ));
+        }
+        let pins = [given.local_directions(0, [pin_a]), given.local_directions(1, [pin_b])].concat();
+        (UniversalJoint { a, b }, [given.local_points([0, 1], [point; 2]), pins].concat())
     }
 }

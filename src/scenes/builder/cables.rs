@@ -1,11 +1,10 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
-use crate::assembly::{ConstraintId, ElementId, NodeId};
+use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::{
     Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
 };
-use crate::elements::joints::{CableCorner, CableEnd, HeldSlope};
 use crate::elements::{Flexible, NodeKind};
 use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
 use crate::functionals::{ElementGroup, Over};
@@ -216,83 +215,6 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
         }
-    }
-
-    /// A cable's node welded to a body as it stands at the start: nodes (body, cable's node).
-    ///
-    /// [`HeldSlope::Direction`] leaves the stretch free; [`HeldSlope::Vector`] keeps it.
-    pub fn cable_weld(&mut self, name: &str, nodes: [NodeId; 2], held: HeldSlope) -> ConstraintId {
-        let Some((a, slope)) = self.cable_end(name, nodes) else { return self.model.refused_constraint() };
-        let own = match held {
-            HeldSlope::Vector => self.local_direction(nodes[0], slope).components().to_vec(),
-            HeldSlope::Direction => {
-                slope.unit().perpendiculars().map(|normal| self.local_direction(nodes[0], normal).components()).concat()
-            }
-            HeldSlope::Plane => {
-                self.mistakes
-                    .push(format!("\"{name}\": a weld holds the direction or the vector of the slope; take cable_hinge"));
-                return self.model.refused_constraint();
-            }
-        };
-        let p = [&self.local_point(nodes[0], self.position(nodes[1])).components()[..], &own].concat();
-        self.add_constraint(name, &nodes, CableEnd { a, held }.into(), &p)
-    }
-
-    /// A cable's node on a hinge of a body about a world axis, which must be at right angles to the cable: nodes (body, cable's node).
-    pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> ConstraintId {
-        let axis = self.unit(name, axis);
-        let Some((a, slope)) = self.cable_end(name, nodes) else { return self.model.refused_constraint() };
-        let cosine = axis.dot(&slope.unit()).value();
-        if cosine.abs() > 1e-9 {
-            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            self.mistakes.push(format!(
-                "the axis of \"{name}\" is at {angle:.6} degrees to the cable; it must be at 90: a cable cannot be told to turn about itself"
-            ));
-        }
-        let p = [
-            self.local_point(nodes[0], self.position(nodes[1])).components(),
-            self.local_direction(nodes[0], axis).components(),
-        ]
-        .concat();
-        self.add_constraint(name, &nodes, CableEnd { a, held: HeldSlope::Plane }.into(), &p)
-    }
-
-    /// Nodes of two cables welded to each other as they stand at the start, at any angle but 0 and 180 degrees.
-    pub fn cable_corner(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        let [Some(a), Some(b)] = nodes.map(|node| self.kind_of(name, node)) else { return self.model.refused_constraint() };
-        if [a, b] != [NodeKind::Slope; 2] {
-            let names = nodes.map(|node| self.model.nodes[node.0].name.clone());
-            self.mistakes.push(format!(
-                "\"{name}\" needs nodes of two cables, but got \"{}\" and \"{}\": a cable is welded to a body by cable_weld",
-                names[0], names[1]
-            ));
-            return self.model.refused_constraint();
-        }
-        let [a, b] = nodes.map(|node| Vector3::first_three(&self.numbers.q[self.model.nodes[node.0].dofs.start + 3..]));
-        let angle = a.cross(&b).length().atan2(a.dot(&b));
-        if angle.sin().value() < 1e-3 {
-            let degrees = angle.value().to_degrees();
-            self.mistakes.push(format!(
-                "\"{name}\" joins cables at {degrees:.3} degrees; cables that go straight on share a node (from_node, to_node)"
-            ));
-            return self.model.refused_constraint();
-        }
-        self.add_constraint(name, &nodes, CableCorner.into(), &[angle])
-    }
-
-    /// The body and the slope at the start.
-    fn cable_end(&mut self, name: &str, [body, node]: [NodeId; 2]) -> Option<(crate::elements::NodeKind, Vector3<S>)> {
-        let a = self.kind_of_body(name, body);
-        self.kind_of(name, node)?;
-        let own = &self.model.nodes[node.0];
-        if own.kind != NodeKind::Slope {
-            self.mistakes.push(format!(
-                "\"{name}\" needs a cable's node as the second, but \"{}\" is none: name the body first, then the node",
-                own.name
-            ));
-            return None;
-        }
-        Some((a, Vector3::first_three(&self.numbers.q[own.dofs.start + 3..])))
     }
 
     /// A functional of a strain of a cable at a share of its length, from 0 to 1.

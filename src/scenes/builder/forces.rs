@@ -1,12 +1,12 @@
 //! Springs, dampers and loads.
 
 use super::MechanismBuilder;
-use crate::assembly::{Attached, ConstraintId, ElementId, NodeId};
+use crate::assembly::{ElementId, NodeId};
+use crate::elements::TimeFunction;
 use crate::elements::forces::{
     AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
-    SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
+    SlideSpringDamper, TorsionSpringDamper, VectorDamper,
 };
-use crate::elements::{AnyElement, Constraint, Parameter, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
@@ -123,7 +123,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     }
 
     /// The function and the numbers of a signal; what is wrong with it is told with the other mistakes.
-    pub(super) fn function_of(&mut self, owner: &str, signal: Signal<S>) -> (TimeFunction, Vec<S>) {
+    pub(in crate::scenes) fn function_of(&mut self, owner: &str, signal: Signal<S>) -> (TimeFunction, Vec<S>) {
         signal.parts().unwrap_or_else(|why| {
             self.mistakes.push(format!("\"{owner}\": {why}"));
             (TimeFunction::Constant, vec![S::zero()])
@@ -215,57 +215,5 @@ impl<S: Scalar> MechanismBuilder<S> {
         let rates = [stiffness_along, stiffness_about, damping_along, damping_about].concat();
         let p = [&rates[..], &self.points_between(nodes, [point; 2]), &on_a, &on_b].concat();
         self.add_element(name, &nodes, Bushing { a, b }.into(), &p)
-    }
-
-    /// A soft version of the joint that `add` adds, which must be one of `joint`'s kind: springs and dampers for its equations.
-    ///
-    /// `m.soft(RevoluteJoint { a: NodeKind::Body, b: NodeKind::Body }, [&stiffness, &damping], |m| m.revolute("mount", [frame, engine], point, axis));`
-    pub fn soft<J: Constraint>(
-        &mut self,
-        joint: J,
-        [stiffness, damping]: [&[S]; 2],
-        add: impl FnOnce(&mut Self) -> ConstraintId,
-    ) -> ElementId {
-        let added = add(self);
-        let own = (joint.parameters(), joint.equations());
-        self.soften(added, own, [stiffness, damping], Box::new(Soft(joint)))
-    }
-
-    /// Puts an element in place of the joint that was added last, which must have the parameters and equations given.
-    fn soften(
-        &mut self,
-        added: ConstraintId,
-        (parameters, count): (Vec<Parameter>, usize),
-        [stiffness, damping]: [&[S]; 2],
-        element: Box<dyn AnyElement>,
-    ) -> ElementId {
-        // taken back from the model; nothing at all was added after a mistake, which is told already
-        let (Some(last), true) = (self.model.constraints.len().checked_sub(1), added != self.model.refused_constraint())
-        else {
-            return self.model.refused_element();
-        };
-        let own = self.model.constraints[last].parameters.clone();
-        let same = parameters == self.model.constraints[last].physics.parameter_list()
-            && count == self.model.constraints[last].equations.len();
-        if self.model.find_constraint(added).is_none() || added.0 != last || own.end != self.model.parameters || !same {
-            let name = &self.model.constraints[added.0.min(last)].name;
-            self.mistakes.push(format!(
-                "the soft joint \"{name}\" is not what was added last: name the joint that the function adds"
-            ));
-            return self.model.refused_element();
-        }
-        let Some(Attached { name, nodes, equations, .. }) = self.model.constraints.pop() else { unreachable!() };
-        (self.model.equations, self.model.parameters) = (equations.start, own.start);
-        let p = [stiffness, damping, &self.numbers.p.split_off(own.start)].concat();
-        if [stiffness.len(), damping.len()] != [equations.len(); 2] {
-            self.mistakes.push(format!(
-                "\"{name}\" has {} equations, but {} stiffnesses and {} dampings were given",
-                equations.len(),
-                stiffness.len(),
-                damping.len()
-            ));
-            return self.model.refused_element();
-        }
-        self.add_element(&name, &nodes, element, &p)
     }
 }

@@ -1,118 +1,176 @@
-//! Joints and motion drivers.
+//! Joints and motion drivers, by their entries.
 
 use super::MechanismBuilder;
-use crate::assembly::{ConstraintId, Node, NodeId};
-use crate::elements::joints::{
-    AngleCoordinate, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane,
-    PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink,
-    SphericalJoint, UniversalJoint,
-};
-use crate::elements::{NodeKind, TimeFunction};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::assembly::{ConstraintId, ElementId, NodeId};
+use crate::elements::entries::{Given, GivenValue, JointPart, Made, Type, Values};
+use crate::elements::joints::{self, AngleCoordinate, HeldSlope};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
-/// How far from a right angle the pins of a universal joint may be.
-const RIGHT_ANGLE: f64 = 1e-9;
+/// What is wrong, with the key where that is one of it.
+pub(in crate::scenes) type Wrong = (Option<&'static str>, String);
+
+/// The entry of a joint or driver of the library.
+fn entry(name: &str) -> &'static JointPart {
+    let Some(part) = joints::named(name) else { unreachable!("{name} is in no list of entries") };
+    part
+}
 
 impl<S: Scalar> MechanismBuilder<S> {
+    /// Makes a joint of its entry; none where a node is one of another mechanism.
+    fn made(&mut self, part: &JointPart, name: &str, nodes: &[NodeId], values: Values<S>) -> Result<Made<S>, Vec<Wrong>> {
+        if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
+            return Err(Vec::new());
+        }
+        let count = part.example.0.len();
+        if nodes.len() != count {
+            return Err(vec![(None, format!("\"{name}\" needs {count} nodes, but {} were given", nodes.len()))]);
+        }
+        let keys = part.form.keys.iter().filter(|key| !matches!(key.takes, Type::Nodes(_))).map(|key| key.name);
+        let known: Vec<&str> = keys.collect();
+        let unknown = values.iter().filter(|(key, _)| !known.contains(key));
+        let mut wrong: Vec<Wrong> = unknown
+            .map(|(key, _)| {
+                (None, format!("\"{name}\", a {}, has no key {key}: it has {}", part.form.name, known.join(", ")))
+            })
+            .collect();
+        let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
+        let mut given = Given::new(name, placed, values);
+        let made = part.make(&mut given);
+        wrong.extend(given.mistakes());
+        match made {
+            Ok(made) if wrong.is_empty() => Ok(made),
+            Ok(_) => Err(wrong),
+            Err(why) => Err(vec![(None, format!("\"{name}\": {why}"))]),
+        }
+    }
+
+    /// Adds a joint or driver by its entry.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes or the values of its keys.
+    pub(in crate::scenes) fn rigid_part(
+        &mut self,
+        part: &JointPart,
+        name: &str,
+        nodes: &[NodeId],
+        values: Values<S>,
+    ) -> Result<ConstraintId, Vec<Wrong>> {
+        let (law, p) = self.made(part, name, nodes, values)?;
+        Ok(self.add_constraint(name, nodes, law.rigid(), &p))
+    }
+
+    /// Adds springs and dampers in place of the equations of a joint.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes, the values of its keys, or the numbers of stiffnesses and dampings.
+    pub(in crate::scenes) fn soft_part(
+        &mut self,
+        part: &JointPart,
+        name: &str,
+        nodes: &[NodeId],
+        values: Values<S>,
+        [stiffness, damping]: [&[S]; 2],
+    ) -> Result<ElementId, Vec<Wrong>> {
+        let (law, p) = self.made(part, name, nodes, values)?;
+        let count = law.equations();
+        if [stiffness.len(), damping.len()] != [count; 2] {
+            let (stiffnesses, dampings) = (stiffness.len(), damping.len());
+            let text = format!(
+                "\"{name}\" has {count} equations, but {stiffnesses} stiffnesses and {dampings} dampings were given"
+            );
+            return Err(vec![(None, text)]);
+        }
+        Ok(self.add_element(name, nodes, law.soft(), &[stiffness, damping, &p].concat()))
+    }
+
+    /// Adds a joint or driver by its entry, one of a list or of your own: `m.joint(&JointPart::of::<MyJoint>(), "name", &[a, b], keys)`.
+    pub fn joint(&mut self, part: &JointPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ConstraintId {
+        self.rigid_part(part, name, nodes, keys.into()).unwrap_or_else(|wrong| {
+            self.tell(name, wrong);
+            self.model.refused_constraint()
+        })
+    }
+
+    /// The same joint softly: springs and dampers with a stiffness and a damping for each of its equations
+    /// ([`Soft`](crate::elements::forces::Soft)).
+    pub fn soft_joint(
+        &mut self,
+        part: &JointPart,
+        name: &str,
+        nodes: &[NodeId],
+        keys: impl Into<Values<S>>,
+        rates: [&[S]; 2],
+    ) -> ElementId {
+        self.soft_part(part, name, nodes, keys.into(), rates).unwrap_or_else(|wrong| {
+            self.tell(name, wrong);
+            self.model.refused_element()
+        })
+    }
+
+    pub(in crate::scenes) fn tell(&mut self, name: &str, wrong: Vec<Wrong>) {
+        let text = |(key, text): Wrong| key.map_or(text.clone(), |key| format!("\"{name}\", {key}: {text}"));
+        self.mistakes.extend(wrong.into_iter().map(text));
+    }
+
+    /// The value of a key that is a function of time.
+    fn function_value(&mut self, name: &str, signal: Signal<S>) -> GivenValue<S> {
+        let (function, numbers) = self.function_of(name, signal);
+        GivenValue::Function(function, numbers)
+    }
+
     pub(super) fn points_between(&self, [a, b]: [NodeId; 2], [on_a, on_b]: [Vector3<S>; 2]) -> Vec<S> {
         self.local_point(a, on_a).components().into_iter().chain(self.local_point(b, on_b).components()).collect()
     }
 
     /// A spherical joint at a world point \[m\].
     pub fn spherical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
-        let p = self.points_between(nodes, [point, point]);
-        self.add_constraint(name, &nodes, SphericalJoint { a, b }.into(), &p)
+        self.joint(entry("spherical"), name, &nodes, [("point", point.into())])
     }
 
     /// A massless link between two world points \[m\], as long as they are apart at the start.
     pub fn distance(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2]) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
-        let mut p = self.points_between(nodes, ends);
-        p.push((ends[1] - ends[0]).length());
-        self.add_constraint(name, &nodes, DistanceJoint { a, b }.into(), &p)
-    }
-
-    /// Two unit vectors of a at right angles to the axis, and the axis in b: what guides along or about an axis.
-    fn guide(&self, [a, b]: [NodeId; 2], axis: Vector3<S>) -> Vec<S> {
-        let [u, w] = axis.perpendiculars();
-        [self.local_direction(a, u), self.local_direction(a, w), self.local_direction(b, axis)]
-            .map(|v| v.components())
-            .concat()
-    }
-
-    /// Euler parameters of b relative to a.
-    fn relative_rotation(&self, [a, b]: [NodeId; 2]) -> Quaternion<S> {
-        self.rotation(a).conjugate().times(self.rotation(b))
+        self.joint(entry("distance"), name, &nodes, [("points", GivenValue::Vectors(ends.to_vec()))])
     }
 
     /// A revolute joint at a world point \[m\] about a world axis.
     pub fn revolute(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let axis = self.unit(name, axis);
-        let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
-        self.add_constraint(name, &nodes, RevoluteJoint { a, b }.into(), &p)
+        self.joint(entry("revolute"), name, &nodes, [("point", point.into()), ("axis", axis.into())])
     }
 
     /// Two bodies welded together at a world point \[m\].
     pub fn fixed(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let p = [self.points_between(nodes, [point; 2]), self.relative_rotation(nodes).0.to_vec()].concat();
-        self.add_constraint(name, &nodes, FixedJoint { a, b }.into(), &p)
+        self.joint(entry("fixed"), name, &nodes, [("point", point.into())])
     }
 
     /// Node b, a point or a body, carried along by body a as it stands at the start.
     pub fn rigid_link(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
-        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
-        let mut p = self.local_point(nodes[0], self.position(nodes[1])).components().to_vec();
-        if b.has_axes() {
-            p.extend(self.relative_rotation(nodes).0);
-        }
-        self.add_constraint(name, &nodes, RigidLink { a, b }.into(), &p)
+        self.joint(entry("rigid_link"), name, &nodes, [])
     }
 
     /// A prismatic joint: b slides along a world axis of a without turning; the world point \[m\] is where forces are measured.
     pub fn prismatic(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let axis = self.unit(name, axis);
-        let normals = &self.guide(nodes, axis)[..6];
-        let p = [&self.points_between(nodes, [point; 2])[..], normals, &self.relative_rotation(nodes).0].concat();
-        self.add_constraint(name, &nodes, PrismaticJoint { a, b }.into(), &p)
+        self.joint(entry("prismatic"), name, &nodes, [("point", point.into()), ("axis", axis.into())])
     }
 
     /// A cylindrical joint: b slides along and turns about a world axis through a world point \[m\].
     pub fn cylindrical(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let axis = self.unit(name, axis);
-        let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, axis)].concat();
-        self.add_constraint(name, &nodes, CylindricalJoint { a, b }.into(), &p)
+        self.joint(entry("cylindrical"), name, &nodes, [("point", point.into()), ("axis", axis.into())])
     }
 
     /// A planar joint: b slides on the plane of a through a world point \[m\] with a world normal, and turns about the normal.
     pub fn planar(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let normal = self.unit(name, normal);
-        let p = [self.points_between(nodes, [point; 2]), self.guide(nodes, normal)].concat();
-        self.add_constraint(name, &nodes, PlanarJoint { a, b }.into(), &p)
+        self.joint(entry("planar"), name, &nodes, [("point", point.into()), ("normal", normal.into())])
     }
 
     /// A universal joint at a world point \[m\]; its cross has one pin in a and one in b, at right angles.
     pub fn universal(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, pins: [Vector3<S>; 2]) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let [pin_a, pin_b] = pins.map(|pin| self.unit(name, pin));
-        let cosine = pin_a.dot(&pin_b).value();
-        if cosine.abs() > RIGHT_ANGLE {
-            let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-            self.mistakes.push(format!(
-                "the pins of universal joint \"{name}\" are at {angle:.6} degrees; \
-                 they must be at 90: take from one of them its part along the other"
-            ));
-        }
-        let pins = [self.local_direction(nodes[0], pin_a).components(), self.local_direction(nodes[1], pin_b).components()]
-            .concat();
-        let p = [self.points_between(nodes, [point; 2]), pins].concat();
-        self.add_constraint(name, &nodes, UniversalJoint { a, b }.into(), &p)
+        self.joint(
+            entry("universal"),
+            name,
+            &nodes,
+            [("point", point.into()), ("pin_a", pins[0].into()), ("pin_b", pins[1].into())],
+        )
     }
 
     /// A screw along a world axis through a world point \[m\]: b advances by the pitch [m per turn], negative for a left-handed thread.
@@ -124,29 +182,17 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         pitch: S,
     ) -> ConstraintId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let axis = self.unit(name, axis);
-        let reference = self.local_direction(nodes[1], axis.perpendiculars()[0]).components();
-        let points = self.points_between(nodes, [point; 2]);
-        let p = [&points[..], &self.guide(nodes, axis), &reference, &[pitch]].concat();
-        self.add_constraint(name, &nodes, HelicalJoint { a, b }.into(), &p)
+        self.joint(entry("helical"), name, &nodes, [("point", point.into()), ("axis", axis.into()), ("pitch", pitch.into())])
     }
 
     /// A world point \[m\] of b, a point or a body, on the line of a through it along a world direction.
     pub fn point_on_line(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, along: Vector3<S>) -> ConstraintId {
-        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
-        let normals =
-            self.unit(name, along).perpendiculars().map(|normal| self.local_direction(nodes[0], normal).components());
-        let p = [self.points_between(nodes, [point; 2]), normals.concat()].concat();
-        self.add_constraint(name, &nodes, PointOnLine { a, b }.into(), &p)
+        self.joint(entry("point_on_line"), name, &nodes, [("point", point.into()), ("axis", along.into())])
     }
 
     /// A world point \[m\] of b, a point or a body, in the plane of a through it with a world normal.
     pub fn point_in_plane(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, normal: Vector3<S>) -> ConstraintId {
-        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
-        let normal = self.unit(name, normal);
-        let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], normal).components()].concat();
-        self.add_constraint(name, &nodes, PointInPlane { a, b }.into(), &p)
+        self.joint(entry("point_in_plane"), name, &nodes, [("point", point.into()), ("normal", normal.into())])
     }
 
     /// A rack on a pinion, nodes [carrier, pinion, rack]: the pinion turns about a world axis through `centre`, and its pitch circle
@@ -158,17 +204,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         [centre, contact]: [Vector3<S>; 2],
         axis: Vector3<S>,
     ) -> ConstraintId {
-        let kinds = nodes.map(|node| self.kind_of_body(name, node));
-        let [carrier, pinion, rack] = nodes;
-        let axis = self.unit(name, axis);
-        let arm = contact - centre;
-        let arm = arm - axis * axis.dot(&arm);
-        let radius = arm.length();
-        let points = self.points_between([carrier, rack], [contact; 2]);
-        let direction = axis.cross(&self.unit(name, arm));
-        let direction = self.local_direction(carrier, direction).components();
-        let p = [&points[..], &self.angle_frame(name, [carrier, pinion], axis), &direction, &[radius]].concat();
-        self.add_constraint(name, &nodes, RackAndPinion { nodes: kinds }.into(), &p)
+        self.joint(
+            entry("rack_and_pinion"),
+            name,
+            &nodes,
+            [("centre", centre.into()), ("contact", contact.into()), ("axis", axis.into())],
+        )
     }
 
     /// A coordinate that counts the angle of b against a about a world axis over any number of turns \[rad\], zero at the start.
@@ -196,29 +237,7 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// External gears on parallel axes have radii of one sign, internal ones of opposite signs.
     pub fn gear(&mut self, name: &str, angles: [NodeId; 2], radii: [S; 2]) -> ConstraintId {
-        let mut offset = S::zero();
-        for (node, radius) in angles.into_iter().zip(radii) {
-            let Some(kind) = self.kind_of(name, node) else { return self.model.refused_constraint() };
-            let Node { name: own, dofs, .. } = &self.model.nodes[node.0];
-            if kind != NodeKind::Coordinates(1) {
-                let text =
-                    format!("gear \"{name}\" needs two joint angles, but node \"{own}\" is none: add one by joint_angle");
-                self.mistakes.push(text);
-                return self.model.refused_constraint();
-            }
-            offset += radius * self.numbers.q[dofs.start];
-        }
-        self.add_constraint(name, &angles, GearJoint.into(), &[radii[0], radii[1], offset])
-    }
-
-    /// A motion driver needs a function with two derivatives.
-    fn check_driver(&mut self, name: &str, function: &TimeFunction, parameters: &[S]) {
-        let values: Vec<f64> = parameters.iter().map(|own| own.value()).collect();
-        if let Some(switch) = function.rate_jump(&values).filter(|_| function.parameters("").len() == values.len()) {
-            self.mistakes.push(format!(
-                "driver \"{name}\" or its rate would jump at t = {switch} s; give it a smooth ramp or a table"
-            ));
-        }
+        self.joint(entry("gear"), name, &angles, [("radii", GivenValue::Numbers(radii.to_vec()))])
     }
 
     /// Drives the angle of b against a about a world axis \[rad\]; the angle is zero at the start of the geometry.
@@ -229,11 +248,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         angle: Signal<S>,
     ) -> ConstraintId {
-        let (angle, function_parameters) = self.function_of(name, angle);
-        self.check_driver(name, &angle, &function_parameters);
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let p = [self.angle_frame(name, nodes, axis), function_parameters].concat();
-        self.add_constraint(name, &nodes, PrescribedRotation { a, b, angle }.into(), &p)
+        let angle = self.function_value(name, angle);
+        self.joint(entry("rotation"), name, &nodes, [("axis", axis.into()), ("angle", angle)])
     }
 
     /// Drives a world point of b along a world axis fixed in a, measured from the world point `origin` \[m\].
@@ -245,12 +261,38 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         displacement: Signal<S>,
     ) -> ConstraintId {
-        let (displacement, function_parameters) = self.function_of(name, displacement);
-        self.check_driver(name, &displacement, &function_parameters);
-        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
-        let axis = self.unit(name, axis);
-        let axis = self.local_direction(nodes[0], axis);
-        let p = [self.points_between(nodes, [origin, point]), axis.components().to_vec(), function_parameters].concat();
-        self.add_constraint(name, &nodes, PrescribedTranslation { a, b, displacement }.into(), &p)
+        let path = self.function_value(name, displacement);
+        self.joint(
+            entry("translation"),
+            name,
+            &nodes,
+            [("axis", axis.into()), ("origin", origin.into()), ("point", point.into()), ("displacement", path)],
+        )
+    }
+
+    /// A cable's node welded to a body as it stands at the start: nodes (body, cable's node).
+    ///
+    /// [`HeldSlope::Direction`] leaves the stretch free; [`HeldSlope::Vector`] keeps it.
+    pub fn cable_weld(&mut self, name: &str, nodes: [NodeId; 2], held: HeldSlope) -> ConstraintId {
+        let held = match held {
+            HeldSlope::Direction => "direction",
+            HeldSlope::Vector => "vector",
+            HeldSlope::Plane => {
+                self.mistakes
+                    .push(format!("\"{name}\": a weld holds the direction or the vector of the slope; take cable_hinge"));
+                return self.model.refused_constraint();
+            }
+        };
+        self.joint(entry("cable_weld"), name, &nodes, [("holds", GivenValue::Word(held.into()))])
+    }
+
+    /// A cable's node on a hinge of a body about a world axis, which must be at right angles to the cable: nodes (body, cable's node).
+    pub fn cable_hinge(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> ConstraintId {
+        self.joint(entry("cable_hinge"), name, &nodes, [("axis", axis.into())])
+    }
+
+    /// Nodes of two cables welded to each other as they stand at the start, at any angle but 0 and 180 degrees.
+    pub fn cable_corner(&mut self, name: &str, nodes: [NodeId; 2]) -> ConstraintId {
+        self.joint(entry("cable_corner"), name, &nodes, [])
     }
 }

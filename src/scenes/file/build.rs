@@ -1,18 +1,18 @@
 //! Entries of a file as calls of the builder.
 
 use super::build_functionals::functional;
+use super::build_joints::{joint, rolling};
 use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
-use super::build_soft_joints::soft_joint;
+
 use super::known::{Found, Known, Made, count, fixed, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
-use crate::assembly::{ConstraintId, NodeId};
+use crate::assembly::NodeId;
 use crate::design::shortest;
-use crate::elements::NodeKind;
 use crate::elements::flexible::Material;
 use crate::elements::forces::LoadFrame;
-use crate::elements::joints::HeldSlope;
+use crate::elements::joints;
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BushingRates, Force, MechanismBuilder, MeshedShell, Signal, SpringDamper, Torque};
 
@@ -48,11 +48,12 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
-        "joint" if fields.get("stiffness").is_some() => soft_joint(known, name, fields, m),
-        "joint" => match fields.get("damping") {
-            Some((at, _)) => Err(Mistake::new(at, "only a soft joint has damping: give it stiffness, too, or leave it out")),
-            None => rigid_joint(known, name, fields, m).map(Made::Joint),
-        },
+        "joint" | "driver" => {
+            match joints::named(fields.form).or_else(|| known.joints.iter().find(|own| own.form.name == fields.form)) {
+                Some(part) => joint(known, part, name, fields, m),
+                None => rolling(known, name, fields, m),
+            }
+        }
         "rigid_interface" => {
             let body = known.node(fields, "body", m)?;
             let nodes = node_sets(known, fields, m)?;
@@ -64,7 +65,6 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
             Ok(Made::Nothing)
         }
-        "driver" => driver(known, name, fields, m),
         "spring" => spring(known, name, fields, m),
         "damper" => {
             let nodes = known.different_nodes(fields, "between", m)?;
@@ -196,71 +196,6 @@ fn check_place<S: Scalar>(at: usize, node: NodeId, point: Vector3<S>, m: &Builde
     ))
 }
 
-/// A joint that holds its equations.
-pub(super) fn rigid_joint<S: Scalar>(
-    known: &Known<S>,
-    name: &str,
-    fields: &Fields,
-    m: &mut Builder<S>,
-) -> Found<ConstraintId> {
-    if fields.form == "rack_and_pinion" {
-        let places = [known.vector(fields, "centre")?, known.vector(fields, "contact")?];
-        let nodes = known.different_nodes(fields, "between", m)?;
-        return Ok(m.rack_and_pinion(name, nodes, places, known.vector(fields, "axis")?));
-    }
-    let nodes: [NodeId; 2] = known.different_nodes(fields, "between", m)?;
-    let point = place(known, fields, "point", nodes[1], m)?;
-    let vector = |key| known.vector(fields, key);
-    let contact = format!("contact of {name}");
-    Ok(match fields.form {
-        "spherical" => m.spherical(name, nodes, point),
-        "revolute" => m.revolute(name, nodes, point, vector("axis")?),
-        "fixed" => m.fixed(name, nodes, point),
-        "rigid_link" => m.rigid_link(name, nodes),
-        "distance" => {
-            let ends = ends(known, fields, nodes, m)?;
-            m.distance(name, nodes, ends)
-        }
-        "prismatic" => m.prismatic(name, nodes, point, vector("axis")?),
-        "cylindrical" => m.cylindrical(name, nodes, point, vector("axis")?),
-        "planar" => m.planar(name, nodes, point, vector("normal")?),
-        "universal" => m.universal(name, nodes, point, [vector("pin_a")?, vector("pin_b")?]),
-        "helical" => m.helical(name, nodes, point, vector("axis")?, known.number(fields, "pitch")?),
-        "point_on_line" => m.point_on_line(name, nodes, point, vector("axis")?),
-        "point_in_plane" => m.point_in_plane(name, nodes, point, vector("normal")?),
-        "gear" => m.gear(name, nodes, known.numbers(fields, "radii")?),
-        "rolling_sphere" => {
-            let centre = place(known, fields, "centre", nodes[1], m)?;
-            let radius = known.number(fields, "radius")?;
-            m.rolling_sphere([&contact, name], nodes, centre, vector("normal")?, radius)[1]
-        }
-        "rolling_disc" => {
-            let disc = (place(known, fields, "centre", nodes[1], m)?, vector("axis")?);
-            let plane = (place(known, fields, "point", nodes[0], m)?, vector("normal")?);
-            m.rolling_disc([&contact, name], nodes, disc, plane, known.number(fields, "radius")?)[1]
-        }
-        "cable_weld" => {
-            let held = if text(fields, "holds") == Some("vector") { HeldSlope::Vector } else { HeldSlope::Direction };
-            m.cable_weld(name, nodes, held)
-        }
-        "cable_hinge" => m.cable_hinge(name, nodes, vector("axis")?),
-        "cable_corner" => m.cable_corner(name, nodes),
-        other => return Err(Mistake::new(fields.at, format!("nothing builds a joint of type {other}"))),
-    })
-}
-
-fn driver<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
-    let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
-    Ok(Made::Joint(match fields.form {
-        "rotation" => m.prescribed_rotation(name, nodes, axis, known.function(fields, "angle")?),
-        _ => {
-            let displacement = known.function(fields, "displacement")?;
-            let places = [place(known, fields, "origin", nodes[0], m)?, place(known, fields, "point", nodes[1], m)?];
-            m.prescribed_translation(name, nodes, places, axis, displacement)
-        }
-    }))
-}
-
 fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
     let number = |key| known.number_or(fields, key, 0.0);
     let spring = |rest| -> Found<SpringDamper<S>> {
@@ -298,10 +233,6 @@ fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Buil
         }
     };
     Ok(Made::Nothing)
-}
-
-pub(super) fn kind_in_space<S: Scalar>(node: NodeId, m: &Builder<S>) -> NodeKind {
-    m.model.find_node(node).and_then(|own| own.kind.in_space()).unwrap_or(NodeKind::Point)
 }
 
 fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {

@@ -1,13 +1,13 @@
 //! Values of the keys of an entry, in the scalar of the mechanism.
 
 use super::expression::{Quantity, SHARE_PLACE};
-use super::keys::Range;
 use super::meshes::{Each, Per};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, NodePlace, Value};
 use super::time_formula::FormulaOfTime;
 use crate::assembly::{ConstraintId, NodeId};
 use crate::design::shortest;
+use crate::elements::entries::{JointPart, Range};
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::forces::LoadFrame;
@@ -38,6 +38,8 @@ pub(super) enum Made<S> {
 
 /// Values of names, and what was made so far.
 pub(super) struct Known<'f, S> {
+    /// Joints beside those of the library.
+    pub joints: &'f [JointPart],
     /// All entries.
     pub items: &'f [Item],
     pub names: Vec<Quantity<S>>,

@@ -3,12 +3,11 @@
 
 mod build;
 mod build_functionals;
+mod build_joints;
 mod build_members;
 mod build_meshes;
-mod build_soft_joints;
 mod expression;
 mod formula_text;
-mod keys;
 mod known;
 mod meshes;
 mod mistake;
@@ -19,6 +18,7 @@ mod reference;
 mod references;
 mod scene;
 mod schema;
+mod section;
 mod sections;
 mod time_formula;
 

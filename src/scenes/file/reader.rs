@@ -1,12 +1,13 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
 use super::expression::{Expression, Scope, is_name, meaning, names_in};
-use super::keys::{Form, Forms, Range, Section, Shape};
 use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
 use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
+use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
+use crate::elements::entries::{Form, Forms, JointPart, Range};
 use crate::scenes::MeshData;
 use crate::scenes::unknown;
 use std::collections::{HashMap, HashSet};
@@ -111,6 +112,8 @@ pub(super) struct Contents {
     pub single: Vec<(&'static str, Fields)>,
     /// Entries in the order of the file, but what others refer to before these.
     pub order: Vec<usize>,
+    /// Joints beside those of the library.
+    pub joints: Arc<[JointPart]>,
 }
 
 /// A name that an entry has.
@@ -135,6 +138,8 @@ pub(super) struct Reader {
     pub by_name: HashMap<(String, &'static str), usize>,
     /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
     pub names_are_missing: bool,
+    /// Joints beside those of the library.
+    pub joints: Arc<[JointPart]>,
     pub mistakes: Vec<Mistake>,
 }
 
@@ -151,9 +156,9 @@ pub(super) fn name_space(section: &str) -> &'static str {
     }
 }
 
-/// Reads a whole file; paths in it begin at a folder.
-pub(super) fn read(root: &Raw, folder: &Path) -> Result<Contents, Vec<Mistake>> {
-    let mut reader = Reader { folder: folder.into(), scope: Scope::of_file(), ..Reader::default() };
+/// Reads a whole file; paths in it begin at a folder. Joints of one's own are known by their names.
+pub(super) fn read(root: &Raw, folder: &Path, joints: &[JointPart]) -> Result<Contents, Vec<Mistake>> {
+    let mut reader = Reader { folder: folder.into(), scope: Scope::of_file(), joints: joints.into(), ..Reader::default() };
     let contents = reader.contents(root);
     if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
 }
@@ -221,7 +226,7 @@ impl Reader {
             .map(|(index, name, each)| Variable { fields: items[index].fields.clone(), name, each })
             .collect();
         let order = self.order(&items);
-        Contents { top, variables, definitions, items, single, order }
+        Contents { top, variables, definitions, items, single, order, joints: self.joints.clone() }
     }
 
     /// Takes down the entries of a section with their names.
@@ -365,7 +370,7 @@ impl Reader {
             self.wrong(raw.at, format!("{owner} must be a table; it is {}", raw.words()));
             return fields;
         };
-        let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first() };
+        let form = if forms.have_types() { self.form(raw, forms, owner) } else { forms.forms.first().copied() };
         let Some(form) = form else { return fields };
         fields.form = form.name;
         let keys = || forms.common.iter().chain(form.keys);
@@ -394,23 +399,30 @@ impl Reader {
         fields
     }
 
-    fn form(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Option<&'static Form> {
-        let known = || forms.forms.iter().map(|form| form.name.to_string()).collect::<Vec<_>>();
+    fn form(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Option<Form> {
+        let known = all_forms(forms, &self.joints);
+        let names = || known.iter().map(|form| form.name.to_string()).collect::<Vec<_>>();
         let Some(given) = raw.get("type") else {
-            self.wrong(raw.at, format!("{owner} needs the key type: one of {}", known().join(", ")));
+            self.wrong(raw.at, format!("{owner} needs the key type: one of {}", names().join(", ")));
             return None;
         };
         let Some(name) = given.text() else {
             self.wrong(given.at, format!("type of {owner} must be a text; it is {}", given.words()));
             return None;
         };
-        let form = forms.forms.iter().find(|form| form.name == name);
+        let form = known.iter().find(|form| form.name == name).copied();
         if form.is_none() {
-            let text = unknown("type", name, &known());
+            let text = unknown("type", name, &names());
             self.wrong(given.at, format!("{owner}: {text}"));
         }
         form
     }
+}
+
+/// All forms of a table.
+pub(super) fn all_forms(forms: &Forms, joints: &[JointPart]) -> Vec<Form> {
+    let own = joints.iter().filter(|_| forms.with_joints).map(|joint| joint.form);
+    forms.forms.iter().copied().chain(own).collect()
 }
 
 fn collect_names(raw: &Raw, names: &mut Vec<String>) {

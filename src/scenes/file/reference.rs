@@ -1,5 +1,5 @@
-use super::keys::{Forms, Key, Range, Type};
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
+use crate::elements::entries::{Forms, Key, Range, Type};
 use std::fmt::Write;
 
 /// The reference page of all sections and keys, in Markdown: what the reader allows, as it is made of the same tables.

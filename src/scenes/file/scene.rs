@@ -5,6 +5,7 @@ use super::mistake::{Mistake, Source};
 use super::raw::Raw;
 use super::reader::{Contents, Fields, Item, Value, Variable, name_space, read};
 use crate::design::DesignVariable;
+use crate::elements::entries::JointPart;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
 };
@@ -89,6 +90,14 @@ impl FileScene {
     /// # Errors
     /// A file that cannot be read, or what is wrong in it: see [`FileScene::parse`].
     pub fn read(path: &Path) -> Result<Self, String> {
+        Self::read_with(path, &[])
+    }
+
+    /// Reads a file in which joints of one's own have forms, too.
+    ///
+    /// # Errors
+    /// As [`FileScene::read`].
+    pub fn read_with(path: &Path, joints: &[JointPart]) -> Result<Self, String> {
         let name = path.display().to_string();
         let cannot = |why: String| format!("{name}: cannot be read: {why}");
         let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
@@ -102,7 +111,7 @@ impl FileScene {
             let source = Source { name: name.clone(), text: before };
             source.told(&Mistake::new(at, "this is no text in UTF-8"))
         })?;
-        Self::parse(&name, &text)
+        Self::parse_with(&name, &text, joints)
     }
 
     /// Reads the text of a file; its name is for messages, and for the scene unless the file gives one.
@@ -110,12 +119,20 @@ impl FileScene {
     /// # Errors
     /// All mistakes that were found, a line each: file, line, column, key, value, what is allowed.
     pub fn parse(file: &str, text: &str) -> Result<Self, String> {
+        Self::parse_with(file, text, &[])
+    }
+
+    /// Reads a text in which joints of one's own have forms, too.
+    ///
+    /// # Errors
+    /// As [`FileScene::parse`].
+    pub fn parse_with(file: &str, text: &str, joints: &[JointPart]) -> Result<Self, String> {
         let source = Source { name: file.into(), text: text.into() };
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         if let Some(kind) = other_format(text) {
             return Err(format!("{file}: this is {kind}"));
         }
-        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder)) {
+        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder, joints)) {
             Ok(contents) => contents,
             Err(mistakes) => return Err(source.all_told(mistakes)),
         };
@@ -426,7 +443,7 @@ impl Scene for FileScene {
         Some(self.source.place(item.fields.at))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let Contents { top, variables, definitions, items, order, .. } = &self.contents;
+        let Contents { top, variables, definitions, items, order, joints, .. } = &self.contents;
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
@@ -449,7 +466,7 @@ impl Scene for FileScene {
             names.push(value);
         }
         let made = items.iter().map(|_| Made::Nothing).collect();
-        let mut known = Known { items, names, share: Cell::new(S::zero()), each, made };
+        let mut known = Known { joints, items, names, share: Cell::new(S::zero()), each, made };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();

@@ -1,10 +1,13 @@
-use super::keys::{Forms, Key, Range, Shape, Type};
+use super::reader::all_forms;
 use super::reference::{same, tables};
+use super::section::Shape;
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
+use crate::elements::entries::{Forms, JointPart, Key, Range, Type};
 use serde_json::{Map, Value, json};
 
-/// The JSON schema of scene files, from which editors complete and check them. It is made of the tables by which files are read.
-pub fn schema() -> Value {
+/// The JSON schema of scene files, from which editors complete and check them, with joints of one's own. It is made of the tables by which
+/// files are read.
+pub fn schema(joints: &[JointPart]) -> Value {
     let mut properties = Map::new();
     for key in TOP.forms[0].keys {
         properties.insert(key.name.into(), of_key(key));
@@ -12,7 +15,7 @@ pub fn schema() -> Value {
     let quantity = json!({"anyOf": [formula(Range::Any), part("vector")]});
     properties.insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity}));
     for section in SECTIONS {
-        let own = table(&section.forms, section.shape != Shape::Once);
+        let own = table(&section.forms, section.shape != Shape::Once, joints);
         let mut own = match section.shape {
             Shape::Once => own,
             Shape::Named => json!({"type": "object", "additionalProperties": own}),
@@ -38,7 +41,7 @@ pub fn schema() -> Value {
     let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
     parts.insert("for".into(), own);
     for (name, forms) in tables() {
-        parts.insert(name, table(forms, false));
+        parts.insert(name, table(forms, false, &[]));
     }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -58,11 +61,11 @@ fn part(name: &str) -> Value {
 
 /// A table that is a value.
 fn inner(forms: &'static Forms) -> Value {
-    tables().into_iter().find(|(_, own)| same(own, forms)).map_or_else(|| table(forms, false), |(name, _)| part(&name))
+    tables().into_iter().find(|(_, own)| same(own, forms)).map_or_else(|| table(forms, false, &[]), |(name, _)| part(&name))
 }
 
 /// A table with the keys of its forms; with forms, the one that the key `type` names.
-fn table(forms: &Forms, is_repeated: bool) -> Value {
+fn table(forms: &Forms, is_repeated: bool, joints: &[JointPart]) -> Value {
     let of_form = |name: &str, doc: &str, keys: &[Key]| {
         let (mut properties, mut required) = (Map::new(), Vec::new());
         if !name.is_empty() {
@@ -80,7 +83,7 @@ fn table(forms: &Forms, is_repeated: bool) -> Value {
         }
         json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
     };
-    let all: Vec<Value> = forms.forms.iter().map(|form| of_form(form.name, form.doc, form.keys)).collect();
+    let all: Vec<Value> = all_forms(forms, joints).iter().map(|form| of_form(form.name, form.doc, form.keys)).collect();
     match all.len() {
         1 => all.into_iter().next().unwrap_or_default(),
         _ => json!({"oneOf": all}),

@@ -1,12 +1,15 @@
 //! All sections of a scene file with their keys.
 
-use super::keys::{Form, Forms, Key, Range, Section, Shape, Type, may, need};
+use super::section::{Section, Shape};
+use crate::elements::entries::{
+    AXIS, BETWEEN, ENDS, FUNCTION, Form, Forms, Key, NORMAL, POINT, Range, Type, forms, joint_forms, may, need,
+};
+use crate::elements::joints::{DRIVERS, JOINTS};
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
     Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, NamedLists, Node, NodeSet, NodeSets,
-    Nodes, Number, Numbers, OfMesh, OfTime, OneOrMore, Over, Pairs, Points, Series, Table, Tables, Text, Texts, Vector,
-    Weights,
+    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -32,17 +35,13 @@ pub(super) const TOP: Forms = Forms {
             may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
         ],
     }],
+    with_joints: false,
 };
 
+/// A table without a choice of forms.
 macro_rules! one_form {
     ($($key:expr),* $(,)?) => {
-        Forms { common: &[], forms: &[Form { name: "", doc: "", keys: &[$($key),*] }] }
-    };
-}
-
-macro_rules! forms {
-    ([$($common:expr),* $(,)?] $($name:literal $doc:literal [$($key:expr),* $(,)?])*) => {
-        Forms { common: &[$($common),*], forms: &[$(Form { name: $name, doc: $doc, keys: &[$($key),*] }),*] }
+        Forms { common: &[], forms: &[Form { name: "", doc: "", keys: &[$($key),*] }], with_joints: false }
     };
 }
 
@@ -64,48 +63,6 @@ const MOTION: Forms = one_form![
     may("angular_velocity", Vector("rad/s"), "angular velocity in the world; 0"),
 ];
 
-const FUNCTION: Forms = forms!([
-    may("smooth_start", Number("s", Positive), "the function starts from rest within this time; at once"),
-]
-"constant" "f = value" [need("value", Number("", Any), "value")]
-"constant_rate" "f = offset + rate t" [
-    may("offset", Number("", Any), "value at t = 0; 0"),
-    need("rate", Number("1/s", Any), "rate"),
-]
-"sine" "f = offset + amplitude sin(angular_frequency t + phase)" [
-    may("offset", Number("", Any), "mean; 0"),
-    need("amplitude", Number("", Any), "amplitude"),
-    need("angular_frequency", Number("rad/s", Any), "angular frequency"),
-    may("phase", Number("rad", Any), "phase; 0"),
-]
-"smooth_ramp" "from one value to another along 10 s^3 - 15 s^4 + 6 s^5" [
-    may("from", Number("", Any), "value before; 0"),
-    need("to", Number("", Any), "value after"),
-    may("start", Number("s", Any), "when it begins; 0"),
-    need("duration", Number("s", Positive), "how long it takes"),
-]
-"step" "a jump, for loads only" [
-    may("before", Number("", Any), "value before; 0"),
-    need("after", Number("", Any), "value from the jump on"),
-    need("at", Fixed("s", Any), "time of the jump"),
-]
-"lines" "straight lines between points, constant outside, for loads only" [
-    need("times", Fixeds(0, "s"), "times of the points, increasing"),
-    need("values", Series(""), "values there"),
-]
-"table" "natural cubic spline through points, constant slope outside" [
-    need("times", Fixeds(0, "s"), "times of the points, increasing"),
-    need("values", Series(""), "values there"),
-]
-"formula" "a formula of the time t, exact at all times with all its derivatives" [
-    need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
-    may("breakpoints", Fixeds(0, "s"), "times at which it or one of its first two derivatives jumps: steps end there; needed, if only as [], \
-        where abs, min, max or if_less choose"),
-    may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
-    may("end", Fixed("s", Any), "likewise, at least the end of the run"),
-    may("intervals", Count(1, MOST), "likewise, any"),
-]);
-
 const AGGREGATE: Forms = one_form![
     need(
         "aggregate",
@@ -125,19 +82,14 @@ const OVER: Key = need(
     "value at the start, at the end, integral, or an aggregate",
 );
 
-const BETWEEN: Key = need("between", Nodes(2), "both nodes, a and b");
-const POINT: Key = may("point", Vector("m"), "place in the world at the start; that of b");
-const AXIS: Key = need("axis", Vector("-"), "axis in the world at the start, of any length");
-const NORMAL: Key = need("normal", Vector("-"), "normal in the world at the start, of any length");
 const FRAME: Key = may("frame", Choice(&["world", "body"]), "direction fixed in the world, or turning with the node; world");
-const ENDS: Key = may("points", Points, "where it takes hold of a and b; both nodes");
 
 /// What makes springs of a joint.
 const SOFT: [Key; 2] = [
     may(
         "stiffness",
         Series("N/m, N m/rad"),
-        "of each of its equations: the joint is soft, a spring and damper for each in its place; rigid",
+        "of each of its equations, but where it rolls: the joint is soft, a spring and damper for each in its place; rigid",
     ),
     may("damping", Series("N s/m, N m s/rad"), "of a soft joint, of each of its equations; 0"),
 ];
@@ -221,7 +173,7 @@ pub(super) const WITH_NODES: &[&str] =
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.
-pub(super) const JOINTS: &[&str] = &["joint", "driver"];
+pub(super) const WITH_MULTIPLIERS: &[&str] = &["joint", "driver"];
 
 const BEAM: &[&str] = &["beam"];
 const CABLE: &[&str] = &["cable"];
@@ -236,12 +188,31 @@ const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", 
 const ON: Key = need("on", Node, "node");
 const AT: Key = may("point", Vector("m"), "point of the node, in the world at the start; the node's place");
 const ALONG: Key = need("direction", Vector("-"), "direction in the world");
-const OF_JOINT: Key = need("joint", Item(JOINTS), "name of a joint or driver");
+const OF_JOINT: Key = need("joint", Item(WITH_MULTIPLIERS), "name of a joint or driver");
 const GROUP: Key = need(
     "of",
     Items(WITH_ELEMENTS),
     "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
 );
+
+/// Joints that are two constraints.
+const ROLLING: Forms = forms!([]
+"rolling_sphere" "b, a sphere, rolls on a plane of a" [
+    BETWEEN,
+    may("centre", Vector("m"), "centre of the sphere; the place of b"),
+    NORMAL,
+    need("radius", Number("m", Positive), "radius"),
+]
+"rolling_disc" "b, a thin disc, rolls on a plane of a" [
+    BETWEEN,
+    may("centre", Vector("m"), "centre of the disc; the place of b"),
+    AXIS,
+    may("point", Vector("m"), "point of the plane; the place of a"),
+    NORMAL,
+    need("radius", Number("m", Positive), "radius"),
+]);
+const JOINT_FORMS: [Form; JOINTS.len() + ROLLING.forms.len()] = joint_forms(JOINTS, ROLLING.forms);
+const DRIVER_FORMS: [Form; DRIVERS.len()] = joint_forms(DRIVERS, &[]);
 
 /// All sections, in the order of the reference page.
 pub(super) const SECTIONS: &[Section] = &[
@@ -544,54 +515,7 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "joint",
         shape: Shape::Listed,
         doc: "What holds nodes together. Geometry is given in the world at the start.",
-        forms: forms!([NAME]
-            "spherical" "a common point" [BETWEEN, POINT, SOFT[0], SOFT[1]]
-            "revolute" "a common point and axis" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
-            "fixed" "two bodies welded together" [BETWEEN, POINT, SOFT[0], SOFT[1]]
-            "rigid_link" "b carried along by a as it stands" [BETWEEN, SOFT[0], SOFT[1]]
-            "distance" "a massless link between points" [BETWEEN, ENDS, SOFT[0], SOFT[1]]
-            "prismatic" "b slides along an axis without turning" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
-            "cylindrical" "b slides along and turns about an axis" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
-            "planar" "b slides on a plane and turns about its normal" [BETWEEN, POINT, NORMAL, SOFT[0], SOFT[1]]
-            "universal" "a cross with one pin in a and one in b" [
-                BETWEEN, POINT,
-                need("pin_a", Vector("-"), "pin in a, at right angles to the other"),
-                need("pin_b", Vector("-"), "pin in b"),
-                SOFT[0], SOFT[1],
-            ]
-            "helical" "a screw" [BETWEEN, POINT, AXIS, need("pitch", Number("m", Any), "advance with each turn; negative for a left-handed thread"), SOFT[0], SOFT[1]]
-            "point_on_line" "a point of b on a line of a" [BETWEEN, POINT, AXIS, SOFT[0], SOFT[1]]
-            "point_in_plane" "a point of b in a plane of a" [BETWEEN, POINT, NORMAL, SOFT[0], SOFT[1]]
-            "gear" "gears on two joint angles" [
-                BETWEEN,
-                need("radii", Numbers(&[2], "m", Any), "pitch radii; of one sign for external gears"),
-            ]
-            "rack_and_pinion" "a rack on a pinion" [
-                need("between", Nodes(3), "carrier, pinion, rack"),
-                need("centre", Vector("m"), "a point of the pinion's axis"),
-                need("contact", Vector("m"), "where the pitch circle touches the rack"),
-                AXIS,
-            ]
-            "rolling_sphere" "b, a sphere, rolls on a plane of a" [
-                BETWEEN,
-                may("centre", Vector("m"), "centre of the sphere; the place of b"),
-                NORMAL,
-                need("radius", Number("m", Positive), "radius"),
-            ]
-            "rolling_disc" "b, a thin disc, rolls on a plane of a" [
-                BETWEEN,
-                may("centre", Vector("m"), "centre of the disc; the place of b"),
-                AXIS,
-                may("point", Vector("m"), "point of the plane; the place of a"),
-                NORMAL,
-                need("radius", Number("m", Positive), "radius"),
-            ]
-            "cable_weld" "b, a cable's node, welded to body a" [
-                BETWEEN,
-                may("holds", Choice(&["direction", "vector"]), "the direction of its slope, or its stretch, too; direction"),
-            ]
-            "cable_hinge" "b, a cable's node, on a hinge of body a" [BETWEEN, AXIS]
-            "cable_corner" "nodes of two cables welded to each other" [BETWEEN]),
+        forms: Forms { common: &[NAME, SOFT[0], SOFT[1]], forms: &JOINT_FORMS, with_joints: true },
     },
     Section {
         name: "rigid_interface",
@@ -629,15 +553,7 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "driver",
         shape: Shape::Listed,
         doc: "A prescribed motion.",
-        forms: forms!([NAME, BETWEEN, AXIS]
-        "rotation" "the angle of b against a about an axis, zero as they stand" [
-            need("angle", Function("rad", &FUNCTION), "angle over time"),
-        ]
-        "translation" "a point of b along an axis of a" [
-            may("origin", Vector("m"), "where the displacement is zero; the place of a"),
-            POINT,
-            need("displacement", Function("m", &FUNCTION), "displacement over time"),
-        ]),
+        forms: Forms { common: &[NAME], forms: &DRIVER_FORMS, with_joints: false },
     },
     Section {
         name: "spring",

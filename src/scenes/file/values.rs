@@ -1,9 +1,9 @@
 //! Values by what their keys take.
 
 use super::expression::{Expression, Quantity};
-use super::keys::{Key, Range, Type};
 use super::raw::{Raw, RawValue};
 use super::reader::{Reader, Value};
+use crate::elements::entries::{Key, Range, Type};
 use crate::scenes::unknown;
 
 /// Largest number of a point or face of a mesh.

@@ -1,16 +1,20 @@
-//! What the tables of keys are made of: one description serves the reader, its messages, the JSON schema and the reference page.
+//! What tables of keys are made of: one description serves the reader of scene files, its messages, the JSON schema and the reference page.
 
 /// Which numbers are allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Range {
+pub enum Range {
+    /// Every finite number.
     Any,
+    /// Greater than 0.
     Positive,
+    /// 0 or greater.
     AtLeastZero,
     /// From 0 to 1.
     Share,
 }
 
 impl Range {
+    /// Whether it allows a number.
     pub fn holds(self, value: f64) -> bool {
         match self {
             Range::Any => true,
@@ -19,6 +23,7 @@ impl Range {
             Range::Share => (0.0..=1.0).contains(&value),
         }
     }
+    /// In words, for messages.
     pub fn words(self) -> &'static str {
         match self {
             Range::Any => "any finite number",
@@ -31,7 +36,7 @@ impl Range {
 
 /// What a key takes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Type {
+pub enum Type {
     /// A number or a formula; unit and range.
     Number(&'static str, Range),
     /// A number or a formula without design variables; unit and range.
@@ -54,7 +59,9 @@ pub(super) enum Type {
     Count(usize, usize),
     /// As many whole numbers, each from and to.
     Counts(usize, usize, usize),
+    /// True or false.
     Flag,
+    /// A text.
     Text,
     /// Names of anything.
     Texts,
@@ -95,38 +102,47 @@ pub(super) enum Type {
 
 /// A key of a table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Key {
+pub struct Key {
+    /// As it is written.
     pub name: &'static str,
+    /// What it takes.
     pub takes: Type,
+    /// Whether it must be there.
     pub is_needed: bool,
     /// What it is, and what it is without being given.
     pub doc: &'static str,
 }
 
 /// A key that must be there.
-pub(super) const fn need(name: &'static str, takes: Type, doc: &'static str) -> Key {
+pub const fn need(name: &'static str, takes: Type, doc: &'static str) -> Key {
     Key { name, takes, is_needed: true, doc }
 }
 
 /// A key that may be left out.
-pub(super) const fn may(name: &'static str, takes: Type, doc: &'static str) -> Key {
+pub const fn may(name: &'static str, takes: Type, doc: &'static str) -> Key {
     Key { name, takes, is_needed: false, doc }
 }
 
 /// One of the forms that a table may have, by its key `type`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Form {
+pub struct Form {
     /// Empty if there is no choice.
     pub name: &'static str,
+    /// What it is, in a sentence.
     pub doc: &'static str,
+    /// Its keys.
     pub keys: &'static [Key],
 }
 
 /// All forms of a table, and the keys that all of them have.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Forms {
+pub struct Forms {
+    /// Keys that all forms have.
     pub common: &'static [Key],
+    /// The forms.
     pub forms: &'static [Form],
+    /// Whether joints of a user's own are forms of it, too.
+    pub with_joints: bool,
 }
 
 impl Forms {
@@ -136,33 +152,21 @@ impl Forms {
     }
 }
 
-/// How often a section occurs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
-    /// `[settings]`
-    Once,
-    /// `[material.steel]`
-    Named,
-    /// `[[body]]` with a key `name`
-    Listed,
-}
+/// Both nodes of a joint or spring.
+pub const BETWEEN: Key = need("between", Type::Nodes(2), "both nodes, a and b");
+/// Where a joint stands.
+pub const POINT: Key = may("point", Type::Vector("m"), "place in the world at the start; that of b");
+/// Along or about what it moves.
+pub const AXIS: Key = need("axis", Type::Vector("-"), "axis in the world at the start, of any length");
+/// Across what it moves.
+pub const NORMAL: Key = need("normal", Type::Vector("-"), "normal in the world at the start, of any length");
+/// Where a link or spring takes hold.
+pub const ENDS: Key = may("points", Type::Points, "where it takes hold of a and b; both nodes");
 
-/// A section of a file.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Section {
-    pub name: &'static str,
-    pub shape: Shape,
-    pub doc: &'static str,
-    pub forms: Forms,
+/// A table whose key `type` chooses a form.
+macro_rules! forms {
+    ([$($common:expr),* $(,)?] $($name:literal $doc:literal [$($key:expr),* $(,)?])*) => {
+        $crate::elements::entries::Forms { common: &[$($common),*], forms: &[$($crate::elements::entries::Form { name: $name, doc: $doc, keys: &[$($key),*] }),*], with_joints: false }
+    };
 }
-
-impl Section {
-    /// As it is written in a file.
-    pub fn header(&self) -> String {
-        match self.shape {
-            Shape::Once => format!("[{}]", self.name),
-            Shape::Named => format!("[{}.NAME]", self.name),
-            Shape::Listed => format!("[[{}]]", self.name),
-        }
-    }
-}
+pub(crate) use forms;

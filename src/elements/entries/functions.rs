@@ -1,0 +1,48 @@
+//! How functions of time are written.
+
+use super::keys::{Forms, Range, Type, forms, may, need};
+use Range::{Any, Positive};
+use Type::{Count, Fixed, Fixeds, Number, OfTime, Series};
+
+/// The forms of a [`TimeFunction`](crate::elements::TimeFunction).
+pub const FUNCTION: Forms = forms!([
+    may("smooth_start", Number("s", Positive), "the function starts from rest within this time; at once"),
+]
+"constant" "f = value" [need("value", Number("", Any), "value")]
+"constant_rate" "f = offset + rate t" [
+    may("offset", Number("", Any), "value at t = 0; 0"),
+    need("rate", Number("1/s", Any), "rate"),
+]
+"sine" "f = offset + amplitude sin(angular_frequency t + phase)" [
+    may("offset", Number("", Any), "mean; 0"),
+    need("amplitude", Number("", Any), "amplitude"),
+    need("angular_frequency", Number("rad/s", Any), "angular frequency"),
+    may("phase", Number("rad", Any), "phase; 0"),
+]
+"smooth_ramp" "from one value to another along 10 s^3 - 15 s^4 + 6 s^5" [
+    may("from", Number("", Any), "value before; 0"),
+    need("to", Number("", Any), "value after"),
+    may("start", Number("s", Any), "when it begins; 0"),
+    need("duration", Number("s", Positive), "how long it takes"),
+]
+"step" "a jump, for loads only" [
+    may("before", Number("", Any), "value before; 0"),
+    need("after", Number("", Any), "value from the jump on"),
+    need("at", Fixed("s", Any), "time of the jump"),
+]
+"lines" "straight lines between points, constant outside, for loads only" [
+    need("times", Fixeds(0, "s"), "times of the points, increasing"),
+    need("values", Series(""), "values there"),
+]
+"table" "natural cubic spline through points, constant slope outside" [
+    need("times", Fixeds(0, "s"), "times of the points, increasing"),
+    need("values", Series(""), "values there"),
+]
+"formula" "a formula of the time t, exact at all times with all its derivatives" [
+    need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
+    may("breakpoints", Fixeds(0, "s"), "times at which it or one of its first two derivatives jumps: steps end there; needed, if only as [], \
+        where abs, min, max or if_less choose"),
+    may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
+    may("end", Fixed("s", Any), "likewise, at least the end of the run"),
+    may("intervals", Count(1, 10_000), "likewise, any"),
+]);

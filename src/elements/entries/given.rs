@@ -1,0 +1,293 @@
+use super::Placed;
+use crate::design::shortest;
+use crate::elements::{NodeKind, TimeFunction};
+use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+
+/// The value of a key.
+#[derive(Clone, Debug)]
+pub enum GivenValue<S> {
+    /// A number.
+    Number(S),
+    /// Several numbers.
+    Numbers(Vec<S>),
+    /// A vector of the world.
+    Vector(Vector3<S>),
+    /// Several vectors of the world.
+    Vectors(Vec<Vector3<S>>),
+    /// One of some words.
+    Word(String),
+    /// A function of time with its numbers.
+    Function(TimeFunction, Vec<S>),
+}
+
+impl<S: Scalar> From<S> for GivenValue<S> {
+    fn from(own: S) -> Self {
+        GivenValue::Number(own)
+    }
+}
+
+impl<S: Scalar> From<Vector3<S>> for GivenValue<S> {
+    fn from(own: Vector3<S>) -> Self {
+        GivenValue::Vector(own)
+    }
+}
+
+/// Values of keys by their names.
+pub type Values<S> = Vec<(&'static str, GivenValue<S>)>;
+
+/// A node with its name.
+#[derive(Clone, Debug)]
+struct GivenNode<S> {
+    name: String,
+    kind: NodeKind,
+    q: Vec<S>,
+}
+
+/// What an entry makes its parameters of: nodes as they stand at the start, and the values of its keys. Mistakes are collected, so that
+/// an entry reads without question marks; what is made after one is not used.
+#[derive(Clone, Debug)]
+pub struct Given<S> {
+    owner: String,
+    nodes: Vec<GivenNode<S>>,
+    values: Values<S>,
+    mistakes: Vec<(Option<&'static str>, String)>,
+}
+
+/// Relative to the size of a place, how far from it a point may be that means it.
+const SAME_PLACE: f64 = 1e-9;
+/// How far a cosine may be from that of a right angle.
+const RIGHT_ANGLE: f64 = 1e-9;
+
+impl<S: Scalar> Given<S> {
+    /// Nodes with their names, kinds and coordinates; values of keys.
+    pub fn new<'n>(owner: &str, nodes: impl IntoIterator<Item = (&'n str, Placed<'n, S>)>, values: Values<S>) -> Self {
+        let node = |(name, Placed { kind, q }): (&str, Placed<S>)| GivenNode { name: name.into(), kind, q: q.to_vec() };
+        Given { owner: owner.into(), nodes: nodes.into_iter().map(node).collect(), values, mistakes: Vec::new() }
+    }
+
+    /// What was wrong, with the key where that is one of it.
+    pub fn mistakes(self) -> Vec<(Option<&'static str>, String)> {
+        self.mistakes
+    }
+
+    /// Something is wrong with what was given.
+    pub fn wrong(&mut self, what: String) {
+        self.mistakes.push((None, what));
+    }
+
+    /// Something is wrong with a key.
+    pub fn wrong_key(&mut self, key: &'static str, what: String) {
+        self.mistakes.push((Some(key), what));
+    }
+
+    /// The name of what is made.
+    pub fn owner(&self) -> &str {
+        &self.owner
+    }
+
+    /// The name of a node.
+    pub fn name(&self, node: usize) -> &str {
+        &self.nodes[node].name
+    }
+
+    /// A node as it stands.
+    pub fn node(&self, node: usize) -> Placed<'_, S> {
+        let GivenNode { kind, q, .. } = &self.nodes[node];
+        Placed { kind: *kind, q }
+    }
+
+    /// The kind of a node that must be a body.
+    pub fn body(&mut self, node: usize) -> NodeKind {
+        let kind = self.nodes[node].kind;
+        if kind.has_axes() {
+            return kind;
+        }
+        let text = no_body(&self.owner, &self.nodes[node].name);
+        self.wrong(text);
+        NodeKind::Body
+    }
+
+    /// The kind of a node that must have a place in space.
+    pub fn in_space(&mut self, node: usize) -> NodeKind {
+        self.nodes[node].kind.in_space().unwrap_or_else(|| {
+            let text = nowhere(&self.owner, &self.nodes[node].name);
+            self.wrong(text);
+            NodeKind::Point
+        })
+    }
+
+    /// Kinds of two nodes that must be bodies.
+    pub fn bodies(&mut self) -> [NodeKind; 2] {
+        [self.body(0), self.body(1)]
+    }
+
+    /// Kinds of a body, and of anything that has a place in space.
+    pub fn body_and_guided(&mut self) -> [NodeKind; 2] {
+        [self.body(0), self.in_space(1)]
+    }
+
+    fn value(&self, key: &str) -> Option<&GivenValue<S>> {
+        self.values.iter().find(|own| own.0 == key).map(|own| &own.1)
+    }
+
+    fn missing<T>(&mut self, key: &'static str, what: &str, instead: T) -> T {
+        let text = format!("\"{}\" needs {what} for {key}", self.owner);
+        self.wrong_key(key, text);
+        instead
+    }
+
+    /// A number.
+    pub fn number(&mut self, key: &'static str) -> S {
+        match self.value(key) {
+            Some(GivenValue::Number(own)) => *own,
+            _ => self.missing(key, "a number", S::one()),
+        }
+    }
+
+    /// As many numbers.
+    pub fn numbers<const N: usize>(&mut self, key: &'static str) -> [S; N] {
+        let own = match self.value(key) {
+            Some(GivenValue::Numbers(own)) => own.clone().try_into().ok(),
+            _ => None,
+        };
+        own.unwrap_or_else(|| self.missing(key, &format!("{N} numbers"), [S::one(); N]))
+    }
+
+    /// A vector of the world.
+    pub fn vector(&mut self, key: &'static str) -> Vector3<S> {
+        match self.value(key) {
+            Some(GivenValue::Vector(own)) => *own,
+            _ => self.missing(key, "a vector", Vector3::from_f64([1.0, 0.0, 0.0])),
+        }
+    }
+
+    /// A vector of length one along a direction.
+    pub fn unit(&mut self, key: &'static str) -> Vector3<S> {
+        let direction = self.vector(key);
+        self.unit_of(direction)
+    }
+
+    /// A vector of length one along a direction.
+    pub fn unit_of(&mut self, direction: Vector3<S>) -> Vector3<S> {
+        unit(&self.owner, direction).unwrap_or_else(|text| {
+            self.wrong(text);
+            Vector3::from_f64([1.0, 0.0, 0.0])
+        })
+    }
+
+    /// A world point \[m\] on a node; without the key the place of the node.
+    pub fn point(&mut self, key: &'static str, node: usize) -> Vector3<S> {
+        match self.value(key) {
+            Some(GivenValue::Vector(own)) => self.on_node(key, node, *own),
+            _ => self.node(node).position(),
+        }
+    }
+
+    /// World points \[m\], one on each of both nodes; without the key their places.
+    pub fn points(&mut self, key: &'static str) -> [Vector3<S>; 2] {
+        match self.value(key) {
+            Some(GivenValue::Vectors(own)) => match own[..] {
+                [a, b] => [self.on_node(key, 0, a), self.on_node(key, 1, b)],
+                _ => {
+                    let text = format!("{key} has {} places; give two, one on each node", own.len());
+                    self.wrong_key(key, text);
+                    [Vector3::zeros(); 2]
+                }
+            },
+            _ => [0, 1].map(|node| self.node(node).position()),
+        }
+    }
+
+    /// A node without axes has no places but its own.
+    fn on_node(&mut self, key: &'static str, node: usize, point: Vector3<S>) -> Vector3<S> {
+        let own = self.node(node);
+        if own.kind.has_axes() || own.kind.in_space().is_none() {
+            return point;
+        }
+        let gap = (own.position() - point).length().value();
+        let size = own.position().length().value().max(point.length().value());
+        if gap > SAME_PLACE * size {
+            let (name, gap) = (self.name(node), shortest(gap));
+            let text = format!(
+                "this point lies {gap} m from \"{name}\", which has no axes and takes hold where it is: leave it out"
+            );
+            self.wrong_key(key, text);
+        }
+        point
+    }
+
+    /// Whether a key says this word.
+    pub fn says(&self, key: &str, word: &str) -> bool {
+        matches!(self.value(key), Some(GivenValue::Word(own)) if own == word)
+    }
+
+    /// The function of time of a motion, which has two derivatives, with its numbers.
+    pub fn motion(&mut self, key: &'static str) -> (TimeFunction, Vec<S>) {
+        let (function, numbers) = match self.value(key) {
+            Some(GivenValue::Function(function, numbers)) => (function.clone(), numbers.clone()),
+            _ => return self.missing(key, "a function of time", (TimeFunction::Constant, vec![S::zero()])),
+        };
+        let values: Vec<f64> = numbers.iter().map(|own| own.value()).collect();
+        if let Some(switch) = function.rate_jump(&values).filter(|_| function.parameters("").len() == values.len()) {
+            let name = &self.owner;
+            let text =
+                format!("driver \"{name}\" or its rate would jump at t = {switch} s; give it a smooth ramp or a table");
+            self.wrong(text);
+        }
+        (function, numbers)
+    }
+
+    /// World points on two nodes in their frames.
+    pub fn local_points(&self, nodes: [usize; 2], [a, b]: [Vector3<S>; 2]) -> Vec<S> {
+        [self.node(nodes[0]).local_point(a), self.node(nodes[1]).local_point(b)].map(|own| own.components()).concat()
+    }
+
+    /// World directions in the frame of a node.
+    pub fn local_directions<const N: usize>(&self, node: usize, directions: [Vector3<S>; N]) -> Vec<S> {
+        directions.into_iter().flat_map(|own| self.node(node).local_direction(own).components()).collect()
+    }
+
+    /// Two unit vectors of a at right angles to a world axis, and the axis in b: what guides along or about an axis.
+    pub fn guide(&self, axis: Vector3<S>) -> Vec<S> {
+        [self.local_directions(0, axis.perpendiculars()), self.local_directions(1, [axis])].concat()
+    }
+
+    /// Axis and zero mark in the frame of the first node and zero mark in that of the second, for an angle that is zero as they stand.
+    pub fn angle_frame(&self, axis: Vector3<S>) -> Vec<S> {
+        let [mark, _] = axis.perpendiculars();
+        [self.local_directions(0, [axis, mark]), self.local_directions(1, [mark])].concat()
+    }
+
+    /// Euler parameters of b relative to a.
+    pub fn relative_rotation(&self) -> Quaternion<S> {
+        self.node(0).rotation().conjugate().times(self.node(1).rotation())
+    }
+
+    /// By how many degrees two unit vectors are apart, unless they are at right angles.
+    pub fn angle_if_not_right(a: Vector3<S>, b: Vector3<S>) -> Option<f64> {
+        let cosine = a.dot(&b).value();
+        (cosine.abs() > RIGHT_ANGLE).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
+    }
+}
+
+/// What `owner` takes hold of must be a body.
+pub(crate) fn no_body(owner: &str, node: &str) -> String {
+    format!(
+        "\"{owner}\" needs a body, which has axes, but node \"{node}\" is none: make it a body, or take a joint for points"
+    )
+}
+
+/// What `owner` takes hold of must have a place in space.
+pub(crate) fn nowhere(owner: &str, node: &str) -> String {
+    format!("\"{owner}\" needs a point or a body, but node \"{node}\" is neither")
+}
+
+/// A vector of length one along a direction.
+pub(crate) fn unit<S: Scalar>(owner: &str, direction: Vector3<S>) -> Result<Vector3<S>, String> {
+    let length = direction.length().value();
+    if length > 0.0 && length.is_finite() {
+        return Ok(direction.unit());
+    }
+    let components = direction.components().map(Scalar::value);
+    Err(format!("\"{owner}\": a direction cannot be {components:?}; give a vector of any length but zero"))
+}

@@ -1,0 +1,23 @@
+//! Parts as entries: all that is said of a part beside its formula stands in the part's own file, and everything that speaks of it follows.
+//!
+//! An entry states its name, a sentence, its keys with units and meanings, how the parameters of the formula follow from these keys and
+//! the places of its nodes, and an example. From the lists of entries ([`JOINTS`](super::joints::JOINTS),
+//! [`DRIVERS`](super::joints::DRIVERS)) follow calls of the builder, forms of scene files with their checks and messages, the JSON schema, the
+//! reference page, soft versions, and what tests and studies go through.
+
+mod example;
+mod functions;
+mod given;
+mod joint;
+mod keys;
+mod placed;
+
+pub use example::Sample;
+pub use functions::FUNCTION;
+pub use given::{Given, GivenValue, Values};
+pub(crate) use given::{no_body, nowhere, unit};
+pub(crate) use joint::entries;
+pub use joint::{JointEntry, JointPart, JointVisitor, Law, Made, joint_forms};
+pub(crate) use keys::forms;
+pub use keys::{AXIS, BETWEEN, ENDS, Form, Forms, Key, NORMAL, POINT, Range, Type, may, need};
+pub use placed::Placed;

@@ -1,0 +1,100 @@
+//! Joints and drivers, by their entries.
+
+use super::build::{Builder, place};
+use super::known::{Found, Known, Made, list, text};
+use super::mistake::Mistake;
+use super::reader::Fields;
+use crate::assembly::NodeId;
+use crate::elements::entries::{GivenValue, JointPart, Key, Type};
+use crate::scalar::{Scalar, Vector3};
+use crate::scenes::builder::Wrong;
+
+/// The value of a key of an entry, if it is given.
+fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builder<S>) -> Found<Option<GivenValue<S>>> {
+    if fields.get(key.name).is_none() {
+        return Ok(None);
+    }
+    Ok(Some(match key.takes {
+        Type::Number(..) => GivenValue::Number(known.number(fields, key.name)?),
+        Type::Numbers(..) => GivenValue::Numbers(known.series(fields, key.name)?),
+        Type::Vector(_) => GivenValue::Vector(known.vector(fields, key.name)?),
+        Type::Points => GivenValue::Vectors(known.points(fields, key.name)?),
+        Type::Choice(_) => GivenValue::Word(text(fields, key.name).unwrap_or_default().into()),
+        Type::Function(..) => {
+            let (function, numbers) = m.function_of(key.name, known.function(fields, key.name)?);
+            GivenValue::Function(function, numbers)
+        }
+        other => unreachable!("no entry of a joint has a key that takes {other:?}"),
+    }))
+}
+
+/// Makes a joint or driver of its entry.
+pub(super) fn joint<S: Scalar>(
+    known: &Known<S>,
+    part: &JointPart,
+    name: &str,
+    fields: &Fields,
+    m: &mut Builder<S>,
+) -> Found<Made<S>> {
+    let nodes = nodes(known, fields, m)?;
+    let mut values = Vec::new();
+    for key in part.form.keys.iter().filter(|key| !matches!(key.takes, Type::Nodes(_))) {
+        values.extend(value(known, fields, key, m)?.map(|value| (key.name, value)));
+    }
+    let made = match rates(known, fields)? {
+        Some([stiffness, damping]) => {
+            m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
+        }
+        None => m.rigid_part(part, name, &nodes, values).map(Made::Joint),
+    };
+    made.or_else(|wrong| {
+        let (keys, others): (Vec<Wrong>, Vec<Wrong>) = wrong.into_iter().partition(|(key, _)| key.is_some());
+        m.tell(name, others);
+        let at = |key| fields.get(key).map_or(fields.at, |own| own.0);
+        keys.into_iter().find_map(|(key, what)| Some(Err(Mistake::new(at(key?), what)))).unwrap_or(Ok(Made::Nothing))
+    })
+}
+
+/// All nodes of the key `between`, which are different.
+fn nodes<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Found<Vec<NodeId>> {
+    match list(fields, "between").count() {
+        3 => known.different_nodes::<3>(fields, "between", m).map(Vec::from),
+        _ => known.different_nodes::<2>(fields, "between", m).map(Vec::from),
+    }
+}
+
+/// Stiffnesses and dampings of a soft joint.
+fn rates<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Option<[Vec<S>; 2]>> {
+    let stiffness = known.series(fields, "stiffness")?;
+    match (fields.get("stiffness"), fields.get("damping")) {
+        (None, Some((at, _))) => {
+            Err(Mistake::new(at, "only a soft joint has damping: give it stiffness, too, or leave it out"))
+        }
+        (None, None) => Ok(None),
+        _ => {
+            let mut damping = known.series(fields, "damping")?;
+            if damping.is_empty() {
+                damping.resize(stiffness.len(), S::zero());
+            }
+            Ok(Some([stiffness, damping]))
+        }
+    }
+}
+
+/// Joints that are two constraints: a contact, and what rolls.
+pub(super) fn rolling<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    if let Some((at, _)) = fields.get("stiffness").or(fields.get("damping")) {
+        return Err(Mistake::new(at, "what rolls cannot be soft: leave this out"));
+    }
+    let nodes: [NodeId; 2] = known.different_nodes(fields, "between", m)?;
+    let contact = format!("contact of {name}");
+    let vector = |key| known.vector(fields, key);
+    let (centre, radius) = (place(known, fields, "centre", nodes[1], m)?, known.number(fields, "radius")?);
+    Ok(Made::Joint(match fields.form {
+        "rolling_sphere" => m.rolling_sphere([&contact, name], nodes, centre, vector("normal")?, radius)[1],
+        _ => {
+            let plane: (Vector3<S>, Vector3<S>) = (place(known, fields, "point", nodes[0], m)?, vector("normal")?);
+            m.rolling_disc([&contact, name], nodes, (centre, vector("axis")?), plane, radius)[1]
+        }
+    }))
+}
