@@ -10,7 +10,7 @@
 //! | write a scene | [`prelude`], [`scenes::Scene`], [`scenes::MechanismBuilder`] |
 //! | run and differentiate it | [`scenes::Prepared`], [`sensitivity::Analysis`] |
 //! | write an element, a joint, a functional | [`elements::Element`], [`elements::Field`], [`elements::Constraint`], [`functionals::Quantity`] |
-//! | give a joint its keys in scene files | [`elements::entries::JointEntry`] |
+//! | give a joint or spring its keys, from the geometry | [`elements::entries::Entry`] |
 //! | check what was written | [`testing`] |
 //! | improve a design | [`optimize::Optimization`] |
 //! | have the command line for scenes of one's own | `cli::main` |

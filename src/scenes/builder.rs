@@ -1,6 +1,7 @@
 mod beams;
 mod cables;
 mod carriers;
+mod entries;
 mod forces;
 mod free_mesh;
 mod functionals;
@@ -22,9 +23,9 @@ mod ties;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
+pub(in crate::scenes) use entries::Wrong;
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
-pub(in crate::scenes) use joints::Wrong;
 pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};
 pub use shell_parts::ShellPart;

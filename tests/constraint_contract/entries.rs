@@ -2,7 +2,7 @@
 
 use super::support::motion::random_coordinates;
 use super::support::{Random, twelve};
-use costate::elements::entries::{Given, GivenValue, JointEntry, JointPart, Key, Placed, Sample};
+use costate::elements::entries::{Entry, ExampleValue, Given, GivenValue, JointPart, Key, Placed};
 use costate::elements::joints::{DRIVERS, JOINTS, named};
 use costate::elements::{Constraint, ConstraintPhysics, NodeKind};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -49,6 +49,11 @@ fn made(part: &JointPart, kinds: &[NodeKind], random: &mut Random) -> Option<Mad
             }
             kind => q.extend(random_coordinates(&[*kind], random, |_| 1.0)),
         }
+    }
+    // what has no axes is held where it is: the other node stands there
+    if !kinds[0].has_axes() && kinds[0].in_space().is_some() && part.form.name != "distance" {
+        let place: Vec<f64> = q[..3].to_vec();
+        q[kinds[0].dofs()..][..3].copy_from_slice(&place);
     }
     let mut first = 0;
     let nodes: Vec<(&str, Placed<f64>)> = kinds
@@ -125,12 +130,12 @@ impl Constraint for Shelf {
     }
 }
 
-impl JointEntry for Shelf {
+impl Entry for Shelf {
     type Law = Self;
     const NAME: &'static str = "shelf";
     const DOC: &'static str = "b at the height over a at which it stands";
     const KEYS: &'static [Key] = &[costate::elements::entries::BETWEEN];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (&[Body, Body], &[]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (&[Body, Body], &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = [given.in_space(0), given.in_space(1)];

@@ -4,16 +4,13 @@ use super::Contract;
 use super::support::time_functions::time_functions;
 use super::users::users_own;
 use costate::elements::bodies::{NaturalBody, PointMass, RigidBody};
-use costate::elements::entries::{Given, JointEntry, JointVisitor, Placed};
+use costate::elements::entries::{Entry, Given, JointVisitor, Placed, SpringVisitor};
 use costate::elements::flexible::faces::{Face, NODE_PARAMETERS, Quad4, Quad9, Triangle6};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
     ShellSection, SmallStrainCableField,
 };
-use costate::elements::forces::{
-    AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
-    SlideSpringDamper, Soft, TorsionSpringDamper, VectorDamper,
-};
+use costate::elements::forces::{self, AppliedForce, AppliedTorque, Gravity, LoadFrame, Soft};
 use costate::elements::joints::{self, AngleCoordinate};
 use costate::elements::{Constraint, Element, ElementPhysics, Field, Flexible, NodeKind, TimeFunction};
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
@@ -103,34 +100,56 @@ impl Case {
     }
 }
 
-/// Soft versions of all joints and drivers, on all nodes that they take.
-struct SoftJoints(Vec<Case>);
+/// Soft versions of all joints and drivers, and all springs and dampers, on all nodes that they take.
+struct Entries(Vec<Case>);
 
-impl JointVisitor for SoftJoints {
-    fn visit<J: JointEntry>(&mut self) {
-        let (nodes, example) = J::EXAMPLE;
-        let mut kinds: Vec<Vec<NodeKind>> = vec![nodes.to_vec()];
-        if nodes.iter().all(|kind| kind.in_space().is_some()) {
-            let three = |[a, b]: [NodeKind; 2]| [vec![a, b], vec![a; nodes.len() - 2]].concat();
-            kinds =
-                PAIRS.into_iter().chain(BODIES).chain(GUIDED).chain([[Slope, Slope], [Body, Slope]]).map(three).collect();
-            kinds.sort_by_key(|kinds| format!("{kinds:?}"));
-            kinds.dedup();
-        }
-        for kinds in kinds {
-            let q: Vec<Vec<f64>> = kinds.iter().enumerate().map(|(place, kind)| somewhere(place, *kind)).collect();
-            let placed = kinds.iter().zip(&q).map(|(&kind, q)| ("node", Placed { kind, q }));
-            let axes = kinds.iter().all(|kind| kind.has_axes());
-            let values = example.iter().filter(|(key, _)| axes || !["point", "points", "origin"].contains(key));
-            let turn = Quaternion::about(Vector3::new(0.36, 0.48, 0.8), 0.9);
-            let values = values.map(|(key, sample)| (*key, sample.placed(Vector3::new(0.2, -0.1, 0.4), turn))).collect();
-            let mut given = Given::new("any", placed, values);
-            let (law, p) = J::make(&mut given);
-            if given.mistakes().is_empty() {
-                self.0.push(Case::soft(J::NAME, law, &p));
-            }
+impl JointVisitor for Entries {
+    fn visit<J: Entry<Law: Constraint>>(&mut self) {
+        self.0.extend(made::<J>().into_iter().map(|(law, p)| Case::soft(J::NAME, law, &p)));
+    }
+}
+
+impl SpringVisitor for Entries {
+    fn visit<E: Entry<Law: Element>>(&mut self) {
+        let is_given = |wanted: &str| E::EXAMPLE.1.iter().any(|(key, _)| *key == wanted);
+        let kind = match [is_given("stiffness"), is_given("damping")] {
+            [true, true] => "spring damper",
+            [true, false] => "spring",
+            _ => "damper",
+        };
+        for (law, p) in made::<E>() {
+            let nodes = law.nodes();
+            let case = Case::new(format!("{} {kind} {nodes:?}", E::NAME), law, &p);
+            self.0.push(match nodes[..] {
+                [a, b] => case.ignoring("point a", a).ignoring("point b", b),
+                _ => case,
+            });
         }
     }
+}
+
+/// What the example of an entry makes, on all nodes that it takes.
+fn made<E: Entry>() -> Vec<(E::Law, Vec<f64>)> {
+    let (nodes, example) = E::EXAMPLE;
+    let mut all: Vec<Vec<NodeKind>> = vec![nodes.to_vec()];
+    if nodes.iter().all(|kind| kind.in_space().is_some()) {
+        let as_many = |[a, b]: [NodeKind; 2]| [vec![a, b], vec![a; nodes.len() - 2]].concat();
+        all = PAIRS.into_iter().chain(BODIES).chain(GUIDED).chain([[Slope, Slope], [Body, Slope]]).map(as_many).collect();
+        all.sort_by_key(|kinds| format!("{kinds:?}"));
+        all.dedup();
+    }
+    let one = |kinds: Vec<NodeKind>| {
+        let q: Vec<Vec<f64>> = kinds.iter().enumerate().map(|(place, kind)| somewhere(place, *kind)).collect();
+        let placed = kinds.iter().zip(&q).map(|(&kind, q)| ("node", Placed { kind, q }));
+        let axes = kinds.iter().all(|kind| kind.has_axes());
+        let values = example.iter().filter(|(key, _)| axes || !["point", "points", "origin"].contains(key));
+        let turn = Quaternion::about(Vector3::new(0.36, 0.48, 0.8), 0.9);
+        let values = values.map(|(key, sample)| (*key, sample.placed(Vector3::new(0.2, -0.1, 0.4), turn))).collect();
+        let mut given = Given::new("any", placed, values);
+        let made = E::make(&mut given);
+        given.mistakes().is_empty().then_some(made)
+    };
+    all.into_iter().filter_map(one).collect()
 }
 
 /// Coordinates of a node where it may stand.
@@ -165,8 +184,6 @@ pub const FRAMES: [LoadFrame; 2] = [LoadFrame::World, LoadFrame::Body];
 
 #[rustfmt::skip]
 pub fn cases() -> Vec<Case> {
-    let ends = [0.3, -0.2, 0.5, -0.4, 0.1, 0.6];
-    let torsion = [3.1, 0.7, 0.2, 0.6, 0.0, 0.8, 0.8, 0.0, -0.6, 0.0, 1.0, 0.0];
     let mut list = vec![
         Case::new("point mass", PointMass, &[1.7]),
         Case::new("rigid body", RigidBody, &[1.7, 0.2, -0.3, 0.4, 1.1, 1.3, 0.9, 0.1, -0.2, 0.15]),
@@ -179,25 +196,16 @@ pub fn cases() -> Vec<Case> {
         Case::cable("cable for small strains", Flexible(SmallStrainCableField), &[0.8, 5.0, 2.0]),
     ];
     list.extend(users_own());
-    let (u, w, axis, turned) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.8, 0.36, 0.48, 0.0]);
+    let (u, w, axis) = ([0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]);
     let angle = [axis, u, w].concat();
-    let six = [3.0, 5.0, 7.0, 2.0, 4.0, 6.0];
-    list.push(Case::new("coordinate spring damper", CoordinateSpringDamper { of: NodeKind::Coordinates(3), index: 1 }, &[3.1, 0.7, 0.2]));
-    let mut soft = SoftJoints(Vec::new());
-    joints::visit_all(&mut soft);
-    list.extend(soft.0);
+    let mut entries = Entries(Vec::new());
+    joints::visit_all(&mut entries);
+    forces::visit_all(&mut entries);
+    list.extend(entries.0);
     for [a, b] in BODIES {
     list.extend([
-        Case::new("torsion spring damper", TorsionSpringDamper { a, b }, &torsion),
-        Case::new("bushing spring damper", Bushing { a, b }, &[&six[..], &six, &ends, &turned, &[0.6, 0.0, 0.0, 0.8]].concat()),
         Case::soft("angle coordinate", AngleCoordinate { a, b }, &angle),
     ]);
-    }
-    for [a, b] in GUIDED {
-        let slide = [&[3.1, 0.7, 0.2], &ends[..], &axis].concat();
-        list.extend([
-            Case::new(format!("slide spring damper of {b:?} on {a:?}"), SlideSpringDamper { a, b }, &slide),
-        ].map(|case| case.ignoring("point b", b)));
     }
     for (coupled, damped, eccentric) in [(false, false, false), (true, false, true), (false, true, false), (true, true, true)] {
         let name = format!("beam{}{}{}", if coupled { ", coupled" } else { "" }, if damped { ", internal damper" } else { "" },
@@ -243,14 +251,6 @@ pub fn cases() -> Vec<Case> {
     for on in ANCHORS {
         list.push(Case::new(format!("gravity on {on:?}"), Gravity { on }, &[1.7, 0.4, -0.9, -9.8, 0.2, -0.3, 0.4])
             .bound_to_world(true).ignoring("centre", on));
-    }
-    for [a, b] in PAIRS {
-        let mut add = |name: &str, case: fn(String, [NodeKind; 2], &[f64]) -> Case, own: &[f64]| {
-            list.push(case(format!("{name} {a:?} to {b:?}"), [a, b], &[own, &ends].concat()).ignoring("point a", a).ignoring("point b", b));
-        };
-        add("line spring", |name, [a, b], p| Case::new(name, LineSpring { a, b }, p), &[5.0, 0.7]);
-        add("line damper", |name, [a, b], p| Case::new(name, LineDamper { a, b }, p), &[2.3]);
-        add("vector damper", |name, [a, b], p| Case::new(name, VectorDamper { a, b }, p), &[2.3]);
     }
     for (of_time, size, own) in time_functions() {
         for frame in FRAMES {

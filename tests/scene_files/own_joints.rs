@@ -1,6 +1,6 @@
 //! Joints of one's own in scene files: by their entries alone.
 
-use costate::elements::entries::{BETWEEN, Given, JointEntry, JointPart, Key, Range, Sample, Type, need};
+use costate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, JointPart, Key, Range, Type, need};
 use costate::elements::{Constraint, Frame, NodeKind, Parameter};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
 use costate::scenes::{FileScene, Prepared, file};
@@ -26,14 +26,14 @@ impl Constraint for Wire {
     }
 }
 
-impl JointEntry for Wire {
+impl Entry for Wire {
     type Law = Self;
     const NAME: &'static str = "parabolic_wire";
     const DOC: &'static str = "b, a bead, on a parabolic wire of body a";
     const KEYS: &'static [Key] =
         &[BETWEEN, need("curvature", Type::Number("1/m", Range::Any), "curvature at the lowest point")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
-        (&[NodeKind::Body, NodeKind::Point], &[("curvature", Sample::Number(0.8))]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Body, NodeKind::Point], &[("curvature", ExampleValue::Number(0.8))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (a, curvature) = (given.body(0), given.number("curvature"));
@@ -104,11 +104,11 @@ fn it_is_soft_by_the_same_keys() {
 fn its_mistakes_and_its_schema_are_those_of_any_joint() {
     let wrong = |joint: &str, joints: &[JointPart]| FileScene::parse_with("own.toml", &text(joint), joints).unwrap_err();
     let curved = "type = \"parabolic_wire\"\ncurvature = \"k\"";
-    assert!(wrong(curved, &[]).contains("unknown type \"parabolic_wire\""), "{}", wrong(curved, &[]));
+    assert!(wrong(curved, &[]).contains("type \"parabolic_wire\" is not known"), "{}", wrong(curved, &[]));
     let missing = wrong("type = \"parabolic_wire\"", JOINTS);
     assert!(missing.contains("needs the key curvature: curvature at the lowest point"), "{missing}");
     let unknown = wrong("type = \"parabolic_wire\"\ncurvature = 1\nradius = 2", JOINTS);
-    assert!(unknown.contains("of type parabolic_wire: unknown key \"radius\""), "{unknown}");
+    assert!(unknown.contains("of type parabolic_wire: key \"radius\" is not known"), "{unknown}");
     let mistyped = wrong("type = \"parabolic_wir\"\ncurvature = 1", JOINTS);
     assert!(mistyped.contains("did you mean \"parabolic_wire\""), "{mistyped}");
     let schema = file::schema(JOINTS).to_string();

@@ -158,7 +158,7 @@ impl Case {
         // an angle about an axis needs a hinge that keeps it: a free link would pass poses without an angle
         let geared = matches!(self.kind(), RackAndPinion | JointAngle | Gear);
         let hinged = geared
-            || matches!(self.kind(), TorsionSpringDamper | CoordinateSpringDamper)
+            || matches!(self.kind(), Spring("torsion") | Spring("angle"))
             || matches!(&self.subject, Soft(joint) if matches!(**joint, Rotation(_)));
         let second_omega = if hinged { omega + axis * (*spin * 1.5) } else { at([-0.8, 0.6, 1.3]) * *spin };
         let elbow_velocity = omega.cross(&(elbow - shoulder));
@@ -182,7 +182,7 @@ impl Case {
             self.kind(),
             PointMass
                 | GravityOnPoint
-                | VectorDamper
+                | Damper("vector")
                 | Force(NodeKind::Point, ..)
                 | Spherical(NodeKind::Point)
                 | RigidLink(NodeKind::Point)
@@ -270,10 +270,10 @@ impl Case {
         };
         match &self.subject {
             RigidBody | NaturalBody | Cable(_) | Shell(_) | PointMass | GravityOnBody | GravityOnPoint | Beam(_) => {}
-            LineSpring => drop(m.line_spring(name, both, ends, S::from(60.0), S::from(0.7))),
-            LineDamper => drop(m.line_damper(name, both, ends, S::from(3.0))),
-            VectorDamper => drop(m.vector_damper(name, both, ends, S::from(2.0))),
-            TorsionSpringDamper => drop(m.torsion_spring_damper(name, both, axis, spring_damper([8.0, 0.5, -0.4]))),
+            Spring("line") => drop(m.line_spring(name, both, ends, S::from(60.0), S::from(0.7))),
+            Damper("line") => drop(m.line_damper(name, both, ends, S::from(3.0))),
+            Damper("vector") => drop(m.vector_damper(name, both, ends, S::from(2.0))),
+            Spring("torsion") => drop(m.torsion_spring_damper(name, both, axis, spring_damper([8.0, 0.5, -0.4]))),
             Force(on, frame, size) => {
                 let p = [vec![0.5, -0.3, 0.8].into_iter().chain([0.2, -0.1, 0.3]).map(S::from).collect(), f].concat();
                 let node = if *on == NodeKind::Body { arm } else { second };
@@ -283,12 +283,12 @@ impl Case {
                 let p = [[0.7, 0.4, -0.5].map(S::from).to_vec(), f].concat();
                 m.element(name, &[arm], AppliedTorque { on: NodeKind::Body, frame: *frame, size: size.clone() }, &p);
             }
-            SlideSpringDamper => drop(m.slide_spring_damper(name, both, ends, axis, spring_damper([60.0, 2.0, 0.1]))),
-            CoordinateSpringDamper => {
+            Spring("slide") => drop(m.slide_spring_damper(name, both, ends, axis, spring_damper([60.0, 2.0, 0.1]))),
+            Spring("angle") => {
                 let angle = m.joint_angle("angle", both, axis);
                 m.coordinate_spring_damper(name, angle, 0, spring_damper([8.0, 0.5, -0.4]));
             }
-            Bushing => {
+            Spring("bushing") => {
                 let rates = BushingRates {
                     stiffness_along: [60.0, 50.0, 70.0].map(S::from),
                     stiffness_about: [8.0, 7.0, 9.0].map(S::from),
@@ -297,10 +297,11 @@ impl Case {
                 };
                 m.bushing(name, both, elbow, arm_rotation, rates);
             }
+            Spring(name) | Damper(name) => unreachable!("no {name} is made"),
             Soft(kind) => softened(kind, &host, m),
             kind => joint = Some(add_joint(kind, &host, m)),
         }
-        if joint.is_none() && !alone && !matches!(self.subject, Soft(_) | Bushing) {
+        if joint.is_none() && !alone && !matches!(self.subject, Soft(_) | Spring("bushing")) {
             if hinged {
                 m.revolute("elbow", both, elbow, axis);
             } else if light {

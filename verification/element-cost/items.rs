@@ -4,15 +4,17 @@ use super::user::{UserBeam, UserRevolute};
 use ShellSection::{Isotropic, Laminate};
 use costate::elements::NodeKind::{self, Body, Coordinates, Natural, Point, Slope};
 use costate::elements::bodies::{EulerParameterNorm, NaturalBody, OrthonormalAxes, PointMass, RigidBody};
-use costate::elements::entries::{Given, JointEntry, JointVisitor, Placed};
+use costate::elements::entries::{Entry, Given, JointVisitor, Placed, SpringVisitor};
 use costate::elements::flexible::faces::{Face, Quad4, Quad9, Triangle6};
 use costate::elements::flexible::{
     BeamField, BeamGravityField, Cable, CableGravity, CableInertia, DistributedLoadField, ShellField, ShellPressureField,
     ShellSection, SmallStrainCableField,
 };
-use costate::elements::forces::*;
+use costate::elements::forces::{AppliedForce, AppliedTorque, Gravity, LoadFrame, Soft};
 use costate::elements::joints::*;
-use costate::elements::{AnyConstraint, AnyElement, Flexible, Nonholonomic, TimeFunction};
+use costate::elements::{
+    AnyConstraint, AnyElement, Constraint, Element, Flexible, Nonholonomic, TimeFunction, forces, joints,
+};
 use costate::scalar::{Quaternion, SpatialVector, Vector3};
 
 /// An element or a constraint with its type erased.
@@ -91,16 +93,6 @@ fn elements() -> Vec<Item> {
         element("weight", &[Body], move || Gravity { on }),
         element("applied force", &[Body], move || AppliedForce { on, frame, size: TimeFunction::Sine }),
         element("applied torque", &[Body], move || AppliedTorque { on, frame, size: TimeFunction::Sine }),
-        element("bushing", BODIES, move || Bushing { a, b }),
-        element("line spring", BODIES, move || LineSpring { a, b }),
-        element("line damper", BODIES, move || LineDamper { a, b }),
-        element("vector damper", BODIES, move || VectorDamper { a, b }),
-        element("slide spring and damper", BODIES, move || SlideSpringDamper { a, b }),
-        element("torsion spring and damper", BODIES, move || TorsionSpringDamper { a, b }),
-        element("coordinate spring and damper", &[Coordinates(1)], move || CoordinateSpringDamper {
-            of: Coordinates(1),
-            index: 0,
-        }),
         element("soft revolute joint", BODIES, move || -> Box<dyn AnyElement> { Box::new(Soft(RevoluteJoint { a, b })) }),
     ]
 }
@@ -109,7 +101,7 @@ fn elements() -> Vec<Item> {
 fn joints() -> Vec<Item> {
     let (a, b) = (NodeKind::Body, NodeKind::Body);
     let mut entries = Entries(Vec::new());
-    visit_all(&mut entries);
+    joints::visit_all(&mut entries);
     let others = vec![
         constraint("revolute between natural coordinates", NATURAL, move || RevoluteJoint {
             a: NATURAL_END,
@@ -128,20 +120,27 @@ fn joints() -> Vec<Item> {
     entries.0.into_iter().chain(others).collect()
 }
 
-/// Joints and drivers by their entries, as their examples make them.
+/// Joints, drivers, springs and dampers by their entries, as their examples make them.
 struct Entries(Vec<Item>);
 
 impl JointVisitor for Entries {
-    fn visit<J: JointEntry>(&mut self) {
-        let own = || -> Box<dyn AnyConstraint> {
-            let (nodes, example) = J::EXAMPLE;
-            let q: Vec<Vec<f64>> = nodes.iter().enumerate().map(|(place, kind)| standing(place, *kind)).collect();
-            let placed = nodes.iter().zip(&q).map(|(&kind, q)| ("node", Placed { kind, q }));
-            let values = example.iter().map(|(key, sample)| (*key, sample.placed(Vector3::zeros(), Quaternion::identity())));
-            Box::new(J::make::<f64>(&mut Given::new(J::NAME, placed, values.collect())).0)
-        };
-        self.0.push(constraint(J::NAME, J::EXAMPLE.0, own));
+    fn visit<J: Entry<Law: Constraint>>(&mut self) {
+        self.0.push(constraint(J::NAME, J::EXAMPLE.0, || -> Box<dyn AnyConstraint> { Box::new(example::<J>()) }));
     }
+}
+
+impl SpringVisitor for Entries {
+    fn visit<E: Entry<Law: Element>>(&mut self) {
+        self.0.push(element(E::NAME, E::EXAMPLE.0, || -> Box<dyn AnyElement> { Box::new(example::<E>()) }));
+    }
+}
+/// The formula that the example of an entry makes.
+fn example<E: Entry>() -> E::Law {
+    let (nodes, example) = E::EXAMPLE;
+    let q: Vec<Vec<f64>> = nodes.iter().enumerate().map(|(place, kind)| standing(place, *kind)).collect();
+    let placed = nodes.iter().zip(&q).map(|(&kind, q)| ("node", Placed { kind, q }));
+    let values = example.iter().map(|(key, sample)| (*key, sample.placed(Vector3::zeros(), Quaternion::identity())));
+    E::make::<f64>(&mut Given::new(E::NAME, placed, values.collect())).0
 }
 
 /// Coordinates of a node, each at a place and a turn of its own.
@@ -161,9 +160,16 @@ pub fn of_users() -> Vec<(Item, &'static str)> {
     vec![(element("a user's beam", BEAM, beam), "beam"), (constraint("a user's revolute", BODIES, joint), "revolute")]
 }
 
+/// Springs and dampers.
+fn springs() -> Vec<Item> {
+    let mut entries = Entries(Vec::new());
+    forces::visit_all(&mut entries);
+    entries.0
+}
+
 /// All of the library, then those of users.
 pub fn all() -> Vec<Item> {
-    elements().into_iter().chain(joints()).chain(of_users().into_iter().map(|(item, _)| item)).collect()
+    elements().into_iter().chain(springs()).chain(joints()).chain(of_users().into_iter().map(|(item, _)| item)).collect()
 }
 
 #[cfg(test)]
@@ -190,7 +196,7 @@ mod tests {
                     // Displacement and Slide are what a bushing and a slide spring are made of
                     if is_physics && !["Displacement", "Slide"].contains(&name) {
                         // those with an entry are in the list of entries
-                        let entry = text.contains("impl JointEntry for");
+                        let entry = text.contains("impl Entry for");
                         assert!(entry || list.contains(name), "{name} is not measured");
                         found += 1;
                     }

@@ -4,7 +4,7 @@ use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A value of the example of an entry, in a frame that whoever uses it places.
 #[derive(Clone, Copy, Debug)]
-pub enum Sample {
+pub enum ExampleValue {
     /// A number.
     Number(f64),
     /// Several numbers.
@@ -19,17 +19,17 @@ pub enum Sample {
     Sine([f64; 4]),
 }
 
-impl Sample {
+impl ExampleValue {
     /// The value with the frame at a place \[m\] and turned.
     pub fn placed<S: Scalar>(self, origin: Vector3<S>, turn: Quaternion<S>) -> GivenValue<S> {
         let point = |own: [f64; 3]| origin + turn.rotate(Vector3::from_f64(own));
         match self {
-            Sample::Number(own) => GivenValue::Number(own.into()),
-            Sample::Numbers(own) => GivenValue::Numbers(own.iter().map(|&own| own.into()).collect()),
-            Sample::Point(own) => GivenValue::Vector(point(own)),
-            Sample::Points(own) => GivenValue::Vectors(own.iter().map(|&own| point(own)).collect()),
-            Sample::Direction(own) => GivenValue::Vector(turn.rotate(Vector3::from_f64(own))),
-            Sample::Sine(own) => GivenValue::Function(TimeFunction::Sine, own.map(S::from).to_vec()),
+            ExampleValue::Number(own) => GivenValue::Number(own.into()),
+            ExampleValue::Numbers(own) => GivenValue::Numbers(own.iter().map(|&own| own.into()).collect()),
+            ExampleValue::Point(own) => GivenValue::Vector(point(own)),
+            ExampleValue::Points(own) => GivenValue::Vectors(own.iter().map(|&own| point(own)).collect()),
+            ExampleValue::Direction(own) => GivenValue::Vector(turn.rotate(Vector3::from_f64(own))),
+            ExampleValue::Sine(own) => GivenValue::Function(TimeFunction::Sine, own.map(S::from).to_vec()),
         }
     }
 }

@@ -1,8 +1,8 @@
-//! How functions of time are written.
+//! How functions of time and orientations are written.
 
 use super::keys::{Forms, Range, Type, forms, may, need};
 use Range::{Any, Positive};
-use Type::{Count, Fixed, Fixeds, Number, OfTime, Series};
+use Type::{Count, Fixed, Fixeds, Number, Numbers, OfTime, Series, Vector};
 
 /// The forms of a [`TimeFunction`](crate::elements::TimeFunction).
 pub const FUNCTION: Forms = forms!([
@@ -45,4 +45,17 @@ pub const FUNCTION: Forms = forms!([
     may("start", Fixed("s", Any), "from the times when formulas were splines: not needed, at most 0"),
     may("end", Fixed("s", Any), "likewise, at least the end of the run"),
     may("intervals", Count(1, 10_000), "likewise, any"),
+]);
+
+/// The forms of the axes of a frame.
+pub const ORIENTATION: Forms = forms!([]
+"angle" "turned about an axis of the world" [
+    need("axis", Vector("-"), "axis in the world, of any length"),
+    need("angle", Number("rad", Any), "angle"),
+]
+"x_axis" "the x axis of the frame along a direction of the world, by the shortest turn" [
+    need("along", Vector("-"), "direction in the world, of any length"),
+]
+"euler_parameters" "as they stand" [
+    need("values", Numbers(&[4], "-", Any), "e0, e1, e2, e3 with unit length"),
 ]);

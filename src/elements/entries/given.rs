@@ -14,6 +14,10 @@ pub enum GivenValue<S> {
     Vector(Vector3<S>),
     /// Several vectors of the world.
     Vectors(Vec<Vector3<S>>),
+    /// Axes of a frame in the world, as Euler parameters.
+    Rotation(Quaternion<S>),
+    /// A whole number.
+    Count(usize),
     /// One of some words.
     Word(String),
     /// A function of time with its numbers.
@@ -153,6 +157,26 @@ impl<S: Scalar> Given<S> {
         own.unwrap_or_else(|| self.missing(key, &format!("{N} numbers"), [S::one(); N]))
     }
 
+    /// A number, or what it is without the key.
+    pub fn number_or(&mut self, key: &'static str, without: S) -> S {
+        if self.value(key).is_some() { self.number(key) } else { without }
+    }
+
+    /// As many numbers, zeros without the key.
+    pub fn numbers_or_zero<const N: usize>(&mut self, key: &'static str) -> [S; N] {
+        if self.value(key).is_some() { self.numbers(key) } else { [S::zero(); N] }
+    }
+
+    /// A whole number, 0 without the key.
+    pub fn count(&self, key: &str) -> usize {
+        if let Some(GivenValue::Count(own)) = self.value(key) { *own } else { 0 }
+    }
+
+    /// Axes of a frame, those of the world without the key.
+    pub fn rotation(&self, key: &str) -> Quaternion<S> {
+        if let Some(GivenValue::Rotation(own)) = self.value(key) { *own } else { Quaternion::identity() }
+    }
+
     /// A vector of the world.
     pub fn vector(&mut self, key: &'static str) -> Vector3<S> {
         match self.value(key) {
@@ -261,6 +285,11 @@ impl<S: Scalar> Given<S> {
     /// Euler parameters of b relative to a.
     pub fn relative_rotation(&self) -> Quaternion<S> {
         self.node(0).rotation().conjugate().times(self.node(1).rotation())
+    }
+
+    /// Stiffness, damping, and where the spring is free.
+    pub fn spring_damper(&mut self, rest: &'static str) -> Vec<S> {
+        vec![self.number("stiffness"), self.number_or("damping", S::zero()), self.number_or(rest, S::zero())]
     }
 
     /// By how many degrees two unit vectors are apart, unless they are at right angles.

@@ -100,6 +100,13 @@ pub enum Type {
     Over(&'static [&'static str], &'static Forms),
 }
 
+impl Type {
+    /// Whether it says on which nodes a part is.
+    pub fn is_nodes(&self) -> bool {
+        matches!(self, Type::Node | Type::Nodes(_))
+    }
+}
+
 /// A key of a table.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {

@@ -2,22 +2,23 @@
 //!
 //! An entry states its name, a sentence, its keys with units and meanings, how the parameters of the formula follow from these keys and
 //! the places of its nodes, and an example. From the lists of entries ([`JOINTS`](super::joints::JOINTS),
-//! [`DRIVERS`](super::joints::DRIVERS)) follow calls of the builder, forms of scene files with their checks and messages, the JSON schema, the
+//! [`DRIVERS`](super::joints::DRIVERS), [`SPRINGS`](super::forces::SPRINGS), [`DAMPERS`](super::forces::DAMPERS)) follow calls of the builder, forms of scene files with their checks and messages, the JSON schema, the
 //! reference page, soft versions, and what tests and studies go through.
 
 mod example;
 mod functions;
 mod given;
-mod joint;
 mod keys;
+mod part;
 mod placed;
 
-pub use example::Sample;
-pub use functions::FUNCTION;
+pub use example::ExampleValue;
+pub use functions::{FUNCTION, ORIENTATION};
 pub use given::{Given, GivenValue, Values};
 pub(crate) use given::{no_body, nowhere, unit};
-pub(crate) use joint::entries;
-pub use joint::{JointEntry, JointPart, JointVisitor, Law, Made, joint_forms};
+
 pub(crate) use keys::forms;
 pub use keys::{AXIS, BETWEEN, ENDS, Form, Forms, Key, NORMAL, POINT, Range, Type, may, need};
+pub(crate) use part::entries;
+pub use part::{Entry, JointPart, JointVisitor, Law, Made, Part, SpringPart, SpringVisitor, forms_of};
 pub use placed::Placed;

@@ -1,5 +1,6 @@
 use super::Soft;
 use super::soft::as_soft_joint;
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, ORIENTATION, POINT, Range, Type, may, need};
 use crate::elements::joints::{POINTS, gap};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
@@ -84,5 +85,36 @@ impl Element for Bushing {
 
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.iter().cloned().chain(self.soft().0.parameters()).collect()
+    }
+}
+
+impl Entry for Bushing {
+    type Law = Self;
+    const NAME: &'static str = "bushing";
+    const DOC: &'static str = "along and about three axes, with dampers; at rest as the bodies stand";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        POINT,
+        may("orientation", Type::Table(&ORIENTATION), "its axes; those of the world"),
+        need("stiffness", Type::Numbers(&[6], "N/m, N m/rad", Range::AtLeastZero), "along and about x, y, z"),
+        may("damping", Type::Numbers(&[6], "N s/m, N m s/rad", Range::AtLeastZero), "along and about x, y, z; 0"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
+            ("stiffness", ExampleValue::Numbers(&[3.0, 5.0, 7.0, 2.0, 4.0, 6.0])),
+            ("damping", ExampleValue::Numbers(&[3.0, 5.0, 7.0, 2.0, 4.0, 6.0])),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let axes = given.rotation("orientation");
+        let [on_a, on_b] = [0, 1].map(|node| given.node(node).rotation().conjugate().times(axes).0);
+        let (stiffness, damping): ([S; 6], [S; 6]) = (given.numbers("stiffness"), given.numbers_or_zero("damping"));
+        let point = given.point("point", 1);
+        let points = given.local_points([0, 1], [point; 2]);
+        (Bushing { a, b }, [&stiffness[..], &damping, &points, &on_a, &on_b].concat())
     }
 }

@@ -1,3 +1,4 @@
+use crate::elements::entries::{Entry, ExampleValue, Given, Key, Range, Type, may, need};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -32,5 +33,37 @@ impl Element for CoordinateSpringDamper {
     }
     fn add_force<S: Scalar>(&self, v: &[S], _q: &[S], p: &[S], _t: S, force: &mut [S]) {
         force[self.index] -= p[1] * v[self.index];
+    }
+}
+
+impl Entry for CoordinateSpringDamper {
+    type Law = Self;
+    const NAME: &'static str = "angle";
+    const DOC: &'static str = "on a joint angle, with a damper";
+    const KEYS: &'static [Key] = &[
+        need("on", Type::Node, "joint angle"),
+        may("index", Type::Count(0, 1000), "which coordinate of the node, from 0; 0"),
+        need("stiffness", Type::Number("N m/rad", Range::AtLeastZero), "stiffness"),
+        may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
+        may("rest_angle", Type::Number("rad", Range::Any), "angle without moment; 0"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+        &[NodeKind::Coordinates(1)],
+        &[
+            ("stiffness", ExampleValue::Number(3.1)),
+            ("damping", ExampleValue::Number(0.7)),
+            ("rest_angle", ExampleValue::Number(0.2)),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let (of, index) = (given.node(0).kind, given.count("index"));
+        let count = of.dofs();
+        if index >= count {
+            let (name, own) = (given.owner(), given.name(0));
+            let text = format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0");
+            given.wrong(text);
+        }
+        (CoordinateSpringDamper { of, index }, given.spring_damper("rest_angle"))
     }
 }

@@ -1,3 +1,4 @@
+use crate::elements::entries::{BETWEEN, ENDS, Entry, ExampleValue, Given, Key, Range, Type, need};
 use crate::elements::joints::gap;
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -43,5 +44,22 @@ impl Element for LineDamper {
     }
     fn damping<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
         s[0] = p[0] * rate[0];
+    }
+}
+
+impl Entry for LineDamper {
+    type Law = Self;
+    const NAME: &'static str = "line";
+    const DOC: &'static str = "on the rate of the distance of two points";
+    const KEYS: &'static [Key] = &[BETWEEN, ENDS, need("damping", Type::Number("N s/m", Range::AtLeastZero), "damping")];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]])), ("damping", ExampleValue::Number(2.3))],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let ends = given.points("points");
+        (LineDamper { a, b }, [&[given.number("damping")][..], &given.local_points([0, 1], ends)].concat())
     }
 }

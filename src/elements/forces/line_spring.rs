@@ -1,3 +1,4 @@
+use crate::elements::entries::{BETWEEN, ENDS, Entry, ExampleValue, Given, Key, Range, Type, may, need};
 use crate::elements::joints::gap;
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -38,5 +39,32 @@ impl Element for LineSpring {
     fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
         let stretch = e[0] - p[1];
         stretch * stretch * p[0] * 0.5
+    }
+}
+
+impl Entry for LineSpring {
+    type Law = Self;
+    const NAME: &'static str = "line";
+    const DOC: &'static str = "along the line between two points";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        ENDS,
+        need("stiffness", Type::Number("N/m", Range::AtLeastZero), "stiffness"),
+        may("rest_length", Type::Number("m", Range::AtLeastZero), "length without force; the length at the start"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]])),
+            ("stiffness", ExampleValue::Number(5.0)),
+            ("rest_length", ExampleValue::Number(0.7)),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let ends = given.points("points");
+        let rest = given.number_or("rest_length", (ends[1] - ends[0]).length());
+        (LineSpring { a, b }, [&[given.number("stiffness"), rest][..], &given.local_points([0, 1], ends)].concat())
     }
 }

@@ -26,8 +26,19 @@ pub use vector_damper::VectorDamper;
 
 use super::AnyElement;
 use super::dyn_layer::instantiate_here;
+use super::entries::entries;
 
-instantiate_here!(dyn AnyElement: AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, SlideSpringDamper, TorsionSpringDamper, VectorDamper);
+instantiate_here!(dyn AnyElement: AppliedForce, AppliedTorque, Gravity);
+
+entries! {
+    SpringPart SpringVisitor
+    /// Springs by the names that scene files and programs use, each described in its own file.
+    SPRINGS:
+    LineSpring, TorsionSpringDamper, SlideSpringDamper, CoordinateSpringDamper, Bushing;
+    /// Dampers, likewise.
+    DAMPERS:
+    LineDamper, VectorDamper;
+}
 
 /// The frame in which a load keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 use super::Soft;
 use super::soft::as_soft_joint;
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT, Range, Type, may, need};
 use crate::elements::joints::{POINTS, components, gap, vectors};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
@@ -52,5 +53,39 @@ impl Element for SlideSpringDamper {
     fn parameters(&self) -> Vec<Parameter> {
         let own = [Parameter::non_negative("stiffness", "N/m").as_size(), Parameter::non_negative("damping", "N s/m")];
         own.into_iter().chain(self.soft().0.parameters()).collect()
+    }
+}
+
+impl Entry for SlideSpringDamper {
+    type Law = Self;
+    const NAME: &'static str = "slide";
+    const DOC: &'static str = "along an axis of a, with a damper";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        may("origin", Type::Vector("m"), "where the displacement is zero; the place of a"),
+        POINT,
+        AXIS,
+        need("stiffness", Type::Number("N/m", Range::AtLeastZero), "stiffness"),
+        may("damping", Type::Number("N s/m", Range::AtLeastZero), "damping; 0"),
+        may("rest_displacement", Type::Number("m", Range::Any), "displacement without force; 0"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("origin", ExampleValue::Point([0.1, 0.2, -0.3])),
+            ("point", ExampleValue::Point([0.8, -0.4, 0.5])),
+            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ("stiffness", ExampleValue::Number(3.1)),
+            ("damping", ExampleValue::Number(0.7)),
+            ("rest_displacement", ExampleValue::Number(0.2)),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.body_and_guided();
+        let places = [given.point("origin", 0), given.point("point", 1)];
+        let axis = given.unit("axis");
+        let own = [given.spring_damper("rest_displacement"), given.local_points([0, 1], places)].concat();
+        (SlideSpringDamper { a, b }, [own, given.local_directions(0, [axis])].concat())
     }
 }

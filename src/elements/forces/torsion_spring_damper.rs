@@ -1,3 +1,4 @@
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, Range, Type, may, need};
 use crate::elements::{Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, angle_about};
 
@@ -50,5 +51,33 @@ impl Element for TorsionSpringDamper {
     }
     fn damping<S: Scalar>(&self, _e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
         s[0] = p[1] * rate[0];
+    }
+}
+
+impl Entry for TorsionSpringDamper {
+    type Law = Self;
+    const NAME: &'static str = "torsion";
+    const DOC: &'static str = "about an axis, with a damper";
+    const KEYS: &'static [Key] = &[
+        BETWEEN,
+        AXIS,
+        need("stiffness", Type::Number("N m/rad", Range::AtLeastZero), "stiffness"),
+        may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
+        may("rest_angle", Type::Number("rad", Range::Any), "angle without moment, zero as they stand; 0"),
+    ];
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+        &[NodeKind::Body, NodeKind::Body],
+        &[
+            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ("stiffness", ExampleValue::Number(3.1)),
+            ("damping", ExampleValue::Number(0.7)),
+            ("rest_angle", ExampleValue::Number(0.2)),
+        ],
+    );
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = given.bodies();
+        let axis = given.unit("axis");
+        (TorsionSpringDamper { a, b }, [given.spring_damper("rest_angle"), given.angle_frame(axis)].concat())
     }
 }

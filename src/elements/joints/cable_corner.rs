@@ -1,4 +1,4 @@
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, Sample};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -33,12 +33,13 @@ impl Constraint for CableCorner {
 /// Least sine of the angle of a corner.
 const LEAST_SINE: f64 = 1e-3;
 
-impl JointEntry for CableCorner {
+impl Entry for CableCorner {
     type Law = Self;
     const NAME: &'static str = "cable_corner";
     const DOC: &'static str = "nodes of two cables welded to each other";
     const KEYS: &'static [Key] = &[BETWEEN];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (&[NodeKind::Slope, NodeKind::Slope], &[]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Slope, NodeKind::Slope], &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let name = given.owner();

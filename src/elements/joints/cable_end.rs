@@ -1,5 +1,5 @@
 use super::{components, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, Sample, Type, may};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, Type, may};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -88,7 +88,7 @@ fn held<S: Scalar, const N: usize>(given: &Given<S>, directions: [Vector3<S>; N]
 /// A cable welded to a body.
 pub struct CableWeld;
 
-impl JointEntry for CableWeld {
+impl Entry for CableWeld {
     type Law = CableEnd;
     const NAME: &'static str = "cable_weld";
     const DOC: &'static str = "b, a cable's node, welded to body a";
@@ -96,7 +96,8 @@ impl JointEntry for CableWeld {
         BETWEEN,
         may("holds", Type::Choice(&["direction", "vector"]), "the direction of its slope, or its stretch, too; direction"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (&[NodeKind::Body, NodeKind::Slope], &[]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Body, NodeKind::Slope], &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (CableEnd, Vec<S>) {
         let (a, slope) = ends(given);
@@ -110,13 +111,13 @@ impl JointEntry for CableWeld {
 /// A cable on a hinge of a body.
 pub struct CableHinge;
 
-impl JointEntry for CableHinge {
+impl Entry for CableHinge {
     type Law = CableEnd;
     const NAME: &'static str = "cable_hinge";
     const DOC: &'static str = "b, a cable's node, on a hinge of body a";
     const KEYS: &'static [Key] = &[BETWEEN, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
-        (&[NodeKind::Body, NodeKind::Slope], &[("axis", Sample::Direction([0.0, 1.0, 0.0]))]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Body, NodeKind::Slope], &[("axis", ExampleValue::Direction([0.0, 1.0, 0.0]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (CableEnd, Vec<S>) {
         let axis = given.unit("axis");

@@ -1,5 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, POINT, Sample};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, POINT};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -32,13 +32,13 @@ impl Constraint for FixedJoint {
     }
 }
 
-impl JointEntry for FixedJoint {
+impl Entry for FixedJoint {
     type Law = Self;
     const NAME: &'static str = "fixed";
     const DOC: &'static str = "two bodies welded together";
     const KEYS: &'static [Key] = &[BETWEEN, POINT];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
-        (&[NodeKind::Body, NodeKind::Body], &[("point", Sample::Point([0.3, -0.2, 0.5]))]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Body, NodeKind::Body], &[("point", ExampleValue::Point([0.3, -0.2, 0.5]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();

@@ -1,4 +1,4 @@
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, Placed, Range, Sample, Type, need};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, Placed, Range, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -29,14 +29,14 @@ impl Constraint for GearJoint {
     }
 }
 
-impl JointEntry for GearJoint {
+impl Entry for GearJoint {
     type Law = Self;
     const NAME: &'static str = "gear";
     const DOC: &'static str = "gears on two joint angles";
     const KEYS: &'static [Key] =
         &[BETWEEN, need("radii", Type::Numbers(&[2], "m", Range::Any), "pitch radii; of one sign for external gears")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
-        (&[NodeKind::Coordinates(1), NodeKind::Coordinates(1)], &[("radii", Sample::Numbers(&[0.5, -0.2]))]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Coordinates(1), NodeKind::Coordinates(1)], &[("radii", ExampleValue::Numbers(&[0.5, -0.2]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let radii: [S; 2] = given.numbers("radii");

@@ -1,5 +1,5 @@
 use super::{POINTS, angle_beyond, components, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Range, Sample, Type, need};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT, Range, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
@@ -44,7 +44,7 @@ impl Constraint for HelicalJoint {
     }
 }
 
-impl JointEntry for HelicalJoint {
+impl Entry for HelicalJoint {
     type Law = Self;
     const NAME: &'static str = "helical";
     const DOC: &'static str = "a screw";
@@ -54,12 +54,12 @@ impl JointEntry for HelicalJoint {
         AXIS,
         need("pitch", Type::Number("m", Range::Any), "advance with each turn; negative for a left-handed thread"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
         &[
-            ("point", Sample::Point([0.3, -0.2, 0.5])),
-            ("axis", Sample::Direction([0.6, 0.0, 0.8])),
-            ("pitch", Sample::Number(0.8)),
+            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
+            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ("pitch", ExampleValue::Number(0.8)),
         ],
     );
 

@@ -53,6 +53,7 @@ use std::f64::consts::TAU;
 instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, TiedNode, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 entries! {
+    JointPart JointVisitor
     /// Joints by the names that scene files and programs use, each described in its own file.
     JOINTS:
     SphericalJoint, RevoluteJoint, FixedJoint, RigidLink, DistanceJoint, PrismaticJoint, CylindricalJoint, PlanarJoint, UniversalJoint,

@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, NORMAL, POINT, Sample};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, NORMAL, POINT};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -35,14 +35,14 @@ impl Constraint for PlanarJoint {
     }
 }
 
-impl JointEntry for PlanarJoint {
+impl Entry for PlanarJoint {
     type Law = Self;
     const NAME: &'static str = "planar";
     const DOC: &'static str = "b slides on a plane and turns about its normal";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, NORMAL];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
-        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("normal", Sample::Direction([0.6, 0.0, 0.8]))],
+        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("normal", ExampleValue::Direction([0.6, 0.0, 0.8]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

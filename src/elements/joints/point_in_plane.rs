@@ -1,5 +1,5 @@
 use super::{POINTS, components, gap, vectors};
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, NORMAL, POINT, Sample};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, NORMAL, POINT};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -30,14 +30,14 @@ impl Constraint for PointInPlane {
     }
 }
 
-impl JointEntry for PointInPlane {
+impl Entry for PointInPlane {
     type Law = Self;
     const NAME: &'static str = "point_in_plane";
     const DOC: &'static str = "a point of b in a plane of a";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, NORMAL];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
-        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("normal", Sample::Direction([0.6, 0.0, 0.8]))],
+        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("normal", ExampleValue::Direction([0.6, 0.0, 0.8]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

@@ -1,5 +1,5 @@
 use super::{POINTS, components, gap, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -30,14 +30,14 @@ impl Constraint for PointOnLine {
     }
 }
 
-impl JointEntry for PointOnLine {
+impl Entry for PointOnLine {
     type Law = Self;
     const NAME: &'static str = "point_on_line";
     const DOC: &'static str = "a point of b on a line of a";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
-        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

@@ -1,5 +1,5 @@
 use super::{ANGLE, angle_between};
-use crate::elements::entries::{AXIS, BETWEEN, FUNCTION, Given, JointEntry, Key, Sample, Type, need};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, FUNCTION, Given, Key, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -42,14 +42,14 @@ impl Constraint for PrescribedRotation {
     }
 }
 
-impl JointEntry for PrescribedRotation {
+impl Entry for PrescribedRotation {
     type Law = Self;
     const NAME: &'static str = "rotation";
     const DOC: &'static str = "the angle of b against a about an axis, zero as they stand";
     const KEYS: &'static [Key] = &[BETWEEN, AXIS, need("angle", Type::Function("rad", &FUNCTION), "angle over time")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
-        &[("axis", Sample::Direction([0.6, 0.0, 0.8])), ("angle", Sample::Sine([0.0, 0.3, 2.0, 0.0]))],
+        &[("axis", ExampleValue::Direction([0.6, 0.0, 0.8])), ("angle", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

@@ -1,5 +1,5 @@
 use super::{POINTS, gap, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, FUNCTION, Given, JointEntry, Key, POINT, Sample, Type, may, need};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, FUNCTION, Given, Key, POINT, Type, may, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -41,7 +41,7 @@ impl Constraint for PrescribedTranslation {
     }
 }
 
-impl JointEntry for PrescribedTranslation {
+impl Entry for PrescribedTranslation {
     type Law = Self;
     const NAME: &'static str = "translation";
     const DOC: &'static str = "a point of b along an axis of a";
@@ -52,13 +52,13 @@ impl JointEntry for PrescribedTranslation {
         POINT,
         need("displacement", Type::Function("m", &FUNCTION), "displacement over time"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
         &[
-            ("axis", Sample::Direction([0.6, 0.0, 0.8])),
-            ("origin", Sample::Point([0.3, -0.2, 0.5])),
-            ("point", Sample::Point([0.3, -0.2, 0.5])),
-            ("displacement", Sample::Sine([0.0, 0.3, 2.0, 0.0])),
+            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ("origin", ExampleValue::Point([0.3, -0.2, 0.5])),
+            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
+            ("displacement", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0])),
         ],
     );
 

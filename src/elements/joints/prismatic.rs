@@ -1,5 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -35,14 +35,14 @@ impl Constraint for PrismaticJoint {
     }
 }
 
-impl JointEntry for PrismaticJoint {
+impl Entry for PrismaticJoint {
     type Law = Self;
     const NAME: &'static str = "prismatic";
     const DOC: &'static str = "b slides along an axis without turning";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
-        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

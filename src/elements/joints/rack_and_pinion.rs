@@ -1,5 +1,5 @@
 use super::{ANGLE, POINTS, angle_between, vectors};
-use crate::elements::entries::{AXIS, Given, JointEntry, Key, Sample, Type, need};
+use crate::elements::entries::{AXIS, Entry, ExampleValue, Given, Key, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -42,7 +42,7 @@ impl Constraint for RackAndPinion {
     }
 }
 
-impl JointEntry for RackAndPinion {
+impl Entry for RackAndPinion {
     type Law = Self;
     const NAME: &'static str = "rack_and_pinion";
     const DOC: &'static str = "a rack on a pinion";
@@ -52,12 +52,12 @@ impl JointEntry for RackAndPinion {
         need("contact", Type::Vector("m"), "where the pitch circle touches the rack"),
         AXIS,
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body, NodeKind::Body],
         &[
-            ("centre", Sample::Point([0.0, 0.0, 0.0])),
-            ("contact", Sample::Point([0.24, 0.0, -0.18])),
-            ("axis", Sample::Direction([0.6, 0.0, 0.8])),
+            ("centre", ExampleValue::Point([0.0, 0.0, 0.0])),
+            ("contact", ExampleValue::Point([0.24, 0.0, -0.18])),
+            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
         ],
     );
 

@@ -1,5 +1,5 @@
 use super::{POINTS, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Given, JointEntry, Key, POINT, Sample};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -36,14 +36,14 @@ impl Constraint for RevoluteJoint {
     }
 }
 
-impl JointEntry for RevoluteJoint {
+impl Entry for RevoluteJoint {
     type Law = Self;
     const NAME: &'static str = "revolute";
     const DOC: &'static str = "a common point and axis";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
-        &[("point", Sample::Point([0.3, -0.2, 0.5])), ("axis", Sample::Direction([0.6, 0.0, 0.8]))],
+        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

@@ -1,5 +1,5 @@
 use super::{POINTS, gap};
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, POINT, Sample};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, POINT};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -26,13 +26,13 @@ impl Constraint for SphericalJoint {
     }
 }
 
-impl JointEntry for SphericalJoint {
+impl Entry for SphericalJoint {
     type Law = Self;
     const NAME: &'static str = "spherical";
     const DOC: &'static str = "a common point";
     const KEYS: &'static [Key] = &[BETWEEN, POINT];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) =
-        (&[NodeKind::Body, NodeKind::Body], &[("point", Sample::Point([0.3, -0.2, 0.5]))]);
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+        (&[NodeKind::Body, NodeKind::Body], &[("point", ExampleValue::Point([0.3, -0.2, 0.5]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = [given.in_space(0), given.in_space(1)];

@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::entries::{BETWEEN, Given, JointEntry, Key, POINT, Sample, Type, need};
+use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, POINT, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -34,7 +34,7 @@ impl Constraint for UniversalJoint {
     }
 }
 
-impl JointEntry for UniversalJoint {
+impl Entry for UniversalJoint {
     type Law = Self;
     const NAME: &'static str = "universal";
     const DOC: &'static str = "a cross with one pin in a and one in b";
@@ -44,12 +44,12 @@ impl JointEntry for UniversalJoint {
         need("pin_a", Type::Vector("-"), "pin in a, at right angles to the other"),
         need("pin_b", Type::Vector("-"), "pin in b"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, Sample)]) = (
+    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
         &[NodeKind::Body, NodeKind::Body],
         &[
-            ("point", Sample::Point([0.3, -0.2, 0.5])),
-            ("pin_a", Sample::Direction([0.6, 0.0, 0.8])),
-            ("pin_b", Sample::Direction([0.8, 0.0, -0.6])),
+            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
+            ("pin_a", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ("pin_b", ExampleValue::Direction([0.8, 0.0, -0.6])),
         ],
     );
 

@@ -3,10 +3,8 @@
 use super::MechanismBuilder;
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::TimeFunction;
-use crate::elements::forces::{
-    AppliedForce, AppliedTorque, Bushing, CoordinateSpringDamper, Gravity, LineDamper, LineSpring, LoadFrame,
-    SlideSpringDamper, TorsionSpringDamper, VectorDamper,
-};
+use crate::elements::entries::{GivenValue, SpringPart};
+use crate::elements::forces::{AppliedForce, AppliedTorque, DAMPERS, Gravity, LoadFrame, SPRINGS};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
 
@@ -62,6 +60,14 @@ pub struct BushingRates<S> {
     pub damping_about: [S; 3],
 }
 
+/// An entry of a list of the library.
+fn entry(list: &'static [SpringPart], name: &str) -> &'static SpringPart {
+    let Some(part) = list.iter().find(|part| part.form.name == name) else {
+        unreachable!("{name} is in no list of entries")
+    };
+    part
+}
+
 impl<S: Scalar> MechanismBuilder<S> {
     /// Weight of every mass, beam, cable and shell, whether added before or after: g [m/s2]. Several calls add up.
     pub fn gravity(&mut self, gravity: Vector3<S>) {
@@ -93,23 +99,24 @@ impl<S: Scalar> MechanismBuilder<S> {
         stiffness: S,
         rest_length: S,
     ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
-        let p = [vec![stiffness, rest_length], self.points_between(nodes, ends)].concat();
-        self.add_element(name, &nodes, LineSpring { a, b }.into(), &p)
+        let keys = [
+            ("points", GivenValue::Vectors(ends.to_vec())),
+            ("stiffness", stiffness.into()),
+            ("rest_length", rest_length.into()),
+        ];
+        self.spring(entry(SPRINGS, "line"), name, &nodes, keys)
     }
 
     /// A damper along the line between world points of two nodes [N s/m].
     pub fn line_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
-        let p = [vec![damping], self.points_between(nodes, ends)].concat();
-        self.add_element(name, &nodes, LineDamper { a, b }.into(), &p)
+        let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
+        self.spring(entry(DAMPERS, "line"), name, &nodes, keys)
     }
 
     /// A damper on the whole relative velocity of world points of two nodes [N s/m].
     pub fn vector_damper(&mut self, name: &str, nodes: [NodeId; 2], ends: [Vector3<S>; 2], damping: S) -> ElementId {
-        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
-        let p = [vec![damping], self.points_between(nodes, ends)].concat();
-        self.add_element(name, &nodes, VectorDamper { a, b }.into(), &p)
+        let keys = [("points", GivenValue::Vectors(ends.to_vec())), ("damping", damping.into())];
+        self.spring(entry(DAMPERS, "vector"), name, &nodes, keys)
     }
 
     /// Axis and reference directions of an angle between two bodies that is zero at the start.
@@ -160,9 +167,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
     ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let p = [vec![stiffness, damping, rest], self.angle_frame(name, nodes, axis)].concat();
-        self.add_element(name, &nodes, TorsionSpringDamper { a, b }.into(), &p)
+        let keys = [
+            ("axis", axis.into()),
+            ("stiffness", stiffness.into()),
+            ("damping", damping.into()),
+            ("rest_angle", rest.into()),
+        ];
+        self.spring(entry(SPRINGS, "torsion"), name, &nodes, keys)
     }
 
     /// A spring and damper along a world axis fixed in a, on the displacement of the world point of b from `origin`.
@@ -174,11 +185,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         axis: Vector3<S>,
         SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
     ) -> ElementId {
-        let [a, b] = [self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])];
-        let axis = self.unit(name, axis);
-        let axis = self.local_direction(nodes[0], axis).components();
-        let p = [&[stiffness, damping, rest][..], &self.points_between(nodes, [origin, point]), &axis].concat();
-        self.add_element(name, &nodes, SlideSpringDamper { a, b }.into(), &p)
+        let places = [("origin", origin.into()), ("point", point.into()), ("axis", axis.into())];
+        let keys = [
+            &places[..],
+            &[("stiffness", stiffness.into()), ("damping", damping.into()), ("rest_displacement", rest.into())],
+        ]
+        .concat();
+        self.spring(entry(SPRINGS, "slide"), name, &nodes, keys)
     }
 
     /// A spring and damper on one coordinate of a node, such as a joint angle.
@@ -189,15 +202,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         index: usize,
         SpringDamper { stiffness, damping, rest }: SpringDamper<S>,
     ) -> ElementId {
-        let Some(of) = self.kind_of(name, node) else { return self.model.refused_element() };
-        let count = of.dofs();
-        if index >= count {
-            let own = &self.model.nodes[node.0].name;
-            self.mistakes
-                .push(format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0"));
-            return self.model.refused_element();
-        }
-        self.add_element(name, &[node], CoordinateSpringDamper { of, index }.into(), &[stiffness, damping, rest])
+        let keys = [
+            ("index", GivenValue::Count(index)),
+            ("stiffness", stiffness.into()),
+            ("damping", damping.into()),
+            ("rest_angle", rest.into()),
+        ];
+        self.spring(entry(SPRINGS, "angle"), name, &[node], keys)
     }
 
     /// A bushing at a world point \[m\], at rest as the bodies stand, with the frame `axes` in the world.
@@ -209,11 +220,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         axes: Quaternion<S>,
         rates: BushingRates<S>,
     ) -> ElementId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let [on_a, on_b] = nodes.map(|node| self.rotation(node).conjugate().times(axes).0);
         let BushingRates { stiffness_along, stiffness_about, damping_along, damping_about } = rates;
-        let rates = [stiffness_along, stiffness_about, damping_along, damping_about].concat();
-        let p = [&rates[..], &self.points_between(nodes, [point; 2]), &on_a, &on_b].concat();
-        self.add_element(name, &nodes, Bushing { a, b }.into(), &p)
+        let [stiffness, damping] = [[stiffness_along, stiffness_about], [damping_along, damping_about]]
+            .map(|own| GivenValue::Numbers(own.concat()));
+        let frame = [("point", point.into()), ("orientation", GivenValue::Rotation(axes))];
+        let keys = [&frame[..], &[("stiffness", stiffness), ("damping", damping)]].concat();
+        self.spring(entry(SPRINGS, "bushing"), name, &nodes, keys)
     }
 }

@@ -1,14 +1,12 @@
 //! Joints and motion drivers, by their entries.
 
 use super::MechanismBuilder;
+use super::entries::Wrong;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
-use crate::elements::entries::{Given, GivenValue, JointPart, Made, Type, Values};
+use crate::elements::entries::{GivenValue, JointPart, Values};
 use crate::elements::joints::{self, AngleCoordinate, HeldSlope};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Signal;
-
-/// What is wrong, with the key where that is one of it.
-pub(in crate::scenes) type Wrong = (Option<&'static str>, String);
 
 /// The entry of a joint or driver of the library.
 fn entry(name: &str) -> &'static JointPart {
@@ -17,34 +15,6 @@ fn entry(name: &str) -> &'static JointPart {
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// Makes a joint of its entry; none where a node is one of another mechanism.
-    fn made(&mut self, part: &JointPart, name: &str, nodes: &[NodeId], values: Values<S>) -> Result<Made<S>, Vec<Wrong>> {
-        if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
-            return Err(Vec::new());
-        }
-        let count = part.example.0.len();
-        if nodes.len() != count {
-            return Err(vec![(None, format!("\"{name}\" needs {count} nodes, but {} were given", nodes.len()))]);
-        }
-        let keys = part.form.keys.iter().filter(|key| !matches!(key.takes, Type::Nodes(_))).map(|key| key.name);
-        let known: Vec<&str> = keys.collect();
-        let unknown = values.iter().filter(|(key, _)| !known.contains(key));
-        let mut wrong: Vec<Wrong> = unknown
-            .map(|(key, _)| {
-                (None, format!("\"{name}\", a {}, has no key {key}: it has {}", part.form.name, known.join(", ")))
-            })
-            .collect();
-        let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
-        let mut given = Given::new(name, placed, values);
-        let made = part.make(&mut given);
-        wrong.extend(given.mistakes());
-        match made {
-            Ok(made) if wrong.is_empty() => Ok(made),
-            Ok(_) => Err(wrong),
-            Err(why) => Err(vec![(None, format!("\"{name}\": {why}"))]),
-        }
-    }
-
     /// Adds a joint or driver by its entry.
     ///
     /// # Errors
@@ -106,11 +76,6 @@ impl<S: Scalar> MechanismBuilder<S> {
             self.tell(name, wrong);
             self.model.refused_element()
         })
-    }
-
-    pub(in crate::scenes) fn tell(&mut self, name: &str, wrong: Vec<Wrong>) {
-        let text = |(key, text): Wrong| key.map_or(text.clone(), |key| format!("\"{name}\", {key}: {text}"));
-        self.mistakes.extend(wrong.into_iter().map(text));
     }
 
     /// The value of a key that is a function of time.

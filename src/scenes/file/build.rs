@@ -1,9 +1,10 @@
 //! Entries of a file as calls of the builder.
 
 use super::build_functionals::functional;
-use super::build_joints::{joint, rolling};
+
 use super::build_members::{beam, cable, group, laminate, section, shell, shells_named, thin_walls};
 use super::build_meshes::mesh;
+use super::build_parts::{joint, rolling, spring};
 
 use super::known::{Found, Known, Made, count, fixed, frame, list, text};
 use super::mistake::Mistake;
@@ -11,10 +12,10 @@ use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
 use crate::design::shortest;
 use crate::elements::flexible::Material;
-use crate::elements::forces::LoadFrame;
+use crate::elements::forces::{DAMPERS, LoadFrame, SPRINGS};
 use crate::elements::joints;
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
-use crate::scenes::{BushingRates, Force, MechanismBuilder, MeshedShell, Signal, SpringDamper, Torque};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Torque};
 
 pub(super) type Builder<S> = MechanismBuilder<S>;
 
@@ -65,16 +66,8 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
             Ok(Made::Nothing)
         }
-        "spring" => spring(known, name, fields, m),
-        "damper" => {
-            let nodes = known.different_nodes(fields, "between", m)?;
-            let (ends, damping) = (ends(known, fields, nodes, m)?, known.number(fields, "damping")?);
-            match fields.form {
-                "line" => m.line_damper(name, nodes, ends, damping),
-                _ => m.vector_damper(name, nodes, ends, damping),
-            };
-            Ok(Made::Nothing)
-        }
+        "spring" => spring(known, SPRINGS, name, fields, m),
+        "damper" => spring(known, DAMPERS, name, fields, m),
         "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
         "drawing" => {
             let node = if fields.get("on").is_some() { known.node(fields, "on", m)? } else { m.ground() };
@@ -194,45 +187,6 @@ fn check_place<S: Scalar>(at: usize, node: NodeId, point: Vector3<S>, m: &Builde
         at,
         format!("this point lies {gap} m from \"{name}\", which has no axes and takes hold where it is: leave it out"),
     ))
-}
-
-fn spring<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
-    let number = |key| known.number_or(fields, key, 0.0);
-    let spring = |rest| -> Found<SpringDamper<S>> {
-        Ok(SpringDamper { stiffness: number("stiffness")?, damping: number("damping")?, rest: number(rest)? })
-    };
-    if fields.form == "angle" {
-        let node = known.node(fields, "on", m)?;
-        m.coordinate_spring_damper(name, node, 0, spring("rest_angle")?);
-        return Ok(Made::Nothing);
-    }
-    let nodes = known.different_nodes(fields, "between", m)?;
-    match fields.form {
-        "line" => {
-            let ends = ends(known, fields, nodes, m)?;
-            let rest = match fields.get("rest_length") {
-                Some(_) => number("rest_length")?,
-                None => (ends[1] - ends[0]).length(),
-            };
-            m.line_spring(name, nodes, ends, number("stiffness")?, rest)
-        }
-        "torsion" => m.torsion_spring_damper(name, nodes, known.vector(fields, "axis")?, spring("rest_angle")?),
-        "slide" => {
-            let places = [place(known, fields, "origin", nodes[0], m)?, place(known, fields, "point", nodes[1], m)?];
-            m.slide_spring_damper(name, nodes, places, known.vector(fields, "axis")?, spring("rest_displacement")?)
-        }
-        _ => {
-            let axes: Quaternion<S> = known.orientation(fields)?;
-            let damping = if fields.get("damping").is_some() { known.numbers(fields, "damping")? } else { [S::zero(); 6] };
-            let halves = |[a, b, c, d, e, f]: [S; 6]| [[a, b, c], [d, e, f]];
-            let [stiffness_along, stiffness_about] = halves(known.numbers(fields, "stiffness")?);
-            let [damping_along, damping_about] = halves(damping);
-            let rates = BushingRates { stiffness_along, stiffness_about, damping_along, damping_about };
-            let point = place(known, fields, "point", nodes[1], m)?;
-            m.bushing(name, nodes, point, axes, rates)
-        }
-    };
-    Ok(Made::Nothing)
 }
 
 fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {

@@ -3,9 +3,9 @@
 
 mod build;
 mod build_functionals;
-mod build_joints;
 mod build_members;
 mod build_meshes;
+mod build_parts;
 mod expression;
 mod formula_text;
 mod known;

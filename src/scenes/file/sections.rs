@@ -2,8 +2,9 @@
 
 use super::section::{Section, Shape};
 use crate::elements::entries::{
-    AXIS, BETWEEN, ENDS, FUNCTION, Form, Forms, Key, NORMAL, POINT, Range, Type, forms, joint_forms, may, need,
+    AXIS, BETWEEN, ENDS, FUNCTION, Form, Forms, Key, NORMAL, ORIENTATION, POINT, Range, Type, forms, forms_of, may, need,
 };
+use crate::elements::forces::{DAMPERS, SPRINGS};
 use crate::elements::joints::{DRIVERS, JOINTS};
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
@@ -44,18 +45,6 @@ macro_rules! one_form {
         Forms { common: &[], forms: &[Form { name: "", doc: "", keys: &[$($key),*] }], with_joints: false }
     };
 }
-
-const ORIENTATION: Forms = forms!([]
-"angle" "turned about an axis of the world" [
-    need("axis", Vector("-"), "axis in the world, of any length"),
-    need("angle", Number("rad", Any), "angle"),
-]
-"x_axis" "the x axis of the frame along a direction of the world, by the shortest turn" [
-    need("along", Vector("-"), "direction in the world, of any length"),
-]
-"euler_parameters" "as they stand" [
-    need("values", Numbers(&[4], "-", Any), "e0, e1, e2, e3 with unit length"),
-]);
 
 const MOTION: Forms = one_form![
     may("point", Vector("m"), "point with the velocity; the origin"),
@@ -211,8 +200,10 @@ const ROLLING: Forms = forms!([]
     NORMAL,
     need("radius", Number("m", Positive), "radius"),
 ]);
-const JOINT_FORMS: [Form; JOINTS.len() + ROLLING.forms.len()] = joint_forms(JOINTS, ROLLING.forms);
-const DRIVER_FORMS: [Form; DRIVERS.len()] = joint_forms(DRIVERS, &[]);
+const JOINT_FORMS: [Form; JOINTS.len() + ROLLING.forms.len()] = forms_of(JOINTS, ROLLING.forms);
+const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS, &[]);
+const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS, &[]);
+const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS, &[]);
 
 /// All sections, in the order of the reference page.
 pub(super) const SECTIONS: &[Section] = &[
@@ -559,46 +550,13 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "spring",
         shape: Shape::Listed,
         doc: "A spring.",
-        forms: forms!([NAME]
-        "line" "along the line between two points" [
-            BETWEEN, ENDS,
-            need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
-            may("rest_length", Number("m", AtLeastZero), "length without force; the length at the start"),
-        ]
-        "torsion" "about an axis, with a damper" [
-            BETWEEN, AXIS,
-            need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
-            may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
-            may("rest_angle", Number("rad", Any), "angle without moment, zero as they stand; 0"),
-        ]
-        "slide" "along an axis of a, with a damper" [
-            BETWEEN,
-            may("origin", Vector("m"), "where the displacement is zero; the place of a"),
-            POINT, AXIS,
-            need("stiffness", Number("N/m", AtLeastZero), "stiffness"),
-            may("damping", Number("N s/m", AtLeastZero), "damping; 0"),
-            may("rest_displacement", Number("m", Any), "displacement without force; 0"),
-        ]
-        "angle" "on a joint angle, with a damper" [
-            need("on", Node, "joint angle"),
-            need("stiffness", Number("N m/rad", AtLeastZero), "stiffness"),
-            may("damping", Number("N m s/rad", AtLeastZero), "damping; 0"),
-            may("rest_angle", Number("rad", Any), "angle without moment; 0"),
-        ]
-        "bushing" "along and about three axes, with dampers; at rest as the bodies stand" [
-            BETWEEN, POINT,
-            may("orientation", Table(&ORIENTATION), "its axes; those of the world"),
-            need("stiffness", Numbers(&[6], "N/m, N m/rad", AtLeastZero), "along and about x, y, z"),
-            may("damping", Numbers(&[6], "N s/m, N m s/rad", AtLeastZero), "along and about x, y, z; 0"),
-        ]),
+        forms: Forms { common: &[NAME], forms: &SPRING_FORMS, with_joints: false },
     },
     Section {
         name: "damper",
         shape: Shape::Listed,
         doc: "A damper.",
-        forms: forms!([NAME, BETWEEN, ENDS, need("damping", Number("N s/m", AtLeastZero), "damping")]
-            "line" "on the rate of the distance of two points" []
-            "vector" "on the whole relative velocity of two points" []),
+        forms: Forms { common: &[NAME], forms: &DAMPER_FORMS, with_joints: false },
     },
     Section {
         name: "force",

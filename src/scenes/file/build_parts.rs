@@ -1,11 +1,11 @@
-//! Joints and drivers, by their entries.
+//! Joints, drivers, springs and dampers, by their entries.
 
 use super::build::{Builder, place};
-use super::known::{Found, Known, Made, list, text};
+use super::known::{Found, Known, Made, count, list, text};
 use super::mistake::Mistake;
 use super::reader::Fields;
 use crate::assembly::NodeId;
-use crate::elements::entries::{GivenValue, JointPart, Key, Type};
+use crate::elements::entries::{Form, GivenValue, JointPart, Key, SpringPart, Type, Values};
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::builder::Wrong;
 
@@ -24,8 +24,32 @@ fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builde
             let (function, numbers) = m.function_of(key.name, known.function(fields, key.name)?);
             GivenValue::Function(function, numbers)
         }
-        other => unreachable!("no entry of a joint has a key that takes {other:?}"),
+        Type::Count(..) => GivenValue::Count(count(fields, key.name)),
+        Type::Table(_) if key.name == "orientation" => GivenValue::Rotation(known.orientation(fields)?),
+        _ => {
+            let text = format!("the entry of this part has a key {} of a type that no entry can have", key.name);
+            return Err(Mistake::new(fields.at, text));
+        }
     }))
+}
+
+/// Values of the keys of an entry but the nodes.
+fn values<S: Scalar>(known: &Known<S>, fields: &Fields, form: &Form, m: &mut Builder<S>) -> Found<Values<S>> {
+    let mut values = Vec::new();
+    for key in form.keys.iter().filter(|key| !key.takes.is_nodes()) {
+        values.extend(value(known, fields, key, m)?.map(|value| (key.name, value)));
+    }
+    Ok(values)
+}
+
+/// What was made of an entry, or where in the file what is wrong stands.
+fn located<S: Scalar>(made: Result<Made<S>, Vec<Wrong>>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    made.or_else(|wrong| {
+        let (keys, others): (Vec<Wrong>, Vec<Wrong>) = wrong.into_iter().partition(|(key, _)| key.is_some());
+        m.tell(name, others);
+        let at = |key| fields.get(key).map_or(fields.at, |own| own.0);
+        keys.into_iter().find_map(|(key, what)| Some(Err(Mistake::new(at(key?), what)))).unwrap_or(Ok(Made::Nothing))
+    })
 }
 
 /// Makes a joint or driver of its entry.
@@ -36,28 +60,36 @@ pub(super) fn joint<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let nodes = nodes(known, fields, m)?;
-    let mut values = Vec::new();
-    for key in part.form.keys.iter().filter(|key| !matches!(key.takes, Type::Nodes(_))) {
-        values.extend(value(known, fields, key, m)?.map(|value| (key.name, value)));
-    }
+    let (nodes, values) = (nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
     let made = match rates(known, fields)? {
         Some([stiffness, damping]) => {
             m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
         }
         None => m.rigid_part(part, name, &nodes, values).map(Made::Joint),
     };
-    made.or_else(|wrong| {
-        let (keys, others): (Vec<Wrong>, Vec<Wrong>) = wrong.into_iter().partition(|(key, _)| key.is_some());
-        m.tell(name, others);
-        let at = |key| fields.get(key).map_or(fields.at, |own| own.0);
-        keys.into_iter().find_map(|(key, what)| Some(Err(Mistake::new(at(key?), what)))).unwrap_or(Ok(Made::Nothing))
-    })
+    located(made, name, fields, m)
 }
 
-/// All nodes of the key `between`, which are different.
+/// Makes a spring or damper of its entry.
+pub(super) fn spring<S: Scalar>(
+    known: &Known<S>,
+    list: &[SpringPart],
+    name: &str,
+    fields: &Fields,
+    m: &mut Builder<S>,
+) -> Found<Made<S>> {
+    let Some(part) = list.iter().find(|part| part.form.name == fields.form) else {
+        return Err(Mistake::new(fields.at, format!("nothing builds a spring of type {}", fields.form)));
+    };
+    let (nodes, values) = (nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
+    let made = m.spring_part(part, name, &nodes, values).map(|_| Made::Nothing);
+    located(made, name, fields, m)
+}
+
+/// The node of the key `on`, or all nodes of the key `between`, which are different.
 fn nodes<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Found<Vec<NodeId>> {
     match list(fields, "between").count() {
+        0 => known.node(fields, "on", m).map(|node| vec![node]),
         3 => known.different_nodes::<3>(fields, "between", m).map(Vec::from),
         _ => known.different_nodes::<2>(fields, "between", m).map(Vec::from),
     }

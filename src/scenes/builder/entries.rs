@@ -1,0 +1,73 @@
+//! Parts by their entries.
+
+use super::MechanismBuilder;
+use crate::assembly::{ElementId, NodeId};
+use crate::elements::entries::{Given, Made, Part, SpringPart, Values};
+use crate::scalar::Scalar;
+
+/// What is wrong, with the key where that is one of it.
+pub(in crate::scenes) type Wrong = (Option<&'static str>, String);
+
+impl<S: Scalar> MechanismBuilder<S> {
+    /// Makes a part of its entry; nothing where a node is one of another mechanism.
+    pub(super) fn made<L: ?Sized + 'static>(
+        &mut self,
+        part: &Part<L>,
+        name: &str,
+        nodes: &[NodeId],
+        values: Values<S>,
+    ) -> Result<Made<L, S>, Vec<Wrong>> {
+        if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
+            return Err(Vec::new());
+        }
+        let count = part.example.0.len();
+        if nodes.len() != count {
+            return Err(vec![(None, format!("\"{name}\" needs {count} nodes, but {} were given", nodes.len()))]);
+        }
+        let keys = part.form.keys.iter().filter(|key| !key.takes.is_nodes()).map(|key| key.name);
+        let known: Vec<&str> = keys.collect();
+        let unknown = values.iter().filter(|(key, _)| !known.contains(key));
+        let mut wrong: Vec<Wrong> = unknown
+            .map(|(key, _)| {
+                (None, format!("\"{name}\", a {}, has no key {key}: it has {}", part.form.name, known.join(", ")))
+            })
+            .collect();
+        let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
+        let mut given = Given::new(name, placed, values);
+        let made = part.make(&mut given);
+        wrong.extend(given.mistakes());
+        match made {
+            Ok(made) if wrong.is_empty() => Ok(made),
+            Ok(_) => Err(wrong),
+            Err(why) => Err(vec![(None, format!("\"{name}\": {why}"))]),
+        }
+    }
+
+    /// Adds a spring or damper by its entry.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes or the values of its keys.
+    pub(in crate::scenes) fn spring_part(
+        &mut self,
+        part: &SpringPart,
+        name: &str,
+        nodes: &[NodeId],
+        values: Values<S>,
+    ) -> Result<ElementId, Vec<Wrong>> {
+        let (law, p) = self.made(part, name, nodes, values)?;
+        Ok(self.add_element(name, nodes, law, &p))
+    }
+
+    /// Adds a spring or damper by its entry, one of a list or of your own: `m.spring(&SpringPart::of::<MySpring>(), "name", &[a, b], keys)`.
+    pub fn spring(&mut self, part: &SpringPart, name: &str, nodes: &[NodeId], keys: impl Into<Values<S>>) -> ElementId {
+        self.spring_part(part, name, nodes, keys.into()).unwrap_or_else(|wrong| {
+            self.tell(name, wrong);
+            self.model.refused_element()
+        })
+    }
+
+    pub(in crate::scenes) fn tell(&mut self, name: &str, wrong: Vec<Wrong>) {
+        let text = |(key, text): Wrong| key.map_or(text.clone(), |key| format!("\"{name}\", {key}: {text}"));
+        self.mistakes.extend(wrong.into_iter().map(text));
+    }
+}
