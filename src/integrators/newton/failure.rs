@@ -16,6 +16,7 @@ pub struct Failure {
     pub(super) correction: f64,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FailureKind {
     Singular(usize),
     Diverged,

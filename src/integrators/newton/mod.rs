@@ -2,6 +2,7 @@
 
 mod accelerations;
 mod contraction;
+mod convergence;
 mod derivative_parts;
 mod failure;
 mod linearized;
