@@ -5,12 +5,12 @@
 
 use super::checkpoint::StepState;
 use super::course::Course;
-use super::load_steps::march_loading;
+use super::load_steps::{Loading, first_pace};
 use super::march::{Method, Problem, Run, embedded_difference};
-use super::pause::TakenUp;
 use super::record::{Recorder, SolveRecord, StepRecord};
 use super::step::{InitialGuess, Stepper};
-use super::{Embedded, Pace, RunError, Scheme, StartPlan, Systems, Table, TimeGrid};
+use super::step_choice::{Attempt, Beginning, StepChoice, Tried, march_by};
+use super::{Checkpoint, Embedded, Pace, RunError, Scheme, StartPlan, Table, TimeGrid};
 
 /// Error allowed in one step: absolute + relative times the size of each entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,109 +96,41 @@ pub fn march_adaptive(
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(stretches.times[0], 0);
-    let course = Course::new(stretches, &mut grid);
+    let mut course = Course::new(stretches, &mut grid, FIRST_PACE);
     let run = control.check(&method.table).and_then(|()| {
-        let march = if method.table.is_static() { march_loading } else { march_choosing };
-        march(problem, method, control, course, plan, recorder)
+        let beginning = Beginning::of(plan);
+        if method.table.is_static() {
+            course.pace = first_pace(course.duration());
+            return march_by(problem, method, beginning, (Loading::new(control), course), recorder);
+        }
+        let choice = ByError::new(problem, &method.table, control);
+        march_by(problem, method, beginning, (choice, course), recorder)
     });
     (grid, run)
 }
 
-/// As [`march_adaptive`], with the steps taken added to the course.
-fn march_choosing(
-    problem: &Problem<f64>,
-    method: &Method,
-    control: &StepControl,
-    course: Course,
-    plan: &StartPlan,
-    recorder: &mut dyn Recorder<f64>,
-) -> Result<Run<f64>, RunError> {
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
-    recorder.start(stepper.start(course.t(), plan, None)?)?;
-    let mut choice = Choice::new(&stepper, control, course);
-    let mut before = stepper.checkpoint();
-    if let Some(taken_up) = TakenUp::by(&mut stepper, recorder)? {
-        taken_up.follow(&mut choice.course);
-        before = taken_up.pause.checkpoint;
-        let Pace { h, last_error, rejected, .. } = taken_up.pause.pace;
-        (choice.h, choice.last_error, choice.rejected) = (h, last_error, rejected);
-    } else {
-        choice.first_step(&mut stepper)?;
-        stepper.resume(&before)?;
-    }
-    while !choice.course.at_end() {
-        let index = choice.course.grid.steps();
-        if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(stepper.pause(choice.course.t(), choice.pace()))?;
-        }
-        let reached = loop {
-            let breakpoint = choice.course.at_breakpoint();
-            let (span, reached) = choice.span();
-            match stepper.step_over(Scheme::Main, span, breakpoint, None) {
-                Ok(()) => {
-                    let error = choice.error(stepper.record(), &before.between, &stepper.between);
-                    if choice.accepts(error)? {
-                        break reached;
-                    }
-                }
-                Err(failure) => choice.halve(failure)?,
-            }
-            stepper.resume(&before)?;
-        };
-        choice.course.advance(reached);
-        stepper.checkpoint_in(&mut before);
-        if !recorder.step(stepper.record())? {
-            return Err(RunError::Interrupted { steps: index + 1 });
-        }
-    }
-    recorder.end(&|| stepper.pause(choice.course.t(), choice.pace()))?;
-    Ok(stepper.end(choice.rejected))
-}
+/// Before a first size is chosen.
+const FIRST_PACE: Pace = Pace { h: 0.0, last_error: 1.0, rejected: 0, halvings: 0, left: 0 };
 
-/// The choice of the next step.
-struct Choice<'c> {
+/// Steps as long as their error allows.
+struct ByError<'c> {
     control: &'c StepControl,
     table: &'c Table,
     embedded: &'c Embedded,
-    course: Course<'c>,
     /// Moving coordinates: those of fixed nodes have no error.
     moving: Vec<usize>,
-    /// Next size \[s\], before it is fitted to the stretch.
-    h: f64,
-    /// Error of the last accepted step, as a share of the allowed one.
-    last_error: f64,
-    rejected: usize,
-    halvings: usize,
     /// The step just tried was too long.
     retried: bool,
     /// Difference of the embedded solution.
     difference: Vec<f64>,
 }
 
-impl<'c> Choice<'c> {
-    fn new(stepper: &Stepper<'c, f64>, control: &'c StepControl, course: Course<'c>) -> Self {
-        let table = &stepper.method.table;
+impl<'c> ByError<'c> {
+    fn new(problem: &Problem<f64>, table: &'c Table, control: &'c StepControl) -> Self {
         let embedded = table.embedded.as_ref().expect("checked before the run");
-        let nodes = stepper.problem.model.nodes.iter().filter(|node| !node.fixed);
-        Choice {
-            control,
-            table,
-            embedded,
-            course,
-            moving: nodes.flat_map(|node| node.dofs.clone()).collect(),
-            h: 0.0,
-            last_error: 1.0,
-            rejected: 0,
-            halvings: 0,
-            retried: false,
-            difference: Vec::new(),
-        }
-    }
-
-    /// What the next steps depend on.
-    fn pace(&self) -> Pace {
-        Pace { h: self.h, last_error: self.last_error, rejected: self.rejected, ..Pace::default() }
+        let nodes = problem.model.nodes.iter().filter(|node| !node.fixed);
+        let moving = nodes.flat_map(|node| node.dofs.clone()).collect();
+        ByError { control, table, embedded, moving, retried: false, difference: Vec::new() }
     }
 
     /// Largest ratio of entries to what is allowed for them; NaN stays.
@@ -206,49 +138,6 @@ impl<'c> Choice<'c> {
         let allowed = |i: usize| tolerance.absolute + tolerance.relative * sizes[0][i].abs().max(sizes[1][i].abs());
         let ratios = self.moving.iter().map(|&i| values[i].abs() / allowed(i));
         ratios.fold(0.0, |worst: f64, ratio| if ratio <= worst { worst } else { ratio })
-    }
-
-    /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
-    ///
-    /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.
-    fn first_step(&mut self, stepper: &mut Stepper<f64>) -> Result<(), RunError> {
-        let state = stepper.between.clone();
-        let (q, v, a) = (&state.carried[0], &state.carried[1], state.acceleration());
-        let duration = self.course.span(f64::INFINITY).1 - self.course.t();
-        let StepControl { coordinates, velocities, .. } = *self.control;
-        let states = self.ratio(coordinates, q, [q, q]).max(self.ratio(velocities, v, [v, v]));
-        let changes = self.ratio(coordinates, v, [q, q]).max(self.ratio(velocities, a, [v, v]));
-        let trial = if states > 1e-5 && changes > 1e-5 { 0.01 * states / changes } else { 1e-6 * duration };
-        let trial = trial.min(self.control.longest).min(duration);
-        // the change of the acceleration along an explicit step
-        let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
-        let mut later = SolveRecord::empty();
-        let solved = stepper.solve_acceleration(
-            (&moved(q, v), &moved(v, a)),
-            self.course.t() + trial,
-            0,
-            InitialGuess::Zero,
-            &mut later,
-        );
-        let curvature = match solved {
-            Ok(()) => {
-                let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();
-                self.ratio(velocities, &change, [v, v])
-            }
-            // the trial went too far to tell
-            Err(_) => 0.0,
-        };
-        let fastest: f64 = changes.max(curvature);
-        let exponent = 1.0 / (self.embedded.order as f64 + 1.0);
-        let h = if fastest > 1e-15 { (0.01 / fastest).powf(exponent) } else { 1e-3 * duration };
-        self.h = h.min(100.0 * trial).min(self.control.longest);
-        Ok(())
-    }
-
-    /// Start and end of the next step as elements see them, and its end.
-    fn span(&mut self) -> ((f64, f64), f64) {
-        self.h = self.h.min(self.control.longest);
-        self.course.span(self.h)
     }
 
     /// Estimated error of a step as a share of the allowed one.
@@ -266,46 +155,91 @@ impl<'c> Choice<'c> {
         if of_q >= of_v || of_q.is_nan() { of_q } else { of_v }
     }
 
-    /// Judges the step just made and chooses the next size.
-    fn accepts(&mut self, error: f64) -> Result<bool, RunError> {
+    /// Whether a step of size `h` with this error is taken; chooses the next size.
+    fn accepts_error(&mut self, error: f64, h: f64, course: &mut Course) -> Result<bool, RunError> {
         let order = self.embedded.order as f64 + 1.0;
         if error <= 1.0 {
             let least = error.max(1e-10);
-            let factor = SAFETY * least.powf(-EXPONENTS[0] / order) * self.last_error.powf(EXPONENTS[1] / order);
+            let factor = SAFETY * least.powf(-EXPONENTS[0] / order) * course.pace.last_error.powf(EXPONENTS[1] / order);
             // right after a failure there is no reason to grow
             let most = if self.retried { 1.0 } else { CHANGE[1] };
-            self.h = self.tried() * factor.clamp(CHANGE[0], most);
-            (self.last_error, self.retried, self.halvings) = (least, false, 0);
+            self.retried = false;
+            course.pace = Pace { h: h * factor.clamp(CHANGE[0], most), last_error: least, halvings: 0, ..course.pace };
             return Ok(true);
         }
         let factor =
             if error.is_finite() { (SAFETY * error.powf(-1.0 / order)).clamp(CHANGE[0], SAFETY) } else { CHANGE[0] };
-        self.shorten(factor)?;
+        self.shorten(factor * h, course)?;
         Ok(false)
     }
 
-    /// Size of the step just tried \[s\].
-    fn tried(&mut self) -> f64 {
-        let ((t, end), _) = self.span();
-        end - t
-    }
-
-    /// Shortens the step after a failure of Newton's method, or gives up.
-    fn halve(&mut self, failure: RunError) -> Result<(), RunError> {
-        self.halvings += 1;
-        if self.halvings > MOST_HALVINGS {
-            return Err(failure);
-        }
-        self.shorten(0.5).map_err(|_| failure)
-    }
-
-    fn shorten(&mut self, factor: f64) -> Result<(), RunError> {
-        self.rejected += 1;
+    fn shorten(&mut self, h: f64, course: &mut Course) -> Result<(), RunError> {
         self.retried = true;
-        self.h = factor * self.tried();
-        if self.h > SHORTEST * self.course.duration() {
+        course.pace.rejected += 1;
+        course.pace.h = h;
+        if h > SHORTEST * course.duration() {
             return Ok(());
         }
-        Err(RunError::StepSize { step: self.course.grid.steps() + 1, t: self.course.t(), h: self.h })
+        Err(RunError::StepSize { step: course.grid.steps() + 1, t: course.t(), h })
+    }
+}
+
+impl StepChoice<f64> for ByError<'_> {
+    const GOES_BACK: bool = true;
+
+    /// First size: 1 % of the change of the state, and an estimated error of 1 % of the allowed one.
+    ///
+    /// Source: Hairer, Norsett, Wanner, Solving ODEs I, II.4.
+    fn begin(&mut self, course: &mut Course, stepper: &mut Stepper<f64>, before: &Checkpoint<f64>) -> Result<(), RunError> {
+        let state = &before.between;
+        let (q, v, a) = (&state.carried[0], &state.carried[1], state.acceleration());
+        let duration = course.span(f64::INFINITY).1 - course.t();
+        let StepControl { coordinates, velocities, .. } = *self.control;
+        let states = self.ratio(coordinates, q, [q, q]).max(self.ratio(velocities, v, [v, v]));
+        let changes = self.ratio(coordinates, v, [q, q]).max(self.ratio(velocities, a, [v, v]));
+        let trial = if states > 1e-5 && changes > 1e-5 { 0.01 * states / changes } else { 1e-6 * duration };
+        let trial = trial.min(self.control.longest).min(duration);
+        // the change of the acceleration along an explicit step
+        let moved = |x: &[f64], rate: &[f64]| -> Vec<f64> { x.iter().zip(rate).map(|(x, rate)| x + trial * rate).collect() };
+        let mut later = SolveRecord::empty();
+        let solved =
+            stepper.solve_acceleration((&moved(q, v), &moved(v, a)), course.t() + trial, 0, InitialGuess::Zero, &mut later);
+        let curvature = match solved {
+            Ok(()) => {
+                let change: Vec<f64> = later.unknowns.x.iter().zip(a).map(|(new, old)| (new - old) / trial).collect();
+                self.ratio(velocities, &change, [v, v])
+            }
+            // the trial went too far to tell
+            Err(_) => 0.0,
+        };
+        let fastest: f64 = changes.max(curvature);
+        let exponent = 1.0 / (self.embedded.order as f64 + 1.0);
+        let h = if fastest > 1e-15 { (0.01 / fastest).powf(exponent) } else { 1e-3 * duration };
+        course.pace.h = h.min(100.0 * trial).min(self.control.longest);
+        stepper.resume(before)
+    }
+
+    fn next(&mut self, course: &mut Course, _stepper: &Stepper<f64>) -> Result<Attempt<'_>, RunError> {
+        course.pace.h = course.pace.h.min(self.control.longest);
+        Ok(Attempt { h: course.pace.h, scheme: Scheme::Main, guided: None })
+    }
+
+    fn accepts(
+        &mut self,
+        Tried { span: (t, end), made, .. }: Tried,
+        course: &mut Course,
+        stepper: &mut Stepper<f64>,
+        before: &Checkpoint<f64>,
+    ) -> Result<bool, RunError> {
+        let h = end - t;
+        let Err(failure) = made else {
+            let error = self.error(stepper.record(), &before.between, &stepper.between);
+            return self.accepts_error(error, h, course);
+        };
+        course.pace.halvings += 1;
+        if course.pace.halvings > MOST_HALVINGS {
+            return Err(failure);
+        }
+        self.shorten(0.5 * h, course).map(|()| false).map_err(|_| failure)
     }
 }

@@ -1,4 +1,4 @@
-use super::TimeGrid;
+use super::{Pace, Scheme, Table, TimeGrid};
 
 /// Steps of any size laid one after the other; each stretch between breakpoints ends with one.
 pub(super) struct Course<'c> {
@@ -7,12 +7,14 @@ pub(super) struct Course<'c> {
     pub grid: &'c mut TimeGrid,
     /// Index of the stretch's end.
     target: usize,
+    /// What the choice of later steps depends on.
+    pub pace: Pace,
 }
 
 impl<'c> Course<'c> {
     /// At the start of the first stretch, with the steps to be added to `grid`.
-    pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid) -> Self {
-        Course { stretches, grid, target: 1 }
+    pub fn new(stretches: &'c TimeGrid, grid: &'c mut TimeGrid, pace: Pace) -> Self {
+        Course { stretches, grid, target: 1, pace }
     }
 
     /// End of the last step \[s\].
@@ -49,6 +51,15 @@ impl<'c> Course<'c> {
         };
         let at_breakpoint = end == target && self.stretches.breakpoints.contains_key(&self.target);
         ((t, if at_breakpoint { end.next_down() } else { end }), end)
+    }
+
+    /// Which scheme of a table makes a step of about the size `h`.
+    pub fn scheme(&mut self, table: &Table, h: f64) -> Scheme {
+        let (index, (_, reached)) = (self.grid.steps(), self.span(h));
+        self.grid.times.push(reached);
+        let scheme = table.scheme_at(self.grid, index);
+        self.grid.times.pop();
+        scheme
     }
 
     /// Takes the step to its end.

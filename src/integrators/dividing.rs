@@ -2,10 +2,10 @@
 
 use super::course::Course;
 use super::march::{Method, Problem, Run};
-use super::pause::TakenUp;
 use super::record::Recorder;
 use super::step::Stepper;
-use super::{Pace, RunError, StartPlan, Systems, TimeGrid};
+use super::step_choice::{Attempt, Beginning, StepChoice, Tried, march_by};
+use super::{Checkpoint, Pace, RunError, StartPlan, TimeGrid};
 
 /// How often a step is halved before the run is given up.
 const MOST_HALVINGS: usize = 8;
@@ -23,66 +23,51 @@ pub fn march_dividing(
     recorder: &mut dyn Recorder<f64>,
 ) -> (TimeGrid, Result<Run<f64>, RunError>) {
     let mut grid = TimeGrid::begin(steps.times[0], steps.asked);
-    let run = divide(problem, method, Course::new(steps, &mut grid), plan, recorder);
+    let course = Course::new(steps, &mut grid, WHOLE);
+    let run = march_by(problem, method, Beginning::of(plan), (Dividing, course), recorder);
     (grid, run)
 }
 
-fn divide(
-    problem: &Problem<f64>,
-    method: &Method,
-    mut course: Course,
-    plan: &StartPlan,
-    recorder: &mut dyn Recorder<f64>,
-) -> Result<Run<f64>, RunError> {
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
-    recorder.start(stepper.start(course.t(), plan, None)?)?;
-    let mut before = stepper.checkpoint();
-    // a given step is one part of itself until it is halved
-    let whole = Pace { h: f64::INFINITY, left: 1, ..Pace::default() };
-    let mut pace = whole;
-    if let Some(taken_up) = TakenUp::by(&mut stepper, recorder)? {
-        taken_up.follow(&mut course);
-        (before, pace) = (taken_up.pause.checkpoint, taken_up.pause.pace);
+/// A given step is one part of itself until it is halved.
+const WHOLE: Pace = Pace { h: f64::INFINITY, last_error: 0.0, rejected: 0, halvings: 0, left: 1 };
+
+struct Dividing;
+
+impl StepChoice<f64> for Dividing {
+    const GOES_BACK: bool = true;
+
+    fn next(&mut self, course: &mut Course, stepper: &Stepper<f64>) -> Result<Attempt<'_>, RunError> {
+        let h = course.pace.h;
+        Ok(Attempt { h, scheme: course.scheme(&stepper.method.table, h), guided: None })
     }
-    while !course.at_end() {
-        let index = course.grid.steps();
-        if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(stepper.pause(course.t(), pace))?;
-        }
-        let (span, reached) = course.span(pace.h);
-        course.grid.times.push(reached);
-        let scheme = method.table.scheme_at(course.grid, index);
-        course.grid.times.pop();
-        let made = stepper.step_over(scheme, span, course.at_breakpoint(), None);
+
+    fn accepts(
+        &mut self,
+        Tried { span, reached, made }: Tried,
+        course: &mut Course,
+        stepper: &mut Stepper<f64>,
+        _before: &Checkpoint<f64>,
+    ) -> Result<bool, RunError> {
+        let Pace { rejected, halvings, left, .. } = course.pace;
         let stability = if made.is_ok() { stepper.stability() } else { None };
-        match made {
-            // a shorter step tells a path that loses its stability from a leap onto another one
-            Ok(()) if pace.halvings == MOST_HALVINGS || !stepper.loses(stability) => {}
-            Ok(()) | Err(RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
-                if pace.halvings < MOST_HALVINGS =>
-            {
-                let Pace { rejected, halvings, left, .. } = pace;
-                let h = 0.5 * (reached - span.0);
-                pace = Pace { h, rejected: rejected + 1, halvings: halvings + 1, left: 2 * left, ..whole };
-                stepper.resume(&before)?;
-                continue;
-            }
-            Ok(()) => {}
-            Err(error) => return Err(error),
+        let is_divided = halvings < MOST_HALVINGS
+            && match &made {
+                // a shorter step tells a path that loses its stability from a leap onto another one
+                Ok(()) => stepper.loses(stability),
+                Err(error) => error.is_of_step(),
+            };
+        if is_divided {
+            let h = 0.5 * (reached - span.0);
+            course.pace = Pace { h, rejected: rejected + 1, halvings: halvings + 1, left: 2 * left, ..WHOLE };
+            return Ok(false);
         }
+        made?;
         stepper.note_error();
         stepper.note_stability(stability);
-        course.advance(reached);
-        stepper.checkpoint_in(&mut before);
-        pace.left -= 1;
-        if pace.left == 0 {
-            pace = Pace { rejected: pace.rejected, ..whole };
+        course.pace.left -= 1;
+        if course.pace.left == 0 {
+            course.pace = Pace { rejected, ..WHOLE };
         }
-        if !recorder.step(stepper.record())? {
-            return Err(RunError::Interrupted { steps: index + 1 });
-        }
+        Ok(true)
     }
-    recorder.end(&|| stepper.pause(course.t(), pace))?;
-    Ok(stepper.end(pace.rejected))
 }

@@ -87,6 +87,11 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// Whether a shorter step may have a solution where this one has none.
+    pub(super) fn is_of_step(&self) -> bool {
+        matches!(self, RunError::NoConvergence { .. } | RunError::NotFinite { .. } | RunError::Singular { .. })
+    }
+
     /// A pattern that no numbers could make regular.
     pub(crate) fn of_pattern(place: &str, singular: Singular) -> Self {
         RunError::Singular {

@@ -1,12 +1,8 @@
 use super::Counters;
 use super::lists::add_lists;
 use super::newton::NewtonTolerance;
-use super::pause::TakenUp;
-use super::record::{Guide, Recorder, StageRecord, StepRecord};
-use super::{
-    Clocks, Combination, ConstraintLevel, Embedded, InitialState, Pace, Quadrature, RunError, StabilityCourse, StartPlan,
-    StepError, Stepper, Systems, Table, TimeGrid,
-};
+use super::record::{StageRecord, StepRecord};
+use super::{Combination, ConstraintLevel, Embedded, InitialState, Quadrature, StabilityCourse, StepError, Table};
 use crate::assembly::{Equations, Level, Model, SystemOptions, Variational};
 use crate::elements::RunScalar;
 use crate::linalg::Backend;
@@ -137,62 +133,6 @@ pub(super) fn embedded_difference<S: RunScalar>(
             add_scaled(difference, &stage.rate, step.h * weight);
         }
     }
-}
-
-/// Runs a problem over a grid and hands every step to the recorder.
-///
-/// # Errors
-/// [`RunError`] with step and time; steps before it have reached the recorder.
-pub fn march<S: RunScalar>(
-    problem: &Problem<S>,
-    method: &Method,
-    grid: &TimeGrid,
-    plan: &StartPlan,
-    recorder: &mut dyn Recorder<S>,
-) -> Result<Run<S>, RunError> {
-    march_along(problem, method, (grid, &Vec::new()), plan, None, recorder)
-}
-
-/// As [`march`], with the values of a finished real run of the same problem where a guide is given: only derivative parts are
-/// solved for, so that they belong to exactly the states of that run. Clocks have the derivative parts of the ends of steps.
-///
-/// # Errors
-/// As for [`march`]; also a guide that does not solve the problem.
-pub fn march_along<S: RunScalar>(
-    problem: &Problem<S>,
-    method: &Method,
-    (grid, clocks): (&TimeGrid, &Clocks<S>),
-    plan: &StartPlan,
-    guide: Option<Guide>,
-    recorder: &mut dyn Recorder<S>,
-) -> Result<Run<S>, RunError> {
-    let systems = Systems::new(problem.model, method, &plan.dropped);
-    let mut stepper = Stepper::new(problem, method, &systems, plan)?;
-    stepper.clocks.clone_from(clocks);
-    let (guided_start, mut guided_steps) = guide.map_or((None, None), |guide| (Some(guide.start), Some(guide.steps)));
-    recorder.start(stepper.start(grid.times[0], plan, guided_start)?)?;
-    let is_guided = guided_steps.is_some();
-    TakenUp::by(&mut stepper, recorder)?;
-    for index in stepper.next_step()..grid.steps() {
-        if recorder.wants_checkpoint(index) {
-            recorder.checkpoint(stepper.pause(grid.times[index], Pace::default()))?;
-        }
-        let guided = match &mut guided_steps {
-            Some(steps) => steps.next()?,
-            None => None,
-        };
-        stepper.step(grid, guided)?;
-        if !is_guided {
-            stepper.note_error();
-            let stability = stepper.stability();
-            stepper.note_stability(stability);
-        }
-        if !recorder.step(stepper.record())? {
-            return Err(RunError::Interrupted { steps: index + 1 });
-        }
-    }
-    recorder.end(&|| stepper.pause(grid.times[grid.steps()], Pace::default()))?;
-    Ok(stepper.end(0))
 }
 
 /// target += factor values.

@@ -56,9 +56,10 @@ impl<S: RunScalar> TakenUp<S> {
         Ok(Some(TakenUp { pause, begins }))
     }
 
-    /// Lays the steps before into a course.
+    /// Lays the steps before into a course, which goes on at their pace.
     pub fn follow(&self, course: &mut Course) {
         let ends = self.begins.iter().skip(1).chain([&self.pause.t]);
         ends.take(self.begins.len()).for_each(|&end| course.advance(end));
+        course.pace = self.pause.pace;
     }
 }
