@@ -129,21 +129,6 @@ impl Equations {
         self.metric && !self.is_of_accelerations()
     }
 
-    /// True where R, or what takes its place, at the base point is subtracted.
-    pub(crate) fn subtracts(&self) -> bool {
-        self.is_difference() || self.variational.is_some()
-    }
-
-    /// Time at which constraints hold, for equations at time `t` \[s\].
-    pub(crate) fn constraint_time(&self, t: f64) -> f64 {
-        self.variational.map_or(t, |step| t + step.to_end())
-    }
-
-    /// Time at which reactions act \[s\].
-    pub(crate) fn reaction_time(&self, t: f64) -> f64 {
-        self.variational.map_or(t, |step| t + step.to_start())
-    }
-
     /// The acceleration for given (v, q).
     pub fn acceleration() -> Self {
         Equations::stage(StageCoefficients::new(1.0, 0.0, 0.0), Level::Acceleration)

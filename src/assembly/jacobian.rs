@@ -4,7 +4,7 @@ use super::element_programs::{self, Force};
 use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};
 use super::reduction::{Columns, RotationCoordinates};
-use super::{Adjoints, Equations, Residual, StageCoefficients, Unknowns, VectorsAvq};
+use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::program::Program;
 use crate::scalar::larger;
@@ -52,7 +52,7 @@ pub(super) struct Point {
 impl Point {
     /// Where reactions act.
     pub fn reaction(&self, equations: &Equations) -> &VectorsAvq<f64> {
-        if equations.variational.is_some() { &self.reaction_at } else { &self.constraint_at }
+        if equations.parts_reactions() { &self.reaction_at } else { &self.constraint_at }
     }
 
     fn set<S: RunScalar>(&mut self, residual: &Residual<S>, unknowns: &Unknowns<S>) {
@@ -219,27 +219,23 @@ impl Jacobian {
     }
 
     fn add_constraints(&mut self, system: &System, equations: &Equations, point: &Point, p: &[f64], t: f64) {
-        let Some(step) = equations.variational else {
-            return self.add_constraints_at(system, (equations, ConstraintPart::Both), point, p, t);
-        };
-        let time = equations.constraint_time(t);
-        self.add_constraints_at(system, (equations, ConstraintPart::Equations), point, p, time);
-        let reactions = ConstraintPart::Reactions(step.reaction());
-        self.add_constraints_at(system, (equations, reactions), point, p, equations.reaction_time(t));
+        for (which, place) in equations.constraint_terms() {
+            self.add_constraints_at(system, (equations, which, place), point, p, equations.time_at(place, t));
+        }
     }
 
     /// Equations, reactions or both at one point.
     fn add_constraints_at(
         &mut self,
         system: &System,
-        (equations, which): (&Equations, ConstraintPart),
+        (equations, which, place): (&Equations, ConstraintPart, TermPoint),
         point: &Point,
         p: &[f64],
         t: f64,
     ) {
         let (shift, mut moves) = numbers_of(equations.constraint);
         let mut at = &point.constraint_at;
-        if let ConstraintPart::Reactions(_) = which {
+        if place == TermPoint::Reactions {
             // a reaction at the start of a step does not move
             (moves, at) = ([false; 3], &point.reaction_at);
         }
@@ -290,7 +286,8 @@ impl Jacobian {
         };
         let local = system.nodes[node].local.map(|index| &system.locals[index]);
         if let (Some(local), Some(numbers)) = (local, bases.of_euler_parameters())
-            && let (Some(unit), None) = (local.form.unit_length(), equations.variational)
+            && let Some(unit) = local.form.unit_length()
+            && !equations.parts_reactions()
         {
             let weight = equations.constraint.alpha * unknowns.local_mu[local.equations.start] * unit.second;
             let [left, right] = numbers.map(|scaled| RotationCoordinates::Euler.rows(scaled));
@@ -303,7 +300,7 @@ impl Jacobian {
             return;
         }
         // a reaction at the start of a step does not move
-        if let Some(local) = local.filter(|_| equations.variational.is_none()) {
+        if let Some(local) = local.filter(|_| !equations.parts_reactions()) {
             let alpha = equations.constraint.alpha;
             let sets = [(&unknowns.local_mu, 0, alpha), (&unknowns.local_eta, rows, -alpha)];
             for (multipliers, first, factor) in sets.into_iter().take(if stabilized { 2 } else { 1 }) {

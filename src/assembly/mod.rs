@@ -31,6 +31,7 @@ mod products;
 mod quadratic;
 mod reduction;
 mod residual;
+mod terms;
 mod variational;
 
 pub(crate) use batches::{BatchWork, LaneResults, Lanes, Run, run_lanes};
@@ -49,4 +50,5 @@ pub use part_programs::PartPrograms;
 pub(crate) use places::Starts;
 pub use products::{Adjoints, NodeBars, ProductBars, ProductPoint, Products};
 pub use residual::Residual;
+pub use terms::{Term, TermPoint};
 pub use variational::{Impulse, Variational};

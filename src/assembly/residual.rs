@@ -4,7 +4,7 @@ use super::element_programs::Force;
 use super::node_runs::NodeRun;
 use super::numbering::System;
 use super::reduction::NodeReduction;
-use super::{Clock, Equations, Level, Rates, StageSystem, Unknowns, Variational, VectorsAvq};
+use super::{Clock, Equations, Level, Rates, StageSystem, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
 use smallvec::SmallVec;
@@ -149,32 +149,18 @@ impl<S: RunScalar> Residual<S> {
     fn start_in(&mut self, scope: Scope, system: &System, stage: StageSystem<S>) {
         let StageSystem { equations, base, p, t } = stage;
         self.make_room(system);
-        if equations.is_difference() {
-            let own = self.clock.map(|clock| {
-                let mut own = base.clone();
-                clock.set_pace(&mut own);
-                own
-            });
-            self.add_elements(scope, system, Force::Residual, own.as_ref().unwrap_or(base), p, t);
-            std::mem::swap(&mut self.f, &mut self.base);
-        }
-        if let Some(step) = equations.variational {
-            let mut before = std::mem::take(&mut self.constraint_base);
-            Variational::write_moved(base, step.to_before(), &mut before);
-            if let Some(clock) = self.clock {
-                clock.set_pace(&mut before);
-            }
-            self.add_elements(scope, system, Force::Impulse(step.before()), &before, p, t + step.to_before());
-            std::mem::swap(&mut self.f, &mut self.base);
-            self.constraint_base = before;
-        }
-    }
-
-    /// The base from which unknowns move to where constraints hold.
-    fn move_base<'b>(equations: &Equations, base: &'b VectorsAvq<S>, moved: &'b mut VectorsAvq<S>) -> &'b VectorsAvq<S> {
-        let Some(step) = equations.variational else { return base };
-        Variational::write_moved(base, step.to_end(), moved);
-        moved
+        let Some((force, point)) = equations.subtracted() else { return };
+        let mut moved = std::mem::take(&mut self.constraint_base);
+        let there = equations.point_of(point, base, &mut moved);
+        let by_clock = self.clock.map(|clock| {
+            let mut own = there.clone();
+            clock.set_pace(&mut own);
+            own
+        });
+        let time = equations.time_at(point, t);
+        self.add_elements(scope, system, force, by_clock.as_ref().unwrap_or(there), p, time);
+        std::mem::swap(&mut self.f, &mut self.base);
+        self.constraint_base = moved;
     }
 
     /// Moves to the point of `unknowns`, satisfies the constraints inside nodes there, and evaluates F, Y and G.
@@ -195,7 +181,7 @@ impl<S: RunScalar> Residual<S> {
         // in real numbers one correction keeps up with Newton's method; derivative parts are solved for once
         let corrections = if S::PARTS == 0 { 1 } else { RESTORATIONS };
         let mut moved = std::mem::take(&mut self.constraint_base);
-        let constraint_base = Self::move_base(equations, base, &mut moved);
+        let constraint_base = equations.point_of(TermPoint::Constraints, base, &mut moved);
         if !self.last_bits {
             let work = &mut self.restored;
             super::local::restore(system, equations, constraint_base, unknowns, self.keep_values, corrections, work);
@@ -206,13 +192,14 @@ impl<S: RunScalar> Residual<S> {
         }
         self.constraint_at.set_shifted(constraint_base, equations.constraint, unknowns);
         self.constraint_base = moved;
-        if let Some(step) = equations.variational {
-            Variational::write_moved(base, step.to_start(), &mut self.reaction_at);
+        // what unknowns do not move is no point by itself elsewhere
+        let parts_reactions = equations.parts_reactions();
+        if parts_reactions {
+            equations.point_of(TermPoint::Reactions, base, &mut self.reaction_at);
         }
         if let Some(clock) = self.clock {
             let points = [&mut self.at, &mut self.constraint_at, &mut self.reaction_at];
-            let count = if equations.variational.is_some() { 3 } else { 2 };
-            points.into_iter().take(count).for_each(|at| clock.set_pace(at));
+            points.into_iter().take(if parts_reactions { 3 } else { 2 }).for_each(|at| clock.set_pace(at));
         }
         if self.last_bits {
             for at in [&mut self.at, &mut self.constraint_at] {
@@ -224,7 +211,7 @@ impl<S: RunScalar> Residual<S> {
         let at = std::mem::take(&mut self.at);
         self.add_elements(scope, system, Force::of(equations), &at, p, t);
         self.at = at;
-        if equations.subtracts() {
+        if equations.subtracted().is_some() {
             for (f, &r) in self.f.iter_mut().zip(&self.base) {
                 *f -= r;
             }
@@ -243,14 +230,14 @@ impl<S: RunScalar> Residual<S> {
     pub fn restore(&mut self, system: &System, stage: StageSystem<S>, unknowns: &mut Unknowns<S>) {
         let StageSystem { equations, base, .. } = stage;
         let mut moved = std::mem::take(&mut self.constraint_base);
-        let base = Self::move_base(equations, base, &mut moved);
+        let base = equations.point_of(TermPoint::Constraints, base, &mut moved);
         super::local::restore(system, equations, base, unknowns, self.keep_values, RESTORATIONS, &mut self.restored);
         self.constraint_base = moved;
     }
 
     /// Where reactions act.
     pub(super) fn reaction_point(&self, equations: &Equations) -> &VectorsAvq<S> {
-        if equations.variational.is_some() { &self.reaction_at } else { &self.constraint_at }
+        if equations.parts_reactions() { &self.reaction_at } else { &self.constraint_at }
     }
 
     /// Force below which F is round-off at the point evaluated last: a share of the largest contribution of one element or joint,
@@ -339,15 +326,10 @@ impl<S: RunScalar> Residual<S> {
         p: &[S],
         t: f64,
     ) {
-        let Some(step) = equations.variational else {
-            return self.add_constraints_at(scope, system, (equations, ConstraintPart::Both), unknowns, p, t);
-        };
-        let time = equations.constraint_time(t);
-        self.add_constraints_at(scope, system, (equations, ConstraintPart::Equations), unknowns, p, time);
-        std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
-        let time = equations.reaction_time(t);
-        self.add_constraints_at(scope, system, (equations, ConstraintPart::Reactions(step.reaction())), unknowns, p, time);
-        std::mem::swap(&mut self.constraint_at, &mut self.reaction_at);
+        for (which, point) in equations.constraint_terms() {
+            let time = self.time(equations.time_at(point, t));
+            self.add_constraints_at(scope, system, (equations, which, point), (unknowns, p, time));
+        }
     }
 
     /// The same at one point: equations, reactions or both.
@@ -355,17 +337,15 @@ impl<S: RunScalar> Residual<S> {
         &mut self,
         scope: Scope,
         system: &System,
-        (equations, which): (&Equations, ConstraintPart),
-        unknowns: &Unknowns<S>,
-        p: &[S],
-        t: f64,
+        (equations, which, point): (&Equations, ConstraintPart, TermPoint),
+        (unknowns, p, time): (&Unknowns<S>, &[S], S),
     ) {
-        let time = self.time(t);
         for batch in system.constraint_batches().iter().filter(|batch| scope.has(batch)) {
             let physics = system.constraint_of(batch);
             let ((asked, scales), factor) = (Asked::part(which, equations, physics.is_nonholonomic()), which.factor());
             let program = batch.programs.get(asked.short_code([false; 3]), || values(physics, asked));
-            let Residual { f, y, g, g_second, constraint_at: at, work, last_bits, .. } = self;
+            let Residual { f, y, g, g_second, constraint_at, reaction_at, work, last_bits, .. } = self;
+            let at = if point == TermPoint::Reactions { reaction_at } else { constraint_at };
             let (stabilized, last_bits) = (asked.stabilized(), *last_bits);
             run_lanes(
                 program,
@@ -398,7 +378,7 @@ impl<S: RunScalar> Residual<S> {
         let Some(first) = locals.first() else { return };
         if let (Some(unit), true) = (first.form.unit_length(), self.y.is_empty()) {
             let Residual { f, constraint_at, reaction_at, .. } = self;
-            let q = if equations.variational.is_some() { &reaction_at.q } else { &constraint_at.q };
+            let q = if equations.parts_reactions() { &reaction_at.q } else { &constraint_at.q };
             let (places, factor) = (unit.first..unit.first + 4, 1.0 / unit.second);
             let (mus, count) = (&mut unknowns.local_mu[first.equations.start..], run.reduction.dofs());
             let nodes = f[run.all_dofs()].chunks_exact_mut(count).zip(q[run.all_dofs()].chunks_exact(count));

@@ -1,8 +1,5 @@
 //! Discrete Euler-Lagrange equations: what a step of a variational integrator solves instead of R = 0.
 
-use super::VectorsAvq;
-use crate::scalar::Scalar;
-
 /// One step of the variational integrator with the discrete Lagrangian L_d(q_n, q_n+1) = h L(q_n + alpha (q_n+1 - q_n), (q_n+1 - q_n) / h).
 ///
 /// With the discrete velocity v = (q_n+1 - q_n) / h, the momentum P = dL/dv and the force F = dL/dq + Q of the elements, and `before` for
@@ -69,14 +66,5 @@ impl Variational {
     /// To those of the point before \[s\].
     pub fn to_before(self) -> f64 {
         if self.first { self.to_start() } else { -self.h }
-    }
-
-    /// Writes the base's coordinates moved along its velocity; accelerations are zero.
-    pub(crate) fn write_moved<S: Scalar>(base: &VectorsAvq<S>, time: f64, to: &mut VectorsAvq<S>) {
-        to.a.clear();
-        to.a.resize(base.q.len(), S::zero());
-        to.v.clone_from(&base.v);
-        to.q.clear();
-        to.q.extend(base.q.iter().zip(&base.v).map(|(&q, &v)| q + v * time));
     }
 }

@@ -1,4 +1,5 @@
 use super::Sample;
+use crate::assembly::TermPoint;
 use crate::elements::RunScalar;
 use crate::integrators::{StepRecord, Table};
 
@@ -27,7 +28,7 @@ impl<S: RunScalar> Mean<S> {
         for (stage, &weight) in step.stages.iter().zip(&table.scheme(step.scheme).quadrature.stages) {
             let solve = &stage.solve;
             solve.write_acceleration(&mut a);
-            mean.t += weight * solve.equations.reaction_time(solve.t);
+            mean.t += weight * solve.equations.time_at(TermPoint::Reactions, solve.t);
             total += weight;
             for (sum, own) in [(&mut mean.a, &a), (&mut mean.mu, &solve.unknowns.mu)] {
                 sum.resize(own.len(), S::zero());

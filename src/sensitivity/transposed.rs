@@ -1,8 +1,8 @@
 //! One system of the sweep back.
 
 use crate::assembly::{
-    Adjoints, ConstraintPart, Equations, Force, Jacobian, Level, NodeBars, ProductBars, ProductPoint, Products, Residual,
-    StageSystem, System, Unknowns, Variational, VectorsAvq,
+    Adjoints, Equations, Jacobian, Level, NodeBars, ProductBars, ProductPoint, Products, Residual, StageSystem, System,
+    Term, TermPoint, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
 use crate::integrators::{Counters, Method, Phase, RunError, SolveRecord};
@@ -118,17 +118,11 @@ pub(super) struct TransposedSolver<'m> {
 #[derive(Default)]
 struct Sweep {
     adjoints: Vec<Adjoints>,
-    /// Products with the derivatives of elements towards (a, v, q).
-    elements: Vec<f64>,
-    /// Of constraints.
-    constraints: Vec<f64>,
-    /// Of reactions at another point, and of what the step before left: for a variational integrator.
-    reactions: Vec<f64>,
-    before: Vec<f64>,
-    /// Of elements at the base point, and those towards parameters: for a metric that is a difference.
-    own: Vec<f64>,
+    /// Products with the derivatives towards (a, v, q) of what is taken at each of [`TermPoint::ALL`]; empty where nothing is.
+    at: [Vec<f64>; TermPoint::ALL.len()],
+    /// Those towards parameters, for a metric that is a difference.
     own_p: Vec<f64>,
-    /// The point of the step before.
+    /// A point that the unknowns do not move.
     moved: VectorsAvq<f64>,
 }
 
@@ -284,8 +278,7 @@ impl<'m> TransposedSolver<'m> {
         let asked: SmallVec<[usize; 8]> = (0..bars.len()).filter(|&k| !bars[k].is_zero()).collect();
         self.bases.resize_with(bars.len(), VectorsAvq::default);
         // those that are asked for are written below
-        let written = |k: usize| asked.contains(&k) && record.equations.variational.is_none();
-        let others = self.bases.iter_mut().enumerate().filter(|(k, _)| !written(*k));
+        let others = self.bases.iter_mut().enumerate().filter(|(k, _)| !asked.contains(k));
         others.for_each(|(_, base)| set_zero_vectors(base, dofs));
         self.needed = !asked.is_empty();
         if asked.is_empty() {
@@ -296,7 +289,22 @@ impl<'m> TransposedSolver<'m> {
             self.forget(counters);
             return Ok(&self.bases);
         }
-        let SolveRecord { t, equations, base, .. } = record;
+        self.solve_factored(record, p, (&asked, bars), counters)?;
+        self.add_products(record, p, &asked, back);
+        self.add_inside_nodes(&record.equations, &asked, bars);
+        self.write_bases(&record.equations, &asked);
+        Ok(&self.bases)
+    }
+
+    /// Solves for the adjoint variables with the matrix of a system, which is factored now unless it was before.
+    fn solve_factored(
+        &mut self,
+        record: &SolveRecord<f64>,
+        p: &[f64],
+        (asked, bars): (&[usize], &[SolutionBar]),
+        counters: &mut Counters,
+    ) -> Result<(), RunError> {
+        let SolveRecord { t, equations, .. } = record;
         if self.factored.is_none() {
             self.factor(record, p);
         }
@@ -309,7 +317,7 @@ impl<'m> TransposedSolver<'m> {
             factored.outcome.map_err(|singular| self.singular_at(singular, *t))?;
             on_trial = factored.on_trial;
         }
-        let refactored = self.solve(&asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
+        let refactored = self.solve(asked, bars).map_err(|singular| self.singular_at(singular, *t))?;
         self.forget(counters);
         counters.systems += 1;
         counters.solves += asked.len();
@@ -318,111 +326,83 @@ impl<'m> TransposedSolver<'m> {
             self.trials[kind(equations)].learn(!refactored);
             counters.factorizations += usize::from(refactored);
         }
-        let system = &*self.system;
-        let unknowns = std::mem::take(&mut self.unknowns);
-        let mut work = std::mem::take(&mut self.sweep);
-        let Sweep { adjoints, elements, constraints, reactions, before, own, own_p, moved } = &mut work;
-        let adjoints = &mut adjoints[..asked.len()];
-        for bars in [&mut *elements, constraints] {
-            set_zeros(bars, asked.len() * 3 * dofs);
+        Ok(())
+    }
+
+    /// Products of the adjoint variables with the derivatives of all terms, each at its point; those towards parameters are added to `back`.
+    fn add_products(&mut self, record: &SolveRecord<f64>, p: &[f64], asked: &[usize], back: &mut [Backward]) {
+        let SolveRecord { t, equations, base, .. } = record;
+        let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
+        let Sweep { adjoints, at: avq, own_p, moved } = sweep;
+        let (adjoints, dofs) = (&adjoints[..asked.len()], system.model.dofs);
+        for (bars, point) in avq.iter_mut().zip(TermPoint::ALL) {
+            set_zeros(bars, if equations.is_taken_at(point) { asked.len() * 3 * dofs } else { 0 });
         }
         // in a metric that is a difference what stiff elements give at both points cancels, and would take other digits along: gathered on its own
-        set_zeros(own_p, if equations.is_difference() { asked.len() * p.len() } else { 0 });
-        let mut p_bars: Parameters = if equations.is_difference() {
-            own_p
-                .chunks_exact_mut(p.len().max(1))
-                .chain(std::iter::repeat_with(Default::default))
-                .take(asked.len())
-                .collect()
+        let cancels = equations.is_taken_at(TermPoint::Base);
+        set_zeros(own_p, if cancels { asked.len() * p.len() } else { 0 });
+        let mut p_bars: Parameters = if cancels {
+            let own = own_p.chunks_exact_mut(p.len().max(1)).chain(std::iter::repeat_with(Default::default));
+            own.take(asked.len()).collect()
         } else {
             let needed = back.iter_mut().enumerate().filter(|(k, _)| asked.contains(k));
             needed.map(|(_, back)| back.p.as_mut_slice()).collect()
         };
-        let point = |at, t| ProductPoint { at, p, t };
-        let (constraint_at, products) = (&self.residual.constraint_at, &mut self.products);
-        // where reactions act, and what the step before left: other points in a step of a variational integrator
-        if let Some(step) = equations.variational {
-            for bars in [&mut *reactions, before] {
-                set_zeros(bars, asked.len() * 3 * dofs);
+        for (term, point) in equations.terms() {
+            let at = match point {
+                TermPoint::Solution => &residual.at,
+                TermPoint::Constraints => &residual.constraint_at,
+                TermPoint::Reactions => &residual.reaction_at,
+                TermPoint::Base | TermPoint::Before => equations.point_of(point, base, moved),
+            };
+            let there = ProductPoint { at, p, t: equations.time_at(point, *t) };
+            let mut into = product_bars(&mut avq[point as usize], &mut p_bars, dofs);
+            match term {
+                Term::Elements(force, factor) => {
+                    products.add_elements(system, adjoints, (force, factor), there, &mut into);
+                }
+                Term::Constraints(part) => {
+                    products.add_constraints(system, (equations, part), adjoints, unknowns, there, &mut into);
+                }
             }
-            let mut into = product_bars(elements, &mut p_bars, dofs);
-            products.add_elements(
-                system,
-                adjoints,
-                (Force::Impulse(step.now()), 1.0),
-                point(&self.residual.at, *t),
-                &mut into,
-            );
-            Variational::write_moved(base, step.to_before(), moved);
-            let mut into = product_bars(before, &mut p_bars, dofs);
-            let there = point(moved, t + step.to_before());
-            products.add_elements(system, adjoints, (Force::Impulse(step.before()), -1.0), there, &mut into);
-            let mut into = product_bars(constraints, &mut p_bars, dofs);
-            let there = point(constraint_at, equations.constraint_time(*t));
-            let which = ConstraintPart::Equations;
-            products.add_constraints(system, (equations, which), adjoints, &unknowns, there, &mut into);
-            let mut into = product_bars(reactions, &mut p_bars, dofs);
-            let there = point(&self.residual.reaction_at, equations.reaction_time(*t));
-            let which = ConstraintPart::Reactions(step.reaction());
-            products.add_constraints(system, (equations, which), adjoints, &unknowns, there, &mut into);
-        } else {
-            let mut into = product_bars(elements, &mut p_bars, dofs);
-            products.add_elements(system, adjoints, (Force::of(equations), 1.0), point(&self.residual.at, *t), &mut into);
-            let mut into = product_bars(constraints, &mut p_bars, dofs);
-            let which = ConstraintPart::Both;
-            products.add_constraints(system, (equations, which), adjoints, &unknowns, point(constraint_at, *t), &mut into);
-        }
-        set_zeros(own, if equations.is_difference() { asked.len() * 3 * dofs } else { 0 });
-        if equations.is_difference() {
-            let mut into = product_bars(own, &mut p_bars, dofs);
-            products.add_elements(system, adjoints, (Force::Residual, -1.0), point(base, *t), &mut into);
         }
         for (&k, own) in asked.iter().zip(own_p.chunks_exact(p.len().max(1))) {
             add(&mut back[k].p, 1.0, own);
         }
-        let mut reactions_of = reactions.chunks_exact_mut(3 * dofs);
-        let each = asked.iter().zip(&mut *adjoints);
-        let parts = elements.chunks_exact(3 * dofs).zip(constraints.chunks_exact_mut(3 * dofs));
-        let at_nodes = each.zip(parts).map(|((&k, adjoints), (elements, constraints))| NodeBars {
+    }
+
+    /// Adds the products with what is inside nodes.
+    fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], bars: &[SolutionBar]) {
+        let TransposedSolver { system, residual, unknowns, sweep, .. } = self;
+        let all = 3 * system.model.dofs;
+        let [elements, _, _, constraints, reactions] = &mut sweep.at;
+        let mut reactions = reactions.chunks_exact_mut(all);
+        let parts = elements.chunks_exact(all).zip(constraints.chunks_exact_mut(all));
+        let at_nodes = asked.iter().zip(&sweep.adjoints).zip(parts);
+        let at_nodes = at_nodes.map(|((&k, adjoints), (elements, constraints))| NodeBars {
             x: &bars[k].x,
             y: &bars[k].rate,
             adjoints,
             elements,
             constraints,
-            reactions: equations.variational.and_then(|_| reactions_of.next()),
+            reactions: reactions.next(),
         });
-        system.add_node_products(equations, &unknowns, constraint_at, &mut at_nodes.collect::<SmallVec<[_; 8]>>());
+        let mut at_nodes = at_nodes.collect::<SmallVec<[_; 8]>>();
+        system.add_node_products(equations, unknowns, &residual.constraint_at, &mut at_nodes);
+    }
+
+    /// The adjoints of the base from those of all points.
+    fn write_bases(&mut self, equations: &Equations, asked: &[usize]) {
+        let dofs = self.system.model.dofs;
         for (place, &k) in asked.iter().enumerate() {
             let here = place * 3 * dofs..(place + 1) * 3 * dofs;
-            let base_bar = &mut self.bases[k];
-            let (elements, constraints) = (&elements[here.clone()], &constraints[here.clone()]);
-            if let Some(step) = equations.variational {
-                let (reactions, before) = (&reactions[here.clone()][2 * dofs..], &before[here]);
-                for i in 0..dofs {
-                    let of_constraint = constraints[2 * dofs + i];
-                    base_bar.q[i] = elements[2 * dofs + i] + before[2 * dofs + i] + of_constraint + reactions[i];
-                    let moved = step.to_end() * of_constraint + step.to_start() * reactions[i];
-                    base_bar.v[i] = elements[dofs + i] + before[dofs + i] + step.to_before() * before[2 * dofs + i] + moved;
-                }
-                continue;
-            }
-            for (vector, bar) in [&mut base_bar.a, &mut base_bar.v, &mut base_bar.q].into_iter().enumerate() {
-                let range = vector * dofs..(vector + 1) * dofs;
-                let (elements, constraints) = (&elements[range.clone()], &constraints[range.clone()]);
-                bar.clear();
-                if vector == 0 && equations.is_of_inertia() {
-                    bar.extend_from_slice(constraints);
-                } else if own.is_empty() {
-                    bar.extend(elements.iter().zip(constraints).map(|(element, constraint)| element + constraint));
-                } else {
-                    // first what cancels
-                    let own = own[here.clone()][range].iter().zip(elements).map(|(own, element)| own + element);
-                    bar.extend(own.zip(constraints).map(|(sum, constraint)| sum + constraint));
-                }
+            let at = self.sweep.at.each_ref().map(|bars| bars.get(here.clone()).unwrap_or_default());
+            if equations.parts_reactions() {
+                write_moved_base(equations, at, &mut self.bases[k]);
+            } else {
+                write_base(equations, at, &mut self.bases[k]);
             }
         }
-        (self.unknowns, self.sweep) = (unknowns, work);
-        Ok(&self.bases)
     }
 
     /// Solves J^T lambda = -x_bar for each x_bar that is not zero; returns whether the matrix had to be factored for it.
@@ -476,6 +456,41 @@ type Parameters<'p> = Vec<&'p mut [f64]>;
 
 fn product_bars<'b>(avq: &'b mut [f64], p: &'b mut [&mut [f64]], dofs: usize) -> Vec<ProductBars<'b>> {
     avq.chunks_exact_mut(3 * dofs).zip(p).map(|(avq, p)| ProductBars { avq, p }).collect()
+}
+
+/// The adjoint of a base that is the point of all terms, before unknowns move it.
+fn write_base(equations: &Equations, at: [&[f64]; 5], bar: &mut VectorsAvq<f64>) {
+    let [elements, own, _, constraints, _] = at;
+    let dofs = elements.len() / 3;
+    for (vector, bar) in [&mut bar.a, &mut bar.v, &mut bar.q].into_iter().enumerate() {
+        let range = vector * dofs..(vector + 1) * dofs;
+        let (elements, constraints) = (&elements[range.clone()], &constraints[range.clone()]);
+        bar.clear();
+        if vector == 0 && equations.is_of_inertia() {
+            bar.extend_from_slice(constraints);
+        } else if own.is_empty() {
+            bar.extend(elements.iter().zip(constraints).map(|(element, constraint)| element + constraint));
+        } else {
+            // first what cancels
+            let own = own[range].iter().zip(elements).map(|(own, element)| own + element);
+            bar.extend(own.zip(constraints).map(|(sum, constraint)| sum + constraint));
+        }
+    }
+}
+
+/// The same where points lie on from the base along its velocity; accelerations have no part in any of them.
+fn write_moved_base(equations: &Equations, at: [&[f64]; 5], bar: &mut VectorsAvq<f64>) {
+    let [elements, _, before, constraints, reactions] = at;
+    let dofs = elements.len() / 3;
+    let [of_before, of_constraints, of_reactions] =
+        [TermPoint::Before, TermPoint::Constraints, TermPoint::Reactions].map(|point| equations.offset(point));
+    set_zero_vectors(bar, dofs);
+    for i in 0..dofs {
+        let (in_v, in_q) = (dofs + i, 2 * dofs + i);
+        bar.q[i] = elements[in_q] + before[in_q] + constraints[in_q] + reactions[in_q];
+        let moved = of_constraints * constraints[in_q] + of_reactions * reactions[in_q];
+        bar.v[i] = elements[in_v] + before[in_v] + of_before * before[in_q] + moved;
+    }
 }
 
 /// So many zeros, in the memory that is there.
