@@ -1,5 +1,5 @@
+use super::ConstraintPhysics;
 use super::bodies::{EulerParameterNorm, OrthonormalAxes};
-use super::{ConstraintPhysics, State};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3, combine_columns, rotation_gradient_transposed};
 
 /// What a node's coordinates are, and how elements take hold of it.
@@ -94,21 +94,6 @@ impl NodeKind {
                 Vector3::first_three(v) + e.rotate_rate(rate, point)
             }
             NodeKind::Natural => Vector3::first_three(v) + combine_columns(&columns(v), point),
-        }
-    }
-
-    /// World acceleration of the body point `point` [m/s2].
-    #[inline(always)]
-    pub fn acceleration<S: Scalar>(self, s: State<S>, point: Vector3<S>) -> Vector3<S> {
-        match self {
-            NodeKind::Coordinates(_) => Vector3::zeros(),
-            NodeKind::Point | NodeKind::Slope => Vector3::first_three(s.a),
-            NodeKind::Body => {
-                let (e, rate) = (Quaternion::from_slice(&s.q[3..]), Quaternion::from_slice(&s.v[3..]));
-                let second = Quaternion::from_slice(&s.a[3..]);
-                Vector3::first_three(s.a) + e.rotate_rate(second, point) + rate.rotate_rate(rate, point)
-            }
-            NodeKind::Natural => Vector3::first_three(s.a) + combine_columns(&columns(s.a), point),
         }
     }
 

@@ -182,12 +182,6 @@ impl Factors {
         };
         self.outcomes.iter().zip(&symbolic.fronts).map(delayed).sum()
     }
-
-    /// Bytes beyond the planned ones.
-    pub fn grown_bytes(&self) -> usize {
-        let bytes = |grown: &Grown| size_of_val(&grown.values[..]) + size_of_val(&grown.rows[..]) * 2;
-        self.outcomes.iter().filter_map(|outcome| outcome.grown.as_deref()).map(bytes).sum()
-    }
 }
 
 fn view<'f>(

@@ -45,11 +45,6 @@ impl MultifrontalLu {
         self.symbolic.analysis(self.traversal.bytes())
     }
 
-    /// Bytes that the last factorization needed beyond those planned, for delayed pivots.
-    pub fn bytes_of_delays(&self) -> usize {
-        self.factors.grown_bytes()
-    }
-
     /// How often in the last factorization a pivot had to wait for a front above.
     pub fn delayed_pivots(&self) -> usize {
         self.factors.delayed(&self.symbolic)
