@@ -239,15 +239,29 @@ fn best_of(optimization: &Optimization, all: Vec<Result<Optimized, RunError>>) -
     }
 }
 
-/// The history of an earlier optimization in the same folder keeps its points: under the first number that is free.
+/// The history of an earlier optimization in the same folder keeps its points: under the first number that is free. Only a file is moved.
 fn keep_earlier(path: &Path) -> Result<(), Failure> {
-    if !path.exists() {
-        return Ok(());
+    let cannot =
+        |cause: std::io::Error| Failure::run(format!("cannot keep the earlier history {}: {cause}", path.display()));
+    match std::fs::metadata(path) {
+        Ok(own) if own.is_file() => {}
+        Ok(_) => {
+            return Err(Failure::input(format!(
+                "{} is no file; the history of the optimization is written there",
+                path.display()
+            )));
+        }
+        Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(cause) => return Err(cannot(cause)),
     }
-    let free = (1..).map(|number| path.with_extension(format!("{number}.csv"))).find(|kept| !kept.exists());
-    let Some(kept) = free else { return Ok(()) };
-    std::fs::rename(path, &kept)
-        .map_err(|cause| Failure::run(format!("cannot keep the earlier history {}: {cause}", path.display())))?;
+    let mut kept = (1..).map(|number: u32| path.with_extension(format!("{number}.csv")));
+    // what a link leads to may be elsewhere, or nowhere: its name is taken
+    let Some(kept) =
+        kept.find(|kept| kept.symlink_metadata().is_err_and(|cause| cause.kind() == std::io::ErrorKind::NotFound))
+    else {
+        return Ok(());
+    };
+    std::fs::rename(path, &kept).map_err(cannot)?;
     say(format_args!("kept the earlier history as {}", kept.display()));
     Ok(())
 }

@@ -7,12 +7,14 @@ use crate::scalar::{Scalar, Tangents};
 ///
 /// N = sum of w y^n k,   D = sum of w k,   M = sum of w
 ///
-/// it is c + ln(D) / rho for the smooth maximum, and N / D for the induced ones. The offset c is the largest value of the run, so that no
+/// it is c + ln(D) / rho for the smooth and the upper maximum, and N / D for the induced ones. The upper maximum has weights of 1 for all points
+/// and samples in time: of n values it is at least the largest, and at most ln(n) / rho above it. The offset c is the largest value of the run, so that no
 /// k overflows; neither the aggregate nor its gradient depends on it.
 ///
 /// | kind | k | n | tends to, as rho grows |
 /// |---|---|---|---|
 /// | [`SmoothMaximum`](AggregateKind::SmoothMaximum) | exp(rho (y - c)) | | the maximum: with D / M for D from below, with D itself from above where all weights are 1 |
+/// | [`UpperMaximum`](AggregateKind::UpperMaximum) | exp(rho (y - c)) | | the maximum, from above |
 /// | [`Exponential`](AggregateKind::Exponential) | exp(rho (y - c)) | 1 | the maximum, from below |
 /// | [`SquaredExponential`](AggregateKind::SquaredExponential) | exp(rho (y - c)) | 2 | its square, from below |
 /// | [`Power`](AggregateKind::Power) | (\|y\| / c)^rho | 1 | the maximum of values that are not negative, from below |
@@ -23,7 +25,7 @@ use crate::scalar::{Scalar, Tangents};
 pub struct Aggregate {
     /// Which one.
     pub kind: AggregateKind,
-    /// rho: of exponentials in units of 1 / y, of powers a number of at least 2.
+    /// rho: of exponentials in units of 1 / y, of powers a number of at least 2. See [`Aggregate::relative_to`].
     pub sharpness: f64,
     /// How points count.
     pub points: PointWeights,
@@ -38,6 +40,8 @@ pub enum AggregateKind {
         /// of Boopathy & Kennedy.
         normalized: bool,
     },
+    /// c + ln(D) / rho where each point of each sample in time counts 1: a bound of all of them from above, whatever the steps are.
+    UpperMaximum,
     /// Mean of y with weights that grow exponentially.
     Exponential,
     /// Mean of y^2 with the same weights.
@@ -71,8 +75,9 @@ pub struct Totals<S> {
 
 impl Aggregate {
     /// All [kinds](AggregateKind), the smooth maximum normalized.
-    pub const KINDS: [AggregateKind; 5] = [
+    pub const KINDS: [AggregateKind; 6] = [
         AggregateKind::SmoothMaximum { normalized: true },
+        AggregateKind::UpperMaximum,
         AggregateKind::Exponential,
         AggregateKind::SquaredExponential,
         AggregateKind::Power,
@@ -89,6 +94,19 @@ impl Aggregate {
         Self::new(AggregateKind::SmoothMaximum { normalized: true }, sharpness)
     }
 
+    /// The upper maximum: a smooth bound from above.
+    pub const fn upper_maximum(sharpness: f64) -> Self {
+        Self::new(AggregateKind::UpperMaximum, sharpness)
+    }
+
+    /// Takes the sharpness of an exponential for one by a size of its quantity: rho = sharpness / size, which no unit changes. The upper
+    /// maximum of n values is then within ln(n) / sharpness of that size. Powers have no unit: one of these has no value then.
+    #[must_use]
+    pub const fn relative_to(self, size: f64) -> Self {
+        let sharpness = if self.kind.is_power() || !(size > 0.0) { f64::NAN } else { self.sharpness / size };
+        Aggregate { sharpness, ..self }
+    }
+
     /// Points count by the areas for which they stand.
     #[must_use]
     pub const fn continuous(self) -> Self {
@@ -97,7 +115,10 @@ impl Aggregate {
 
     /// Why it has no value, if so.
     pub(crate) fn mistake(&self) -> Option<String> {
-        let Aggregate { kind, sharpness, .. } = *self;
+        let Aggregate { kind, sharpness, points } = *self;
+        if kind == AggregateKind::UpperMaximum && points == PointWeights::Own {
+            return Some("an upper maximum whose points count by their areas, which bounds nothing".into());
+        }
         let least = if kind.is_power() { 2.0 } else { f64::MIN_POSITIVE };
         let wanted = if kind.is_power() { "at least 2" } else { "greater than 0" };
         (!(least..f64::INFINITY).contains(&sharpness)).then(|| format!("a sharpness of {sharpness}; it must be {wanted}"))
@@ -127,7 +148,7 @@ impl Aggregate {
     pub(super) fn terms<S: Scalar>(&self, y: S, weight: S, c: S) -> [S; SUMS] {
         let share = weight * self.kernel(y, c);
         let numerator = match self.kind {
-            AggregateKind::SmoothMaximum { .. } => S::zero(),
+            AggregateKind::SmoothMaximum { .. } | AggregateKind::UpperMaximum => S::zero(),
             AggregateKind::Exponential | AggregateKind::Power => share * y,
             AggregateKind::SquaredExponential | AggregateKind::SquaredPower => share * (y * y),
         };
@@ -141,6 +162,7 @@ impl Aggregate {
                 let mean = if normalized { denominator / measure } else { denominator };
                 mean.ln() / self.sharpness + offset
             }
+            AggregateKind::UpperMaximum => denominator.ln() / self.sharpness + offset,
             // powers of values that are all zero: nothing was there
             _ => denominator.select(numerator / denominator, S::zero()),
         }
@@ -149,7 +171,7 @@ impl Aggregate {
 
 impl AggregateKind {
     /// With powers for weights.
-    pub fn is_power(self) -> bool {
+    pub const fn is_power(self) -> bool {
         matches!(self, AggregateKind::Power | AggregateKind::SquaredPower)
     }
 
@@ -232,19 +254,21 @@ mod tests {
 
     #[test]
     fn each_kind_tends_to_the_largest_value_from_its_side() {
-        for kind in Aggregate::KINDS {
+        for kind in Aggregate::KINDS.into_iter().filter(|kind| *kind != AggregateKind::UpperMaximum) {
             let largest: f64 = if kind.is_squared() { 1.7 * 1.7 } else { 1.7 };
             let gap = |sharpness: f64| largest - aggregate(Aggregate::new(kind, sharpness), 1.7).0;
             let gaps = [10.0, 100.0, 1000.0].map(gap);
             assert!(gaps[0] > gaps[1] && gaps[1] > gaps[2] && gaps[2] >= 0.0 && gaps[2] < 0.01, "{kind:?}: {gaps:?}");
         }
+        // weights of 1: above, by the logarithm of the number of values at most
         let plain = AggregateKind::SmoothMaximum { normalized: false };
-        // without division and with weights of 1: above
         let sums = |of: Aggregate| VALUES.iter().fold(0.0, |sum, &(y, _)| sum + of.terms(y, 1.0, 1.7)[1]);
-        for sharpness in [10.0, 100.0] {
-            let of = Aggregate::new(plain, sharpness);
+        for (kind, sharpness) in
+            [plain, AggregateKind::UpperMaximum].into_iter().flat_map(|kind| [(kind, 10.0), (kind, 100.0)])
+        {
+            let of = Aggregate::new(kind, sharpness);
             let value = of.value(Totals { offset: 1.7, sums: [0.0, sums(of), 5.0] });
-            assert!(value > 1.7 && value <= 1.7 + 5.0_f64.ln() / sharpness, "{value}");
+            assert!(value > 1.7 && value <= 1.7 + 5.0_f64.ln() / sharpness, "{kind:?}: {value}");
         }
     }
 }

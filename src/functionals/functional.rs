@@ -272,7 +272,7 @@ impl Measured {
         match self {
             Measured::Local { quantity, .. } => quantity.refused(),
             Measured::Group(group) | Measured::Energy(group) => group.refused(model),
-            Measured::Load { .. } => None,
+            Measured::Load { joint, load, .. } => load.refused(&model.find_constraint(*joint)?.physics),
         }
     }
 

@@ -16,7 +16,8 @@ impl Functional {
             Measured::Group(group) | Measured::Energy(group) => group.law(model)?,
             Measured::Load { joint, parameters, load } => {
                 let physics = &model.find_constraint(*joint)?.physics;
-                Digest::of(&(joint.0, parameters, load.formula(physics).digest()))
+                let formula = load.refused(physics).is_none().then(|| load.formula(physics).digest())?;
+                Digest::of(&(joint.0, parameters, formula))
             }
         };
         // the shortest digits of a number read back as that number

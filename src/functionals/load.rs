@@ -1,7 +1,7 @@
 use crate::elements::forces::LoadFrame;
 use crate::elements::{ConstraintPhysics, Frame, NodeKind, Parameter};
 use crate::program::ArgumentKind::{Coordinate, MeasureParameter, Multiplier, Parameter as OfPart, Time, Velocity};
-use crate::program::Formula;
+use crate::program::{Digest, Formula};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -35,7 +35,8 @@ pub struct JointLoad {
     pub node: Range<usize>,
     /// What they are.
     pub on: NodeKind,
-    formula: OnceLock<Arc<Formula>>,
+    /// That of the joint for which it was first asked, and the law of that joint.
+    formula: OnceLock<(Digest, Arc<Formula>)>,
 }
 
 /// Force and moment about a point of the node with which a joint acts on it, in the world, from the coordinates of the node and the
@@ -66,6 +67,16 @@ impl JointLoad {
 
     /// The load as a function of (v, q) of the joint's nodes, its multipliers and parameters, the parameters of the load, and time.
     pub fn formula(&self, joint: &ConstraintPhysics) -> &Arc<Formula> {
+        &self.of(joint).1
+    }
+
+    /// Why it cannot be used with a joint, if so: it was made for one of another law.
+    pub fn refused(&self, joint: &ConstraintPhysics) -> Option<&'static str> {
+        let is_own = self.of(joint).0 == joint.law();
+        (!is_own).then_some("the load was made for another joint: make one for each joint")
+    }
+
+    fn of(&self, joint: &ConstraintPhysics) -> &(Digest, Arc<Formula>) {
         self.formula.get_or_init(|| {
             let (n, count, m) = (joint.dof_count(), joint.equation_count(), joint.parameter_count());
             let own = (MeasureParameter, Self::PARAMETERS.len());
@@ -79,7 +90,7 @@ impl JointLoad {
                 let reaction = joint.recorded_reaction([v, q, mu, joint_p], t[0]);
                 vec![self.value(&q[self.node.clone()], &reaction[self.node.clone()], p)]
             });
-            formula.expect("a load chooses nothing by values")
+            (joint.law(), formula.expect("a load chooses nothing by values"))
         })
     }
 

@@ -1,5 +1,5 @@
 use super::aggregate::SUMS;
-use super::{AnyPointQuantity, Over, PointWeights, Sample};
+use super::{AggregateKind, AnyPointQuantity, Over, PointWeights, Sample};
 use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::integrators::Place;
@@ -410,7 +410,8 @@ impl GroupBatch {
         let aggregate = over.aggregate().map_or([0; 4], |aggregate| {
             let bits = aggregate.sharpness.to_bits();
             let squared = u32::from(aggregate.kind.is_squared());
-            let smooth = u32::from(matches!(aggregate.kind, super::AggregateKind::SmoothMaximum { .. }));
+            let induced = [AggregateKind::Exponential, AggregateKind::SquaredExponential];
+            let smooth = u32::from(!aggregate.kind.is_power() && !induced.contains(&aggregate.kind));
             let kind = 1 + u32::from(aggregate.kind.is_power()) + 2 * squared + 4 * smooth;
             [kind, u32::from(aggregate.points == PointWeights::Own), bits as u32, (bits >> 32) as u32]
         });

@@ -1,5 +1,5 @@
 use super::aggregate::{SUMS, Totals};
-use super::{Aggregate, PointWeights};
+use super::{Aggregate, AggregateKind, PointWeights};
 use crate::scalar::Scalar;
 
 /// What is made over time of the values that are measured, one or those of many points.
@@ -42,6 +42,16 @@ impl Over {
     /// The smooth maximum over a run, normalized: see [`Aggregate`].
     pub const fn smooth_maximum(sharpness: f64) -> Self {
         Aggregate::smooth_maximum(sharpness).at(Times::Run)
+    }
+
+    /// The upper maximum over a run: see [`Aggregate`].
+    pub const fn upper_maximum(sharpness: f64) -> Self {
+        Aggregate::upper_maximum(sharpness).at(Times::Run)
+    }
+
+    /// Whether each sample in time counts 1, whatever the integrator's weights are.
+    pub(crate) fn counts_samples(&self) -> bool {
+        self.aggregate().is_some_and(|aggregate| aggregate.kind == AggregateKind::UpperMaximum)
     }
 
     /// When it reads.

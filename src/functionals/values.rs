@@ -136,7 +136,10 @@ impl<'f, S: RunScalar> Values<'f, S> {
         }
         let Combination { carried, stages } = &self.table.scheme(step.scheme).quadrature;
         for k in self.at(Times::Run) {
-            let sums = &mut self.sums[k];
+            let (sums, counts_samples) = (&mut self.sums[k], self.functionals[k].over.counts_samples());
+            if counts_samples {
+                continue;
+            }
             let latest = std::array::from_fn(|i| sums.iter().zip(carried).map(|(sum, &factor)| sum[i] * factor).sum());
             sums.rotate_right(1);
             sums[0] = latest;
@@ -149,7 +152,8 @@ impl<'f, S: RunScalar> Values<'f, S> {
                 sample.share(self.model, self.p);
             }
             for k in self.at(Times::Run) {
-                self.add(k, &sample, sample.weight);
+                let weight = if self.functionals[k].over.counts_samples() { S::one() } else { sample.weight };
+                self.add(k, &sample, weight);
             }
         }
         self.sample = sample;

@@ -179,12 +179,14 @@ impl<S: RunScalar> Resolution<S> {
         let (worst, size) = (&mut worst[place], &mut sizes[place]);
         let scaled = |x: S, scale: f64| x.value().abs() * scale;
         *size = size.max(largest_scaled(states, scales, scaled));
-        let largest = largest_scaled(errors, scales, scaled);
+        // an estimate that is no number says nothing good of a step
+        let off = |x: S, scale: f64| if scaled(x, scale).is_nan() { f64::INFINITY } else { scaled(x, scale) };
+        let largest = largest_scaled(errors, scales, off);
         // constraints that are kept on coordinates are rounded as these are, and velocities follow by the size of the step
         let rounded = if in_velocity { step.h * round_off + ROUNDINGS * (length / step.h) } else { ROUNDINGS * length };
         let share = if largest > rounded { largest } else { 0.0 };
         if worst.is_none_or(|worst| share > worst.share) {
-            let dof = errors.iter().zip(scales).position(|(&error, &scale)| scaled(error, scale) == largest).unwrap_or(0);
+            let dof = errors.iter().zip(scales).position(|(&error, &scale)| off(error, scale) == largest).unwrap_or(0);
             *worst = Some(StepError { share, step: number, t: step.t, dof, in_velocity });
         }
     }
@@ -212,5 +214,26 @@ impl<S: RunScalar> Resolution<S> {
             worst.filter(|_| size > 0.0).map(|worst| StepError { share: worst.share / size, ..worst })
         });
         shares.max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_that_is_no_number_is_no_small_one() {
+        let (mut resolution, table) =
+            (Resolution::<f64>::default(), crate::integrators::table_by_name("esdirk4").expect("listed"));
+        let (mut step, scales) = (StepRecord::empty(), [1.0; 2]);
+        (step.h, step.q, step.v) = (0.1, vec![1.0, 0.5], vec![2.0, 0.1]);
+        let measures = Measures { scales: &scales, length: 1.0, round_off: 0.0, error_factors: table.error_factors() };
+        for errors in [[1e-6, 1e-7], [f64::NAN, 1e-7], [1e-6, f64::INFINITY]] {
+            resolution.errors = StepErrors::default();
+            resolution.judge(false, 1, &step, &errors, &measures);
+            let worst = resolution.worst().expect("judged");
+            assert_eq!(worst.share > StepError::COARSE, errors[0] + errors[1] != 1e-6 + 1e-7, "{errors:?}: {worst:?}");
+            assert_eq!(worst.dof, errors.iter().position(|error| !error.is_finite()).unwrap_or(0));
+        }
     }
 }

@@ -176,8 +176,11 @@ fn check(listing: &Listing, random: &mut Random) {
         assert_same_bits(&outputs, expected, "loop", listing);
     }
     let mut outputs = vec![7.0; 8 * listing.outputs.len()];
-    code.run_lanes(&side_by_side(&elements), &mut outputs, &mut Vec::new());
+    code.run_lanes::<8>(&side_by_side(&elements), &mut outputs, &mut Vec::new());
     assert_same_bits(&outputs, &side_by_side(&expected), "loop of eight lanes", listing);
+    let outputs = &mut outputs[..4 * listing.outputs.len()];
+    code.run_lanes::<4>(&side_by_side(&elements[..4]), outputs, &mut Vec::new());
+    assert_same_bits(outputs, &side_by_side(&expected[..4]), "loop of four lanes", listing);
 
     let mut scratch = Vec::new();
     for (way, code) in native_codes(listing) {
@@ -262,9 +265,9 @@ fn runs_allocate_once_and_share_their_work_arrays() {
     let mut outputs = vec![0.0; 8 * listing.outputs.len()];
     let code = LoopCode::new(&listing);
     let mut work = Vec::new();
-    code.run_lanes(&inputs, &mut outputs, &mut work);
+    code.run_lanes::<8>(&inputs, &mut outputs, &mut work);
     let first = (work.as_ptr(), work.len());
-    code.run_lanes(&inputs, &mut outputs, &mut work);
+    code.run_lanes::<8>(&inputs, &mut outputs, &mut work);
     assert_eq!(first, (work.as_ptr(), work.len()));
     if let Some(code) = NativeCode::compile(&listing, Width::Eight) {
         let mut scratch = Vec::new();

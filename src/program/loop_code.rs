@@ -127,12 +127,12 @@ impl LoopCode {
         }
     }
 
-    /// Evaluates eight elements: number i of element l stands at 8 i + l, for inputs and outputs.
+    /// Evaluates `L` elements, eight or four: number i of element l stands at L i + l, for inputs and outputs.
     ///
     /// * `work` grows to the length that is needed, and may be shared with other programs
-    pub fn run_lanes(&self, inputs: &[f64], outputs: &mut [f64], work: &mut Vec<F64x8>) {
-        assert_eq!(inputs.len(), 8 * self.inputs, "inputs: eight times their number");
-        assert_eq!(outputs.len(), 8 * self.outputs.len(), "outputs: eight times their number");
+    pub fn run_lanes<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut Vec<F64x8>) {
+        assert_eq!(inputs.len(), L * self.inputs, "inputs: their number times that of lanes");
+        assert_eq!(outputs.len(), L * self.outputs.len(), "outputs: their number times that of lanes");
         if work.len() < self.places {
             work.resize(self.places, F64x8([0.0; 8]));
         }
@@ -142,28 +142,28 @@ impl LoopCode {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has the instructions.
-            return unsafe { self.lanes_avx2(inputs, outputs, work) };
+            return unsafe { self.lanes_avx2::<L>(inputs, outputs, work) };
         }
-        self.lanes(inputs, outputs, work);
+        self.lanes::<L>(inputs, outputs, work);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn lanes_avx2(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
-        self.lanes(inputs, outputs, work);
+    fn lanes_avx2<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
+        self.lanes::<L>(inputs, outputs, work);
     }
 
     #[inline(always)]
-    fn lanes(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
+    fn lanes<const L: usize>(&self, inputs: &[f64], outputs: &mut [f64], work: &mut [F64x8]) {
         for (place, &constant) in work.iter_mut().zip(&self.constants) {
             *place = F64x8([constant; 8]);
         }
-        for (place, input) in work[self.constants.len()..].iter_mut().zip(inputs.as_chunks().0) {
-            *place = F64x8(*input);
+        for (place, input) in work[self.constants.len()..].iter_mut().zip(inputs.as_chunks::<L>().0) {
+            place.0[..L].copy_from_slice(input);
         }
         self.execute(work);
-        for (output, &place) in outputs.as_chunks_mut().0.iter_mut().zip(&self.outputs) {
-            *output = work[place as usize].0;
+        for (output, &place) in outputs.as_chunks_mut::<L>().0.iter_mut().zip(&self.outputs) {
+            output.copy_from_slice(&work[place as usize].0[..L]);
         }
     }
 

@@ -25,7 +25,8 @@ thread_local! {
     static IS_MAKING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Chooses how programs are executed from now on, in the whole process; results have the same bits either way.
+/// Chooses how programs that are made from now on are executed, in the whole process; those that are there, in use by a run on another thread
+/// perhaps, stay as they are. Results have the same bits either way.
 pub fn set_execution(execution: Execution) {
     LOOP_ONLY.store(execution == Execution::Loop, Ordering::Relaxed);
 }
@@ -72,6 +73,8 @@ impl Drop for Making {
 pub struct Program {
     listing: Listing,
     labels: Vec<u32>,
+    /// Executed by the loop whatever the processor has.
+    is_looped: bool,
     looped: OnceLock<LoopCode>,
     native: [OnceLock<Option<NativeCode>>; 2],
 }
@@ -99,7 +102,8 @@ impl<S> Clone for ProgramWork<S> {
 impl Program {
     /// Of a listing, with a number for each of its results.
     pub fn new(listing: Listing, labels: Vec<u32>) -> Self {
-        Program { listing, labels, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
+        let is_looped = LOOP_ONLY.load(Ordering::Relaxed);
+        Program { listing, labels, is_looped, looped: OnceLock::new(), native: [OnceLock::new(), OnceLock::new()] }
     }
 
     /// The instructions.
@@ -136,7 +140,7 @@ impl Program {
     }
 
     fn native(&self, place: usize, width: Width) -> Option<&NativeCode> {
-        if LOOP_ONLY.load(Ordering::Relaxed) {
+        if self.is_looped {
             return None;
         }
         let compile = || {
@@ -172,7 +176,8 @@ impl Program {
     pub fn run_section(&self, section: usize, inputs: &[f64], outputs: &mut [f64], work: &mut ProgramWork<f64>) {
         match self.native_of_lanes() {
             Some(code) => code.run_section(section, inputs, outputs, &mut work.scratch),
-            None => self.looped().run_lanes(inputs, outputs, &mut work.lanes),
+            None if lanes() == 4 => self.looped().run_lanes::<4>(inputs, outputs, &mut work.lanes),
+            None => self.looped().run_lanes::<8>(inputs, outputs, &mut work.lanes),
         }
     }
 
@@ -187,9 +192,25 @@ impl Program {
     }
 }
 
-/// Elements that this processor handles side by side: 4 where it has AVX2 but not AVX-512 and machine code serves, otherwise 8.
+/// Elements that this processor handles side by side, however programs are executed: 4 where it has AVX2 but not AVX-512, otherwise 8.
 pub fn lanes() -> usize {
     static LANES: OnceLock<usize> = OnceLock::new();
-    let found = *LANES.get_or_init(|| NativeCode::widest().map_or(8, Width::lanes));
-    if LOOP_ONLY.load(Ordering::Relaxed) || found == 1 { 8 } else { found }
+    *LANES.get_or_init(|| NativeCode::widest().map(Width::lanes).filter(|&lanes| lanes > 1).unwrap_or(8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_choice_of_execution_leaves_programs_in_use_as_they_are() {
+        let program = || Program::new(Listing::default(), Vec::new());
+        let before = program();
+        set_execution(Execution::Loop);
+        let looped = program();
+        set_execution(Execution::Native);
+        assert!(looped.native_of_lanes().is_none());
+        assert_eq!(before.native_of_lanes().is_some(), NativeCode::widest().is_some());
+        assert_eq!(program().native_of_lanes().is_some(), NativeCode::widest().is_some());
+    }
 }

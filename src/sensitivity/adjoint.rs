@@ -257,6 +257,11 @@ impl<'m> Sweep<'m> {
         self.functionals[k].functional.over.times()
     }
 
+    /// How much a sample counts for functional `k` that has a weight in time.
+    fn weight(&self, k: usize, in_time: f64) -> f64 {
+        if self.functionals[k].functional.over.counts_samples() { 1.0 } else { in_time }
+    }
+
     /// Shares the forces of redundant constraints, if a functional reads them.
     fn share(&self, sample: &mut Sample<f64>) {
         if self.functionals.iter().any(|own| own.functional.reads_multipliers()) {
@@ -407,14 +412,15 @@ impl<'m> Sweep<'m> {
         let mut measured = std::mem::take(&mut self.measured);
         measured.resize_with(back.len(), Measured::default);
         // functionals read (a, v, q) of the stage: the base directly, x through the shift
-        let reads: SmallVec<[bool; 8]> = (0..back.len()).map(|k| weight != 0.0 && self.times(k) == Times::Run).collect();
+        let weights: SmallVec<[f64; 8]> = (0..back.len()).map(|k| self.weight(k, weight)).collect();
+        let reads: SmallVec<[bool; 8]> = (0..back.len()).map(|k| weights[k] != 0.0 && self.times(k) == Times::Run).collect();
         if reads.contains(&true) {
             let mut sample = std::mem::replace(&mut self.sample, Sample::empty());
             sample.set_stage(step, stage, weight);
             self.share(&mut sample);
             let own_rate = table.rates[stage].get(stage).copied().unwrap_or(0.0);
             for (k, (back, own)) in back.iter_mut().zip(&mut *own).enumerate().filter(|(k, _)| reads[*k]) {
-                self.measure(k, &sample, sample.weight, &mut measured[k], &mut back.p);
+                self.measure(k, &sample, weights[k], &mut measured[k], &mut back.p);
                 let Measured { at, mu } = &measured[k];
                 add(&mut own.mu, 1.0, mu);
                 // mostly one of these

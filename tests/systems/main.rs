@@ -1,5 +1,6 @@
 //! Mechanisms as systems of equations: constraints, steps, equilibria, vibrations, gradients, optimization.
 
+mod aggregates;
 mod breakpoints;
 mod elimination;
 mod frequencies;

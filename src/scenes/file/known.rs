@@ -468,6 +468,7 @@ pub(super) fn over(fields: &Fields) -> Over {
         _ => return Over::Terminal,
     };
     let kind = match text(own, "aggregate") {
+        Some("upper_maximum") => AggregateKind::UpperMaximum,
         Some("exponential") => AggregateKind::Exponential,
         Some("squared_exponential") => AggregateKind::SquaredExponential,
         Some("power") => AggregateKind::Power,
@@ -475,6 +476,8 @@ pub(super) fn over(fields: &Fields) -> Over {
         _ => AggregateKind::SmoothMaximum { normalized: flag(own, "normalized", true) },
     };
     let aggregate = Aggregate::new(kind, fixed(own, "sharpness").unwrap_or(f64::NAN));
+    let size = if kind.is_power() { None } else { fixed(own, "size") };
+    let aggregate = size.map_or(aggregate, |size| aggregate.relative_to(size));
     let aggregate = if flag(own, "continuous", false) { aggregate.continuous() } else { aggregate };
     aggregate.at(match text(own, "times") {
         Some("start") => Times::Start,

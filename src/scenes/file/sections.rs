@@ -55,10 +55,15 @@ const MOTION: Forms = one_form![
 const AGGREGATE: Forms = one_form![
     need(
         "aggregate",
-        Choice(&["smooth_maximum", "exponential", "squared_exponential", "power", "squared_power"]),
-        "how many values become one near the largest"
+        Choice(&["smooth_maximum", "upper_maximum", "exponential", "squared_exponential", "power", "squared_power"]),
+        "how many values become one near the largest; upper_maximum of n values is above it, by at most ln(n) / sharpness"
     ),
-    need("sharpness", Fixed("1/unit", Positive), "rho: the larger, the nearer to the maximum"),
+    need("sharpness", Fixed("1/unit", Positive), "rho: the larger, the nearer to the maximum; without unit beside size"),
+    may(
+        "size",
+        Fixed("unit", Positive),
+        "size of the quantity by which the sharpness is taken, rho = sharpness / size; not of powers; 1"
+    ),
     may("times", Choice(&["start", "end", "run"]), "of which times; run"),
     may("normalized", Flag, "smooth_maximum divided by the measure of points and times; true"),
     may("continuous", Flag, "points count by the area for which they stand; false"),
