@@ -85,7 +85,7 @@ fn what_bounds_nothing_and_what_has_no_effect_is_refused() {
 fn a_load_made_for_one_joint_is_refused_by_another() {
     let load = |joint: &str| {
         format!(
-            "[[functional]]\nname = \"load of {joint}\"\ntype = \"joint_load\"\njoint = \"{joint}\"\non = \"bob\"\nload = \"force\"\ndirection = [1, 0, 0]\n"
+            "[[functional]]\nname = \"load of {joint}\"\ntype = \"joint_load\"\njoint = \"{joint}\"\non = \"bob\"\nload = \"force\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n"
         )
     };
     let scene = pendulum(&format!("{}{}", load("rod"), load("second"))).expect("sound");
