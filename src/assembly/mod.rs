@@ -44,6 +44,7 @@ pub use equations::{Equations, Level, Rates, StageCoefficients, StageSystem, Unk
 pub(crate) use equations::{clone_fields, cloned_in_place, empty_fields};
 pub use jacobian::Jacobian;
 pub(crate) use laws::Laws;
+pub(crate) use model::ModelIdentity;
 pub use model::{Attached, ConstraintId, ElementId, Model, Node, NodeId};
 pub use numbering::{System, SystemOptions};
 pub use part_programs::PartPrograms;

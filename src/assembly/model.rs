@@ -88,6 +88,11 @@ impl Model {
         self.node_id(self.nodes.len() - 1)
     }
 
+    /// What no other model has.
+    pub(crate) fn identity(&self) -> ModelIdentity {
+        self.identity
+    }
+
     /// The node with a number.
     pub(crate) fn node_id(&self, index: usize) -> NodeId {
         NodeId(index, self.identity)

@@ -607,3 +607,34 @@ impl<'r> Report<'r> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_history_of_an_earlier_optimization_is_kept_or_its_error_is_told() {
+        let folder = std::env::temp_dir().join(format!("costate-earlier-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let (path, first, second) = (folder.join("designs.csv"), folder.join("designs.1.csv"), folder.join("designs.2.csv"));
+        keep_earlier(&path).expect("nothing is there");
+        std::fs::write(&path, "points").expect("written");
+        // the name of a link that leads nowhere is taken
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(folder.join("nowhere"), &first).expect("a link");
+        #[cfg(not(unix))]
+        std::fs::write(&first, "").expect("written");
+        keep_earlier(&path).expect("is kept");
+        assert!(!path.exists() && first.symlink_metadata().is_ok());
+        assert_eq!(std::fs::read_to_string(&second).expect("kept"), "points");
+        // what is no file is left where it is
+        std::fs::create_dir(&path).expect("a folder");
+        let failure = keep_earlier(&path).expect_err("is no file");
+        assert!(failure.code == 2 && failure.message.contains("is no file"), "{failure:?}");
+        assert!(path.is_dir());
+        // and so is what cannot be looked at
+        let failure = keep_earlier(&second.join("designs.csv")).expect_err("its folder is a file");
+        assert!(failure.code == 1 && failure.message.contains("cannot keep the earlier history"), "{failure:?}");
+        let _ = std::fs::remove_dir_all(&folder);
+    }
+}

@@ -267,15 +267,6 @@ impl Reading<'_> {
 }
 
 impl Measured {
-    /// Why its formula cannot be used, if so.
-    pub fn refused(&self, model: &Model) -> Option<&str> {
-        match self {
-            Measured::Local { quantity, .. } => quantity.refused(),
-            Measured::Group(group) | Measured::Energy(group) => group.refused(model),
-            Measured::Load { joint, load, .. } => load.refused(&model.find_constraint(*joint)?.physics),
-        }
-    }
-
     /// Kinetic and potential energy of all elements \[J\].
     pub fn energy() -> Self {
         Measured::Energy(MeasuredGroup::new(None, ElementSum::Energy.into(), 0..0))

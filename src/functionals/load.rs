@@ -27,14 +27,13 @@ pub enum LoadKind {
 /// * `direction x, y, z`  d, in the world or in the frame of the body [-]; ignored by norms
 /// * `point x, y, z`  in the frame of the body \[m\]; read by moments
 pub struct JointLoad {
-    /// Which one.
-    pub kind: LoadKind,
+    kind: LoadKind,
     /// The frame of the direction.
-    pub frame: LoadFrame,
+    frame: LoadFrame,
     /// Coordinates of the node among those of the joint.
-    pub node: Range<usize>,
+    node: Range<usize>,
     /// What they are.
-    pub on: NodeKind,
+    on: NodeKind,
     /// That of the joint for which it was first asked, and the law of that joint.
     formula: OnceLock<(Digest, Arc<Formula>)>,
 }
@@ -60,7 +59,7 @@ impl JointLoad {
         Parameter::new("point z", "m"),
     ];
 
-    /// A load of one of a joint's nodes.
+    /// A load of one of a joint's nodes: the place of the node's coordinates among those of the joint, and what they are.
     pub fn new(kind: LoadKind, frame: LoadFrame, node: Range<usize>, on: NodeKind) -> Self {
         JointLoad { kind, frame, node, on, formula: OnceLock::new() }
     }
@@ -70,10 +69,17 @@ impl JointLoad {
         &self.of(joint).1
     }
 
-    /// Why it cannot be used with a joint, if so: it was made for one of another law.
-    pub fn refused(&self, joint: &ConstraintPhysics) -> Option<&'static str> {
-        let is_own = self.of(joint).0 == joint.law();
-        (!is_own).then_some("the load was made for another joint: make one for each joint")
+    /// Whether it was made for a joint of this law.
+    pub(super) fn is_of(&self, joint: &ConstraintPhysics) -> bool {
+        self.of(joint).0 == joint.law()
+    }
+
+    pub(super) fn node(&self) -> &Range<usize> {
+        &self.node
+    }
+
+    pub(super) fn on(&self) -> NodeKind {
+        self.on
     }
 
     fn of(&self, joint: &ConstraintPhysics) -> &(Digest, Arc<Formula>) {

@@ -1,6 +1,6 @@
 use super::aggregate::SUMS;
 use super::{AggregateKind, AnyPointQuantity, Over, PointWeights, Sample};
-use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, Run, Starts, VectorsAvq, run_lanes};
+use crate::assembly::{BatchWork, ElementId, LaneResults, Lanes, Model, ModelIdentity, Run, Starts, VectorsAvq, run_lanes};
 use crate::elements::{ElementPhysics, RunScalar};
 use crate::integrators::Place;
 use crate::program::{Codes, Digest, Formula, Program, ProgramKind, Recorded, continued};
@@ -48,7 +48,8 @@ pub struct MeasuredGroup {
     quantity: Box<dyn AnyPointQuantity>,
     /// Place in p of the quantity's own parameters.
     parameters: Range<usize>,
-    batches: OnceLock<Result<Vec<GroupBatch>, String>>,
+    /// With the model in which they were recorded.
+    batches: OnceLock<(ModelIdentity, Result<Vec<GroupBatch>, String>)>,
 }
 
 /// Elements with the same formula.
@@ -214,8 +215,24 @@ impl MeasuredGroup {
     }
 
     /// Why it cannot be measured in a model, if so.
-    pub fn refused(&self, model: &Model) -> Option<&str> {
-        self.recorded(model).as_ref().err().map(String::as_str)
+    pub(super) fn refused(&self, model: &Model) -> Option<String> {
+        if self.elements.iter().flatten().any(|&element| model.find_element(element).is_none()) {
+            return Some("it measures elements of another model; make it anew for this one".into());
+        }
+        match self.recorded(model) {
+            (identity, _) if *identity != model.identity() => {
+                Some("it was measured in another model before; make it anew for this one".into())
+            }
+            (_, batches) => batches.as_ref().err().cloned(),
+        }
+    }
+
+    pub(super) fn parameters(&self) -> &Range<usize> {
+        &self.parameters
+    }
+
+    pub(super) fn parameter_count(&self) -> usize {
+        self.quantity.parameter_list().len()
     }
 
     /// Whether it changes with the state.
@@ -223,71 +240,68 @@ impl MeasuredGroup {
         self.batches(model).iter().any(|batch| batch.program(true).arguments.are_moving())
     }
 
-    fn recorded(&self, model: &Model) -> &Result<Vec<GroupBatch>, String> {
-        self.batches.get_or_init(|| {
-            let mut batches: Vec<GroupBatch> = Vec::new();
-            // elements of one type and options share their recordings
-            let mut places: Vec<(&ElementPhysics, Option<usize>)> = Vec::new();
-            let all = self.elements.is_none().then(|| model.element_ids());
-            let listed = self.elements.iter().flatten().copied();
-            for (id, element) in all.into_iter().flatten().chain(listed).filter_map(|id| Some((id, model.find_element(id)?)))
-            {
-                let known = places.iter().rev().find(|(physics, _)| physics.is_same(&element.physics));
-                let place = match known {
-                    Some(&(_, place)) => place,
-                    None => {
-                        let mut place = None;
-                        if self.quantity.is_on(&element.physics) {
-                            let own = self.quantity.record(&element.physics)?;
-                            let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.len());
-                            // equal recordings of unlike elements are one formula
-                            let is_like = |batch: &GroupBatch| {
-                                let as_long = batch.members[0].nodes.iter().map(Range::len).eq(nodes.clone());
-                                Arc::ptr_eq(&batch.own.formula, &own.formula)
-                                    && batch.own.arguments == own.arguments
-                                    && as_long
-                            };
-                            let like = batches.iter().position(is_like);
-                            place = Some(like.unwrap_or(batches.len()));
-                            if like.is_none() {
-                                let (members, places) = (Vec::new(), MemberPlaces::default());
-                                batches.push(GroupBatch { own, members, places, programs: Default::default() });
-                            }
+    fn recorded(&self, model: &Model) -> &(ModelIdentity, Result<Vec<GroupBatch>, String>) {
+        self.batches.get_or_init(|| (model.identity(), self.record(model)))
+    }
+
+    fn record(&self, model: &Model) -> Result<Vec<GroupBatch>, String> {
+        let mut batches: Vec<GroupBatch> = Vec::new();
+        // elements of one type and options share their recordings
+        let mut places: Vec<(&ElementPhysics, Option<usize>)> = Vec::new();
+        let all = self.elements.is_none().then(|| model.element_ids());
+        let listed = self.elements.iter().flatten().copied();
+        for (id, element) in all.into_iter().flatten().chain(listed).filter_map(|id| Some((id, model.find_element(id)?))) {
+            let known = places.iter().rev().find(|(physics, _)| physics.is_same(&element.physics));
+            let place = match known {
+                Some(&(_, place)) => place,
+                None => {
+                    let mut place = None;
+                    if self.quantity.is_on(&element.physics) {
+                        let own = self.quantity.record(&element.physics)?;
+                        let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.len());
+                        // equal recordings of unlike elements are one formula
+                        let is_like = |batch: &GroupBatch| {
+                            let as_long = batch.members[0].nodes.iter().map(Range::len).eq(nodes.clone());
+                            Arc::ptr_eq(&batch.own.formula, &own.formula) && batch.own.arguments == own.arguments && as_long
+                        };
+                        let like = batches.iter().position(is_like);
+                        place = Some(like.unwrap_or(batches.len()));
+                        if like.is_none() {
+                            let (members, places) = (Vec::new(), MemberPlaces::default());
+                            batches.push(GroupBatch { own, members, places, programs: Default::default() });
                         }
-                        places.push((&element.physics, place));
-                        place
                     }
-                };
-                if let Some(place) = place {
-                    let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.clone()).collect();
-                    batches[place].members.push(GroupMember { element: id, nodes, parameters: element.parameters.clone() });
+                    places.push((&element.physics, place));
+                    place
                 }
+            };
+            if let Some(place) = place {
+                let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.clone()).collect();
+                batches[place].members.push(GroupMember { element: id, nodes, parameters: element.parameters.clone() });
             }
-            batches.iter_mut().for_each(|batch| batch.places = MemberPlaces::of(&batch.members, &self.parameters));
-            Ok(batches)
-        })
+        }
+        batches.iter_mut().for_each(|batch| batch.places = MemberPlaces::of(&batch.members, &self.parameters));
+        Ok(batches)
     }
 
     fn batches(&self, model: &Model) -> &[GroupBatch] {
-        let batches = self.recorded(model).as_ref();
-        let batches = batches.unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"));
-        let first = batches.first().map(|batch| batch.members[0].element);
-        let is_own = first.is_none_or(|element| model.find_element(element).is_some());
-        assert!(is_own, "a quantity that was measured in one model is measured in another one: make it anew");
-        batches
+        let (identity, batches) = self.recorded(model);
+        assert!(
+            *identity == model.identity(),
+            "a quantity that was measured in one model is measured in another one: make it anew"
+        );
+        batches.as_ref().unwrap_or_else(|why| panic!("a quantity that was not checked before a run: {why}"))
     }
 
-    /// What is measured, and in which elements; `None` if they are those of another model.
-    pub(super) fn law(&self, model: &Model) -> Option<Digest> {
-        let batches = self.recorded(model).as_ref().ok()?;
+    /// What is measured, and in which elements.
+    pub(super) fn law(&self, model: &Model) -> Digest {
         let mut digest = Digest::of(&self.parameters);
-        for batch in batches {
-            let members: Option<Vec<usize>> =
-                batch.members.iter().map(|member| model.find_element(member.element).map(|_| member.element.0)).collect();
+        for batch in self.batches(model) {
+            let members: Vec<usize> = batch.members.iter().map(|member| member.element.0).collect();
             let GroupFormula { formula, values, weights, .. } = &batch.own;
-            (members?, formula.digest(), values, weights).hash(&mut digest);
+            (members, formula.digest(), values, weights).hash(&mut digest);
         }
-        Some(digest)
+        digest
     }
 
     /// Writes all values at a sample, with their weights where these are asked for and otherwise 1.

@@ -13,6 +13,7 @@ mod over;
 mod point_quantity;
 mod quantity;
 mod reactions;
+mod refused;
 mod shell_quantity;
 mod step_ends;
 mod values;

@@ -88,6 +88,12 @@ impl MeasuredQuantity {
     pub fn parameter_list(&self) -> Vec<Parameter> {
         self.own.parameter_list()
     }
+    pub(super) fn dof_count(&self) -> usize {
+        self.own.dof_count()
+    }
+    pub(super) fn multiplier_count(&self) -> usize {
+        self.multipliers
+    }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
         self.formula.get_or_init(|| self.own.record(self.multipliers)).as_ref().err().map(String::as_str)

@@ -67,6 +67,7 @@ impl StartPlan {
 
 fn examine(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<(), RunError> {
     let model = problem.model;
+    check_sizes(problem)?;
     check_formulas(model)?;
     check_numbers(problem)?;
     check_nodes(model)?;
@@ -79,6 +80,22 @@ fn examine(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> R
         check_lagrangian(model, &table.name)?;
     }
     check_consistency(problem, table, policy)
+}
+
+/// As many numbers as the model has: those of another one may be more or fewer.
+fn check_sizes(problem: &Problem<f64>) -> Result<(), RunError> {
+    let (model, InitialState { q, v }) = (problem.model, &problem.start);
+    let all = [
+        ("coordinates", q.len(), model.dofs),
+        ("velocities", v.len(), model.dofs),
+        ("parameters", problem.p.len(), model.parameters),
+    ];
+    match all.into_iter().find(|(_, have, wanted)| have != wanted) {
+        Some((what, have, wanted)) => Err(RunError::Input(format!(
+            "the model has {wanted} {what}, but {have} are given: they belong to another model"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Elements and constraints whose formulas can be recorded.

@@ -189,10 +189,7 @@ impl<'s> Prepared<'s> {
         let (x, plan, keep) = (x.to_vec(), StartPlan::default(), Keep::default());
         let mut prepared = Prepared { scene, variables, x, mechanism, method, grid, control, divide, plan, keep };
         prepared.plan = StartPlan::prepare(&prepared.problem(), &prepared.method.table, policy)?;
-        let refused = |functional: &Functional| {
-            Some(format!("functional \"{}\": {}", functional.name, functional.measured.refused(prepared.model())?))
-        };
-        match prepared.functionals().iter().find_map(refused) {
+        match prepared.functionals().iter().find_map(|functional| functional.refused(prepared.model())) {
             Some(why) => Err(RunError::Input(why)),
             None => Ok(prepared),
         }

@@ -155,6 +155,8 @@ impl<'m> Analysis<'m> {
         numbers: ModelNumbers<f64>,
         observer: &mut dyn Observer,
     ) -> Result<(Forward, Option<RunError>), RunError> {
+        let refused = self.functionals.iter().find_map(|functional| functional.refused(self.model));
+        refused.map_or(Ok(()), |why| Err(RunError::Input(why)))?;
         let divides = self.divide && !matches!(self.keep, Keep::Checkpoints(_));
         let are_given = self.control.is_none() && !divides;
         let steps = self.grid.moved_to(&self.model.breakpoints(&numbers.p)).map_err(RunError::Input)?;

@@ -1,6 +1,5 @@
 //! Largest values: bounds from above, and sharpness by a size.
 
-use costate::functionals::Measured;
 use costate::integrators::tables;
 use costate::prelude::*;
 use costate::scenes::{AnyScene, FileScene};
@@ -78,27 +77,4 @@ fn what_bounds_nothing_and_what_has_no_effect_is_refused() {
     }
     let power = Aggregate::new(AggregateKind::Power, 4.0).relative_to(3.0);
     assert!(power.sharpness.is_nan() && Aggregate::upper_maximum(4.0).relative_to(8.0).sharpness == 0.5);
-}
-
-/// Its formula is that of the joint for which it was made.
-#[test]
-fn a_load_made_for_one_joint_is_refused_by_another() {
-    let load = |joint: &str| {
-        format!(
-            "[[functional]]\nname = \"load of {joint}\"\ntype = \"joint_load\"\njoint = \"{joint}\"\non = \"bob\"\nload = \"force\"\ndirection = [1, 0, 0]\nover = \"terminal\"\n"
-        )
-    };
-    let scene = pendulum(&format!("{}{}", load("rod"), load("second"))).expect("sound");
-    let mut prepared = Prepared::new(&scene).expect("sound");
-    assert!(prepared.functionals().iter().all(|own| own.measured.refused(prepared.model()).is_none()));
-    let [first, second] = &mut prepared.mechanism.functionals[..] else { panic!("two of them") };
-    let (Measured::Load { load: one, .. }, Measured::Load { load: other, .. }) = (&mut first.measured, &mut second.measured)
-    else {
-        panic!("loads of joints")
-    };
-    std::mem::swap(one, other);
-    let (model, functionals) = (prepared.model(), prepared.functionals());
-    assert!(functionals.iter().all(|own| own.measured.refused(model).is_some_and(|why| why.contains("another joint"))));
-    let error = prepared.analysis().forward(&prepared.x).err().expect("loads of others");
-    assert!(error.to_string().contains("load of rod"), "{error}");
 }

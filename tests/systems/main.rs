@@ -3,6 +3,7 @@
 mod aggregates;
 mod breakpoints;
 mod elimination;
+mod foreign_parts;
 mod frequencies;
 mod massless;
 mod natural;
