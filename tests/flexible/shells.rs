@@ -92,8 +92,9 @@ fn rotation_about_the_director_meets_the_stated_penalty_and_nothing_else() {
     let angle: f64 = 0.1;
     let q = moved(&m, |x| (x, Quaternion::about(Vector3::new(0.0, 0.0, 1.0), angle)));
     let [_, energy, _] = energies(&m, &plate, &vec![0.0; q.len()], &q);
-    let shear = STEEL.young / 2.6 * THICKNESS;
-    assert_close("energy", energy, 0.5 * DRILLING * shear * angle.sin().powi(2) * 0.08, 1e-12);
+    // nodes are 0.1 m apart
+    let twist = STEEL.young / 2.6 * THICKNESS.powi(3) / 12.0;
+    assert_close("energy", energy, 0.5 * DRILLING * twist / 0.02 * angle.sin().powi(2) * 0.08, 1e-12);
 }
 
 #[test]

@@ -27,6 +27,13 @@ pub enum Problem {
     Roof,
     /// A cylinder between diaphragms, pinched; an eighth of it.
     PinchedCylinder,
+    /// MacNeal and Harder (1985): a strip of 12 by 1.1, twisted by a right angle, clamped at one end, with a force at the other.
+    TwistedBeam {
+        /// Thickness.
+        thickness: f64,
+        /// The force lies in the surface at the end, or across it.
+        in_plane: bool,
+    },
     /// A square plate of length 1, clamped at its edges, under its weight.
     ClampedPlate {
         /// Thickness by length.
@@ -250,6 +257,21 @@ impl Scene for Benchmark {
                 hold(m, end[0], 2);
                 hold(m, end[end.len() - 1], 0);
                 load(m, ("pinch".into(), false), crown[0], [0.0, 0.0, -0.25 * self.share])?;
+            }
+            Problem::TwistedBeam { thickness, in_plane } => {
+                let twist = S::from(0.5 * PI);
+                let surface = |along: f64, across: f64| {
+                    let (angle, w) = (twist * along, 1.1 * (across - 0.5));
+                    let (cos, sin) = (angle.cos(), angle.sin());
+                    let by_along = Vector3::new(S::from(12.0), -(sin * twist) * w, cos * twist * w);
+                    let by_across = Vector3::new(S::zero(), cos, sin);
+                    [Vector3::new(S::from(12.0 * along), cos * w, sin * w), by_along.cross(&by_across).unit()]
+                };
+                let mesh = ShellMesh::on(self.elements, surface).clamped(Edge::FirstStart).with_faces(self.face);
+                let shell = m.shell("shell", mesh, &material(29e6, 0.22, 0.0), S::from(thickness));
+                let force = (thickness / 0.32).powi(3) * self.share;
+                let full = if in_plane { [0.0, 0.0, force] } else { [0.0, force, 0.0] };
+                edge_load(m, false, &shell.edge(Edge::FirstEnd), full)?;
             }
             Problem::ClampedPlate { thickness } => {
                 let mut mesh = self.square();

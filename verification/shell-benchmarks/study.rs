@@ -21,12 +21,13 @@ impl Study for ShellBenchmarks {
         "shells against patches of constant strain, published static benchmarks, invariance, and vibrations of a plate"
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
-        let parts: [(&str, Part); 10] = [
+        let parts: [(&str, Part); 11] = [
             ("patches", patches),
             ("thin limit", thin_limit),
             ("roof", roof),
             ("pinched cylinder", pinched_cylinder),
             ("hemisphere", hemisphere),
+            ("twisted beam", twisted_beam),
             ("vibrations", vibrations),
             ("end shear", end_shear),
             ("roll-up", roll_up),
@@ -147,18 +148,53 @@ fn hemisphere(report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
+/// Deflections by those of the references; the penalty on drilling rotations must not lock what is thin and twisted.
+fn twisted_beam(report: &mut Report) -> Result<(), String> {
+    let problems =
+        [(0.32, true, 0.005_424), (0.32, false, 0.001_754), (0.0032, true, 0.005_256), (0.0032, false, 0.001_294)];
+    for ((face, of), (thickness, in_plane, reference)) in
+        FACES.into_iter().flat_map(|face| problems.map(|problem| (face, problem)))
+    {
+        for elements in [[6, 1], [12, 2], [24, 4]] {
+            let problem = Benchmark::linear(Problem::TwistedBeam { thickness, in_plane }, elements, 1.0);
+            let solved = solve(&Benchmark { face, ..problem }, 1)?;
+            let u = solved.displacement(solved.last(), 2 * elements[0], elements[1])?[if in_plane { 2 } else { 1 }];
+            let (way, [along, across]) = (if in_plane { "in plane" } else { "out of plane" }, elements);
+            let name = format!("{of}twisted beam/t {thickness}/{way}/{along} x {across} elements/deflection");
+            let tolerance = match face {
+                FaceKind::Quad9 => Some(0.006),
+                FaceKind::Quad4 => (along == 24).then_some(0.01),
+                // thin triangles lock by their membrane strains
+                FaceKind::Triangle6 => (along == 24).then_some(if thickness > 0.1 { 0.003 } else { 0.1 }),
+            };
+            match tolerance {
+                Some(tolerance) => report.compare(name, u / reference, 1.0, tolerance),
+                None => report.inform(name, u / reference),
+            }
+        }
+    }
+    Ok(())
+}
+
 fn vibrations(report: &mut Report) -> Result<(), String> {
     // omega a^2 sqrt(rho h / D), thin plate
     let reference = [3.4710, 8.5065, 21.2846, 27.1988, 30.9555];
     let thickness = 0.002;
     let bending = thickness * (1.0_f64 / (12.0 * (1.0 - 0.09))).sqrt();
     for ((face, of), tolerance) in FACES.into_iter().zip([0.003, 0.01, 0.01]) {
+        let mut coarse = Vec::new();
         for elements in [4, 8] {
             let plate = Benchmark::new(Problem::CantileverPlate { thickness }, [elements; 2]);
             let plate = Benchmark { face, ..plate };
             let prepared = Prepared::with(&plate, &[], Prepared::default_method(), Settings::new(1.0, 1))
                 .map_err(|error| error.to_string())?;
-            let modes = prepared.modes(5).map_err(|error| error.to_string())?;
+            let modes = prepared.modes(10).map_err(|error| error.to_string())?;
+            // a mode of drilling rotations would follow the length of the elements
+            for (number, (fine, coarse)) in modes.iter().zip(&coarse).enumerate().skip(reference.len()) {
+                let name = format!("{of}cantilever plate/frequency {} by that of 4 x 4 elements", number + 1);
+                report.compare(name, fine.frequency / coarse, 1.0, 0.1);
+            }
+            coarse = modes.iter().map(|mode| mode.frequency).collect();
             for (number, (mode, reference)) in modes.iter().zip(reference).enumerate() {
                 let name = format!("{of}cantilever plate/{elements} x {elements} elements/frequency {}", number + 1);
                 let ratio = mode.frequency / bending / reference;

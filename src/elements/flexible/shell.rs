@@ -27,9 +27,11 @@ use std::ops::Range;
 /// V = integral of (E . A E + 2 E . B K + K . D K + G . S G) / 2 dA
 ///
 /// in orthonormal axes: no locking in shear or along the surface, no mode without energy beside rigid motions. All nodes start with the
-/// same e. A rotation about the director is held by the penalty k A_33 w^2 / 2 dA with the turning w = (x,1 . t_2 - x,2 . t_1) / 2 of the
+/// same e. A rotation about the director is held by the penalty k D w^2 / (2 l^2) dA with the turning w = (x,1 . t_2 - x,2 . t_1) / 2 of the
 /// surface against the axes t_a = R(e) T_a of the node, by a quadrature at the nodes; w is zero for every rigid motion and every stretch that the
-/// axes follow. Its inertia is [`DRILLING_INERTIA`] of the rotary one.
+/// axes follow. D = D_33 - B_33^2 / A_33 is the stiffness against twist, and l^2 the sum of squares of the distances of neighbouring nodes in r
+/// and s: the surface turns at the nodes as exactly as slopes of its shape functions do, and a penalty that is no stiffer than bending does not
+/// lock what bends, however thin it is. Its inertia is [`DRILLING_INERTIA`] of the rotary one.
 ///
 /// Kinetic energy: integral of (m |dx/dt|^2 + 2 m_1 dx/dt . dd/dt + m_2 |dd/dt|^2) / 2 dA. Weight: V = -g . integral of m x + m_1 d dA.
 ///
@@ -421,13 +423,16 @@ impl<F: Face> ShellField<F> {
         let share = area * F::SHAPE.gauss_weights[point];
         self.section_at(p, weights.value).inertia.map(|inertia| inertia * share)
     }
-    /// A_33 and m_2 of a node's share of the area.
+    /// (D_33 - B_33^2 / A_33) / l^2 and m_2 of a node's share of the area.
     fn of_node<S: Scalar>(&self, p: &[S], node: usize) -> [S; 2] {
         let weights = &F::SHAPE.at_nodes[node];
-        let (_, area) = surface(p, weights);
+        let ([first, second, _], area) = surface(p, weights);
         let share = area * F::SHAPE.node_weights[node];
         let section = self.section_at(p, weights.value);
-        [section.stiffness[0][5] * share, section.inertia[2] * share]
+        let [membrane, coupling, bending] = section.stiffness.map(|stiffness| stiffness[5]);
+        let own = bending - coupling * coupling / membrane;
+        let length_squared = (first.dot(&first) + second.dot(&second)) * F::SHAPE.spacing.powi(2);
+        [own * share / length_squared, section.inertia[2] * share]
     }
     /// Strains, curvatures and shear at a Gauss point towards (r, s), from those at the tying points and the coefficients of those between.
     fn tied<S: Scalar>(point: usize, e: &[S], between: &[[S; 4]; BETWEEN]) -> ([S; 3], [S; 3], [S; 2]) {

@@ -7,7 +7,7 @@ use super::free_mesh::weighed;
 use super::{Drawing, Edge, FreeMesh, MechanismBuilder, SurfaceMesh};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::NodeKind;
-use crate::elements::flexible::faces::{Face, FaceShape, Quad9};
+use crate::elements::flexible::faces::FaceShape;
 use crate::elements::flexible::{Laminate, Material, ShellKind, ShellSection, shell_pressure};
 use crate::elements::forces::LoadFrame;
 use crate::functionals::ElementGroup;
@@ -16,8 +16,8 @@ use crate::scenes::{Drawn, Signal};
 use std::collections::{HashMap, HashSet};
 use std::ops::Deref;
 
-/// [Stiffness against turning about the director](FaceShape::drilling) of shells of nine nodes.
-pub const DRILLING: f64 = Quad9::SHAPE.drilling;
+/// Factor k of the stiffness against turning about the director, see [`ShellField`](crate::elements::flexible::ShellField).
+pub const DRILLING: f64 = 1.0;
 
 /// A shell of a mechanism on any mesh: its nodes and elements, and those that have a name.
 #[derive(Clone, Debug)]
@@ -272,7 +272,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             }
             p.extend(numbers(element, nodes.len()));
-            p.push(S::from(face.kind.shape().drilling));
+            p.push(S::from(DRILLING));
             p.extend([S::zero(); 3]);
             p.extend(free.damping);
             let own = format!("{name}, {}", mesh.element_name(element));

@@ -153,9 +153,8 @@ pub struct FaceShape {
     pub at_nodes: &'static [Weights],
     /// Weights of a quadrature at the nodes, all positive.
     pub node_weights: &'static [f64],
-    /// Stiffness against turning about the director, as a share of that against shear in the surface, so small that it does not stiffen
-    /// coarse meshes: rotations of the surface at the nodes are as exact as slopes of the shape functions.
-    pub drilling: f64,
+    /// Distance of neighbouring nodes in r and in s.
+    pub spacing: f64,
     /// How strains are tied.
     pub tying: Tying,
     /// What is interpolated at the points of a shell: those of [`Tying::points`], Gauss points, nodes.

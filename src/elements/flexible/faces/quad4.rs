@@ -32,7 +32,7 @@ static SHAPE: FaceShape = FaceShape {
     gauss_weights: &[1.0; GAUSS_POINTS],
     at_nodes: &AT_NODES,
     node_weights: &[1.0; NODES],
-    drilling: 1e-3,
+    spacing: 2.0,
     tying: Tying { points: [0, 4, 4], ties: &TIES, between: Between::Own },
     points: &SHELL_POINTS,
     surface_points: &SURFACE_POINTS,

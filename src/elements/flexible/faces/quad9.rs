@@ -32,7 +32,7 @@ static SHAPE: FaceShape = FaceShape {
     gauss_weights: &GAUSS_WEIGHTS,
     at_nodes: &AT_NODES,
     node_weights: &LOBATTO_WEIGHTS,
-    drilling: 0.1,
+    spacing: 1.0,
     tying: Tying { points: [12, 0, 0], ties: &TIES, between: Between::Projected(&BILINEAR) },
     points: &SHELL_POINTS,
     surface_points: &SURFACE_POINTS,

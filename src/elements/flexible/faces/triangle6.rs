@@ -38,7 +38,7 @@ static SHAPE: FaceShape = FaceShape {
     gauss_weights: &GAUSS_WEIGHTS,
     at_nodes: &AT_NODES,
     node_weights: &NODE_WEIGHTS,
-    drilling: 1e-3,
+    spacing: 0.5,
     tying: Tying { points: [6, 3, 2], ties: &TIES, between: Between::ThirdDirection },
     points: &SHELL_POINTS,
     surface_points: &SURFACE_POINTS,
