@@ -5,9 +5,20 @@ use costate::elements::forces::{AppliedForce, LoadFrame};
 use costate::prelude::*;
 use costate::scenes::BeamLine;
 
-/// A beam along x with EI = L = 1, mass 1 and EA = GA as given, clamped, under a dead load along y at its tip: one that grows with the
+/// What bends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Line {
+    Beam,
+    /// A cable with exact strains.
+    Cable,
+    /// One with those of small strains.
+    SmallStrainCable,
+}
+
+/// A beam or cable along x with EI = L = 1, mass 1 and EA = GA as given, clamped, under a dead load along y at its tip: one that grows with the
 /// load factor, or that is there from the start on.
 pub struct SlenderCantilever {
+    pub line: Line,
     pub axial: f64,
     pub load: f64,
     pub elements: usize,
@@ -31,17 +42,23 @@ impl Scene for SlenderCantilever {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let (zero, one, axial) = (S::zero(), S::one(), S::from(self.axial));
-        let section = Section::new([axial, axial, axial, one, one, one]);
-        let section = section.with_inertia(one, [S::from(ROTARY_INERTIA); 2]);
         let [along, across] = [Vector3::new(one, zero, zero), Vector3::new(zero, one, zero)];
-        let line = BeamLine::straight([Vector3::zeros(), along], self.elements, across);
-        let beam = m.beam("beam", line.clamped_start(), &section);
+        let ends = [Vector3::zeros(), along];
+        let end = if self.line == Line::Beam {
+            let section = Section::new([axial, axial, axial, one, one, one]);
+            let section = section.with_inertia(one, [S::from(ROTARY_INERTIA); 2]);
+            m.beam("line", BeamLine::straight(ends, self.elements, across).clamped_start(), &section).end()
+        } else {
+            let section = CableSection::new(axial, one, one);
+            let section = if self.line == Line::Cable { section } else { section.small_strains() };
+            m.cable("line", CableLine::straight(ends, self.elements).clamped_start(), &section).end()
+        };
         let size = if self.sudden { TimeFunction::Constant } else { TimeFunction::ConstantRate };
         let of_time = if self.sudden { vec![x[0]] } else { vec![zero, x[0]] };
-        let pull = AppliedForce { on: NodeKind::Body, frame: LoadFrame::World, size };
-        m.element("load", &[beam.end()], pull, &[&[zero, one, zero, zero, zero, zero], &of_time[..]].concat());
+        let pull = AppliedForce { on: m.model.node(end).kind, frame: LoadFrame::World, size };
+        m.element("load", &[end], pull, &[&[zero, one, zero, zero, zero, zero], &of_time[..]].concat());
         for (name, direction) in [("x of the tip", along), ("y of the tip", across)] {
-            m.position_functional(name, Over::Terminal, beam.end(), along, direction);
+            m.position_functional(name, Over::Terminal, end, along, direction);
         }
         Ok(())
     }

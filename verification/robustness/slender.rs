@@ -1,6 +1,6 @@
 //! Slender cantilevers under a load across the tip: equilibria, and the motion after the load was let on.
 
-use super::cantilever::SlenderCantilever;
+use super::cantilever::{Line, SlenderCantilever};
 use super::elastica;
 use crate::verification::Report;
 use costate::integrators::StepControl;
@@ -83,7 +83,8 @@ pub fn statics(report: &mut Report) -> Result<(), String> {
                 let mut own = Outcomes::default();
                 for load in 1..=10 {
                     let load = f64::from(load);
-                    let scene = SlenderCantilever { axial, load, elements, settings: settings.clone(), sudden: false };
+                    let (line, settings, sudden) = (Line::Beam, settings.clone(), false);
+                    let scene = SlenderCantilever { line, axial, load, elements, settings, sudden };
                     own.judge(tip_of(&scene), elastica::tip(load), tolerance);
                 }
                 own.report(report, &format!("statics/EA {axial:.0e}, {elements} elements/{way}"));
@@ -92,6 +93,29 @@ pub fn statics(report: &mut Report) -> Result<(), String> {
         }
     }
     total.report_all(report, "statics");
+    Ok(())
+}
+
+/// Equilibria of cables: nine loads of 1 to 9, with the error that a mesh of cubics makes of their bending.
+pub fn cables(report: &mut Report) -> Result<(), String> {
+    let mut total = Outcomes::default();
+    for line in [Line::Cable, Line::SmallStrainCable] {
+        for axial in [1e6, 1e8, 1e10] {
+            for (elements, tolerance) in [(8, 8e-3), (32, 5e-4)] {
+                let mut own = Outcomes::default();
+                let ways = ways();
+                for (place, load) in (1..10).map(f64::from).enumerate() {
+                    let (_, settings) = &ways[place % ways.len()];
+                    let (settings, sudden) = (settings.clone(), false);
+                    let scene = SlenderCantilever { line, axial, load, elements, settings, sudden };
+                    own.judge(tip_of(&scene), elastica::tip(load), tolerance);
+                }
+                own.report(report, &format!("cables/{line:?}, EA {axial:.0e}, {elements} elements"));
+                total.add(&own);
+            }
+        }
+    }
+    total.report_all(report, "cables");
     Ok(())
 }
 
@@ -104,13 +128,15 @@ pub fn dynamics(report: &mut Report) -> Result<(), String> {
         let settings = |steps: usize| Settings::new(1.0, steps).with_method(method);
         let mut references = Vec::new();
         for load in LOADS {
-            let scene = SlenderCantilever { axial: 1e6, load, elements, settings: settings(2000), sudden: true };
+            let scene =
+                SlenderCantilever { line: Line::Beam, axial: 1e6, load, elements, settings: settings(2000), sudden: true };
             references.push(tip_of(&scene)?);
         }
         for axial in AXIAL_STIFFNESSES {
             let mut own = Outcomes::default();
             for (load, reference) in LOADS.into_iter().zip(&references) {
-                let scene = SlenderCantilever { axial, load, elements, settings: settings(100), sudden: true };
+                let scene =
+                    SlenderCantilever { line: Line::Beam, axial, load, elements, settings: settings(100), sudden: true };
                 own.judge(tip_of(&scene), *reference, MOTION);
             }
             own.report(report, &format!("dynamics/EA {axial:.0e}/{method}"));

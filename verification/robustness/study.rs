@@ -35,6 +35,7 @@ impl Study for Robustness {
     }
     fn run(&self, report: &mut Report) -> Result<(), String> {
         slender::statics(report)?;
+        slender::cables(report)?;
         slender::dynamics(report)?;
         massless::count(report);
         equilibria::count(report)?;

@@ -103,6 +103,12 @@ pub(super) fn derivatives<S: Scalar>(line: &Line<S>, point: usize, inverse: S) -
     [vector(WEIGHTS[point][0]), vector(WEIGHTS[point][1]) * inverse]
 }
 
+impl Cable {
+    fn strains_at_a_point(&self) -> usize {
+        if self.damped { 4 } else { 1 }
+    }
+}
+
 impl Element for Cable {
     fn nodes(&self) -> Vec<NodeKind> {
         vec![NodeKind::Slope; NODES]
@@ -142,26 +148,34 @@ impl Element for Cable {
         let mut energy = S::zero();
         for point in 0..3 {
             let [first, second] = derivatives(&own, point, inverse);
-            let strain = green_strain(first);
-            let twice = strain * strain * p[AXIAL] + square_of_curvature(first, second) * p[BENDING];
-            energy += twice * p[LENGTH] * (0.5 * THREE_WEIGHTS[point]);
+            energy += square_of_curvature(first, second) * p[BENDING] * p[LENGTH] * (0.5 * THREE_WEIGHTS[point]);
         }
         energy
     }
     fn strain_count(&self) -> usize {
-        if self.damped { 12 } else { 0 }
+        3 * self.strains_at_a_point()
     }
-    /// At each Gauss point eps and the curvature vector k.
+    /// At each Gauss point eps, and with damping the curvature vector k: what stores energy in bending is smooth without its root.
     fn strains<S: Scalar>(&self, q: &[S], p: &[S], _t: S, e: &mut [S]) {
         let inverse = p[LENGTH].recip();
         let own = line(q, inverse);
-        for (point, e) in e.chunks_exact_mut(4).enumerate() {
+        for (point, e) in e.chunks_exact_mut(self.strains_at_a_point()).enumerate() {
             let [first, second] = derivatives(&own, point, inverse);
-            let square = first.dot(&first);
-            let curvature = first.cross(&second) * (square * square.sqrt()).recip();
             e[0] = green_strain(first);
-            e[1..].copy_from_slice(&curvature.components());
+            if self.damped {
+                let square = first.dot(&first);
+                let curvature = first.cross(&second) * (square * square.sqrt()).recip();
+                e[1..].copy_from_slice(&curvature.components());
+            }
         }
+    }
+    #[inline(always)]
+    fn stored<S: Scalar>(&self, e: &[S], p: &[S]) -> S {
+        let mut energy = S::zero();
+        for (e, weight) in e.chunks_exact(self.strains_at_a_point()).zip(THREE_WEIGHTS) {
+            energy += e[0] * e[0] * p[AXIAL] * p[LENGTH] * (0.5 * weight);
+        }
+        energy
     }
     fn damping<S: Scalar>(&self, e: &[S], rate: &[S], p: &[S], _t: S, s: &mut [S]) {
         let inverse = p[LENGTH].recip();

@@ -41,10 +41,21 @@ impl Field for SmallStrainCableField {
     #[inline(always)]
     fn strain_energy<S: Scalar>(&self, point: usize, h: &[S], p: &[S]) -> S {
         if point == 0 {
-            let strain = Vector3::first_three(h).length() / p[0] - 1.0;
-            return strain * strain * p[0] * p[1] * 0.5;
+            return S::zero();
         }
         let curvature = second_derivative(h, p[0]);
         curvature.dot(&curvature) * p[0] * p[2] * 0.25
+    }
+    fn strain_count(&self, point: usize) -> usize {
+        if point == 0 { 1 } else { 0 }
+    }
+    #[inline(always)]
+    fn strains<S: Scalar>(&self, _point: usize, h: &[S], p: &[S], e: &mut [S]) {
+        e[0] = Vector3::first_three(h).length() / p[0] - 1.0;
+    }
+    #[inline(always)]
+    fn stored<S: Scalar>(&self, _point: usize, e: &[S], p: &[S]) -> S {
+        let Some(strain) = e.first() else { return S::zero() };
+        *strain * *strain * p[0] * p[1] * 0.5
     }
 }
