@@ -155,9 +155,9 @@ fn a_square_tube_bends_as_a_beam_and_twists_as_bredt_says() {
     let enclosed = SIDE * SIDE;
     let torsion = shear * (4.0 * enclosed * enclosed * THICKNESS / (4.0 * SIDE) + 4.0 * SIDE * THICKNESS.powi(3) / 3.0);
     let turn = TORQUE * LENGTH / torsion;
-    // at a corner the penalty against drilling of one wall resists the turning that the other one asks for: so much less as elements are narrower
+    // at a corner the penalty against drilling of one wall resists the turning that the other one asks for: no more than bending does
     let errors = [2, 4].map(|across| 1.0 - end_of(&scene(Load::Torque, across))[0] / turn);
-    assert!(errors[0].abs() < 0.01 && errors[1].abs() < 0.6 * errors[0].abs(), "{errors:?}");
+    assert!(errors.iter().all(|error| error.abs() < 3e-4), "{errors:?}");
 }
 
 #[test]
