@@ -1,7 +1,8 @@
 //! Whether equilibria stand: signs of the stiffness on the manifold of the constraints.
 //!
 //! Of [K, A^T; A, 0] as many eigenvalues are negative as there are constraints, and as many more as K has negative ones where A x = 0
-//! (Sylvester's law of inertia). The count takes about as long as one factorization.
+//! (Sylvester's law of inertia). The count takes about as long as one factorization where there are none, as two where there are some; signs
+//! that round-off may have made are not known, see `linalg`.
 
 use super::newton::Newton;
 use crate::elements::RunScalar;
@@ -12,7 +13,7 @@ use crate::linalg::{Inertia, Signs};
 pub struct Stability {
     /// Negative eigenvalues of K; of its symmetric part where loads follow the motion.
     pub negative: usize,
-    /// Eigenvalues that are zero but for round-off, likewise.
+    /// Eigenvalues that are zero but for round-off, likewise: their signs are not known.
     pub neutral: usize,
     /// Where loads follow the motion, so that K is not symmetric: the sign of its determinant, 0 where it is not known.
     pub determinant: Option<f64>,

@@ -305,12 +305,11 @@ impl Operator<'_> {
             }
             let found = sizes.iter().filter(|size| **size < bound).count();
             // where a bound meets a mode by chance, one beside it does not
-            let mut below = |bound: f64| {
-                self.factor(-bound).or_else(|_| self.factor(-bound * (1.0 + BESIDE))).map(|stability| stability.negative)
-            };
+            let mut known = |shift: f64| self.factor(shift).ok().filter(|own| own.neutral == 0).map(|own| own.negative);
+            let mut below = |bound: f64| known(-bound).or_else(|| known(-bound * (1.0 + BESIDE)));
             let counts = (below(bound), below(-bound));
             self.factor(shift).map_err(undetermined)?;
-            let (Ok(above), Ok(unstable)) = counts else { return Ok(()) };
+            let (Some(above), Some(unstable)) = counts else { return Ok(()) };
             counted = [found, above.saturating_sub(unstable)];
             if counted[0] == counted[1] {
                 return Ok(());

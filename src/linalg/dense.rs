@@ -2,8 +2,8 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::multifrontal::{
-    Inertia, MatrixView, MatrixViewMut, Target, dense_inertia, largest, solve_unit_lower, subtract_columns,
-    subtract_multiple, subtract_product,
+    Inertia, MatrixView, MatrixViewMut, Target, dense_shifted_inertia, known_signs, largest, solve_unit_lower,
+    subtract_columns, subtract_multiple, subtract_product,
 };
 use super::simd::{Kernel, dispatch};
 use super::{LinearSolver, Singular};
@@ -87,11 +87,11 @@ impl LinearSolver for DenseLu {
         Ok(())
     }
 
-    fn inertia(&self, values: &[f64]) -> Inertia {
+    fn inertia(&self, values: &[f64], known: usize) -> Inertia {
         let n = self.pattern.size;
         let mut matrix = vec![0.0; n * n];
         self.pattern.spread(values, &mut matrix);
-        dense_inertia(matrix, n)
+        known_signs(n, known, |shift| dense_shifted_inertia(matrix.clone(), n, shift))
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {

@@ -40,8 +40,9 @@ pub trait LinearSolver: Send {
     fn another(&self) -> Option<Box<dyn LinearSolver>> {
         None
     }
-    /// Numbers of positive and negative eigenvalues of a symmetric matrix of the pattern, whatever was factored.
-    fn inertia(&self, values: &[f64]) -> Inertia;
+    /// Numbers of positive and negative eigenvalues of a symmetric matrix of the pattern, whatever was factored; so many negative ones are
+    /// known to be there. Those whose signs round-off may have changed are zero.
+    fn inertia(&self, values: &[f64], known: usize) -> Inertia;
     /// Replaces right-hand sides, one after the other, by the columns of A^-1 B.
     fn solve(&mut self, rhs: &mut [f64]);
     /// Replaces right-hand sides, one after the other, by the columns of A^-T B.

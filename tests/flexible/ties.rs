@@ -562,3 +562,106 @@ fn four_plates_meet_in_a_point() {
     let m = m.finish().expect("sound");
     assert_eq!(m.model.constraints.len(), 7 + 7 + 3 + 2);
 }
+
+/// A strip of two panels bent or stretched by what follows from a closed form: a load on its end.
+struct ByBeam {
+    kind: FaceKind,
+    counts: [[usize; 2]; 2],
+    follows: usize,
+    /// Distance of the second panel above the first, which the tie keeps \[m\].
+    offset: f64,
+    /// Along the strip, or across it.
+    force: [f64; 3],
+}
+
+/// Length, width and thickness \[m\] of the strip, whose halves are one panel each.
+const STRIP: [f64; 3] = [0.6, 0.1, 0.005];
+const YOUNG: f64 = 210e9;
+
+impl Scene for ByBeam {
+    fn name(&self) -> String {
+        "strip".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::statics(1)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        // without lateral contraction the strip is a beam
+        let material = Material { young: S::from(YOUNG), poisson: S::zero(), density: S::from(7850.0) };
+        let [length, width, thickness] = STRIP;
+        let vector = |components| Vector3::<S>::from_f64(components);
+        let mut panels = Vec::new();
+        for (number, start) in [[0.0, 0.0, 0.0], [0.5 * length, 0.0, self.offset]].into_iter().enumerate() {
+            let sides = [vector([0.5 * length, 0.0, 0.0]), vector([0.0, width, 0.0])];
+            let mesh = ShellMesh::plate(vector(start), sides, self.counts[number]).with_faces(self.kind);
+            let mesh = if number == 0 { mesh.clamped(Edge::FirstStart) } else { mesh };
+            panels.push(m.shell(["left", "right"][number], mesh, &material, S::from(thickness)));
+        }
+        let edges = [panels[0].edge(Edge::FirstEnd), panels[1].edge(Edge::FirstStart)];
+        m.tie_within("seam", &edges[self.follows], &[&panels[1 - self.follows]], self.offset + 1e-9);
+        // a plate of this stiffness at the end takes the load
+        let (at, end) = (vector([length, 0.5 * width, self.offset]), Quaternion::identity());
+        let cap = m.body("cap", at, end);
+        let interface = panels[1].edge(Edge::FirstEnd);
+        m.rigid_interface("end", cap, &interface);
+        for (name, axis) in [("x", 0), ("y", 1), ("z", 2)] {
+            let mut direction = [0.0; 3];
+            direction[axis] = 1.0;
+            let size = Signal::of(TimeFunction::ConstantRate, &[S::zero(), S::from(self.force[axis])]);
+            m.force(name, Force { on: cap, point: at, direction: vector(direction), frame: LoadFrame::World, size });
+            m.position_functional(name, Over::Terminal, cap, at, vector(direction));
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn tied_cantilevers_deflect_as_beams_do_also_where_the_tie_keeps_a_distance() {
+    let [length, width, thickness] = STRIP;
+    let (area, second) = (width * thickness, width * thickness.powi(3) / 12.0);
+    // so small that linear theory holds
+    let load = 1e-4;
+    for (kind, limit) in [(FaceKind::Quad9, 1e-4), (FaceKind::Triangle6, 3e-3), (FaceKind::Quad4, 2e-3)] {
+        for follows in [0, 1] {
+            for offset in [0.0, 0.02] {
+                let strip = |force| ByBeam { kind, counts: [[6, 2], [6, 3]], follows, offset, force };
+                let moved = |force: [f64; 3]| {
+                    let scene = strip(force);
+                    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{kind:?}, {offset}: {why}"));
+                    let values = prepared.analysis().values(&[]).expect("an equilibrium");
+                    [values[0] - length, values[1] - 0.5 * width, values[2] - offset]
+                };
+                // P L3/3EI and 6/5 P L/GA across; along, P L/EA and, with the distance e, the moment P e of the first half
+                let shear = 0.5 * YOUNG;
+                let across = load * (length.powi(3) / (3.0 * YOUNG * second) + 1.2 * length / (shear * area));
+                let own = moved([0.0, 0.0, load])[2];
+                assert!((own / across - 1.0).abs() < limit, "{kind:?}, {follows}, {offset}: {own:e} {across:e}");
+                let moment = load * offset * 0.5 * length / (YOUNG * second);
+                let [along, _, down] = moved([load, 0.0, 0.0]);
+                let wanted = load * length / (YOUNG * area) + offset * moment;
+                assert!((along / wanted - 1.0).abs() < limit, "{kind:?}, {follows}, {offset}: {along:e} {wanted:e}");
+                // turned by M L1/EI at the seam, from where the second half goes on straight
+                let wanted = -moment * (0.25 * length + 0.5 * length);
+                let off = (down - wanted).abs();
+                assert!(off < limit * wanted.abs() + 1e-16, "{kind:?}, {follows}, {offset}: {down:e} {wanted:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn curvature_along_a_tie_of_four_node_faces_is_found_with_the_square_of_their_length() {
+    let error = |fine: usize| {
+        let counts = [[2 * fine, 2 * fine], [fine, 3 * fine]];
+        let patch = Patch { kinds: [FaceKind::Quad4; 2], counts, follows: 1, field: Field::Moments, slant: 0.0 };
+        patch.error().unwrap_or_else(|why| panic!("{patch:?}: {why}"))
+    };
+    let errors = [1, 2, 4].map(error);
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!(order > 1.7, "{errors:?}");
+    }
+}

@@ -288,3 +288,17 @@ fn equal_modes_near_a_critical_load_are_two() {
         }
     }
 }
+
+/// A plate with a tied stiffener: its multipliers are pivots of fronts far above those that they come from.
+#[test]
+fn what_ties_delay_in_several_fronts_has_its_signs() {
+    let scene =
+        FileScene::parse("stiffened-plate.toml", include_str!("../../examples/scenes/stiffened-plate.toml")).unwrap();
+    let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
+    for solver in [costate::linalg::Backend::Dense, costate::linalg::Backend::Multifrontal] {
+        let mut prepared = Prepared::new(&scene).unwrap();
+        prepared.method.backend = solver;
+        let end = prepared.analysis().forward(&x).unwrap().stability.expect("of equilibria").end;
+        assert!(end.negative == 0 && end.verdict() == Verdict::Stable, "{solver:?}: {end:?}");
+    }
+}

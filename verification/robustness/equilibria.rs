@@ -147,7 +147,7 @@ fn chains(report: &mut Report, noise: &mut Noise, count: usize) -> Result<(), St
     Ok(())
 }
 
-fn chain(links: usize, stiffness: f64, length: f64, load: f64) -> String {
+pub fn chain(links: usize, stiffness: f64, length: f64, load: f64) -> String {
     let mut text = String::from("version = 1\nsettings = { method = \"static\", steps = 1 }\n");
     for link in 0..links {
         let (start, before) = (link as f64 * length, if link == 0 { "ground".into() } else { format!("link {}", link - 1) });

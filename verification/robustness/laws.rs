@@ -1,8 +1,8 @@
 //! Pairs of models with the same names and numbers, whose laws differ in one thing or in none: runs of one for the other.
 
 use crate::verification::{Noise, Report};
-use costate::history::Keep;
-use costate::integrators::tables;
+use costate::history::{Keep, Watch};
+use costate::integrators::{StepRecord, tables};
 use costate::prelude::*;
 use costate::sensitivity::Forward;
 use std::path::Path;
@@ -128,8 +128,19 @@ fn run(laws: &Laws, keep: Keep) -> Result<Forward, RunError> {
     prepared.analysis().forward(&prepared.x)
 }
 
-/// Whether each use of a run under other laws is refused, and each under its own is not.
-fn is_right(own: &Laws, thing: Option<usize>, path: &Path) -> Result<bool, RunError> {
+/// A run that ends after some steps, as one that is killed.
+fn interrupt(laws: &Laws, path: &Path, steps: usize) -> Result<(), RunError> {
+    let prepared = Prepared { keep: Keep::File(path.into()), ..prepared(laws)? };
+    let mut taken = 0;
+    let mut observer = Watch(|_: &StepRecord<f64>| {
+        taken += 1;
+        taken < steps
+    });
+    prepared.analysis().observed(&prepared.x, &mut observer).map(|_| ())
+}
+
+/// Whether each use of a run under other laws is refused, and each under its own is not; so is a run that was interrupted.
+fn is_right(own: &Laws, thing: Option<usize>, path: &Path, interrupted: usize) -> Result<bool, RunError> {
     let (other, other_states) = thing.map_or((*own, false), |thing| own.changed(thing));
     // values that cannot differ are no other law: directions are numbers
     let is_other = thing.is_some_and(|thing| thing != 7);
@@ -142,10 +153,13 @@ fn is_right(own: &Laws, thing: Option<usize>, path: &Path) -> Result<bool, RunEr
         analysis.complex_step(x, &forward).is_err(),
     ];
     drop(forward);
-    let resumed = run(&other, Keep::Resumed(path.into())).is_err();
+    let finished = run(&other, Keep::Resumed(path.into())).is_err();
+    interrupt(own, path, interrupted)?;
+    let unfinished = run(&other, Keep::Resumed(path.into())).is_err();
     let _ = std::fs::remove_file(path);
     let numbers_differ = thing == Some(7);
-    Ok(uses.iter().all(|refused| *refused == (is_other || numbers_differ)) && resumed == (other_states || numbers_differ))
+    let resumed = [finished, unfinished].iter().all(|refused| *refused == (other_states || numbers_differ));
+    Ok(uses.iter().all(|refused| *refused == (is_other || numbers_differ)) && resumed)
 }
 
 /// Counts them.
@@ -158,7 +172,7 @@ pub fn count(report: &mut Report, cases: usize) -> Result<(), String> {
         let own = Laws::drawn(&mut between);
         // one in ten is the same
         let thing = Some(case % (THINGS + 1)).filter(|thing| *thing < THINGS);
-        match is_right(&own, thing, &path) {
+        match is_right(&own, thing, &path, 1 + case % 11) {
             Ok(true) if thing.is_some() => refused += 1,
             Ok(true) => taken += 1,
             Ok(false) => {

@@ -3,6 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::dense_count::{Told, compare};
 use super::random_mechanism::RandomMechanism;
 use crate::verification::{Clock, Report};
 use costate::assembly::{Jacobian, Residual, StageSystem};
@@ -158,6 +159,15 @@ fn simulate(scene: RandomMechanism) -> Outcome {
     }
     if let Err(why) = check_steps(&prepared, &forward) {
         return Outcome::Wrong(why);
+    }
+    match compare(&prepared, &forward) {
+        Err(why) => return Outcome::Wrong(why),
+        Ok(Told::Wrong([negative, neutral, counted])) => {
+            return Outcome::Wrong(format!(
+                "{negative} negative eigenvalues of the stiffness and {neutral} not known, by a dense solver {counted}"
+            ));
+        }
+        Ok(_) => {}
     }
     let gradient = match analysis.adjoint(&x, &forward) {
         Ok(gradient) => gradient,

@@ -1,8 +1,10 @@
 //! What is right, what is an error, and that nothing is wrong without a word.
 
 mod at_rest;
+mod bifurcations;
 mod breakpoints;
 mod cantilever;
+mod dense_count;
 mod elastica;
 mod equilibria;
 mod joins;
@@ -16,6 +18,7 @@ mod program;
 mod random_mechanism;
 mod slender;
 mod switches;
+mod tied;
 
 use crate::verification::{Form, Report, Study};
 use std::time::Duration;
@@ -39,7 +42,9 @@ impl Study for Robustness {
         slender::dynamics(report)?;
         massless::count(report);
         equilibria::count(report)?;
+        bifurcations::count(report)?;
         joins::count(report);
+        tied::count(report);
         laws::count(report, if report.is_long() { 2000 } else { 200 })?;
         switches::count(report, if report.is_long() { 2000 } else { 200 })?;
         optima::count(report)?;

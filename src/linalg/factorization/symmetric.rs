@@ -2,6 +2,7 @@
 
 use super::Factorization;
 use crate::linalg::{Inertia, sign_of_determinant};
+use nalgebra::DMatrix;
 
 /// Signs of the symmetric part of a matrix, and how far it is from the matrix itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +15,8 @@ pub struct Signs {
 
 /// Difference of an entry and its mirrored one, in a matrix whose rows and columns have the size 1, up to which they count as equal.
 const SYMMETRIC: f64 = 1e-8;
+/// Round-off of an L U with the largest pivots, as a share of the norm of a matrix, for each of its columns.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 /// Unknowns up to which the sign of a determinant is looked for.
 const MOST_UNKNOWNS: usize = 600;
 
@@ -33,16 +36,21 @@ impl Factorization {
                 symmetric[place] = 0.5 * (own + mirrored) * scale;
             }
         }
-        Signs { inertia: self.solver.inertia(&symmetric), is_symmetric }
+        Signs { inertia: self.solver.inertia(&symmetric, self.pattern.size - first), is_symmetric }
     }
 
-    /// Sign of the determinant of the values; `None` of large matrices.
+    /// Sign of the determinant of the values; `None` of large matrices, and of those that round-off might make singular.
     pub fn determinant_sign(&self, values: &[f64]) -> Option<f64> {
         let size = self.pattern.size;
         let mut scaled = vec![0.0; values.len()];
         self.scaling.apply(values, &mut scaled);
         let mut columns = vec![0.0; if size > MOST_UNKNOWNS { return None } else { size * size }];
         self.pattern.spread(&scaled, &mut columns);
-        Some(sign_of_determinant(&mut columns, size))
+        let matrix = DMatrix::from_column_slice(size, size, &columns);
+        let norm =
+            |matrix: &DMatrix<f64>| matrix.row_iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
+        let round_off = ROUND_OFF * size as f64 * norm(&matrix);
+        let inverse = matrix.try_inverse().map_or(f64::INFINITY, |inverse| norm(&inverse));
+        (round_off * inverse < 1.0).then(|| sign_of_determinant(&mut columns, size))
     }
 }

@@ -23,6 +23,7 @@ mod front;
 mod graph;
 mod inertia;
 mod kernels;
+mod known_signs;
 mod matrix_view;
 mod multifrontal_lu;
 mod pivots;
@@ -38,8 +39,9 @@ mod traversal;
 pub(super) mod test_matrices;
 
 pub use inertia::Inertia;
-pub(super) use inertia::dense_inertia;
+pub(super) use inertia::dense_shifted_inertia;
 pub(super) use kernels::{Target, largest, solve_unit_lower, subtract_columns, subtract_multiple, subtract_product};
+pub(super) use known_signs::known_signs;
 pub(super) use matrix_view::{MatrixView, MatrixViewMut};
 pub use multifrontal_lu::MultifrontalLu;
 pub use symbolic::Analysis;

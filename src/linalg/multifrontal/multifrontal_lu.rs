@@ -3,7 +3,8 @@
 
 use super::factors::Factors;
 use super::graph::Role;
-use super::inertia::{Inertia, inertia};
+use super::inertia::{Inertia, shifted_inertia};
+use super::known_signs::known_signs;
 use super::substitution::{Side, Substitution};
 use super::symbolic::{Analysis, Symbolic};
 use super::traversal::Traversal;
@@ -71,8 +72,9 @@ impl LinearSolver for MultifrontalLu {
         Some(Box::new(Self::of(self.symbolic.clone(), self.traversal.threads())))
     }
 
-    fn inertia(&self, values: &[f64]) -> Inertia {
-        inertia(&self.symbolic, values, self.traversal.threads())
+    fn inertia(&self, values: &[f64], known: usize) -> Inertia {
+        let count = |shift| shifted_inertia(&self.symbolic, values, shift, self.traversal.threads());
+        known_signs(self.symbolic.size, known, count)
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
