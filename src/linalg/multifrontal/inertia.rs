@@ -4,7 +4,7 @@
 //! whose eigenvalues have the signs of those that are left. No factor is kept.
 //!
 //! A count is that of a matrix A + E with |E| at most a few units of round-off of |L| |D| |L^T|, whose rows are summed on the way. What such a
-//! count proves of A itself is in [`known_signs`](super::known_signs).
+//! count proves of A itself is in `known_signs`.
 //!
 //! Source: Duff & Reid (1983), The multifrontal solution of indefinite sparse symmetric linear equations; Higham, Accuracy and stability of
 //! numerical algorithms, chapter 11.
