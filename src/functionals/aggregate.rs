@@ -103,7 +103,8 @@ impl Aggregate {
     /// maximum of n values is then within ln(n) / sharpness of that size. Powers have no unit: one of these has no value then.
     #[must_use]
     pub const fn relative_to(self, size: f64) -> Self {
-        let sharpness = if self.kind.is_power() || !(size > 0.0) { f64::NAN } else { self.sharpness / size };
+        let has_size = size > 0.0 && !self.kind.is_power();
+        let sharpness = if has_size { self.sharpness / size } else { f64::NAN };
         Aggregate { sharpness, ..self }
     }
 
