@@ -248,7 +248,8 @@ fn an_unstable_mode_does_not_hide_the_vibrations_beside_it() {
     );
     let modes = Prepared::new(&scene).unwrap().modes(4).unwrap();
     assert!(modes[0].is_unstable() && (modes[0].growth - 607.19).abs() < 0.1, "{:?}", modes[0].growth);
-    for (mode, omega) in modes[1..].iter().zip([4.39288e4, 6.13888e4, 6.88389e4]) {
+    // the third bends in the plane: on 24 x 6 elements it is 6.13678e4
+    for (mode, omega) in modes[1..].iter().zip([4.39288e4, 6.13874e4, 6.88389e4]) {
         assert!(!mode.is_unstable() && (mode.frequency / omega - 1.0).abs() < 1e-5, "{} {omega}", mode.frequency);
     }
     assert_eq!(modes.len(), 4);

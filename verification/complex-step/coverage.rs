@@ -11,10 +11,12 @@ const LISTS: [&str; 4] = [
     include_str!("../../src/elements/joints/mod.rs"),
 ];
 
-/// Public names of options there, which have no formula of their own.
-const OPTIONS: [&str; 12] = [
+/// Public names of options and of entries there, which have no formula of their own.
+const OPTIONS: [&str; 14] = [
     "CableSection",
+    "CableHinge",
     "CableStrain",
+    "CableWeld",
     "HeldSlope",
     "Laminate",
     "Material",

@@ -255,7 +255,7 @@ impl Case {
         m.gravity(at([0.6, -0.9, -9.7]));
 
         let both = [arm, second];
-        let ends = [place([0.2, 0.4, 0.1]), place([0.9, -0.5, -0.6])];
+        let ends = [place([0.2, 0.4, 0.1]), if light { position } else { place([0.9, -0.5, -0.6]) }];
         let name = NAME;
         let hinge = place([-0.2, 0.3, 0.1]);
         let host = Host {
