@@ -27,8 +27,8 @@ pub struct Patch {
     pub thickness: f64,
 }
 
-/// Slope of the sheared plate.
-const SLOPE: f64 = 0.05;
+/// Slope of the sheared plate by its thickness [1/m]: the couples that hold it then turn a node about its director by less than the slope.
+const SLOPE: f64 = 0.1;
 const YOUNG: f64 = 1e3;
 const POISSON: f64 = 0.3;
 /// Corners of the elements.
@@ -55,7 +55,11 @@ pub fn place(face: FaceKind, i: usize, j: usize) -> [f64; 2] {
 impl Field {
     /// Size of displacements, small for fields that are linear in them: the membrane feels the square of deflection by thickness.
     pub fn size(self, thickness: f64) -> f64 {
-        if matches!(self, Field::Bending | Field::Twist) { 1e-5_f64.min(1e-5 * thickness) } else { 1.0 }
+        match self {
+            Field::Membrane => 1.0,
+            Field::Bending | Field::Twist => 1e-5_f64.min(1e-5 * thickness),
+            Field::Shear => SLOPE * thickness,
+        }
     }
 
     /// Position and rotation that the field of some size gives to the point (X, Y).
@@ -77,7 +81,7 @@ impl Field {
             }
             Field::Bending => tilted(size * (0.5 * x * x - 0.35 * y * y), [size * x, -0.7 * size * y]),
             Field::Twist => tilted(size * x * y, [size * y, size * x]),
-            Field::Shear => ([x, y, SLOPE * x], [1.0, 0.0, 0.0, 0.0]),
+            Field::Shear => ([x, y, size * x], [1.0, 0.0, 0.0, 0.0]),
         }
     }
 }
@@ -149,7 +153,8 @@ impl Scene for Patch {
                     m.prismatic(&format!("slide {i}, {j}"), [ground, node], at, Vector3::from_f64([0.0, 0.0, 1.0]));
                 } else if self.field == Field::Shear {
                     // the shear force, constant, is held by couples instead of moments that grow
-                    let force = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + POISSON)) * self.thickness * SLOPE;
+                    let force =
+                        5.0 / 6.0 * YOUNG / (2.0 * (1.0 + POISSON)) * self.thickness * self.field.size(self.thickness);
                     let couple = AppliedTorque { on: NodeKind::Body, frame: LoadFrame::World, size: TimeFunction::Constant };
                     let p = [0.0, 1.0, 0.0, force * area_of(i, j)].map(S::from);
                     m.element(&format!("couple {i}, {j}"), &[node], couple, &p);

@@ -55,7 +55,8 @@ fn patches(report: &mut Report) -> Result<(), String> {
     for ((face, of), (field, name)) in FACES.into_iter().flat_map(|face| fields.map(|field| (face, field))) {
         for thickness in [0.1, 0.001] {
             let size = field.size(thickness);
-            let solved = solve(&Patch { field, face, thickness }, 1)?;
+            let solved = solve(&Patch { field, face, thickness }, 1)
+                .map_err(|why| format!("{of}{name}, thickness {thickness}: {why}"))?;
             let mut worst: f64 = 0.0;
             for (i, j) in (1..4).flat_map(|j| (1..4).map(move |i| (i, j))) {
                 let own = solved.node(solved.last(), i, j)?;
