@@ -603,6 +603,8 @@ pub struct ConstraintPhysics {
     dofs: usize,
     equations: usize,
     parameters: usize,
+    /// Which parameters are lengths.
+    lengths: Vec<usize>,
     formula: OnceLock<Recording>,
 }
 
@@ -614,8 +616,9 @@ impl ConstraintPhysics {
 
     /// A constraint, recorded when that is first asked for.
     pub fn new(own: Box<dyn AnyConstraint>) -> Self {
-        let (dofs, equations, parameters) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list().len());
-        ConstraintPhysics { own, dofs, equations, parameters, formula: OnceLock::new() }
+        let (dofs, equations, list) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list());
+        let lengths = (0..list.len()).filter(|&place| list[place].unit == "m").collect();
+        ConstraintPhysics { own, dofs, equations, parameters: list.len(), lengths, formula: OnceLock::new() }
     }
 
     /// Path of its type.
@@ -633,6 +636,10 @@ impl ConstraintPhysics {
     /// Number of parameters.
     pub fn parameter_count(&self) -> usize {
         self.parameters
+    }
+    /// Which of its parameters are lengths \[m\].
+    pub(crate) fn lengths(&self) -> &[usize] {
+        &self.lengths
     }
     /// Whether it restricts velocities only.
     pub fn is_nonholonomic(&self) -> bool {

@@ -27,13 +27,17 @@ fn combination<S: Scalar>(rows: &[Vec<S>], weights: &[S], length: usize) -> Vec<
 }
 
 /// Orthonormalizes independent rows; twice, because once leaves parts of the size of round-off times their dependence.
-fn orthonormal<S: Scalar>(mut rows: Matrix<S>) -> Matrix<S> {
+fn orthonormal<S: RunScalar>(mut rows: Matrix<S>) -> Matrix<S> {
     for i in 0..rows.len() {
         let (done, rest) = rows.split_at_mut(i);
         let own = &mut rest[0];
         for _ in 0..2 {
             for unit in &*done {
                 let share = dot(own, unit);
+                // rows of a planar mechanism act in its plane or across it
+                if share.value() == 0.0 && (0..S::PARTS).all(|part| share.part(part) == 0.0) {
+                    continue;
+                }
                 own.iter_mut().zip(unit).for_each(|(x, &u)| *x -= u * share);
             }
         }
@@ -79,11 +83,8 @@ struct Length<S> {
 impl<S: Scalar> Length<S> {
     fn of(model: &Model, p: &[S]) -> Self {
         let joints = model.constraints.iter();
-        let lengths = joints.flat_map(|joint| {
-            let pairs = joint.parameters.clone().zip(joint.physics.parameter_list());
-            pairs.filter(|(_, parameter)| parameter.unit == "m").map(|(place, _)| place)
-        });
-        let mut places: Vec<usize> = lengths.collect();
+        let mut places: Vec<usize> =
+            joints.flat_map(|joint| joint.physics.lengths().iter().map(|own| joint.parameters.start + own)).collect();
         let square = places.iter().map(|&place| p[place] * p[place]).sum::<S>();
         // joints at the origin alone have no length
         if square.value() == 0.0 {
