@@ -418,6 +418,23 @@ fn a_list_has_a_line_for_each_scene_and_of_one_scene_all_it_needs() {
 }
 
 #[test]
+fn the_list_of_parts_has_all_types_of_the_sections_that_it_names() {
+    let folder = Folder::new("parts");
+    let parts = json(&folder.run(&["list", "--parts", "--json"]));
+    let schema = costate::scenes::file::schema(&[]);
+    for section in ["joint", "driver", "spring", "damper"] {
+        let of = |part: &&serde_json::Value| part["section"] == section;
+        let listed: Vec<&str> =
+            parts["parts"].as_array().unwrap().iter().filter(of).map(|part| part["name"].as_str().unwrap()).collect();
+        let forms = schema["properties"][section]["items"]["oneOf"].as_array().unwrap();
+        let known: Vec<&str> = forms.iter().map(|form| form["properties"]["type"]["const"].as_str().unwrap()).collect();
+        assert_eq!(listed, known, "{section}");
+    }
+    let said = text(&folder.run(&["list", "--parts"]).stdout);
+    assert!(said.contains("between [point] pin_a pin_b"), "{said}");
+}
+
+#[test]
 fn a_new_file_runs_and_its_gradient_is_right() {
     let folder = Folder::new("new");
     let output = folder.run(&["new", "here/arm.toml"]);

@@ -7,6 +7,7 @@ use crate::elements::entries::{JointPart, Key, SpringPart};
 use crate::elements::forces::{DAMPERS, SPRINGS};
 use crate::elements::joints::{DRIVERS, JOINTS};
 use crate::io::Table;
+use crate::scenes::file::ROLLING;
 use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
 use serde_json::{Value, json};
@@ -47,7 +48,9 @@ fn parts(program: &CommandLine, json: bool) {
     let springs = |section, parts: &[SpringPart]| parts.iter().map(move |part| (section, part.form)).collect::<Vec<_>>();
     let of_library =
         [joints("joint", JOINTS), joints("driver", DRIVERS), springs("spring", SPRINGS), springs("damper", DAMPERS)];
-    for (section, form) in of_library.concat().into_iter().chain(joints("joint", &program.joints)) {
+    let rolling = ROLLING.forms.iter().map(|form| ("joint", *form));
+    let of_user = joints("joint", &program.joints);
+    for (section, form) in of_library.concat().into_iter().chain(rolling).chain(of_user) {
         let key = |key: &Key| if key.is_needed { key.name.to_string() } else { format!("[{}]", key.name) };
         let keys = form.keys.iter().map(key).collect::<Vec<_>>().join(" ");
         table.row([form.name.into(), section.into(), form.doc.into(), keys.into()]);

@@ -27,3 +27,4 @@ mod values;
 pub use reference::reference;
 pub use scene::FileScene;
 pub use schema::schema;
+pub(crate) use sections::ROLLING;

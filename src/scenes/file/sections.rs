@@ -190,7 +190,7 @@ const GROUP: Key = need(
 );
 
 /// Joints that are two constraints.
-const ROLLING: Forms = forms!([]
+pub(crate) const ROLLING: Forms = forms!([]
 "rolling_sphere" "b, a sphere, rolls on a plane of a" [
     BETWEEN,
     may("centre", Vector("m"), "centre of the sphere; the place of b"),
