@@ -28,6 +28,8 @@ pub struct Values<'f, S> {
     /// The end of the last step.
     last: Option<Sample<S>>,
     sample: Sample<S>,
+    /// For each functional, whether each sample in time counts 1.
+    counting: Vec<bool>,
     /// Whether any functional reads multipliers.
     reading: bool,
     work: GroupWork<S>,
@@ -56,6 +58,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
             sums: functionals.iter().map(sums).collect(),
             last: None,
             sample: Sample::empty(),
+            counting: functionals.iter().map(|functional| functional.over.counts_samples()).collect(),
             reading: functionals.iter().any(Functional::reads_multipliers),
             work: GroupWork::default(),
             clocks: None,
@@ -136,10 +139,10 @@ impl<'f, S: RunScalar> Values<'f, S> {
         }
         let Combination { carried, stages } = &self.table.scheme(step.scheme).quadrature;
         for k in self.at(Times::Run) {
-            let (sums, counts_samples) = (&mut self.sums[k], self.functionals[k].over.counts_samples());
-            if counts_samples {
+            if self.counting[k] {
                 continue;
             }
+            let sums = &mut self.sums[k];
             let latest = std::array::from_fn(|i| sums.iter().zip(carried).map(|(sum, &factor)| sum[i] * factor).sum());
             sums.rotate_right(1);
             sums[0] = latest;
@@ -152,7 +155,7 @@ impl<'f, S: RunScalar> Values<'f, S> {
                 sample.share(self.model, self.p);
             }
             for k in self.at(Times::Run) {
-                let weight = if self.functionals[k].over.counts_samples() { S::one() } else { sample.weight };
+                let weight = if self.counting[k] { S::one() } else { sample.weight };
                 self.add(k, &sample, weight);
             }
         }
