@@ -240,6 +240,13 @@ impl<S: Scalar> MechanismBuilder<S> {
         Some(Placed { kind: *kind, q: &self.numbers.q[dofs.clone()] })
     }
 
+    /// Whether a node holds at a world point, see [`Placed::check_point`]; one of another mechanism is told elsewhere.
+    #[cfg(feature = "files")]
+    pub(super) fn check_point(&self, node: NodeId, point: Vector3<S>) -> Result<(), String> {
+        let (Some(own), Some(placed)) = (self.model.find_node(node), self.placed(node)) else { return Ok(()) };
+        placed.check_point(&own.name, point)
+    }
+
     /// Initial position of a node's frame \[m\]; that of the world where it has no place in space.
     pub fn position(&self, node: NodeId) -> Vector3<S> {
         self.placed(node).map_or_else(no_vector, Placed::position)

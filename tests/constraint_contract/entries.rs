@@ -2,7 +2,7 @@
 
 use super::support::motion::random_coordinates;
 use super::support::{Random, twelve};
-use costate::elements::entries::{Entry, ExampleValue, Given, GivenValue, JointPart, Key, Placed};
+use costate::elements::entries::{Entry, Example, Given, GivenValue, JointPart, Key, Placed};
 use costate::elements::joints::{DRIVERS, JOINTS, named};
 use costate::elements::{Constraint, ConstraintPhysics, NodeKind};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
@@ -135,7 +135,7 @@ impl Entry for Shelf {
     const NAME: &'static str = "shelf";
     const DOC: &'static str = "b at the height over a at which it stands";
     const KEYS: &'static [Key] = &[costate::elements::entries::BETWEEN];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (&[Body, Body], &[]);
+    const EXAMPLE: Example = (&[Body, Body], &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = [given.in_space(0), given.in_space(1)];
@@ -182,6 +182,9 @@ fn what_is_wrong_with_the_keys_of_an_entry_is_told() {
     assert!(missing.contains("\"hinge\", axis: \"hinge\" needs a vector for axis"), "{missing}");
     let elsewhere = told(2, vec![axis(), ("point", GivenValue::Vector(Vector3::new(1.0, 0.0, 0.0)))]);
     assert!(elsewhere.contains("\"hinge\", point: this point lies 1 m from \"point\", which has no axes"), "{elsewhere}");
+    // a value of another kind is none at all, also where the key may be left out
+    let mistyped = told(2, vec![axis(), ("point", 0.3.into())]);
+    assert!(mistyped.contains("\"hinge\", point: \"hinge\" needs a vector for point"), "{mistyped}");
     let no_axis = told(2, vec![("axis", GivenValue::Vector(Vector3::zeros()))]);
     assert!(no_axis.contains("\"hinge\": a direction cannot be [0.0, 0.0, 0.0]"), "{no_axis}");
 }

@@ -1,6 +1,6 @@
 //! Joints of one's own in scene files: by their entries alone.
 
-use costate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, JointPart, Key, Range, Type, need};
+use costate::elements::entries::{BETWEEN, Entry, Example, ExampleValue, Given, JointPart, Key, Range, Type, need};
 use costate::elements::{Constraint, Frame, NodeKind, Parameter};
 use costate::scalar::{Scalar, SpatialVector, Vector3};
 use costate::scenes::{FileScene, Prepared, file};
@@ -32,8 +32,7 @@ impl Entry for Wire {
     const DOC: &'static str = "b, a bead, on a parabolic wire of body a";
     const KEYS: &'static [Key] =
         &[BETWEEN, need("curvature", Type::Number("1/m", Range::Any), "curvature at the lowest point")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Body, NodeKind::Point], &[("curvature", ExampleValue::Number(0.8))]);
+    const EXAMPLE: Example = (&[NodeKind::Body, NodeKind::Point], &[("curvature", ExampleValue::Number(0.8))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (a, curvature) = (given.body(0), given.number("curvature"));

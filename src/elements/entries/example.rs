@@ -1,5 +1,5 @@
 use super::GivenValue;
-use crate::elements::TimeFunction;
+use crate::elements::{NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A value of the example of an entry, in a frame that whoever uses it places.
@@ -18,6 +18,20 @@ pub enum ExampleValue {
     /// offset + amplitude sin(angular_frequency t + phase), in this order.
     Sine([f64; 4]),
 }
+
+/// Nodes, and the values of keys but the nodes.
+pub type Example = (&'static [NodeKind], &'static [(&'static str, ExampleValue)]);
+
+/// Two bodies.
+pub const TWO_BODIES: &[NodeKind] = &[NodeKind::Body, NodeKind::Body];
+/// A point of a joint in its example.
+pub const AT: (&str, ExampleValue) = ("point", ExampleValue::Point([0.3, -0.2, 0.5]));
+/// An axis of a joint or spring in its example.
+pub const ALONG: (&str, ExampleValue) = ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]));
+/// A normal of a joint in its example.
+pub const ACROSS: (&str, ExampleValue) = ("normal", ExampleValue::Direction([0.6, 0.0, 0.8]));
+/// Ends of a link or spring in its example.
+pub const FROM_TO: (&str, ExampleValue) = ("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]]));
 
 impl ExampleValue {
     /// The value with the frame at a place \[m\] and turned.

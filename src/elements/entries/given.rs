@@ -1,5 +1,4 @@
 use super::Placed;
-use crate::design::shortest;
 use crate::elements::{NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
@@ -57,8 +56,6 @@ pub struct Given<S> {
     mistakes: Vec<(Option<&'static str>, String)>,
 }
 
-/// Relative to the size of a place, how far from it a point may be that means it.
-const SAME_PLACE: f64 = 1e-9;
 /// How far a cosine may be from that of a right angle.
 const RIGHT_ANGLE: f64 = 1e-9;
 
@@ -140,6 +137,11 @@ impl<S: Scalar> Given<S> {
         instead
     }
 
+    /// What a key is without being given; a mistake where it has a value that is not `what`.
+    fn without<T>(&mut self, key: &'static str, what: &str, value: T) -> T {
+        if self.value(key).is_some() { self.missing(key, what, value) } else { value }
+    }
+
     /// A number.
     pub fn number(&mut self, key: &'static str) -> S {
         match self.value(key) {
@@ -168,13 +170,19 @@ impl<S: Scalar> Given<S> {
     }
 
     /// A whole number, 0 without the key.
-    pub fn count(&self, key: &str) -> usize {
-        if let Some(GivenValue::Count(own)) = self.value(key) { *own } else { 0 }
+    pub fn count(&mut self, key: &'static str) -> usize {
+        match self.value(key) {
+            Some(GivenValue::Count(own)) => *own,
+            _ => self.without(key, "a whole number", 0),
+        }
     }
 
     /// Axes of a frame, those of the world without the key.
-    pub fn rotation(&self, key: &str) -> Quaternion<S> {
-        if let Some(GivenValue::Rotation(own)) = self.value(key) { *own } else { Quaternion::identity() }
+    pub fn rotation(&mut self, key: &'static str) -> Quaternion<S> {
+        match self.value(key) {
+            Some(GivenValue::Rotation(own)) => *own,
+            _ => self.without(key, "axes of a frame", Quaternion::identity()),
+        }
     }
 
     /// A vector of the world.
@@ -203,7 +211,7 @@ impl<S: Scalar> Given<S> {
     pub fn point(&mut self, key: &'static str, node: usize) -> Vector3<S> {
         match self.value(key) {
             Some(GivenValue::Vector(own)) => self.on_node(key, node, *own),
-            _ => self.node(node).position(),
+            _ => self.without(key, "a vector", self.node(node).position()),
         }
     }
 
@@ -218,31 +226,24 @@ impl<S: Scalar> Given<S> {
                     [Vector3::zeros(); 2]
                 }
             },
-            _ => [0, 1].map(|node| self.node(node).position()),
+            _ => self.without(key, "two vectors", [0, 1].map(|node| self.node(node).position())),
         }
     }
 
-    /// A node without axes has no places but its own.
+    /// A world point that a key gives on a node.
     fn on_node(&mut self, key: &'static str, node: usize, point: Vector3<S>) -> Vector3<S> {
-        let own = self.node(node);
-        if own.kind.has_axes() || own.kind.in_space().is_none() {
-            return point;
-        }
-        let gap = (own.position() - point).length().value();
-        let size = own.position().length().value().max(point.length().value());
-        if gap > SAME_PLACE * size {
-            let (name, gap) = (self.name(node), shortest(gap));
-            let text = format!(
-                "this point lies {gap} m from \"{name}\", which has no axes and takes hold where it is: leave it out"
-            );
+        if let Err(text) = self.node(node).check_point(self.name(node), point) {
             self.wrong_key(key, text);
         }
         point
     }
 
     /// Whether a key says this word.
-    pub fn says(&self, key: &str, word: &str) -> bool {
-        matches!(self.value(key), Some(GivenValue::Word(own)) if own == word)
+    pub fn says(&mut self, key: &'static str, word: &str) -> bool {
+        match self.value(key) {
+            Some(GivenValue::Word(own)) => own == word,
+            _ => self.without(key, "a word", false),
+        }
     }
 
     /// The function of time of a motion, which has two derivatives, with its numbers.
@@ -274,6 +275,12 @@ impl<S: Scalar> Given<S> {
     /// Two unit vectors of a at right angles to a world axis, and the axis in b: what guides along or about an axis.
     pub fn guide(&self, axis: Vector3<S>) -> Vec<S> {
         [self.local_directions(0, axis.perpendiculars()), self.local_directions(1, [axis])].concat()
+    }
+
+    /// The key `point` in both frames, and what guides along or about the axis or normal of a key.
+    pub fn point_and_guide(&mut self, axis: &'static str) -> Vec<S> {
+        let (point, axis) = (self.point("point", 1), self.unit(axis));
+        [self.local_points([0, 1], [point; 2]), self.guide(axis)].concat()
     }
 
     /// Axis and zero mark in the frame of the first node and zero mark in that of the second, for an angle that is zero as they stand.

@@ -12,11 +12,10 @@ mod keys;
 mod part;
 mod placed;
 
-pub use example::ExampleValue;
+pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, TWO_BODIES};
 pub use functions::{FUNCTION, ORIENTATION};
 pub use given::{Given, GivenValue, Values};
 pub(crate) use given::{no_body, nowhere, unit};
-
 pub(crate) use keys::forms;
 pub use keys::{AXIS, BETWEEN, ENDS, Form, Forms, Key, NORMAL, POINT, Range, Type, may, need};
 pub(crate) use part::entries;

@@ -1,7 +1,7 @@
 use super::keys::{Form, Key};
-use super::{ExampleValue, Given, Values};
+use super::{Example, Given, Values};
 use crate::elements::forces::Soft;
-use crate::elements::{AnyConstraint, AnyElement, Constraint, Element, NodeKind};
+use crate::elements::{AnyConstraint, AnyElement, Constraint, Element};
 use crate::program::Recorded;
 use crate::scalar::{Complex64, Quaternion, Scalar, Tangents, Vector3};
 use std::any::{Any, type_name};
@@ -18,7 +18,7 @@ pub trait Entry: 'static {
     /// Its keys, that of its nodes first.
     const KEYS: &'static [Key];
     /// An example: nodes, and the values of its keys but the nodes.
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]);
+    const EXAMPLE: Example;
 
     /// The formula and its parameters, from the nodes where they stand and the values of the keys.
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self::Law, Vec<S>);
@@ -80,7 +80,7 @@ pub struct Part<L: ?Sized> {
     /// Name, sentence and keys.
     pub form: Form,
     /// Nodes and values of the example.
-    pub example: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]),
+    pub example: Example,
     make: fn(&mut dyn Any) -> Option<Box<dyn Any>>,
     erased: std::marker::PhantomData<fn() -> Box<L>>,
 }

@@ -1,5 +1,9 @@
+use crate::design::shortest;
 use crate::elements::{Frame, NodeKind};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+
+/// Relative to the size of a place, how far from it a point may be that means it.
+const SAME_PLACE: f64 = 1e-9;
 
 /// A node where it stands at the start.
 #[derive(Clone, Copy, Debug)]
@@ -44,5 +48,22 @@ impl<S: Scalar> Placed<'_, S> {
     /// The slope dr/dx of a cable's node [-].
     pub fn slope(self) -> Vector3<S> {
         Vector3::first_three(&self.q[3..])
+    }
+
+    /// A node without axes, here by its name, has no places but its own.
+    ///
+    /// # Errors
+    /// How far a world point \[m\] is from it.
+    pub fn check_point(self, name: &str, point: Vector3<S>) -> Result<(), String> {
+        if self.kind.has_axes() || self.kind.in_space().is_none() {
+            return Ok(());
+        }
+        let gap = (self.position() - point).length().value();
+        let size = self.position().length().value().max(point.length().value());
+        if gap <= SAME_PLACE * size {
+            return Ok(());
+        }
+        let gap = shortest(gap);
+        Err(format!("this point lies {gap} m from \"{name}\", which has no axes and takes hold where it is: leave it out"))
     }
 }

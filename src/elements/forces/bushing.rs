@@ -1,6 +1,8 @@
 use super::Soft;
 use super::soft::as_soft_joint;
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, ORIENTATION, POINT, Range, Type, may, need};
+use crate::elements::entries::{
+    AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, ORIENTATION, POINT, Range, TWO_BODIES, Type, may, need,
+};
 use crate::elements::joints::{POINTS, gap};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector};
@@ -99,10 +101,10 @@ impl Entry for Bushing {
         need("stiffness", Type::Numbers(&[6], "N/m, N m/rad", Range::AtLeastZero), "along and about x, y, z"),
         may("damping", Type::Numbers(&[6], "N s/m, N m s/rad", Range::AtLeastZero), "along and about x, y, z; 0"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
+    const EXAMPLE: Example = (
+        TWO_BODIES,
         &[
-            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
+            AT,
             ("stiffness", ExampleValue::Numbers(&[3.0, 5.0, 7.0, 2.0, 4.0, 6.0])),
             ("damping", ExampleValue::Numbers(&[3.0, 5.0, 7.0, 2.0, 4.0, 6.0])),
         ],

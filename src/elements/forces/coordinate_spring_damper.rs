@@ -1,4 +1,4 @@
-use crate::elements::entries::{Entry, ExampleValue, Given, Key, Range, Type, may, need};
+use crate::elements::entries::{Entry, Example, ExampleValue, Given, Key, Range, Type, may, need};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -47,7 +47,7 @@ impl Entry for CoordinateSpringDamper {
         may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
         may("rest_angle", Type::Number("rad", Range::Any), "angle without moment; 0"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+    const EXAMPLE: Example = (
         &[NodeKind::Coordinates(1)],
         &[
             ("stiffness", ExampleValue::Number(3.1)),

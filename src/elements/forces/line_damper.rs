@@ -1,4 +1,6 @@
-use crate::elements::entries::{BETWEEN, ENDS, Entry, ExampleValue, Given, Key, Range, Type, need};
+use crate::elements::entries::{
+    BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, need,
+};
 use crate::elements::joints::gap;
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -47,19 +49,26 @@ impl Element for LineDamper {
     }
 }
 
+pub(super) const DAMPER_KEYS: &[Key] =
+    &[BETWEEN, ENDS, need("damping", Type::Number("N s/m", Range::AtLeastZero), "damping")];
+pub(super) const DAMPER_EXAMPLE: Example = (TWO_BODIES, &[FROM_TO, ("damping", ExampleValue::Number(2.3))]);
+
+/// Kinds of both nodes, and the parameters of a damper between points of them.
+pub(super) fn held<S: Scalar>(given: &mut Given<S>) -> ([NodeKind; 2], Vec<S>) {
+    let ends = [given.in_space(0), given.in_space(1)];
+    let points = given.points("points");
+    (ends, [&[given.number("damping")][..], &given.local_points([0, 1], points)].concat())
+}
+
 impl Entry for LineDamper {
     type Law = Self;
     const NAME: &'static str = "line";
     const DOC: &'static str = "on the rate of the distance of two points";
-    const KEYS: &'static [Key] = &[BETWEEN, ENDS, need("damping", Type::Number("N s/m", Range::AtLeastZero), "damping")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]])), ("damping", ExampleValue::Number(2.3))],
-    );
+    const KEYS: &'static [Key] = DAMPER_KEYS;
+    const EXAMPLE: Example = DAMPER_EXAMPLE;
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = [given.in_space(0), given.in_space(1)];
-        let ends = given.points("points");
-        (LineDamper { a, b }, [&[given.number("damping")][..], &given.local_points([0, 1], ends)].concat())
+        let ([a, b], p) = held(given);
+        (LineDamper { a, b }, p)
     }
 }

@@ -1,4 +1,6 @@
-use crate::elements::entries::{BETWEEN, ENDS, Entry, ExampleValue, Given, Key, Range, Type, may, need};
+use crate::elements::entries::{
+    BETWEEN, ENDS, Entry, Example, ExampleValue, FROM_TO, Given, Key, Range, TWO_BODIES, Type, may, need,
+};
 use crate::elements::joints::gap;
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
@@ -52,14 +54,8 @@ impl Entry for LineSpring {
         need("stiffness", Type::Number("N/m", Range::AtLeastZero), "stiffness"),
         may("rest_length", Type::Number("m", Range::AtLeastZero), "length without force; the length at the start"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[
-            ("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]])),
-            ("stiffness", ExampleValue::Number(5.0)),
-            ("rest_length", ExampleValue::Number(0.7)),
-        ],
-    );
+    const EXAMPLE: Example =
+        (TWO_BODIES, &[FROM_TO, ("stiffness", ExampleValue::Number(5.0)), ("rest_length", ExampleValue::Number(0.7))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = [given.in_space(0), given.in_space(1)];

@@ -1,6 +1,8 @@
 use super::Soft;
 use super::soft::as_soft_joint;
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT, Range, Type, may, need};
+use crate::elements::entries::{
+    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, may, need,
+};
 use crate::elements::joints::{POINTS, components, gap, vectors};
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
@@ -69,12 +71,12 @@ impl Entry for SlideSpringDamper {
         may("damping", Type::Number("N s/m", Range::AtLeastZero), "damping; 0"),
         may("rest_displacement", Type::Number("m", Range::Any), "displacement without force; 0"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
+    const EXAMPLE: Example = (
+        TWO_BODIES,
         &[
             ("origin", ExampleValue::Point([0.1, 0.2, -0.3])),
             ("point", ExampleValue::Point([0.8, -0.4, 0.5])),
-            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ALONG,
             ("stiffness", ExampleValue::Number(3.1)),
             ("damping", ExampleValue::Number(0.7)),
             ("rest_displacement", ExampleValue::Number(0.2)),

@@ -1,4 +1,6 @@
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, Range, Type, may, need};
+use crate::elements::entries::{
+    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, TWO_BODIES, Type, may, need,
+};
 use crate::elements::{Element, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, angle_about};
 
@@ -65,10 +67,10 @@ impl Entry for TorsionSpringDamper {
         may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
         may("rest_angle", Type::Number("rad", Range::Any), "angle without moment, zero as they stand; 0"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
+    const EXAMPLE: Example = (
+        TWO_BODIES,
         &[
-            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ALONG,
             ("stiffness", ExampleValue::Number(3.1)),
             ("damping", ExampleValue::Number(0.7)),
             ("rest_angle", ExampleValue::Number(0.2)),

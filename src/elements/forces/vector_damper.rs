@@ -1,5 +1,5 @@
-use super::line_damper::{DAMPER_PARAMETERS, between};
-use crate::elements::entries::{BETWEEN, ENDS, Entry, ExampleValue, Given, Key, Range, Type, need};
+use super::line_damper::{DAMPER_EXAMPLE, DAMPER_KEYS, DAMPER_PARAMETERS, between, held};
+use crate::elements::entries::{Entry, Example, Given, Key};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -39,15 +39,11 @@ impl Entry for VectorDamper {
     type Law = Self;
     const NAME: &'static str = "vector";
     const DOC: &'static str = "on the whole relative velocity of two points";
-    const KEYS: &'static [Key] = &[BETWEEN, ENDS, need("damping", Type::Number("N s/m", Range::AtLeastZero), "damping")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]])), ("damping", ExampleValue::Number(2.3))],
-    );
+    const KEYS: &'static [Key] = DAMPER_KEYS;
+    const EXAMPLE: Example = DAMPER_EXAMPLE;
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let [a, b] = [given.in_space(0), given.in_space(1)];
-        let ends = given.points("points");
-        (VectorDamper { a, b }, [&[given.number("damping")][..], &given.local_points([0, 1], ends)].concat())
+        let ([a, b], p) = held(given);
+        (VectorDamper { a, b }, p)
     }
 }

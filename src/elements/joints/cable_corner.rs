@@ -1,4 +1,4 @@
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key};
+use crate::elements::entries::{BETWEEN, Entry, Example, Given, Key};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -38,8 +38,7 @@ impl Entry for CableCorner {
     const NAME: &'static str = "cable_corner";
     const DOC: &'static str = "nodes of two cables welded to each other";
     const KEYS: &'static [Key] = &[BETWEEN];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Slope, NodeKind::Slope], &[]);
+    const EXAMPLE: Example = (&[NodeKind::Slope, NodeKind::Slope], &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let name = given.owner();

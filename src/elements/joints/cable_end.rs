@@ -1,5 +1,5 @@
 use super::{components, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, Type, may};
+use crate::elements::entries::{AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, Type, may};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -96,8 +96,7 @@ impl Entry for CableWeld {
         BETWEEN,
         may("holds", Type::Choice(&["direction", "vector"]), "the direction of its slope, or its stretch, too; direction"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Body, NodeKind::Slope], &[]);
+    const EXAMPLE: Example = (&[NodeKind::Body, NodeKind::Slope], &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (CableEnd, Vec<S>) {
         let (a, slope) = ends(given);
@@ -116,8 +115,7 @@ impl Entry for CableHinge {
     const NAME: &'static str = "cable_hinge";
     const DOC: &'static str = "b, a cable's node, on a hinge of body a";
     const KEYS: &'static [Key] = &[BETWEEN, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Body, NodeKind::Slope], &[("axis", ExampleValue::Direction([0.0, 1.0, 0.0]))]);
+    const EXAMPLE: Example = (&[NodeKind::Body, NodeKind::Slope], &[("axis", ExampleValue::Direction([0.0, 1.0, 0.0]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (CableEnd, Vec<S>) {
         let axis = given.unit("axis");

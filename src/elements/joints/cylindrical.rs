@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT};
+use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -39,14 +39,10 @@ impl Entry for CylindricalJoint {
     const NAME: &'static str = "cylindrical";
     const DOC: &'static str = "b slides along and turns about an axis";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]))],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();
-        let (point, axis) = (given.point("point", 1), given.unit("axis"));
-        (CylindricalJoint { a, b }, [given.local_points([0, 1], [point; 2]), given.guide(axis)].concat())
+        (CylindricalJoint { a, b }, given.point_and_guide("axis"))
     }
 }

@@ -1,5 +1,5 @@
 use super::{POINTS, gap};
-use crate::elements::entries::{BETWEEN, ENDS, Entry, ExampleValue, Given, Key};
+use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -37,8 +37,7 @@ impl Entry for DistanceJoint {
     const NAME: &'static str = "distance";
     const DOC: &'static str = "a massless link between points";
     const KEYS: &'static [Key] = &[BETWEEN, ENDS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Body, NodeKind::Body], &[("points", ExampleValue::Points(&[[0.1, 0.2, -0.3], [0.8, -0.4, 0.5]]))]);
+    const EXAMPLE: Example = (TWO_BODIES, &[FROM_TO]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = [given.in_space(0), given.in_space(1)];

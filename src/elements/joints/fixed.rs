@@ -1,5 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, gap, remaining_rotation};
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, POINT};
+use crate::elements::entries::{AT, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -37,8 +37,7 @@ impl Entry for FixedJoint {
     const NAME: &'static str = "fixed";
     const DOC: &'static str = "two bodies welded together";
     const KEYS: &'static [Key] = &[BETWEEN, POINT];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Body, NodeKind::Body], &[("point", ExampleValue::Point([0.3, -0.2, 0.5]))]);
+    const EXAMPLE: Example = (TWO_BODIES, &[AT]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();

@@ -1,4 +1,4 @@
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, Placed, Range, Type, need};
+use crate::elements::entries::{BETWEEN, Entry, Example, ExampleValue, Given, Key, Placed, Range, Type, need};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -35,7 +35,7 @@ impl Entry for GearJoint {
     const DOC: &'static str = "gears on two joint angles";
     const KEYS: &'static [Key] =
         &[BETWEEN, need("radii", Type::Numbers(&[2], "m", Range::Any), "pitch radii; of one sign for external gears")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
+    const EXAMPLE: Example =
         (&[NodeKind::Coordinates(1), NodeKind::Coordinates(1)], &[("radii", ExampleValue::Numbers(&[0.5, -0.2]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

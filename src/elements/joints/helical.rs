@@ -1,5 +1,7 @@
 use super::{POINTS, angle_beyond, components, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT, Range, Type, need};
+use crate::elements::entries::{
+    ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, Range, TWO_BODIES, Type, need,
+};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
@@ -54,14 +56,7 @@ impl Entry for HelicalJoint {
         AXIS,
         need("pitch", Type::Number("m", Range::Any), "advance with each turn; negative for a left-handed thread"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[
-            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
-            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
-            ("pitch", ExampleValue::Number(0.8)),
-        ],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG, ("pitch", ExampleValue::Number(0.8))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();

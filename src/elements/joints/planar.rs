@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, NORMAL, POINT};
+use crate::elements::entries::{ACROSS, AT, BETWEEN, Entry, Example, Given, Key, NORMAL, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -40,14 +40,10 @@ impl Entry for PlanarJoint {
     const NAME: &'static str = "planar";
     const DOC: &'static str = "b slides on a plane and turns about its normal";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, NORMAL];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("normal", ExampleValue::Direction([0.6, 0.0, 0.8]))],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ACROSS]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();
-        let (point, normal) = (given.point("point", 1), given.unit("normal"));
-        (PlanarJoint { a, b }, [given.local_points([0, 1], [point; 2]), given.guide(normal)].concat())
+        (PlanarJoint { a, b }, given.point_and_guide("normal"))
     }
 }

@@ -1,5 +1,5 @@
 use super::{POINTS, components, gap, vectors};
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, NORMAL, POINT};
+use crate::elements::entries::{ACROSS, AT, BETWEEN, Entry, Example, Given, Key, NORMAL, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -35,10 +35,7 @@ impl Entry for PointInPlane {
     const NAME: &'static str = "point_in_plane";
     const DOC: &'static str = "a point of b in a plane of a";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, NORMAL];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("normal", ExampleValue::Direction([0.6, 0.0, 0.8]))],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ACROSS]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.body_and_guided();

@@ -1,5 +1,7 @@
 use super::{ANGLE, angle_between};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, FUNCTION, Given, Key, Type, need};
+use crate::elements::entries::{
+    ALONG, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, TWO_BODIES, Type, need,
+};
 use crate::elements::{Constraint, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -47,10 +49,7 @@ impl Entry for PrescribedRotation {
     const NAME: &'static str = "rotation";
     const DOC: &'static str = "the angle of b against a about an axis, zero as they stand";
     const KEYS: &'static [Key] = &[BETWEEN, AXIS, need("angle", Type::Function("rad", &FUNCTION), "angle over time")];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("axis", ExampleValue::Direction([0.6, 0.0, 0.8])), ("angle", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]))],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG, ("angle", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0]))]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let (angle, numbers) = given.motion("angle");

@@ -1,5 +1,7 @@
 use super::{POINTS, gap, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, FUNCTION, Given, Key, POINT, Type, may, need};
+use crate::elements::entries::{
+    ALONG, AT, AXIS, BETWEEN, Entry, Example, ExampleValue, FUNCTION, Given, Key, POINT, TWO_BODIES, Type, may, need,
+};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter, TimeFunction};
 use crate::scalar::Scalar;
 
@@ -52,12 +54,12 @@ impl Entry for PrescribedTranslation {
         POINT,
         need("displacement", Type::Function("m", &FUNCTION), "displacement over time"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
+    const EXAMPLE: Example = (
+        TWO_BODIES,
         &[
-            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
+            ALONG,
             ("origin", ExampleValue::Point([0.3, -0.2, 0.5])),
-            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
+            AT,
             ("displacement", ExampleValue::Sine([0.0, 0.3, 2.0, 0.0])),
         ],
     );

@@ -1,5 +1,5 @@
 use super::{POINTS, RELATIVE_ROTATION, components, remaining_rotation, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT};
+use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -40,10 +40,7 @@ impl Entry for PrismaticJoint {
     const NAME: &'static str = "prismatic";
     const DOC: &'static str = "b slides along an axis without turning";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]))],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();

@@ -1,5 +1,5 @@
 use super::{ANGLE, POINTS, angle_between, vectors};
-use crate::elements::entries::{AXIS, Entry, ExampleValue, Given, Key, Type, need};
+use crate::elements::entries::{ALONG, AXIS, Entry, Example, ExampleValue, Given, Key, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -52,13 +52,9 @@ impl Entry for RackAndPinion {
         need("contact", Type::Vector("m"), "where the pitch circle touches the rack"),
         AXIS,
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
+    const EXAMPLE: Example = (
         &[NodeKind::Body, NodeKind::Body, NodeKind::Body],
-        &[
-            ("centre", ExampleValue::Point([0.0, 0.0, 0.0])),
-            ("contact", ExampleValue::Point([0.24, 0.0, -0.18])),
-            ("axis", ExampleValue::Direction([0.6, 0.0, 0.8])),
-        ],
+        &[("centre", ExampleValue::Point([0.0, 0.0, 0.0])), ("contact", ExampleValue::Point([0.24, 0.0, -0.18])), ALONG],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

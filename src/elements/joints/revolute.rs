@@ -1,5 +1,5 @@
 use super::{POINTS, vectors};
-use crate::elements::entries::{AXIS, BETWEEN, Entry, ExampleValue, Given, Key, POINT};
+use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -41,14 +41,10 @@ impl Entry for RevoluteJoint {
     const NAME: &'static str = "revolute";
     const DOC: &'static str = "a common point and axis";
     const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[("point", ExampleValue::Point([0.3, -0.2, 0.5])), ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]))],
-    );
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.bodies();
-        let (point, axis) = (given.point("point", 1), given.unit("axis"));
-        (RevoluteJoint { a, b }, [given.local_points([0, 1], [point; 2]), given.guide(axis)].concat())
+        (RevoluteJoint { a, b }, given.point_and_guide("axis"))
     }
 }

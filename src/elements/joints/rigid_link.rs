@@ -1,5 +1,5 @@
 use super::{RELATIVE_ROTATION, remaining_rotation};
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key};
+use crate::elements::entries::{BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 
@@ -47,7 +47,7 @@ impl Entry for RigidLink {
     const NAME: &'static str = "rigid_link";
     const DOC: &'static str = "b carried along by a as it stands";
     const KEYS: &'static [Key] = &[BETWEEN];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (&[NodeKind::Body, NodeKind::Body], &[]);
+    const EXAMPLE: Example = (TWO_BODIES, &[]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = given.body_and_guided();

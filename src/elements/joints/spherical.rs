@@ -1,5 +1,5 @@
 use super::{POINTS, gap};
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, POINT};
+use crate::elements::entries::{AT, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::{Constraint, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -31,8 +31,7 @@ impl Entry for SphericalJoint {
     const NAME: &'static str = "spherical";
     const DOC: &'static str = "a common point";
     const KEYS: &'static [Key] = &[BETWEEN, POINT];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) =
-        (&[NodeKind::Body, NodeKind::Body], &[("point", ExampleValue::Point([0.3, -0.2, 0.5]))]);
+    const EXAMPLE: Example = (TWO_BODIES, &[AT]);
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
         let [a, b] = [given.in_space(0), given.in_space(1)];

@@ -1,5 +1,5 @@
 use super::{POINTS, components, vectors};
-use crate::elements::entries::{BETWEEN, Entry, ExampleValue, Given, Key, POINT, Type, need};
+use crate::elements::entries::{AT, BETWEEN, Entry, Example, ExampleValue, Given, Key, POINT, TWO_BODIES, Type, need};
 use crate::elements::{Constraint, Frame, NodeKind, Parameter};
 use crate::scalar::{Scalar, SpatialVector};
 
@@ -44,13 +44,9 @@ impl Entry for UniversalJoint {
         need("pin_a", Type::Vector("-"), "pin in a, at right angles to the other"),
         need("pin_b", Type::Vector("-"), "pin in b"),
     ];
-    const EXAMPLE: (&'static [NodeKind], &'static [(&'static str, ExampleValue)]) = (
-        &[NodeKind::Body, NodeKind::Body],
-        &[
-            ("point", ExampleValue::Point([0.3, -0.2, 0.5])),
-            ("pin_a", ExampleValue::Direction([0.6, 0.0, 0.8])),
-            ("pin_b", ExampleValue::Direction([0.8, 0.0, -0.6])),
-        ],
+    const EXAMPLE: Example = (
+        TWO_BODIES,
+        &[AT, ("pin_a", ExampleValue::Direction([0.6, 0.0, 0.8])), ("pin_b", ExampleValue::Direction([0.8, 0.0, -0.6]))],
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {

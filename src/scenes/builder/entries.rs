@@ -66,8 +66,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         })
     }
 
+    /// Keeps mistakes with those of the whole mechanism.
     pub(in crate::scenes) fn tell(&mut self, name: &str, wrong: Vec<Wrong>) {
-        let text = |(key, text): Wrong| key.map_or(text.clone(), |key| format!("\"{name}\", {key}: {text}"));
-        self.mistakes.extend(wrong.into_iter().map(text));
+        self.mistakes.extend(wrong.into_iter().map(|(key, text)| match key {
+            Some(key) => format!("\"{name}\", {key}: {text}"),
+            None => text,
+        }));
     }
 }

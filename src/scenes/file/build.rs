@@ -10,11 +10,10 @@ use super::known::{Found, Known, Made, count, fixed, frame, list, text};
 use super::mistake::Mistake;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
-use crate::design::shortest;
 use crate::elements::flexible::Material;
 use crate::elements::forces::{DAMPERS, LoadFrame, SPRINGS};
 use crate::elements::joints;
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, Vector3};
 use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Torque};
 
 pub(super) type Builder<S> = MechanismBuilder<S>;
@@ -174,19 +173,7 @@ pub(super) fn place<S: Scalar>(
 
 /// A node without axes has no places but its own.
 fn check_place<S: Scalar>(at: usize, node: NodeId, point: Vector3<S>, m: &Builder<S>) -> Found<()> {
-    let Some(own) = m.model.find_node(node).filter(|own| !own.kind.has_axes() && own.kind.in_space().is_some()) else {
-        return Ok(());
-    };
-    let gap = (m.position(node) - point).length().value();
-    let size = m.position(node).length().value().max(point.length().value());
-    if gap <= 1e-9 * size {
-        return Ok(());
-    }
-    let (name, gap) = (&own.name, shortest(gap));
-    Err(Mistake::new(
-        at,
-        format!("this point lies {gap} m from \"{name}\", which has no axes and takes hold where it is: leave it out"),
-    ))
+    m.check_point(node, point).map_err(|why| Mistake::new(at, why))
 }
 
 fn load<S: Scalar>(known: &Known<S>, item: &Item, m: &mut Builder<S>) -> Found<Made<S>> {
