@@ -25,25 +25,25 @@ pub enum Physics {
 
 /// What is measured.
 pub struct Item {
-    pub name: &'static str,
+    pub name: String,
     pub nodes: &'static [NodeKind],
     pub physics: Box<dyn Fn() -> Physics>,
 }
 
 fn element<T: Into<Box<dyn AnyElement>>>(
-    name: &'static str,
+    name: impl Into<String>,
     nodes: &'static [NodeKind],
     own: impl Fn() -> T + 'static,
 ) -> Item {
-    Item { name, nodes, physics: Box::new(move || Physics::Element(own().into())) }
+    Item { name: name.into(), nodes, physics: Box::new(move || Physics::Element(own().into())) }
 }
 
 fn constraint<T: Into<Box<dyn AnyConstraint>>>(
-    name: &'static str,
+    name: impl Into<String>,
     nodes: &'static [NodeKind],
     own: impl Fn() -> T + 'static,
 ) -> Item {
-    Item { name, nodes, physics: Box::new(move || Physics::Constraint(own().into())) }
+    Item { name: name.into(), nodes, physics: Box::new(move || Physics::Constraint(own().into())) }
 }
 
 const BODIES: &[NodeKind] = &[Body, Body];
@@ -125,15 +125,23 @@ struct Entries(Vec<Item>);
 
 impl JointVisitor for Entries {
     fn visit<J: Entry<Law: Constraint>>(&mut self) {
-        self.0.push(constraint(J::NAME, J::EXAMPLE.0, || -> Box<dyn AnyConstraint> { Box::new(example::<J>()) }));
+        let driven = if Constraint::is_driver(&example::<J>()) { "driven " } else { "" };
+        let name = format!("{driven}{}", J::NAME.replace('_', " "));
+        self.0.push(constraint(name, J::EXAMPLE.0, || -> Box<dyn AnyConstraint> { Box::new(example::<J>()) }));
     }
 }
 
 impl SpringVisitor for Entries {
     fn visit<E: Entry<Law: Element>>(&mut self) {
-        self.0.push(element(E::NAME, E::EXAMPLE.0, || -> Box<dyn AnyElement> { Box::new(example::<E>()) }));
+        // springs and dampers of one name are told apart by their types
+        let path = std::any::type_name::<E::Law>();
+        let of_type = path.rsplit("::").next().unwrap_or(path);
+        let word = |c: char| if c.is_uppercase() { format!(" {}", c.to_lowercase()) } else { c.into() };
+        let name: String = of_type.chars().map(word).collect();
+        self.0.push(element(name.trim_start(), E::EXAMPLE.0, || -> Box<dyn AnyElement> { Box::new(example::<E>()) }));
     }
 }
+
 /// The formula that the example of an entry makes.
 fn example<E: Entry>() -> E::Law {
     let (nodes, example) = E::EXAMPLE;
@@ -174,6 +182,16 @@ pub fn all() -> Vec<Item> {
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn no_two_items_have_one_name() {
+        let items = super::all();
+        let mut names: Vec<&str> = items.iter().map(|item| &*item.name).collect();
+        names.sort_unstable();
+        let count = names.len();
+        names.dedup();
+        assert_eq!(names.len(), count, "{names:?}");
+    }
+
     #[test]
     fn every_element_and_constraint_of_the_library_is_measured() {
         let list = include_str!("items.rs");
