@@ -97,11 +97,6 @@ impl ShellSubject {
             }
             _ => m.shell("shell", mesh, &Material { young, poisson, density }, S::from(0.1)),
         };
-        // the inertia against drilling is tiny and the nodes start drilled: as soft as this, steps resolve it
-        let elements = m.model.elements.iter().filter(|element| element.name.starts_with("shell, "));
-        for (element, (kind, _)) in elements.zip(shell.faces()) {
-            m.numbers.p[element.parameters.start + kind.drilling()] = S::from(1e-3);
-        }
         if let ShellSubject::Pressure(frame, size) = self {
             m.pressure("pressure", &shell, *frame, Signal::of(size.clone(), function));
         }
