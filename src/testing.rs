@@ -1,9 +1,10 @@
-//! Checks for elements and constraints of anybody's own, which the library's pass too.
+//! Checks for elements, constraints and quantities of anybody's own, which the library's pass too.
 //!
 //! What is derived from a recording is held against the formula itself, evaluated with num-dual's numbers and by complex steps:
 //!
 //! * the residual of an element against d/dt (dT/dv) - dT/dq + dV/dq + (de/dq)^T (dW/de + s) - Q, or as it is written
 //! * motion, reaction and curvature of a constraint against second-order numbers along the path
+//! * value and gradient of a quantity, of its rates along the motion, too
 //! * the matrices of Newton's method and the products of the adjoint, in models of several elements at once
 //!
 //! ```
@@ -38,6 +39,7 @@ use crate::elements::{
     AnyConstraint, AnyElement, Constraint, ConstraintPhysics, Element, ElementPhysics, NodeKind, Nonholonomic,
     NonholonomicConstraint, Parameter, State, StressFormulas, dofs_of,
 };
+use crate::functionals::{AnyQuantity, Quantity};
 use crate::program::{Formula, ProgramWork, Recorded, record};
 use crate::scalar::{COMPLEX_STEP, Complex64, Scalar};
 use num_dual::{Dual2_64, Dual64, HyperDual64};
@@ -404,6 +406,50 @@ pub fn check_nonholonomic<C: NonholonomicConstraint>(
         },
     };
     check_equation(constraint, &h, samples)
+}
+
+/// Holds the program of a quantity and its gradient against its formula in other numbers, at some states; it sees so many multipliers.
+///
+/// # Errors
+/// A formula that cannot be recorded, or the first disagreement: what, where, and both numbers.
+pub fn check_quantity<Q: Quantity>(quantity: &Q, multipliers: usize, samples: &[Sample]) -> Result<(), String> {
+    let counts = [quantity.dofs(), multipliers, quantity.parameters().len()];
+    check_sizes(samples, counts[0], counts[2])?;
+    let formula = quantity.record(multipliers)?;
+    for (index, Sample { a, v, q, p, t }) in samples.iter().enumerate() {
+        let mu: Vec<f64> = (0..multipliers).map(|row| (1.3 * row as f64 + index as f64 + 0.4).sin()).collect();
+        let x = [&a[..], v, q, &mu, p, &[*t]].concat();
+        let mut value = [0.0];
+        formula.values().run(&x, &mut value, &mut ProgramWork::default());
+        let program = formula.gradient(&[0]);
+        let mut entries = vec![0.0; program.labels().len()];
+        program.run(&x, &mut entries, &mut ProgramWork::default());
+        let mut gradient = vec![0.0; x.len()];
+        program.labels().iter().zip(&entries).for_each(|(&label, &entry)| gradient[label as usize] = entry);
+        let exact: Vec<Dual64> = (0..x.len()).map(|place| measured(quantity, counts, &seeded(&x, place))).collect();
+        agree("value", &value, &[exact[0].re], 0.0)?;
+        agree("gradient by (a, v, q, mu, p, t)", &gradient, &exact.iter().map(|own| own.eps).collect::<Vec<f64>>(), 1.0)?;
+    }
+    Ok(())
+}
+
+/// The value of a quantity for (a, v, q, mu, p, t), of which one moves.
+fn measured<Q: Quantity>(quantity: &Q, [n, multipliers, m]: [usize; 3], x: &[Dual64]) -> Dual64 {
+    let ((state, rest), count) = (x.split_at(3 * n), quantity.rated_count());
+    let ((mu, rest), (a, velocities)) = (rest.split_at(multipliers), state.split_at(n));
+    let ((p, t), (v, q)) = (rest.split_at(m), velocities.split_at(n));
+    if count == 0 {
+        return quantity.value(State { a, v, q }, mu, p, t[0]);
+    }
+    // its first infinitesimal is the motion, its second one what moves of x
+    let along = |x: Dual64, rate: Dual64| HyperDual64::new(x.re, rate.re, x.eps, rate.eps);
+    let q: Vec<HyperDual64> = q.iter().zip(v).map(|(&q, &v)| along(q, v)).collect();
+    let still: Vec<HyperDual64> = p.iter().map(|&p| along(p, Dual64::from(0.0))).collect();
+    let mut e = vec![HyperDual64::from(0.0); count];
+    quantity.rated(&q, &still, along(t[0], Dual64::from(1.0)), &mut e);
+    let numbers: Vec<Dual64> = e.iter().map(|e| Dual64::new(e.re, e.eps2)).collect();
+    let rates: Vec<Dual64> = e.iter().map(|e| Dual64::new(e.eps1, e.eps1eps2)).collect();
+    quantity.value_with_rates(&numbers, &rates, p)
 }
 
 /// g or h of (v, q, p, t) in a number type.

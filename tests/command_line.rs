@@ -1,5 +1,6 @@
 //! The program as its users meet it: exit codes, messages, files, JSON.
 
+use costate::scenes::file::OwnParts;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -421,7 +422,7 @@ fn a_list_has_a_line_for_each_scene_and_of_one_scene_all_it_needs() {
 fn the_list_of_parts_has_all_types_of_the_sections_that_it_names() {
     let folder = Folder::new("parts");
     let parts = json(&folder.run(&["list", "--parts", "--json"]));
-    let schema = costate::scenes::file::schema(&[]);
+    let schema = costate::scenes::file::schema(&OwnParts::default());
     for section in ["joint", "driver", "spring", "damper"] {
         let of = |part: &&serde_json::Value| part["section"] == section;
         let listed: Vec<&str> =

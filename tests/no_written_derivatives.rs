@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// All methods of the contracts: formulas, and how many numbers they have. Another method is another promise of an author: it belongs here
 /// only if it cannot be read off the recording.
-const CONTRACTS: [(&str, &str, &str); 8] = [
+const CONTRACTS: [(&str, &str, &str); 9] = [
     (
         "elements/element.rs",
         "Element",
@@ -19,9 +19,10 @@ const CONTRACTS: [(&str, &str, &str); 8] = [
          dissipation_together mass breakpoints",
     ),
     ("elements/constraint.rs", "Constraint", "nodes equations parameters g is_driver breakpoints"),
+    ("elements/characteristic.rs", "ForceLaw", "parameters value"),
     ("elements/time_formula.rs", "TimeFormula", "parameters value breakpoints"),
     ("elements/nonholonomic.rs", "NonholonomicConstraint", "nodes parameters h breakpoints"),
-    ("functionals/quantity.rs", "Quantity", "dofs parameters value rated_count rated value_with_rates"),
+    ("functionals/quantity.rs", "Quantity", "dofs unit parameters value rated_count rated value_with_rates"),
     ("functionals/point_quantity.rs", "PointQuantity", "parameters is_of at_points"),
     ("functionals/shell_quantity.rs", "ShellQuantity", "parameters is_of at_points"),
 ];

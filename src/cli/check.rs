@@ -2,9 +2,9 @@ use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
 use super::options::{located, named};
-use crate::elements::entries::JointPart;
 use crate::integrators::RunError;
 use crate::scenes::Prepared;
+use crate::scenes::file::OwnParts;
 use clap::Args;
 use serde_json::json;
 
@@ -56,8 +56,8 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
 }
 
 /// `costate schema`: the JSON schema of scene files.
-pub fn schema(joints: &[JointPart]) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(&crate::scenes::file::schema(joints));
+pub fn schema(parts: &OwnParts) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(&crate::scenes::file::schema(parts));
     say(text.map_err(|error| Failure::run(format!("the schema cannot be written: {error}")))?);
     Ok(())
 }

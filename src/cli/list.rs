@@ -3,11 +3,8 @@ use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::options::located;
 use crate::design::DesignVariable;
-use crate::elements::entries::{JointPart, Key, SpringPart};
-use crate::elements::forces::{DAMPERS, SPRINGS};
-use crate::elements::joints::{DRIVERS, JOINTS};
+use crate::elements::entries::Key;
 use crate::io::Table;
-use crate::scenes::file::ROLLING;
 use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
 use serde_json::{Value, json};
@@ -17,7 +14,7 @@ use serde_json::{Value, json};
 pub struct ListOptions {
     /// Name of a scene, or path of a scene file (.toml): lists its design variables and functionals
     scene: Option<String>,
-    /// Lists the joints, drivers, springs and dampers that scene files may have, with their keys
+    /// Lists the joints, drivers, springs, dampers and functionals that scene files may have, with their keys
     #[arg(long, conflicts_with = "scene")]
     parts: bool,
     /// Print one JSON object on the last line of stdout
@@ -40,17 +37,11 @@ pub fn run(options: &ListOptions, program: &CommandLine) -> Result<(), Failure> 
     }
 }
 
-/// Joints, drivers, springs and dampers by their entries.
+/// Joints, drivers, springs, dampers and functionals by their entries.
 fn parts(program: &CommandLine, json: bool) {
     let mut table = Table::new(&["part", "section", "what it is", "keys; optional ones in brackets"]);
     let mut list = Vec::new();
-    let joints = |section, parts: &[JointPart]| parts.iter().map(move |part| (section, part.form)).collect::<Vec<_>>();
-    let springs = |section, parts: &[SpringPart]| parts.iter().map(move |part| (section, part.form)).collect::<Vec<_>>();
-    let of_library =
-        [joints("joint", JOINTS), joints("driver", DRIVERS), springs("spring", SPRINGS), springs("damper", DAMPERS)];
-    let rolling = ROLLING.forms.iter().map(|form| ("joint", *form));
-    let of_user = joints("joint", &program.joints);
-    for (section, form) in of_library.concat().into_iter().chain(rolling).chain(of_user) {
+    for (section, form) in program.parts.listed() {
         let key = |key: &Key| if key.is_needed { key.name.to_string() } else { format!("[{}]", key.name) };
         let keys = form.keys.iter().map(key).collect::<Vec<_>>().join(" ");
         table.row([form.name.into(), section.into(), form.doc.into(), keys.into()]);

@@ -64,9 +64,8 @@ mod verify;
 pub use study::{Figure, Form, Report, Study};
 
 use crate::design::repeated;
-use crate::elements::entries::JointPart;
-use crate::elements::joints::{DRIVERS, JOINTS};
 use crate::scenes::AnyScene;
+use crate::scenes::file::OwnParts;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 use std::path::Path;
@@ -157,7 +156,7 @@ pub struct CommandLine<'p> {
     name: String,
     scenes: Vec<&'p dyn AnyScene>,
     studies: Vec<&'p dyn Study>,
-    joints: Vec<JointPart>,
+    parts: OwnParts,
 }
 
 impl<'p> CommandLine<'p> {
@@ -165,7 +164,7 @@ impl<'p> CommandLine<'p> {
     pub fn new(scenes: impl IntoIterator<Item = &'p dyn AnyScene>) -> Self {
         let called = std::env::args_os().next();
         let name = called.as_ref().and_then(|path| Path::new(path).file_stem()?.to_str()).unwrap_or("costate").into();
-        CommandLine { name, scenes: scenes.into_iter().collect(), studies: Vec::new(), joints: Vec::new() }
+        CommandLine { name, scenes: scenes.into_iter().collect(), studies: Vec::new(), parts: OwnParts::default() }
     }
 
     /// With studies that `verify` measures.
@@ -175,10 +174,10 @@ impl<'p> CommandLine<'p> {
         self
     }
 
-    /// With joints of one's own, which scene files may have by their names.
+    /// With parts of one's own, which scene files may have by their names.
     #[must_use]
-    pub fn with_joints(mut self, joints: impl IntoIterator<Item = JointPart>) -> Self {
-        self.joints.extend(joints);
+    pub fn with_parts(mut self, parts: OwnParts) -> Self {
+        self.parts = parts;
         self
     }
 
@@ -214,11 +213,7 @@ impl<'p> CommandLine<'p> {
         if let Some(name) = repeated(names.iter().map(String::as_str)) {
             return Err(Failure::input(format!("two scenes of this program are named \"{name}\"")));
         }
-        let joints = JOINTS.iter().chain(DRIVERS).chain(&self.joints);
-        match repeated(joints.map(|joint| joint.form.name)) {
-            Some(name) => Err(Failure::input(format!("two joints of this program are named \"{name}\""))),
-            None => Ok(()),
-        }
+        self.parts.check().map_err(Failure::input)
     }
 
     fn run(&self, command: &Command) -> Result<(), Failure> {
@@ -231,7 +226,7 @@ impl<'p> CommandLine<'p> {
             Command::Verify(options) => verify::run(options, self),
             Command::Check(options) => check::run(options, self),
             Command::New(options) => new::run(options, self),
-            Command::Schema => check::schema(&self.joints),
+            Command::Schema => check::schema(&self.parts),
             Command::List(options) => list::run(options, self),
             Command::Completions(options) => manual::complete(options, self),
             Command::Man(options) => manual::write(options, self),

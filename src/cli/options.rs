@@ -129,7 +129,7 @@ impl<'p> CommandLine<'p> {
         let found = self.scenes.iter().find(|scene| scene.name() == name);
         if is_path(name) || found.is_none() && Path::new(name).is_file() {
             return Ok(FoundScene::File(Box::new(
-                FileScene::read_with(Path::new(name), &self.joints).map_err(Failure::input)?,
+                FileScene::read_with(Path::new(name), &self.parts).map_err(Failure::input)?,
             )));
         }
         found

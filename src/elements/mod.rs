@@ -8,6 +8,7 @@
 //! Sign: the residual is inertia + internal - applied = 0; a constraint adds A^T mu with A = dg/dq, so the force of the
 //! constraint on the bodies is -A^T mu.
 
+mod characteristic;
 mod constraint;
 mod dyn_layer;
 mod element;
@@ -26,6 +27,7 @@ pub mod flexible;
 pub mod forces;
 pub mod joints;
 
+pub use characteristic::{Characteristic, ForceLaw};
 pub use constraint::Constraint;
 pub use dyn_layer::{
     AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, FormulaWork, RunScalar, StressFormulas, motion_derivatives,

@@ -31,7 +31,7 @@ pub use load::{JointLoad, LoadKind, joint_force_and_moment};
 pub use measured_group::{Argument, GroupFormula, MeasuredGroup};
 pub use over::{Over, Times};
 pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};
-pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity};
+pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity, QuantityPart, QuantityVisitor};
 pub use reactions::least_multipliers;
 pub(crate) use reactions::multipliers_without_forces;
 pub use shell_quantity::{OfShells, ShellQuantity};

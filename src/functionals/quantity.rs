@@ -1,3 +1,4 @@
+use crate::elements::entries::{Entry, Part, make_in_any};
 use crate::elements::{Parameter, State};
 use crate::program::ArgumentKind::{Acceleration, Coordinate, MeasureParameter, Multiplier, Time, Velocity};
 use crate::program::{Formula, Recorded, along_motion};
@@ -13,6 +14,8 @@ pub trait Quantity: Send + Sync + 'static {
 
     /// Number of coordinates of its nodes together.
     fn dofs(&self) -> usize;
+    /// Its unit, "-" if it has none.
+    fn unit(&self) -> &'static str;
     /// Parameters of this instance.
     fn parameters(&self) -> Vec<Parameter> {
         Self::PARAMETERS.to_vec()
@@ -37,6 +40,8 @@ pub trait Quantity: Send + Sync + 'static {
 pub trait AnyQuantity: Send + Sync {
     /// Number of coordinates.
     fn dof_count(&self) -> usize;
+    /// Its unit.
+    fn unit(&self) -> &'static str;
     /// Its parameters.
     fn parameter_list(&self) -> Vec<Parameter>;
     /// Records the value as a function of (a, v, q, mu, p, t) for a number of multipliers.
@@ -46,6 +51,9 @@ pub trait AnyQuantity: Send + Sync {
 impl<Q: Quantity> AnyQuantity for Q {
     fn dof_count(&self) -> usize {
         self.dofs()
+    }
+    fn unit(&self) -> &'static str {
+        Quantity::unit(self)
     }
     fn parameter_list(&self) -> Vec<Parameter> {
         self.parameters()
@@ -70,6 +78,22 @@ impl<Q: Quantity> AnyQuantity for Q {
             vec![self.value_with_rates(&e, &along_motion(&e, &moving), p)]
         })
     }
+}
+
+/// A quantity of a list.
+pub type QuantityPart = Part<dyn AnyQuantity>;
+
+impl QuantityPart {
+    /// The entry of a quantity.
+    pub const fn of<Q: Entry<Law: Quantity>>() -> Self {
+        Part::new::<Q>(|given| make_in_any::<Q, dyn AnyQuantity>(given, |law| Box::new(law)))
+    }
+}
+
+/// What is done with every quantity of the library that has an entry, each with its own type.
+pub trait QuantityVisitor {
+    /// Does it with one.
+    fn visit<Q: Entry<Law: Quantity>>(&mut self);
 }
 
 /// A quantity of a model with its recording, made when it is first asked for.

@@ -450,19 +450,17 @@ impl<S: Scalar> MechanismBuilder<S> {
     pub fn functional(
         &mut self,
         name: &str,
-        unit: &'static str,
         over: Over,
         (nodes, constraints): (&[NodeId], &[ConstraintId]),
         quantity: impl AnyQuantity + 'static,
         p: &[S],
     ) {
-        self.add_functional(name, unit, over, (nodes, constraints), Box::new(quantity), p);
+        self.add_functional(name, over, (nodes, constraints), Box::new(quantity), p);
     }
 
     fn add_functional(
         &mut self,
         name: &str,
-        unit: &'static str,
         over: Over,
         (nodes, constraints): (&[NodeId], &[ConstraintId]),
         quantity: Box<dyn AnyQuantity>,
@@ -487,7 +485,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.numbers.p.extend_from_slice(p);
         let (nodes, constraints) = (nodes.to_vec(), constraints.to_vec());
         let multipliers = constraints.iter().map(|id: &ConstraintId| self.model.constraints[id.0].equations.len()).sum();
-        let quantity = MeasuredQuantity::new(quantity, multipliers);
+        let (unit, quantity) = (quantity.unit(), MeasuredQuantity::new(quantity, multipliers));
         let measured = Measured::Local { nodes, constraints, parameters, quantity };
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
     }

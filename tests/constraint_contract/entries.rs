@@ -2,11 +2,13 @@
 
 use super::support::motion::random_coordinates;
 use super::support::{Random, twelve};
-use costate::elements::entries::{Entry, Example, Given, GivenValue, JointPart, Key, Placed};
+use costate::elements::entries::{Entry, Example, Given, GivenValue, JointPart, Key, Part, Placed};
 use costate::elements::joints::{DRIVERS, JOINTS, named};
 use costate::elements::{Constraint, ConstraintPhysics, NodeKind};
+use costate::functionals::{Quantity, QuantityPart, QuantityVisitor, quantities};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::MechanismBuilder;
+use costate::testing::{Sample, check_quantity};
 
 use NodeKind::{Body, Natural, Point, Slope};
 
@@ -14,7 +16,7 @@ use NodeKind::{Body, Natural, Point, Slope};
 const KINDS: [NodeKind; 4] = [Point, Body, Natural, Slope];
 
 /// All kinds of nodes that an entry may be asked to take.
-fn choices(part: &JointPart) -> Vec<Vec<NodeKind>> {
+fn choices<L: ?Sized>(part: &Part<L>) -> Vec<Vec<NodeKind>> {
     let in_space = part.example.0.iter().all(|kind| kind.in_space().is_some());
     part.example.0.iter().fold(vec![vec![]], |all, own| {
         let kinds = if in_space { &KINDS[..] } else { std::slice::from_ref(own) };
@@ -36,8 +38,8 @@ struct Made {
     soft: Vec<String>,
 }
 
-/// An entry made of its example on nodes of these kinds that stand anywhere; nothing where it refuses them.
-fn made(part: &JointPart, kinds: &[NodeKind], random: &mut Random) -> Option<Made> {
+/// Nodes of these kinds anywhere.
+fn coordinates(kinds: &[NodeKind], random: &mut Random) -> Vec<f64> {
     let mut q = Vec::new();
     for kind in kinds {
         match kind {
@@ -50,19 +52,27 @@ fn made(part: &JointPart, kinds: &[NodeKind], random: &mut Random) -> Option<Mad
             kind => q.extend(random_coordinates(&[*kind], random, |_| 1.0)),
         }
     }
+    q
+}
+
+fn placed<'q>(kinds: &[NodeKind], q: &'q [f64]) -> Vec<(&'static str, Placed<'q, f64>)> {
+    let mut first = 0;
+    let node = |kind: &NodeKind| {
+        first += kind.dofs();
+        ("node", Placed { kind: *kind, q: &q[first - kind.dofs()..first] })
+    };
+    kinds.iter().map(node).collect()
+}
+
+/// An entry made of its example on nodes of these kinds that stand anywhere; nothing where it refuses them.
+fn made(part: &JointPart, kinds: &[NodeKind], random: &mut Random) -> Option<Made> {
+    let mut q = coordinates(kinds, random);
     // what has no axes is held where it is: the other node stands there
     if !kinds[0].has_axes() && kinds[0].in_space().is_some() && part.form.name != "distance" {
         let place: Vec<f64> = q[..3].to_vec();
         q[kinds[0].dofs()..][..3].copy_from_slice(&place);
     }
-    let mut first = 0;
-    let nodes: Vec<(&str, Placed<f64>)> = kinds
-        .iter()
-        .map(|kind| {
-            first += kind.dofs();
-            ("node", Placed { kind: *kind, q: &q[first - kind.dofs()..first] })
-        })
-        .collect();
+    let nodes = placed(kinds, &q);
     let turn = Quaternion::from_slice(&random_coordinates(&[Body], random, |_| 1.0)[3..]);
     let mut values: Vec<(&'static str, GivenValue<f64>)> =
         part.example_values(Vector3::first_three(&random.vector(3)), turn);
@@ -109,6 +119,40 @@ fn every_entry_holds_where_its_nodes_stand() {
     }
     // all kinds of bodies with each other, points and cables where they are guided
     assert!(taken > 12 * 100, "only {taken} were taken");
+}
+
+/// How often an entry of a quantity was taken on nodes of all kinds.
+#[derive(Default)]
+struct Measured(usize);
+
+impl QuantityVisitor for Measured {
+    fn visit<Q: Entry<Law: Quantity>>(&mut self) {
+        let (part, before) = (QuantityPart::of::<Q>(), self.0);
+        for kinds in choices(&part) {
+            for q in twelve(|random| coordinates(&kinds, random)) {
+                let all_have_axes = kinds.iter().all(|kind| kind.has_axes());
+                let mut values = part.example_values(Vector3::from_f64([0.3, 0.1, -0.2]), Quaternion::identity());
+                values.retain(|(key, _)| all_have_axes || !["point", "points"].contains(key));
+                let mut given = Given::new("any", placed(&kinds, &q), values);
+                let (quantity, p) = Q::make(&mut given);
+                if given.mistakes().is_empty() {
+                    check_quantity(&quantity, 0, &Sample::random(&kinds, &p, 4))
+                        .unwrap_or_else(|why| panic!("{} of {kinds:?}: {why}", Q::NAME));
+                    let doc = format!("[{}]", quantity.unit());
+                    assert!(Q::DOC.contains(&doc) || quantity.unit() == "-", "{}: {} does not say {doc}", Q::NAME, Q::DOC);
+                    self.0 += 1;
+                }
+            }
+        }
+        assert!(self.0 > before, "no nodes are right for a {}", Q::NAME);
+    }
+}
+
+#[test]
+fn every_quantity_has_the_derivatives_of_its_formula() {
+    let mut measured = Measured::default();
+    quantities::visit_all(&mut measured);
+    assert!(measured.0 > 12 * 50, "only {} were taken", measured.0);
 }
 
 /// A joint of one's own: one distance from a plane of a, as an offset says.

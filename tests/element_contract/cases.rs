@@ -115,7 +115,8 @@ impl SpringVisitor for Entries {
         let kind = match [is_given("stiffness"), is_given("damping")] {
             [true, true] => "spring damper",
             [true, false] => "spring",
-            _ => "damper",
+            [false, true] => "damper",
+            [false, false] => "by a law",
         };
         for (law, p) in made::<E>() {
             let nodes = law.nodes();

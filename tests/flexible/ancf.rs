@@ -97,7 +97,7 @@ impl Scene for Bar {
                 m.element("load", &[cable.end()], force, &p);
                 let end = cable.end();
                 for (name, direction) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0])] {
-                    m.position_functional(name, Over::Terminal, end, Vector3::zeros(), vector(direction));
+                    m.position_functional(name, Over::Terminal, end, m.position(end), vector(direction));
                 }
                 m.cable_strain_functional("strain", Over::Terminal, &cable, 0.9, CableMeasure::Strain);
                 m.cable_strain_functional("curvature", Over::Terminal, &cable, 0.5, CableMeasure::Curvature);
@@ -369,7 +369,7 @@ impl Scene for Everything {
         m.line_damper("line damper", [first.nodes[1], weight], [at(0.5), at(2.3) + up], S::from(0.8));
         m.gravity(vector([0.0, 0.0, -9.81]));
         m.target_functional("path", Over::Integral, weight, at(2.4), Vector3::zeros());
-        m.velocity_functional("speed", Over::Terminal, second.end(), Vector3::zeros(), along);
+        m.velocity_functional("speed", Over::Terminal, second.end(), m.position(second.end()), along);
         m.energy_functional("energy", Over::Terminal);
         m.mass_functional("mass", Over::Initial);
         m.cable_strain_functional("strain", Over::Integral, &first, 0.5, CableMeasure::Strain);
@@ -444,7 +444,7 @@ impl Scene for Corner {
         }
         m.gravity(vector([0.0, -1.0, -2.0]));
         for (name, axis) in [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])] {
-            m.position_functional(name, Over::Terminal, second.end(), Vector3::zeros(), vector(axis));
+            m.position_functional(name, Over::Terminal, second.end(), m.position(second.end()), vector(axis));
         }
         Ok(())
     }

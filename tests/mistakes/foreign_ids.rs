@@ -140,7 +140,7 @@ fn refusal(
     m.reaction_functional("reaction", over, joint, &[1.0; 3]);
     m.reaction_norm_functional("norm", over, joint);
     m.joint_load_functional("load", over, (joint, body), (LoadKind::Force, LoadFrame::World), x, zero);
-    m.functional("own", "N", over, (&[], &[joint]), ReactionNorm { equations: vec![0] }, &[]);
+    m.functional("own", over, (&[], &[joint]), ReactionNorm { equations: vec![0], unit: "N" }, &[]);
     m.section_functional("moment", over, beam, 0.5, SectionMeasure::Force(4));
     m.distributed_load("wind", beam, (LoadFrame::World, x), Signal::Constant(1.0));
     m.cable_strain_functional("strain", over, cable, 0.5, CableMeasure::Strain);

@@ -529,6 +529,9 @@ impl Quantity for RootOfPlace {
     fn dofs(&self) -> usize {
         3
     }
+    fn unit(&self) -> &'static str {
+        "-"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
         s.q[0].sqrt()
     }
@@ -550,7 +553,7 @@ impl Scene for AtTheOrigin {
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let point = m.point("point", Vector3::new(x[1], S::zero(), S::zero()));
         m.point_mass("point", point, x[0]);
-        m.functional("root of its place", "", Over::Terminal, (&[point], &[]), RootOfPlace, &[]);
+        m.functional("root of its place", Over::Terminal, (&[point], &[]), RootOfPlace, &[]);
         Ok(())
     }
 }

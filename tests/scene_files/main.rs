@@ -1,14 +1,17 @@
 //! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
 
 mod coverage;
+mod formula_parts;
+mod laws;
 mod meshes;
 mod mutations;
-mod own_joints;
+mod own_parts;
 mod signals;
 mod wrong_files;
 mod wrong_meshes;
 
 use costate::design::DesignVariable;
+use costate::scenes::file::OwnParts;
 use costate::scenes::{AnyScene, FileScene, Prepared, built_in, file};
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
@@ -204,7 +207,7 @@ fn the_reference_page_is_what_the_reader_knows() {
 
 #[test]
 fn the_published_schema_is_the_one_of_the_reader() {
-    let schema = serde_json::to_string_pretty(&file::schema(&[])).unwrap();
+    let schema = serde_json::to_string_pretty(&file::schema(&OwnParts::default())).unwrap();
     kept("examples/scenes/schema.json", &format!("{schema}\n"));
     let printed = std::process::Command::new(env!("CARGO_BIN_EXE_costate")).arg("schema").output().unwrap();
     assert_eq!(String::from_utf8(printed.stdout).unwrap(), format!("{schema}\n"));
@@ -276,7 +279,7 @@ fn as_json(value: &DeValue) -> serde_json::Value {
 
 #[test]
 fn the_schema_accepts_the_example_files_and_refuses_wrong_keys() {
-    let schema = file::schema(&[]);
+    let schema = file::schema(&OwnParts::default());
     for path in files() {
         let text = std::fs::read_to_string(&path).unwrap();
         let value = as_json(&DeValue::Table(DeTable::parse(&text).unwrap().into_inner()));

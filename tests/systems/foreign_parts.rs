@@ -101,11 +101,11 @@ impl Scene for Held {
             }
             Strange::Joint => {
                 let one = parameters.start..parameters.start + 1;
-                local(vec![], vec![rod], one, MeasuredQuantity::new(Box::new(Reaction { equations: 1 }), 1))
+                local(vec![], vec![rod], one, MeasuredQuantity::new(Box::new(Reaction { equations: 1, unit: "N" }), 1))
             }
             Strange::Multipliers => {
                 let one = parameters.start..parameters.start + 1;
-                local(vec![], vec![own.hinge], one, MeasuredQuantity::new(Box::new(Reaction { equations: 1 }), 1))
+                local(vec![], vec![own.hinge], one, MeasuredQuantity::new(Box::new(Reaction { equations: 1, unit: "N" }), 1))
             }
             Strange::Element => {
                 let none = parameters.start..parameters.start;

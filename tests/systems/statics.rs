@@ -74,7 +74,7 @@ impl Scene for Truss {
         let over = Over::smooth_maximum(20.0);
         m.position_functional("largest height", over, apex, place, up);
         m.velocity_functional("speed", Over::Terminal, apex, place, up);
-        m.functional("acceleration", "m/s2", Over::Terminal, (&[apex], &[]), Acceleration, &[]);
+        m.functional("acceleration", Over::Terminal, (&[apex], &[]), Acceleration, &[]);
         m.energy_functional("energy", Over::Terminal);
         m.reaction_norm_functional("guide", Over::Integral, guide);
         Ok(())
@@ -86,6 +86,9 @@ struct Acceleration;
 impl Quantity for Acceleration {
     fn dofs(&self) -> usize {
         3
+    }
+    fn unit(&self) -> &'static str {
+        "m/s2"
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
         s.a[2]

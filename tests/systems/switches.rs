@@ -236,6 +236,9 @@ impl Quantity for Seen {
     fn dofs(&self) -> usize {
         1
     }
+    fn unit(&self) -> &'static str {
+        "-"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], _p: &[S], _t: S) -> S {
         match self {
             Seen::Beyond | Seen::OfElement => S::zero().less(s.q[0]),
@@ -274,7 +277,7 @@ impl Scene for Watched {
                 let group = ElementGroup::new("mass", [element]);
                 m.group_functional("seen", "-", self.1, &group, self.0, &[]);
             }
-            _ => m.functional("seen", "-", self.1, (&[node], &[]), self.0, &[]),
+            _ => m.functional("seen", self.1, (&[node], &[]), self.0, &[]),
         }
         Ok(())
     }

@@ -12,13 +12,15 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Public names of options and of entries there, which have no formula of their own.
-const OPTIONS: [&str; 14] = [
+const OPTIONS: [&str; 19] = [
+    "AngleLaw",
     "CableSection",
     "CableHinge",
     "CableStrain",
     "CableWeld",
     "HeldSlope",
     "Laminate",
+    "LineLaw",
     "Material",
     "Outline",
     "Ply",
@@ -27,6 +29,9 @@ const OPTIONS: [&str; 14] = [
     "ShellKind",
     "ShellPoint",
     "ShellSection",
+    "SlideLaw",
+    "Stretch",
+    "TorsionLaw",
 ];
 
 /// The names in the `pub use` lines of a file.

@@ -242,22 +242,21 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
         let (name, over) = (name(entry), entry.1);
         let of = NodeKind::Body;
         match entry.0 {
-            Measure::Position => m.functional(&name, "m", over, (arm, &[]), Position { of }, &point_and_direction),
-            Measure::Velocity => m.functional(&name, "m/s", over, (arm, &[]), Velocity { of }, &point_and_direction),
+            Measure::Position => m.functional(&name, over, (arm, &[]), Position { of }, &point_and_direction),
+            Measure::Velocity => m.functional(&name, over, (arm, &[]), Velocity { of }, &point_and_direction),
             Measure::TargetDistance => {
                 let quantity = TargetDistance { of: seen.second_is };
-                m.functional(&name, "m2", over, (second, &[]), quantity, &point_and_target);
+                m.functional(&name, over, (second, &[]), quantity, &point_and_target);
             }
-            Measure::Coordinate => m.functional(&name, "-", over, (arm, &[]), Coordinate { of: 7, index: 4 }, &[]),
+            Measure::Coordinate => m.functional(&name, over, (arm, &[]), Coordinate { of: 7, index: 4 }, &[]),
             Measure::Reaction => m.reaction_functional(&name, over, seen.joint, &weights),
             Measure::ReactionNorm => m.reaction_norm_functional(&name, over, seen.shoulder),
             Measure::JointAngle => {
-                m.functional(&name, "rad", over, (&[seen.arm, seen.ground], &[]), JointAngle { a: of, b: of }, &angle)
+                m.functional(&name, over, (&[seen.arm, seen.ground], &[]), JointAngle { a: of, b: of }, &angle)
             }
             Measure::JointRate => {
                 m.functional(
                     &name,
-                    "rad/s",
                     over,
                     (&[seen.arm, seen.ground], &[]),
                     JointRate { a: of, b: of },
@@ -266,11 +265,11 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             }
             Measure::JointDisplacement => {
                 let quantity = JointDisplacement { a: of, b: other.1 };
-                m.functional(&name, "m", over, (&[seen.arm, other.0], &[]), quantity, &slide);
+                m.functional(&name, over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointSpeed => {
                 let quantity = JointSpeed { a: of, b: other.1 };
-                m.functional(&name, "m/s", over, (&[seen.arm, other.0], &[]), quantity, &slide);
+                m.functional(&name, over, (&[seen.arm, other.0], &[]), quantity, &slide);
             }
             Measure::JointLoad => {
                 let [direction, point] = [[0.4, -0.7, 0.5], [0.2, 0.1, -0.3]].map(|x| Vector3::<S>::from_f64(x) * sensor);
@@ -281,7 +280,7 @@ pub fn add<S: Scalar>(m: &mut MechanismBuilder<S>, seen: &Seen, list: &[(Measure
             Measure::Mass => m.mass_functional(&name, over),
             Measure::Distance => {
                 let quantity = Distance { a: of, b: of };
-                m.functional(&name, "m", over, (&[seen.arm, seen.ground], &[]), quantity, &slide[..6]);
+                m.functional(&name, over, (&[seen.arm, seen.ground], &[]), quantity, &slide[..6]);
             }
             // in the first element, whose parameters are varied, and between both
             Measure::SectionForce => {

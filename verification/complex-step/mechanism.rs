@@ -5,7 +5,7 @@ use super::measures::Seen;
 use super::scenes::{Case, Subject};
 use costate::assembly::{ConstraintId, NodeId};
 use costate::elements::entries::{GivenValue, JointPart, Values};
-use costate::elements::forces::{AppliedForce, AppliedTorque};
+use costate::elements::forces::{AppliedForce, AppliedTorque, DAMPERS, SPRINGS};
 use costate::elements::{NodeKind, TimeFunction, joints};
 use costate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use costate::scenes::{BushingRates, MechanismBuilder, SpringDamper};
@@ -158,7 +158,7 @@ impl Case {
         // an angle about an axis needs a hinge that keeps it: a free link would pass poses without an angle
         let geared = matches!(self.kind(), RackAndPinion | JointAngle | Gear);
         let hinged = geared
-            || matches!(self.kind(), Spring("torsion") | Spring("angle"))
+            || matches!(self.kind(), Spring("torsion") | Spring("torsion_law") | Spring("angle"))
             || matches!(&self.subject, Soft(joint) if matches!(**joint, Rotation(_)));
         let second_omega = if hinged { omega + axis * (*spin * 1.5) } else { at([-0.8, 0.6, 1.3]) * *spin };
         let elbow_velocity = omega.cross(&(elbow - shoulder));
@@ -297,7 +297,12 @@ impl Case {
                 };
                 m.bushing(name, both, elbow, arm_rotation, rates);
             }
-            Spring(name) | Damper(name) => unreachable!("no {name} is made"),
+            // as in its example
+            Spring(kind) | Damper(kind) => {
+                let list = if matches!(self.subject, Spring(_)) { SPRINGS } else { DAMPERS };
+                let Some(part) = list.iter().find(|part| part.form.name == *kind) else { unreachable!("no {kind} is made") };
+                m.spring(part, name, &both, part.example_values(shoulder, whole));
+            }
             Soft(kind) => softened(kind, &host, m),
             kind => joint = Some(add_joint(kind, &host, m)),
         }

@@ -127,6 +127,8 @@ pub fn list() -> Vec<Case> {
         element("slide-spring-damper", Spring("slide"), &[]),
         element("coordinate-spring-damper", Spring("angle"), &[]),
         element("bushing", Spring("bushing"), &[]),
+        element("line-law", Spring("line_law"), &[]),
+        element("torsion-law", Spring("torsion_law"), &[]),
         // soft versions differ in nothing but their joints: the contract tests hold all, these are enough here
         element("soft-spherical", soft(Spherical(NodeKind::Body)), &[]),
         element("soft-spherical-point", soft(Spherical(NodeKind::Point)), &[]),
@@ -244,6 +246,8 @@ impl Case {
             Spring("slide")
                 | Spring("angle")
                 | Spring("bushing")
+                | Spring("line_law")
+                | Spring("torsion_law")
                 | Soft(_)
                 | Prismatic
                 | Cylindrical

@@ -1,6 +1,6 @@
 use super::GivenValue;
-use crate::elements::{NodeKind, TimeFunction};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::elements::{Characteristic, NodeKind, TimeFunction};
+use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
 
 /// A value of the example of an entry, in a frame that whoever uses it places.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +15,8 @@ pub enum ExampleValue {
     Points(&'static [[f64; 3]]),
     /// A direction [-].
     Direction([f64; 3]),
+    /// A spline of s through values at some points.
+    Table(&'static [f64], &'static [f64]),
     /// offset + amplitude sin(angular_frequency t + phase), in this order.
     Sine([f64; 4]),
 }
@@ -24,8 +26,12 @@ pub type Example = (&'static [NodeKind], &'static [(&'static str, ExampleValue)]
 
 /// Two bodies.
 pub const TWO_BODIES: &[NodeKind] = &[NodeKind::Body, NodeKind::Body];
+/// One body.
+pub const ONE_BODY: &[NodeKind] = &[NodeKind::Body];
 /// A point of a joint in its example.
 pub const AT: (&str, ExampleValue) = ("point", ExampleValue::Point([0.3, -0.2, 0.5]));
+/// A direction in an example, of any length.
+pub const HEADING: (&str, ExampleValue) = ("direction", ExampleValue::Direction([0.5, -0.6, 0.4]));
 /// An axis of a joint or spring in its example.
 pub const ALONG: (&str, ExampleValue) = ("axis", ExampleValue::Direction([0.6, 0.0, 0.8]));
 /// A normal of a joint in its example.
@@ -43,6 +49,10 @@ impl ExampleValue {
             ExampleValue::Point(own) => GivenValue::Vector(point(own)),
             ExampleValue::Points(own) => GivenValue::Vectors(own.iter().map(|&own| point(own)).collect()),
             ExampleValue::Direction(own) => GivenValue::Vector(turn.rotate(Vector3::from_f64(own))),
+            ExampleValue::Table(points, values) => {
+                let law = Characteristic::table(points, Interpolant::Cubic).unwrap_or_else(|why| unreachable!("{why}"));
+                GivenValue::Law(law, values.iter().map(|&own| own.into()).collect())
+            }
             ExampleValue::Sine(own) => GivenValue::Function(TimeFunction::Sine, own.map(S::from).to_vec()),
         }
     }

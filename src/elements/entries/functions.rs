@@ -47,6 +47,15 @@ pub const FUNCTION: Forms = forms!([
     may("intervals", Count(1, 10_000), "likewise, any"),
 ]);
 
+/// The forms of a table of s.
+pub const CHARACTERISTIC: Forms = forms!([
+    need("points", Fixeds(0, "m, rad"), "values of s, increasing"),
+    need("values", Series(""), "what it is there"),
+]
+"lines" "straight lines between the points, constant outside" []
+"table" "natural cubic spline through the points, constant slope outside" []
+);
+
 /// The forms of the axes of a frame.
 pub const ORIENTATION: Forms = forms!([]
 "angle" "turned about an axis of the world" [

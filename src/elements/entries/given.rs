@@ -1,5 +1,5 @@
 use super::Placed;
-use crate::elements::{NodeKind, TimeFunction};
+use crate::elements::{Characteristic, NodeKind, TimeFunction};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 
 /// The value of a key.
@@ -21,6 +21,8 @@ pub enum GivenValue<S> {
     Word(String),
     /// A function of time with its numbers.
     Function(TimeFunction, Vec<S>),
+    /// A law of s, its rate and the time, with its numbers.
+    Law(Characteristic, Vec<S>),
 }
 
 impl<S: Scalar> From<S> for GivenValue<S> {
@@ -193,6 +195,23 @@ impl<S: Scalar> Given<S> {
         }
     }
 
+    /// A vector of the world, or what it is without the key.
+    pub fn vector_or(&mut self, key: &'static str, without: Vector3<S>) -> Vector3<S> {
+        if self.value(key).is_some() { self.vector(key) } else { without }
+    }
+
+    /// The kind of the first node, and which of its coordinates the key `index` means.
+    pub fn coordinate(&mut self) -> (NodeKind, usize) {
+        let (kind, index) = (self.nodes[0].kind, self.count("index"));
+        let count = kind.dofs();
+        if index >= count {
+            let (owner, own) = (&self.owner, &self.nodes[0].name);
+            let text = format!("\"{owner}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0");
+            self.wrong_key("index", text);
+        }
+        (kind, index)
+    }
+
     /// A vector of length one along a direction.
     pub fn unit(&mut self, key: &'static str) -> Vector3<S> {
         let direction = self.vector(key);
@@ -244,6 +263,20 @@ impl<S: Scalar> Given<S> {
             Some(GivenValue::Word(own)) => own == word,
             _ => self.without(key, "a word", false),
         }
+    }
+
+    /// A law with its numbers, if the key is given.
+    pub fn law(&mut self, key: &'static str) -> Option<(Characteristic, Vec<S>)> {
+        let (law, numbers) = match self.value(key) {
+            Some(GivenValue::Law(law, numbers)) => (law.clone(), numbers.clone()),
+            _ => return self.without(key, "a law", None),
+        };
+        let [wanted, count] = [law.parameters().len(), numbers.len()];
+        if wanted != count {
+            self.wrong_key(key, format!("the law has {wanted} parameters, but {count} numbers were given"));
+            return None;
+        }
+        Some((law, numbers))
     }
 
     /// The function of time of a motion, which has two derivatives, with its numbers.

@@ -94,8 +94,20 @@ pub enum Type {
     Tables(&'static Forms),
     /// A number or formula, which stands for a constant, or a table; unit.
     Function(&'static str, &'static Forms),
+    /// Nodes by the names that formulas give them.
+    NamedNodes,
+    /// A formula of what is known of these nodes, a number; unit.
+    OfNodes(&'static str),
+    /// Several of them; unit.
+    SeriesOfNodes(&'static str),
+    /// Formulas of what is known of these nodes by the names of those on which they act; unit.
+    OnNodes(&'static str),
     /// A formula of time.
     OfTime,
+    /// A formula of s, v and t or a table of s; unit.
+    Law(&'static str, &'static Forms),
+    /// A formula or a table of s; unit.
+    Energy(&'static str, &'static Forms),
     /// One of some words, or a table.
     Over(&'static [&'static str], &'static Forms),
 }
@@ -141,6 +153,17 @@ pub struct Form {
     pub keys: &'static [Key],
 }
 
+/// Kinds of parts that a user's own program may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Joints.
+    Joint,
+    /// Springs, dampers, and any other element on one or two nodes.
+    Spring,
+    /// What is measured.
+    Functional,
+}
+
 /// All forms of a table, and the keys that all of them have.
 #[derive(Clone, Copy, Debug)]
 pub struct Forms {
@@ -148,8 +171,8 @@ pub struct Forms {
     pub common: &'static [Key],
     /// The forms.
     pub forms: &'static [Form],
-    /// Whether joints of a user's own are forms of it, too.
-    pub with_joints: bool,
+    /// Which parts of a user's own are forms of it, too.
+    pub own: Option<Kind>,
 }
 
 impl Forms {
@@ -161,6 +184,14 @@ impl Forms {
 
 /// Both nodes of a joint or spring.
 pub const BETWEEN: Key = need("between", Type::Nodes(2), "both nodes, a and b");
+/// The node of what has one.
+pub const ON: Key = need("on", Type::Node, "node");
+/// Which coordinate of a node.
+pub const INDEX: Key = may("index", Type::Count(0, 1000), "which coordinate of the node, from 0; 0");
+/// A point of the node.
+pub const PLACE: Key = may("point", Type::Vector("m"), "point of the node, in the world at the start; the node's place");
+/// Along what is measured, or a load acts.
+pub const DIRECTION: Key = need("direction", Type::Vector("-"), "direction in the world");
 /// Where a joint stands.
 pub const POINT: Key = may("point", Type::Vector("m"), "place in the world at the start; that of b");
 /// Along or about what it moves.
@@ -173,7 +204,7 @@ pub const ENDS: Key = may("points", Type::Points, "where it takes hold of a and 
 /// A table whose key `type` chooses a form.
 macro_rules! forms {
     ([$($common:expr),* $(,)?] $($name:literal $doc:literal [$($key:expr),* $(,)?])*) => {
-        $crate::elements::entries::Forms { common: &[$($common),*], forms: &[$($crate::elements::entries::Form { name: $name, doc: $doc, keys: &[$($key),*] }),*], with_joints: false }
+        $crate::elements::entries::Forms { common: &[$($common),*], forms: &[$($crate::elements::entries::Form { name: $name, doc: $doc, keys: &[$($key),*] }),*], own: None }
     };
 }
 pub(crate) use forms;

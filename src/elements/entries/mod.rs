@@ -12,12 +12,14 @@ mod keys;
 mod part;
 mod placed;
 
-pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, TWO_BODIES};
-pub use functions::{FUNCTION, ORIENTATION};
+pub use example::{ACROSS, ALONG, AT, Example, ExampleValue, FROM_TO, HEADING, ONE_BODY, TWO_BODIES};
+pub use functions::{CHARACTERISTIC, FUNCTION, ORIENTATION};
 pub use given::{Given, GivenValue, Values};
 pub(crate) use given::{no_body, nowhere, unit};
 pub(crate) use keys::forms;
-pub use keys::{AXIS, BETWEEN, ENDS, Form, Forms, Key, NORMAL, POINT, Range, Type, may, need};
-pub(crate) use part::entries;
+pub use keys::{
+    AXIS, BETWEEN, DIRECTION, ENDS, Form, Forms, INDEX, Key, Kind, NORMAL, ON, PLACE, POINT, Range, Type, may, need,
+};
 pub use part::{Entry, JointPart, JointVisitor, Law, Made, Part, SpringPart, SpringVisitor, forms_of};
+pub(crate) use part::{entries, make_in_any};
 pub use placed::Placed;

@@ -7,9 +7,9 @@ use crate::scalar::{Complex64, Quaternion, Scalar, Tangents, Vector3};
 use std::any::{Any, type_name};
 use std::fmt::{Debug, Formatter};
 
-/// A part with all that is said of it beside its formula: a joint or driver, a spring or damper.
+/// A part with all that is said of it beside its formula: a joint or driver, a spring or damper, a quantity that is measured.
 pub trait Entry: 'static {
-    /// Its formula: a [`Constraint`] or an [`Element`].
+    /// Its formula: a [`Constraint`], an [`Element`] or a [`Quantity`](crate::functionals::Quantity).
     type Law: 'static;
     /// What scene files and programs call it: the word for its `type`.
     const NAME: &'static str;
@@ -63,12 +63,11 @@ pub trait SpringVisitor {
 
 /// Lists of entries, and a function that visits all of them.
 macro_rules! entries {
-    ($part:ident $visitor:ident $($(#[$doc:meta])* $list:ident: $($entry:ty),*;)*) => {
-        $($(#[$doc])* pub const $list: &[$crate::elements::entries::$part] =
-            &[$($crate::elements::entries::$part::of::<$entry>()),*];)*
+    ($part:ty, $visitor:path; $($(#[$doc:meta])* $list:ident: $($entry:ty),*;)*) => {
+        $($(#[$doc])* pub const $list: &[$part] = &[$(<$part>::of::<$entry>()),*];)*
 
         /// Visits all of them.
-        pub fn visit_all(visitor: &mut impl $crate::elements::entries::$visitor) {
+        pub fn visit_all(visitor: &mut impl $visitor) {
             $($(visitor.visit::<$entry>();)*)*
         }
     };
@@ -110,7 +109,11 @@ fn make<E: Entry, S: Scalar, L: ?Sized + 'static>(given: &mut dyn Any, erase: fn
     Some(Box::new((erase(law), p)))
 }
 
-fn make_in_any<E: Entry, L: ?Sized + 'static>(given: &mut dyn Any, erase: fn(E::Law) -> Box<L>) -> Option<Box<dyn Any>> {
+/// In any of them.
+pub(crate) fn make_in_any<E: Entry, L: ?Sized + 'static>(
+    given: &mut dyn Any,
+    erase: fn(E::Law) -> Box<L>,
+) -> Option<Box<dyn Any>> {
     make::<E, f64, L>(given, erase)
         .or_else(|| make::<E, Recorded, L>(given, erase))
         .or_else(|| make::<E, Complex64, L>(given, erase))
@@ -132,7 +135,7 @@ impl SpringPart {
 }
 
 impl<L: ?Sized + 'static> Part<L> {
-    const fn new<E: Entry>(make: fn(&mut dyn Any) -> Option<Box<dyn Any>>) -> Self {
+    pub(crate) const fn new<E: Entry>(make: fn(&mut dyn Any) -> Option<Box<dyn Any>>) -> Self {
         let form = Form { name: E::NAME, doc: E::DOC, keys: E::KEYS };
         Part { form, example: E::EXAMPLE, make, erased: std::marker::PhantomData }
     }

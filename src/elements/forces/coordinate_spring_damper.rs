@@ -1,4 +1,4 @@
-use crate::elements::entries::{Entry, Example, ExampleValue, Given, Key, Range, Type, may, need};
+use crate::elements::entries::{Entry, Example, ExampleValue, Given, INDEX, Key, Range, Type, may, need};
 use crate::elements::{Element, NodeKind, Parameter};
 use crate::scalar::Scalar;
 
@@ -42,7 +42,7 @@ impl Entry for CoordinateSpringDamper {
     const DOC: &'static str = "on a joint angle, with a damper";
     const KEYS: &'static [Key] = &[
         need("on", Type::Node, "joint angle"),
-        may("index", Type::Count(0, 1000), "which coordinate of the node, from 0; 0"),
+        INDEX,
         need("stiffness", Type::Number("N m/rad", Range::AtLeastZero), "stiffness"),
         may("damping", Type::Number("N m s/rad", Range::AtLeastZero), "damping; 0"),
         may("rest_angle", Type::Number("rad", Range::Any), "angle without moment; 0"),
@@ -57,13 +57,7 @@ impl Entry for CoordinateSpringDamper {
     );
 
     fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
-        let (of, index) = (given.node(0).kind, given.count("index"));
-        let count = of.dofs();
-        if index >= count {
-            let (name, own) = (given.owner(), given.name(0));
-            let text = format!("\"{name}\" asks for coordinate {index} of \"{own}\", which has {count}: count from 0");
-            given.wrong(text);
-        }
+        let (of, index) = given.coordinate();
         (CoordinateSpringDamper { of, index }, given.spring_damper("rest_angle"))
     }
 }

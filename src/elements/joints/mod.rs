@@ -45,7 +45,7 @@ pub use tied_node::TiedNode;
 pub use universal::UniversalJoint;
 
 use super::dyn_layer::instantiate_here;
-use super::entries::{JointPart, entries};
+use super::entries::{JointPart, JointVisitor, entries};
 use super::{AnyConstraint, Frame, NodeKind, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
@@ -53,7 +53,7 @@ use std::f64::consts::TAU;
 instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, TiedNode, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 entries! {
-    JointPart JointVisitor
+    JointPart, JointVisitor;
     /// Joints by the names that scene files and programs use, each described in its own file.
     JOINTS:
     SphericalJoint, RevoluteJoint, FixedJoint, RigidLink, DistanceJoint, PrismaticJoint, CylindricalJoint, PlanarJoint, UniversalJoint,

@@ -1,3 +1,4 @@
+use crate::elements::entries::{ACROSS, BETWEEN, Entry, Example, Given, Key, NORMAL};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::{Scalar, SpatialVector, Vector3};
@@ -16,9 +17,28 @@ impl Quantity for CableDeflection {
     fn dofs(&self) -> usize {
         2 * NodeKind::Slope.dofs()
     }
+    fn unit(&self) -> &'static str {
+        "m"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let slope = Vector3::first_three(&s.q[3..]);
         let across = Vector3::first_three(p).cross(&slope);
         across.dot(&(Vector3::first_three(&s.q[6..]) - Vector3::first_three(s.q))) / slope.length()
+    }
+}
+
+impl Entry for CableDeflection {
+    type Law = Self;
+    const NAME: &'static str = "cable_deflection";
+    const DOC: &'static str = "deflection of b, a cable's node, from the tangent at a [m]";
+    const KEYS: &'static [Key] = &[BETWEEN, NORMAL];
+    const EXAMPLE: Example = (&[NodeKind::Slope, NodeKind::Slope], &[ACROSS]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        for node in [0, 1].into_iter().filter(|&node| given.node(node).kind != NodeKind::Slope).collect::<Vec<_>>() {
+            let text = format!("\"{}\" needs nodes of a cable, but node \"{}\" is none", given.owner(), given.name(node));
+            given.wrong(text);
+        }
+        (CableDeflection, given.unit("normal").components().to_vec())
     }
 }

@@ -34,6 +34,9 @@ impl Quantity for CableLargestStress {
     fn dofs(&self) -> usize {
         (self.elements + 1) * COMPONENTS
     }
+    fn unit(&self) -> &'static str {
+        "N/m2"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let mut stresses: SmallVec<[S; 16]> = SmallVec::new();
         for q in s.q.windows(NODES * COMPONENTS).step_by(COMPONENTS) {

@@ -44,6 +44,13 @@ impl Quantity for CableQuantity {
     fn dofs(&self) -> usize {
         self.places.len() * NODES * COMPONENTS
     }
+    fn unit(&self) -> &'static str {
+        match self.measure {
+            CableMeasure::Strain => "-",
+            CableMeasure::Curvature => "1/m",
+            CableMeasure::Stress => "N/m2",
+        }
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let length = |element: usize| Parameter::named(format!("element {element}, length"), "m");
         let mut list: Vec<Parameter> = (1..=self.places.len()).map(length).collect();

@@ -1,3 +1,4 @@
+use crate::elements::entries::{BETWEEN, ENDS, Entry, Example, FROM_TO, Given, Key, TWO_BODIES};
 use crate::elements::joints::{POINTS, gap};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
@@ -19,7 +20,24 @@ impl Quantity for Distance {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    fn unit(&self) -> &'static str {
+        "m"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         gap([self.a, self.b], s.q, p).length()
+    }
+}
+
+impl Entry for Distance {
+    type Law = Self;
+    const NAME: &'static str = "distance";
+    const DOC: &'static str = "distance of two points [m]";
+    const KEYS: &'static [Key] = &[BETWEEN, ENDS];
+    const EXAMPLE: Example = (TWO_BODIES, &[FROM_TO]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let [a, b] = [given.in_space(0), given.in_space(1)];
+        let ends = given.points("points");
+        (Distance { a, b }, given.local_points([0, 1], ends))
     }
 }

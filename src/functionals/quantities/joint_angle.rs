@@ -1,3 +1,4 @@
+use crate::elements::entries::{ALONG, AXIS, BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
 use crate::elements::joints::{ANGLE, angle_between};
 use crate::elements::{NodeKind, Parameter, State};
 use crate::functionals::Quantity;
@@ -22,7 +23,23 @@ impl Quantity for JointAngle {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    fn unit(&self) -> &'static str {
+        "rad"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         angle_between([self.a, self.b], s.q, p, S::zero())
+    }
+}
+
+impl Entry for JointAngle {
+    type Law = Self;
+    const NAME: &'static str = "joint_angle";
+    const DOC: &'static str = "angle of b against a about an axis, in (-pi, pi] [rad]";
+    const KEYS: &'static [Key] = &[BETWEEN, AXIS];
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let ([a, b], axis) = (given.bodies(), given.unit("axis"));
+        (JointAngle { a, b }, given.angle_frame(axis))
     }
 }

@@ -1,3 +1,4 @@
+use crate::elements::entries::{ALONG, AT, AXIS, BETWEEN, Entry, Example, Given, Key, POINT, TWO_BODIES};
 use crate::elements::joints::{POINTS, components, gap, vectors};
 use crate::elements::{Frame, NodeKind, Parameter, State};
 use crate::functionals::Quantity;
@@ -17,6 +18,9 @@ pub struct JointDisplacement {
 impl Quantity for JointDisplacement {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
+    }
+    fn unit(&self) -> &'static str {
+        "m"
     }
     fn parameters(&self) -> Vec<Parameter> {
         POINTS.into_iter().chain(vectors(&["axis"])).collect()
@@ -40,6 +44,9 @@ impl Quantity for JointSpeed {
     fn dofs(&self) -> usize {
         JointDisplacement { a: self.a, b: self.b }.dofs()
     }
+    fn unit(&self) -> &'static str {
+        "m/s"
+    }
     fn parameters(&self) -> Vec<Parameter> {
         JointDisplacement { a: self.a, b: self.b }.parameters()
     }
@@ -52,4 +59,36 @@ impl Quantity for JointSpeed {
     fn value_with_rates<S: Scalar>(&self, _e: &[S], rate: &[S], _p: &[S]) -> S {
         rate[0]
     }
+}
+
+impl Entry for JointDisplacement {
+    type Law = Self;
+    const NAME: &'static str = "joint_displacement";
+    const DOC: &'static str = "displacement of a point of b along an axis of a since the start [m]";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let ([a, b], p) = slide(given);
+        (JointDisplacement { a, b }, p)
+    }
+}
+
+impl Entry for JointSpeed {
+    type Law = Self;
+    const NAME: &'static str = "joint_speed";
+    const DOC: &'static str = "its rate [m/s]";
+    const KEYS: &'static [Key] = &[BETWEEN, POINT, AXIS];
+    const EXAMPLE: Example = (TWO_BODIES, &[AT, ALONG]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let ([a, b], p) = slide(given);
+        (JointSpeed { a, b }, p)
+    }
+}
+
+/// Kinds of the nodes, and the parameters.
+fn slide<S: Scalar>(given: &mut Given<S>) -> ([NodeKind; 2], Vec<S>) {
+    let (kinds, point, axis) = (given.body_and_guided(), given.point("point", 1), given.unit("axis"));
+    (kinds, [given.local_points([0, 1], [point; 2]), given.local_directions(0, [axis])].concat())
 }

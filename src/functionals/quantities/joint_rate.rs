@@ -1,3 +1,4 @@
+use crate::elements::entries::{ALONG, AXIS, BETWEEN, Entry, Example, Given, Key, TWO_BODIES};
 use crate::elements::{Frame, NodeKind, Parameter, State};
 use crate::functionals::Quantity;
 use crate::scalar::Scalar;
@@ -19,9 +20,25 @@ impl Quantity for JointRate {
     fn dofs(&self) -> usize {
         self.a.dofs() + self.b.dofs()
     }
+    fn unit(&self) -> &'static str {
+        "rad/s"
+    }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], _t: S) -> S {
         let split = self.a.dofs();
         let relative = self.b.angular_velocity(&s.v[split..], &s.q[split..]) - self.a.angular_velocity(s.v, s.q);
         Frame::of(self.a, s.q).direction(p).dot(&relative)
+    }
+}
+
+impl Entry for JointRate {
+    type Law = Self;
+    const NAME: &'static str = "joint_rate";
+    const DOC: &'static str = "angular velocity of b against a along an axis of a [rad/s]";
+    const KEYS: &'static [Key] = &[BETWEEN, AXIS];
+    const EXAMPLE: Example = (TWO_BODIES, &[ALONG]);
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Self, Vec<S>) {
+        let ([a, b], axis) = (given.bodies(), given.unit("axis"));
+        (JointRate { a, b }, given.local_directions(0, [axis]))
     }
 }

@@ -1,4 +1,4 @@
-//! Quantities of points, joints, sections of beams and cables, and shells. A new one is a file here and a line in this list.
+//! Quantities of points, joints, sections of beams and cables, and shells.
 
 mod cable_deflection;
 mod cable_largest_stress;
@@ -34,10 +34,18 @@ pub use tsai_wu::TsaiWu;
 pub use velocity::Velocity;
 pub use von_mises::VonMises;
 
-use super::{AnyPointQuantity, AnyQuantity, ElementSum, OfShells};
+use super::{AnyPointQuantity, AnyQuantity, ElementSum, OfShells, QuantityPart, QuantityVisitor};
+use crate::elements::entries::entries;
 use crate::elements::{Parameter, instantiate_here};
 
-instantiate_here!(dyn AnyQuantity: CableDeflection, CableLargestStress, CableQuantity, Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm, SectionQuantity, TargetDistance, Velocity);
+entries! {
+    QuantityPart, QuantityVisitor;
+    /// What is measured at nodes, by the names that scene files and programs use, each described in its own file.
+    QUANTITIES:
+    Position, Velocity, TargetDistance, Distance, Coordinate, JointAngle, JointRate, JointDisplacement, JointSpeed, CableDeflection;
+}
+
+instantiate_here!(dyn AnyQuantity: CableLargestStress, CableQuantity, Reaction, ReactionNorm, SectionQuantity);
 instantiate_here!(dyn AnyPointQuantity: ElementSum, OfShells<TsaiWu>, OfShells<VonMises>);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.

@@ -10,11 +10,16 @@ use crate::scalar::Scalar;
 pub struct Reaction {
     /// Number of equations of the constraint.
     pub equations: usize,
+    /// "N" of forces, "N m" of moments.
+    pub unit: &'static str,
 }
 
 impl Quantity for Reaction {
     fn dofs(&self) -> usize {
         0
+    }
+    fn unit(&self) -> &'static str {
+        self.unit
     }
     fn parameters(&self) -> Vec<Parameter> {
         (1..=self.equations).map(|i| Parameter::named(format!("weight {i}"), "-")).collect()

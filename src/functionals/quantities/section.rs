@@ -39,6 +39,15 @@ impl Quantity for SectionQuantity {
     fn dofs(&self) -> usize {
         self.places.len() * NODES * BeamField::NODE.dofs()
     }
+    fn unit(&self) -> &'static str {
+        match self.measure {
+            SectionMeasure::Force(0..3) => "N",
+            SectionMeasure::Force(_) => "N m",
+            SectionMeasure::Strain(0..3) => "-",
+            SectionMeasure::Strain(_) => "1/m",
+            SectionMeasure::FibreStress => "N/m2",
+        }
+    }
     fn parameters(&self) -> Vec<Parameter> {
         let mut list = Vec::new();
         for element in 1..=self.places.len() {

@@ -358,18 +358,11 @@ impl<S: Scalar> MechanismBuilder<S> {
 
     /// A functional of a section force \[N\], moment [N m] or strain of a beam at a share of its length, from 0 to 1.
     pub fn section_functional(&mut self, name: &str, over: Over, beam: &BeamMember, share: f64, measure: SectionMeasure) {
-        let unit = match measure {
-            SectionMeasure::Force(0..3) => "N",
-            SectionMeasure::Force(_) => "N m",
-            SectionMeasure::Strain(0..3) => "-",
-            SectionMeasure::Strain(_) => "1/m",
-            SectionMeasure::FibreStress => "N/m2",
-        };
         if measure == SectionMeasure::FibreStress {
             self.mistakes.push(format!("\"{name}\": the stress of a fibre needs its place: take fibre_stress_functional"));
             return;
         }
-        self.add_section(name, unit, over, (beam, share), measure, &[]);
+        self.add_section(name, over, (beam, share), measure, &[]);
     }
 
     /// A functional of the axial stress of a fibre at (x2, x3) \[m\] of a section, for Young's modulus E [N/m2].
@@ -381,13 +374,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         young: S,
         [x2, x3]: [S; 2],
     ) {
-        self.add_section(name, "N/m2", over, (beam, share), SectionMeasure::FibreStress, &[young, x2, x3]);
+        self.add_section(name, over, (beam, share), SectionMeasure::FibreStress, &[young, x2, x3]);
     }
 
     fn add_section(
         &mut self,
         name: &str,
-        unit: &'static str,
         over: Over,
         (beam, share): (&BeamMember, f64),
         measure: SectionMeasure,
@@ -426,7 +418,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         p.extend_from_slice(fibre);
         let places = places.into_iter().map(|(_, xi)| xi).collect();
         let quantity = SectionQuantity { measure, beam: beam.field, places };
-        self.add_functional(name, unit, over, (&nodes, &[]), quantity.into(), &p);
+        self.add_functional(name, over, (&nodes, &[]), quantity.into(), &p);
     }
 }
 

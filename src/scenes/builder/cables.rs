@@ -1,12 +1,13 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
+use super::functionals::entry;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::{
     Cable, CableGravity, CableInertia, CableSection, CableStrain, GRAVITY, SmallStrainCableField,
 };
 use crate::elements::{Flexible, NodeKind};
-use crate::functionals::quantities::{CableDeflection, CableLargestStress, CableMeasure, CableQuantity};
+use crate::functionals::quantities::{CableLargestStress, CableMeasure, CableQuantity};
 use crate::functionals::{ElementGroup, Over};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
 use crate::scenes::Drawn;
@@ -226,15 +227,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         share: f64,
         measure: CableMeasure,
     ) {
-        let unit = match measure {
-            CableMeasure::Strain => "-",
-            CableMeasure::Curvature => "1/m",
-            CableMeasure::Stress => {
-                self.mistakes.push(format!("\"{name}\": a stress needs Young's modulus: take cable_stress_functional"));
-                return;
-            }
-        };
-        self.add_cable_quantity((name, unit), over, (cable, share), measure, &[]);
+        if measure == CableMeasure::Stress {
+            self.mistakes.push(format!("\"{name}\": a stress needs Young's modulus: take cable_stress_functional"));
+            return;
+        }
+        self.add_cable_quantity(name, over, (cable, share), measure, &[]);
     }
 
     /// A functional of the axial stress E (eps + z kappa) of a cable [N/m2], for Young's modulus E [N/m2] and a distance z \[m\] of the fibre
@@ -247,12 +244,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         young: S,
         distance: S,
     ) {
-        self.add_cable_quantity((name, "N/m2"), over, (cable, share), CableMeasure::Stress, &[young, distance]);
+        self.add_cable_quantity(name, over, (cable, share), CableMeasure::Stress, &[young, distance]);
     }
 
     fn add_cable_quantity(
         &mut self,
-        (name, unit): (&str, &'static str),
+        name: &str,
         over: Over,
         (cable, share): (&CableMember, f64),
         measure: CableMeasure,
@@ -284,7 +281,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         p.extend_from_slice(own);
         let places = places.into_iter().map(|(_, xi)| xi).collect();
         let quantity = CableQuantity { measure, strain: cable.strain, places };
-        self.add_functional(name, unit, over, (&nodes, &[]), quantity.into(), &p);
+        self.add_functional(name, over, (&nodes, &[]), quantity.into(), &p);
     }
 
     /// A smooth maximum over time and length of the axial stress of a cable, tension or compression [N/m2], in fibres at a distance
@@ -305,13 +302,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         let p = [length[0], young, distance];
         let over = Over::smooth_maximum(sharpness);
         let quantity = CableLargestStress { strain: cable.strain, elements, sharpness };
-        self.add_functional(name, "N/m2", over, (&cable.nodes, &[]), quantity.into(), &p);
+        self.add_functional(name, over, (&cable.nodes, &[]), quantity.into(), &p);
     }
 
     /// A functional of the deflection of a cable's node from the tangent at another, in the plane with a world normal \[m\]: nodes (tangent,
     /// deflected).
     pub fn cable_deflection_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], normal: Vector3<S>) {
-        let normal = self.unit(name, normal);
-        self.add_functional(name, "m", over, (&nodes, &[]), CableDeflection.into(), &normal.components());
+        self.measure(entry("cable_deflection"), name, over, &nodes, [("normal", normal.into())]);
     }
 }

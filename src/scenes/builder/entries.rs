@@ -9,6 +9,12 @@ use crate::scalar::Scalar;
 pub(in crate::scenes) type Wrong = (Option<&'static str>, String);
 
 impl<S: Scalar> MechanismBuilder<S> {
+    /// What an entry, or what is like one, makes its parameters of.
+    pub(super) fn given(&self, name: &str, nodes: &[NodeId], values: Values<S>) -> Given<S> {
+        let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
+        Given::new(name, placed, values)
+    }
+
     /// Makes a part of its entry; nothing where a node is one of another mechanism.
     pub(super) fn made<L: ?Sized + 'static>(
         &mut self,
@@ -32,8 +38,7 @@ impl<S: Scalar> MechanismBuilder<S> {
                 (None, format!("\"{name}\", a {}, has no key {key}: it has {}", part.form.name, known.join(", ")))
             })
             .collect();
-        let placed = nodes.iter().filter_map(|&node| Some((&*self.model.find_node(node)?.name, self.placed(node)?)));
-        let mut given = Given::new(name, placed, values);
+        let mut given = self.given(name, nodes, values);
         let made = part.make(&mut given);
         wrong.extend(given.mistakes());
         match made {

@@ -119,16 +119,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.spring(entry(DAMPERS, "vector"), name, &nodes, keys)
     }
 
-    /// Axis and reference directions of an angle between two bodies that is zero at the start.
-    pub(super) fn angle_frame(&mut self, name: &str, [a, b]: [NodeId; 2], axis: Vector3<S>) -> Vec<S> {
-        let axis = self.unit(name, axis);
-        let [reference, _] = axis.perpendiculars();
-        [self.local_direction(a, axis), self.local_direction(a, reference), self.local_direction(b, reference)]
-            .into_iter()
-            .flat_map(|vector| vector.components())
-            .collect()
-    }
-
     /// The function and the numbers of a signal; what is wrong with it is told with the other mistakes.
     pub(in crate::scenes) fn function_of(&mut self, owner: &str, signal: Signal<S>) -> (TimeFunction, Vec<S>) {
         signal.parts().unwrap_or_else(|why| {

@@ -1,42 +1,63 @@
 //! What is measured.
 
 use super::MechanismBuilder;
+use super::entries::Wrong;
 use crate::assembly::{ConstraintId, NodeId};
-use crate::elements::NodeKind;
-use crate::functionals::quantities::{
-    Coordinate, Distance, JointAngle, JointDisplacement, JointRate, JointSpeed, Position, Reaction, ReactionNorm,
-    TargetDistance, Velocity,
-};
-use crate::functionals::{Functional, Measured, Over};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::elements::entries::{GivenValue, Values};
+use crate::functionals::quantities::{QUANTITIES, Reaction, ReactionNorm};
+use crate::functionals::{Functional, Measured, Over, QuantityPart};
+use crate::scalar::{Scalar, Vector3};
+
+/// The entry of a quantity of the library.
+pub(super) fn entry(name: &str) -> &'static QuantityPart {
+    let Some(part) = QUANTITIES.iter().find(|part| part.form.name == name) else {
+        unreachable!("{name} is in no list of entries")
+    };
+    part
+}
 
 impl<S: Scalar> MechanismBuilder<S> {
+    /// Adds a functional of a quantity by its entry.
+    ///
+    /// # Errors
+    /// What is wrong with its nodes or the values of its keys.
+    pub(in crate::scenes) fn quantity_part(
+        &mut self,
+        part: &QuantityPart,
+        name: &str,
+        over: Over,
+        nodes: &[NodeId],
+        values: Values<S>,
+    ) -> Result<(), Vec<Wrong>> {
+        let (quantity, p) = self.made(part, name, nodes, values)?;
+        self.add_functional(name, over, (nodes, &[]), quantity, &p);
+        Ok(())
+    }
+
+    /// A functional of a quantity by its entry, one of [`QUANTITIES`] or of your own:
+    /// `m.measure(&QuantityPart::of::<MyQuantity>(), "name", Over::Terminal, &[node], keys)`.
+    pub fn measure(&mut self, part: &QuantityPart, name: &str, over: Over, nodes: &[NodeId], keys: impl Into<Values<S>>) {
+        self.quantity_part(part, name, over, nodes, keys.into()).unwrap_or_else(|wrong| self.tell(name, wrong));
+    }
+
     /// A functional of the position of a world point of a node along a direction \[m\].
     pub fn position_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        let of = self.kind_in_space(name, node);
-        let p = [self.local_point(node, point).components(), direction.components()].concat();
-        self.add_functional(name, "m", over, (&[node], &[]), Position { of }.into(), &p);
+        self.measure(entry("position"), name, over, &[node], [("point", point.into()), ("direction", direction.into())]);
     }
 
     /// A functional of the velocity of a world point of a node along a direction [m/s].
     pub fn velocity_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, direction: Vector3<S>) {
-        let of = self.kind_in_space(name, node);
-        let p = [self.local_point(node, point).components(), direction.components()].concat();
-        self.add_functional(name, "m/s", over, (&[node], &[]), Velocity { of }.into(), &p);
+        self.measure(entry("velocity"), name, over, &[node], [("point", point.into()), ("direction", direction.into())]);
     }
 
     /// A functional of the squared distance of a world point of a node from a target \[m2\].
     pub fn target_functional(&mut self, name: &str, over: Over, node: NodeId, point: Vector3<S>, target: Vector3<S>) {
-        let of = self.kind_in_space(name, node);
-        let p = [self.local_point(node, point).components(), target.components()].concat();
-        self.add_functional(name, "m2", over, (&[node], &[]), TargetDistance { of }.into(), &p);
+        self.measure(entry("target"), name, over, &[node], [("point", point.into()), ("target", target.into())]);
     }
 
     /// A functional of the distance between world points of two nodes \[m\].
     pub fn distance_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], points: [Vector3<S>; 2]) {
-        let [a, b] = nodes.map(|node| self.kind_in_space(name, node));
-        let p = self.points_between(nodes, points);
-        self.add_functional(name, "m", over, (&nodes, &[]), Distance { a, b }.into(), &p);
+        self.measure(entry("distance"), name, over, &nodes, [("points", GivenValue::Vectors(points.to_vec()))]);
     }
 
     /// A functional of a weighted sum of a joint's multipliers: forces \[N\], or moments [N m] of equations between axes and angles.
@@ -44,7 +65,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         if self.has_joint(name, joint) {
             let equations = self.model.constraints[joint.0].equations.len();
             let unit = if self.are_moments(joint, weights) { "N m" } else { "N" };
-            self.add_functional(name, unit, over, (&[], &[joint]), Reaction { equations }.into(), weights);
+            self.add_functional(name, over, (&[], &[joint]), Reaction { equations, unit }.into(), weights);
         }
     }
 
@@ -79,7 +100,7 @@ impl<S: Scalar> MechanismBuilder<S> {
             let (moments, forces): (Vec<usize>, Vec<usize>) =
                 (0..count).partition(|&i| self.are_moments(joint, &weights(i)));
             let (equations, unit) = if forces.is_empty() { (moments, "N m") } else { (forces, "N") };
-            self.add_functional(name, unit, over, (&[], &[joint]), ReactionNorm { equations }.into(), &[]);
+            self.add_functional(name, over, (&[], &[joint]), ReactionNorm { equations, unit }.into(), &[]);
         }
     }
 
@@ -87,17 +108,12 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// Over several turns take [`joint_angle`](MechanismBuilder::joint_angle) and the functional of its coordinate.
     pub fn joint_angle_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let p = self.angle_frame(name, nodes, axis);
-        self.add_functional(name, "rad", over, (&nodes, &[]), JointAngle { a, b }.into(), &p);
+        self.measure(entry("joint_angle"), name, over, &nodes, [("axis", axis.into())]);
     }
 
     /// A functional of the angular velocity of b against a along a world axis fixed in a [rad/s].
     pub fn joint_rate_functional(&mut self, name: &str, over: Over, nodes: [NodeId; 2], axis: Vector3<S>) {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
-        let axis = self.unit(name, axis);
-        let p = self.local_direction(nodes[0], axis).components();
-        self.add_functional(name, "rad/s", over, (&nodes, &[]), JointRate { a, b }.into(), &p);
+        self.measure(entry("joint_rate"), name, over, &nodes, [("axis", axis.into())]);
     }
 
     /// A functional of the displacement of a world point of b along a world axis fixed in a, from the start on \[m\].
@@ -109,8 +125,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         point: Vector3<S>,
         axis: Vector3<S>,
     ) {
-        let ([a, b], p) = self.slide(name, nodes, point, axis);
-        self.add_functional(name, "m", over, (&nodes, &[]), JointDisplacement { a, b }.into(), &p);
+        self.measure(entry("joint_displacement"), name, over, &nodes, [("point", point.into()), ("axis", axis.into())]);
     }
 
     /// A functional of the rate of that displacement [m/s].
@@ -122,21 +137,12 @@ impl<S: Scalar> MechanismBuilder<S> {
         point: Vector3<S>,
         axis: Vector3<S>,
     ) {
-        let ([a, b], p) = self.slide(name, nodes, point, axis);
-        self.add_functional(name, "m/s", over, (&nodes, &[]), JointSpeed { a, b }.into(), &p);
-    }
-
-    fn slide(&mut self, name: &str, nodes: [NodeId; 2], point: Vector3<S>, axis: Vector3<S>) -> ([NodeKind; 2], Vec<S>) {
-        let axis = self.unit(name, axis);
-        let p = [&self.points_between(nodes, [point; 2])[..], &self.local_direction(nodes[0], axis).components()].concat();
-        ([self.kind_of_body(name, nodes[0]), self.kind_in_space(name, nodes[1])], p)
+        self.measure(entry("joint_speed"), name, over, &nodes, [("point", point.into()), ("axis", axis.into())]);
     }
 
     /// A functional of one coordinate of a node.
     pub fn coordinate_functional(&mut self, name: &str, over: Over, node: NodeId, index: usize) {
-        if let Some(of) = self.kind_of(name, node).map(NodeKind::dofs) {
-            self.add_functional(name, "-", over, (&[node], &[]), Coordinate { of, index }.into(), &[]);
-        }
+        self.measure(entry("coordinate"), name, over, &[node], [("index", GivenValue::Count(index))]);
     }
 
     /// A functional of the energy of all elements \[J\].

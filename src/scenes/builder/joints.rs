@@ -5,7 +5,7 @@ use super::entries::Wrong;
 use crate::assembly::{ConstraintId, ElementId, NodeId};
 use crate::elements::entries::{GivenValue, JointPart, Values};
 use crate::elements::joints::{self, AngleCoordinate, HeldSlope};
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Scalar, Vector3};
 use crate::scenes::Signal;
 
 /// The entry of a joint or driver of the library.
@@ -82,10 +82,6 @@ impl<S: Scalar> MechanismBuilder<S> {
     fn function_value(&mut self, name: &str, signal: Signal<S>) -> GivenValue<S> {
         let (function, numbers) = self.function_of(name, signal);
         GivenValue::Function(function, numbers)
-    }
-
-    pub(super) fn points_between(&self, [a, b]: [NodeId; 2], [on_a, on_b]: [Vector3<S>; 2]) -> Vec<S> {
-        self.local_point(a, on_a).components().into_iter().chain(self.local_point(b, on_b).components()).collect()
     }
 
     /// A spherical joint at a world point \[m\].
@@ -181,11 +177,17 @@ impl<S: Scalar> MechanismBuilder<S> {
     ///
     /// It is a node: for gears, springs, drivers and functionals of the angle. A joint must hold the axis.
     pub fn joint_angle(&mut self, name: &str, nodes: [NodeId; 2], axis: Vector3<S>) -> NodeId {
-        let [a, b] = nodes.map(|node| self.kind_of_body(name, node));
         let angle = self.coordinates(name, &[S::zero()], &[S::zero()]);
-        let p = self.angle_frame(name, nodes, axis);
+        if nodes.iter().any(|&node| self.kind_of(name, node).is_none()) {
+            return angle;
+        }
+        let mut given = self.given(name, &nodes, Vec::new());
+        let ([a, b], axis) = (given.bodies(), given.unit_of(axis));
+        let p = given.angle_frame(axis);
+        let wrong = given.mistakes();
+        self.tell(name, wrong);
         self.add_constraint(name, &[nodes[0], nodes[1], angle], AngleCoordinate { a, b }.into(), &p);
-        self.angles.push((angle, nodes, axis.unit()));
+        self.angles.push((angle, nodes, axis));
         self.set_angle_rates();
         angle
     }

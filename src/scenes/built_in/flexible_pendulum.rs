@@ -58,7 +58,7 @@ impl Scene for FlexiblePendulum {
             "height of the tip at the end",
             Over::Terminal,
             ends[1],
-            Vector3::zeros(),
+            m.position(ends[1]),
             point(0.0, 1.0, 0.0),
         );
         m.cable_stress_functional(

@@ -65,8 +65,8 @@ impl Scene for RigidSpringBeam {
         m.gravity(point(0.0, -9.81));
         m.draw(bar, &[a, b]);
         m.target_functional(OBJECTIVE, Over::Integral, bar, b, b);
-        m.distance_functional(LENGTH, Over::Initial, [beam.start(), beam.end()], [Vector3::zeros(); 2]);
-        m.position_functional("height of C at the end", Over::Terminal, beam.start(), Vector3::zeros(), point(0.0, 1.0));
+        m.distance_functional(LENGTH, Over::Initial, [beam.start(), beam.end()], [c, d]);
+        m.position_functional("height of C at the end", Over::Terminal, beam.start(), c, point(0.0, 1.0));
         Ok(())
     }
 }

@@ -280,7 +280,7 @@ impl Scene for Suspension {
         }
         for (number, beam) in (1..).zip(&beams) {
             let ends = [beam.start(), beam.end()];
-            m.distance_functional(&length_name(number), Over::Initial, ends, [Vector3::zeros(); 2]);
+            m.distance_functional(&length_name(number), Over::Initial, ends, ends.map(|node| m.position(node)));
         }
         Ok(())
     }

@@ -6,13 +6,14 @@ use super::build_members::{beam, cable, group, laminate, section, shell, shells_
 use super::build_meshes::mesh;
 use super::build_parts::{joint, rolling, spring};
 
+use super::formula_parts;
 use super::known::{Found, Known, Made, count, fixed, frame, list, text};
 use super::mistake::Mistake;
+use super::own_parts::named;
 use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
 use crate::elements::flexible::Material;
-use crate::elements::forces::{DAMPERS, LoadFrame, SPRINGS};
-use crate::elements::joints;
+use crate::elements::forces::{DAMPERS, LoadFrame};
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Torque};
 
@@ -48,12 +49,11 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
-        "joint" | "driver" => {
-            match joints::named(fields.form).or_else(|| known.joints.iter().find(|own| own.form.name == fields.form)) {
-                Some(part) => joint(known, part, name, fields, m),
-                None => rolling(known, name, fields, m),
-            }
-        }
+        "joint" | "driver" => match known.own.joint_named(fields.form) {
+            Some(part) => joint(known, part, name, fields, m),
+            None if fields.form == "formula" => formula_parts::joint(known, name, fields, m),
+            None => rolling(known, name, fields, m),
+        },
         "rigid_interface" => {
             let body = known.node(fields, "body", m)?;
             let nodes = node_sets(known, fields, m)?;
@@ -65,8 +65,9 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             m.tie_to(name, &nodes, &shells_named(known, fields, "to").concat(), fixed(fields, "within"));
             Ok(Made::Nothing)
         }
-        "spring" => spring(known, SPRINGS, name, fields, m),
-        "damper" => spring(known, DAMPERS, name, fields, m),
+        "spring" => spring(known, known.own.spring_named(fields.form), name, fields, m),
+        "damper" => spring(known, named(DAMPERS, fields.form), name, fields, m),
+        "element" => formula_parts::element(known, name, fields, m),
         "force" | "torque" | "distributed_load" | "pressure" => load(known, item, m),
         "drawing" => {
             let node = if fields.get("on").is_some() { known.node(fields, "on", m)? } else { m.ground() };
@@ -131,29 +132,6 @@ fn point<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Build
         m.point_mass(name, node, known.number(fields, "mass")?);
     }
     Ok(Made::Node(node))
-}
-
-/// Points of both nodes: given, or where the nodes are.
-pub(super) fn ends<S: Scalar>(
-    known: &Known<S>,
-    fields: &Fields,
-    nodes: [NodeId; 2],
-    m: &Builder<S>,
-) -> Found<[Vector3<S>; 2]> {
-    let given = known.points(fields, "points")?;
-    match given.as_slice() {
-        [] => Ok(nodes.map(|node| m.position(node))),
-        &[a, b] => {
-            let at = fields.get("points").map_or(fields.at, |own| own.0);
-            check_place(at, nodes[0], a, m)?;
-            check_place(at, nodes[1], b, m)?;
-            Ok([a, b])
-        }
-        other => {
-            let at = fields.get("points").map_or(fields.at, |own| own.0);
-            Err(Mistake::new(at, format!("points has {} places; give two, one on each node", other.len())))
-        }
-    }
 }
 
 /// The key `point`, or the place of a node.

@@ -1,7 +1,9 @@
 //! Functionals of a file.
 
-use super::build::{Builder, ends, place};
-use super::known::{Found, Known, Made, count, fixed, frame, over, text};
+use super::build::{Builder, place};
+use super::build_parts::measure;
+use super::formula_parts;
+use super::known::{Found, Known, Made, fixed, frame, over, text};
 use super::mistake::Mistake;
 use super::reader::Fields;
 use crate::elements::forces::LoadFrame;
@@ -17,44 +19,14 @@ fn component(fields: &Fields) -> usize {
 
 /// What a functional measures.
 pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    if let Some(part) = known.own.quantity_named(fields.form) {
+        return measure(known, part, name, fields, m);
+    }
     let over = over(fields);
     let vector = |key| known.vector(fields, key);
     let share = fixed(fields, "share").unwrap_or(0.0);
     match fields.form {
-        "position" | "velocity" | "target" => {
-            let node = known.node(fields, "on", m)?;
-            let point = place(known, fields, "point", node, m)?;
-            match fields.form {
-                "position" => m.position_functional(name, over, node, point, vector("direction")?),
-                "velocity" => m.velocity_functional(name, over, node, point, vector("direction")?),
-                _ => m.target_functional(name, over, node, point, known.vector_or(fields, "target", point)?),
-            }
-        }
-        "distance" => {
-            let nodes = known.nodes(fields, "between", m)?;
-            let ends = ends(known, fields, nodes, m)?;
-            m.distance_functional(name, over, nodes, ends);
-        }
-        "coordinate" => {
-            let (node, index) = (known.node(fields, "on", m)?, count(fields, "index"));
-            let dofs = m.model.find_node(node).map_or(0, |own| own.kind.dofs());
-            if index >= dofs {
-                let at = fields.get("index").map_or(fields.at, |own| own.0);
-                return Err(Mistake::new(at, format!("index is {index}; the node has {dofs} coordinates, from 0 on")));
-            }
-            m.coordinate_functional(name, over, node, index);
-        }
-        "joint_angle" | "joint_rate" | "joint_displacement" | "joint_speed" | "cable_deflection" => {
-            let nodes = known.nodes(fields, "between", m)?;
-            let point = place(known, fields, "point", nodes[1], m)?;
-            match fields.form {
-                "joint_angle" => m.joint_angle_functional(name, over, nodes, vector("axis")?),
-                "joint_rate" => m.joint_rate_functional(name, over, nodes, vector("axis")?),
-                "joint_displacement" => m.joint_displacement_functional(name, over, nodes, point, vector("axis")?),
-                "joint_speed" => m.joint_speed_functional(name, over, nodes, point, vector("axis")?),
-                _ => m.cable_deflection_functional(name, over, nodes, vector("normal")?),
-            }
-        }
+        "formula" => return formula_parts::functional(known, name, fields, m),
         "reaction" => m.reaction_functional(name, over, known.joint(fields)?, &known.series(fields, "weights")?),
         "reaction_norm" => m.reaction_norm_functional(name, over, known.joint(fields)?),
         "joint_load" => {

@@ -1,11 +1,12 @@
-//! Joints, drivers, springs and dampers, by their entries.
+//! Joints, drivers, springs, dampers and quantities, by their entries.
 
 use super::build::{Builder, place};
-use super::known::{Found, Known, Made, count, list, text};
+use super::known::{Found, Known, Made, count, list, over, text};
 use super::mistake::Mistake;
 use super::reader::Fields;
 use crate::assembly::NodeId;
 use crate::elements::entries::{Form, GivenValue, JointPart, Key, SpringPart, Type, Values};
+use crate::functionals::QuantityPart;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::builder::Wrong;
 
@@ -23,6 +24,10 @@ fn value<S: Scalar>(known: &Known<S>, fields: &Fields, key: &Key, m: &mut Builde
         Type::Function(..) => {
             let (function, numbers) = m.function_of(key.name, known.function(fields, key.name)?);
             GivenValue::Function(function, numbers)
+        }
+        Type::Law(..) | Type::Energy(..) => {
+            let (law, numbers) = known.law(fields, key.name)?;
+            GivenValue::Law(law, numbers)
         }
         Type::Count(..) => GivenValue::Count(count(fields, key.name)),
         Type::Table(_) if key.name == "orientation" => GivenValue::Rotation(known.orientation(fields)?),
@@ -60,7 +65,7 @@ pub(super) fn joint<S: Scalar>(
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let (nodes, values) = (nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
+    let (nodes, values) = (different_nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
     let made = match rates(known, fields)? {
         Some([stiffness, damping]) => {
             m.soft_part(part, name, &nodes, values, [&stiffness, &damping]).map(|_| Made::SoftJoint)
@@ -73,21 +78,38 @@ pub(super) fn joint<S: Scalar>(
 /// Makes a spring or damper of its entry.
 pub(super) fn spring<S: Scalar>(
     known: &Known<S>,
-    list: &[SpringPart],
+    part: Option<&SpringPart>,
     name: &str,
     fields: &Fields,
     m: &mut Builder<S>,
 ) -> Found<Made<S>> {
-    let Some(part) = list.iter().find(|part| part.form.name == fields.form) else {
+    let Some(part) = part else {
         return Err(Mistake::new(fields.at, format!("nothing builds a spring of type {}", fields.form)));
     };
-    let (nodes, values) = (nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
+    let (nodes, values) = (different_nodes(known, fields, m)?, values(known, fields, &part.form, m)?);
     let made = m.spring_part(part, name, &nodes, values).map(|_| Made::Nothing);
     located(made, name, fields, m)
 }
 
+/// Makes a functional of the entry of its quantity.
+pub(super) fn measure<S: Scalar>(
+    known: &Known<S>,
+    part: &QuantityPart,
+    name: &str,
+    fields: &Fields,
+    m: &mut Builder<S>,
+) -> Found<Made<S>> {
+    let nodes = match fields.get("between") {
+        Some(_) => known.nodes::<2>(fields, "between", m)?.to_vec(),
+        None => vec![known.node(fields, "on", m)?],
+    };
+    let values = values(known, fields, &part.form, m)?;
+    let made = m.quantity_part(part, name, over(fields), &nodes, values).map(|()| Made::Nothing);
+    located(made, name, fields, m)
+}
+
 /// The node of the key `on`, or all nodes of the key `between`, which are different.
-fn nodes<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Found<Vec<NodeId>> {
+fn different_nodes<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Found<Vec<NodeId>> {
     match list(fields, "between").count() {
         0 => known.node(fields, "on", m).map(|node| vec![node]),
         3 => known.different_nodes::<3>(fields, "between", m).map(Vec::from),
@@ -96,7 +118,7 @@ fn nodes<S: Scalar>(known: &Known<S>, fields: &Fields, m: &mut Builder<S>) -> Fo
 }
 
 /// Stiffnesses and dampings of a soft joint.
-fn rates<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Option<[Vec<S>; 2]>> {
+pub(super) fn rates<S: Scalar>(known: &Known<S>, fields: &Fields) -> Found<Option<[Vec<S>; 2]>> {
     let stiffness = known.series(fields, "stiffness")?;
     match (fields.get("stiffness"), fields.get("damping")) {
         (None, Some((at, _))) => {

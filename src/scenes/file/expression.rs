@@ -35,6 +35,9 @@ pub(super) struct Named {
 /// The time in formulas that are functions of it \[s\].
 pub(super) const TIME: &str = "t";
 
+/// What laws of springs depend on: s, its rate, the time.
+pub(super) const OF_LAW: [&str; 3] = ["s", "v", TIME];
+
 /// The share of the length of a beam in formulas of its section, from 0 to 1; the first of all names of a file.
 pub(super) const SHARE: &str = "share";
 /// Its place among the names.
@@ -70,6 +73,10 @@ impl Scope {
     pub fn add_variable(&mut self, name: &str) {
         self.names.push(Named { name: name.into(), is_vector: false, each: None, constant: None });
     }
+    /// What is known of a node: a number or vector that changes with the motion.
+    pub fn add_of_node(&mut self, name: String, is_vector: bool) {
+        self.names.push(Named { name, is_vector, each: None, constant: None });
+    }
     /// A number that changes with the design, one for each of some faces or nodes of a mesh.
     pub fn add_each(&mut self, name: &str, mesh: usize, mesh_name: &str) {
         self.add_variable(name);
@@ -87,11 +94,15 @@ impl Scope {
         let constant = formula.constant(self);
         self.names.push(Named { name: name.into(), is_vector: formula.is_vector, each: None, constant });
     }
-    /// The same names and [`TIME`].
-    pub fn with_time(&self) -> Scope {
+    /// The same names, and others behind them on which a formula depends.
+    pub fn with(&self, names: &[&str]) -> Scope {
         let mut scope = self.clone();
-        scope.add_variable(TIME);
+        names.iter().for_each(|name| scope.add_variable(name));
         scope
+    }
+    /// What is known of a node, without its name.
+    pub fn of_node<'s>(&'s self, node: &'s str) -> impl Iterator<Item = &'s str> {
+        self.names.iter().filter_map(move |own| own.name.strip_prefix(node)?.strip_prefix('.'))
     }
     pub fn find(&self, name: &str) -> Option<(usize, &Named)> {
         // the last one hides those before it
@@ -156,7 +167,7 @@ pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("deg", PI / 180.0)]
 /// What a name means in formulas of every file, in words; `None` for one that is free.
 pub(super) fn meaning(name: &str) -> Option<&'static str> {
     match name {
-        TIME => Some("the time in formulas of type \"formula\""),
+        TIME => Some("the time in formulas of type \"formula\" and in laws of springs"),
         SHARE => Some("the place along a beam in formulas of a [section]"),
         _ if CONSTANTS.iter().any(|own| own.0 == name) => Some("a constant in formulas"),
         _ => FUNCTIONS.iter().any(|own| own.0 == name).then_some("a function in formulas"),
@@ -248,6 +259,11 @@ impl Expression {
     pub fn chooses(&self) -> bool {
         use Function::{Abs, IfLess, Max, Min};
         self.operations.iter().any(|own| matches!(own, Operation::Call(Abs | IfLess | Max | Min)))
+    }
+
+    /// Whether it uses a name and chooses.
+    pub fn chooses_by(&self, name: usize) -> bool {
+        self.uses(name) && self.chooses()
     }
 
     /// Its value, if no design variable changes it.

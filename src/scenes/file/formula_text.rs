@@ -212,10 +212,31 @@ impl<'r> FormulaText<'r> {
         }
     }
 
+    /// What is known of a node whose name was read: `arm.position`.
+    fn of_node(&mut self, node: &str) -> Result<Option<bool>, SyntaxError> {
+        let names: Vec<&str> = self.scope.of_node(node).collect();
+        if names.is_empty() {
+            return Ok(None);
+        }
+        let (at, rest) = (self.at, self.rest());
+        let what = rest.strip_prefix('.').unwrap_or_default();
+        let what = &what[..what.find(|letter| !continues_name(letter)).unwrap_or(what.len())];
+        let Some((index, named)) = self.scope.find(&format!("{node}.{what}")) else {
+            let ways: Vec<String> = names.iter().map(|what| format!("{node}.{what}")).collect();
+            return Err((at, format!("\"{node}\" is a node, of which formulas know {}", ways.join(", "))));
+        };
+        self.at += 1 + what.len();
+        self.operations.push(Operation::Name(index));
+        Ok(Some(named.is_vector))
+    }
+
     fn name(&mut self) -> Result<bool, SyntaxError> {
         let (at, rest) = (self.at, self.rest());
         let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
         self.at += name.len();
+        if let Some(of_node) = self.of_node(name)? {
+            return Ok(of_node);
+        }
         if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
             self.expect('(')?;
             for (place, &wanted) in arguments.iter().enumerate() {

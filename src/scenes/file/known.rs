@@ -1,19 +1,21 @@
 //! Values of the keys of an entry, in the scalar of the mechanism.
 
 use super::expression::{Quantity, SHARE_PLACE};
+use super::formula_of::FormulaOf;
 use super::meshes::{Each, Per};
 use super::mistake::Mistake;
+use super::own_parts::OwnParts;
 use super::reader::{Fields, Item, NodePlace, Value};
-use super::time_formula::FormulaOfTime;
 use crate::assembly::{ConstraintId, NodeId};
 use crate::design::shortest;
-use crate::elements::entries::{JointPart, Range};
+use crate::elements::Characteristic;
+use crate::elements::entries::Range;
 use crate::elements::flexible::section::Shape;
 use crate::elements::flexible::{Laminate, Material, PlyStrength};
 use crate::elements::forces::LoadFrame;
 use crate::elements::{TimeFormula, TimeFunction};
 use crate::functionals::{Aggregate, AggregateKind, ElementGroup, Over, Times};
-use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use crate::scalar::{Interpolant, Quaternion, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamMember, CableMember, Edge, MechanismBuilder, MeshedShell, ShellMember, Signal, ThinWalls};
 use std::cell::Cell;
 
@@ -38,8 +40,8 @@ pub(super) enum Made<S> {
 
 /// Values of names, and what was made so far.
 pub(super) struct Known<'f, S> {
-    /// Joints beside those of the library.
-    pub joints: &'f [JointPart],
+    /// Parts beside those of the library.
+    pub own: &'f OwnParts,
     /// All entries.
     pub items: &'f [Item],
     pub names: Vec<Quantity<S>>,
@@ -333,11 +335,32 @@ impl<S: Scalar> Known<'_, S> {
                         derivatives by t jumps, or [] if there are none";
             return Err(Mistake::new(at, text));
         }
-        let (function, parameters) = FormulaOfTime::of(formula, &self.names, fixed_list(own, "breakpoints"));
+        let (function, parameters) = FormulaOf::of(formula, &self.names, fixed_list(own, "breakpoints"));
         if !function.value(S::zero(), &parameters).value().is_finite() {
             return Err(Mistake::new(at, "at t = 0 s the value is not finite"));
         }
         Signal::own(function, &parameters).map_err(|why| Mistake::new(own.at, why))
+    }
+
+    /// A law of s, its rate and the time.
+    pub fn law(&self, fields: &Fields, key: &str) -> Found<(Characteristic, Vec<S>)> {
+        match fields.get(key) {
+            Some((at, Value::Formula(formula, _))) => {
+                let (law, numbers) = FormulaOf::of(formula, &self.names, Vec::new());
+                Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
+            }
+            Some((_, Value::Fields(own))) => {
+                let (points, values) = (fixed_list(own, "points"), self.series(own, "values")?);
+                if points.len() != values.len() {
+                    let text = format!("there are {} points, but {} values; give one for each", points.len(), values.len());
+                    return Err(Mistake::new(own.at, text));
+                }
+                let interpolant = if own.form == "lines" { Interpolant::Lines } else { Interpolant::Cubic };
+                let law = Characteristic::table(&points, interpolant).map_err(|why| Mistake::new(own.at, why))?;
+                Ok((law, values))
+            }
+            _ => missing(fields, key),
+        }
     }
 
     /// A function of time with its numbers.

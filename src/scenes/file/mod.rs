@@ -7,11 +7,14 @@ mod build_members;
 mod build_meshes;
 mod build_parts;
 mod expression;
+mod formula_of;
+mod formula_parts;
 mod formula_text;
 mod known;
 mod meshes;
 mod mistake;
 mod order;
+mod own_parts;
 mod raw;
 mod reader;
 mod reference;
@@ -20,11 +23,10 @@ mod scene;
 mod schema;
 mod section;
 mod sections;
-mod time_formula;
 
 mod values;
 
+pub use own_parts::OwnParts;
 pub use reference::reference;
 pub use scene::FileScene;
 pub use schema::schema;
-pub(crate) use sections::ROLLING;

@@ -1,13 +1,15 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
-use super::expression::{Expression, Scope, is_name, meaning, names_in};
+use super::expression::{Expression, Scope, TIME, is_name, meaning, names_in};
+use super::formula_parts::of_section;
 use super::meshes::Each;
 use super::mistake::Mistake;
 use super::order::ordered;
+use super::own_parts::OwnParts;
 use super::raw::{Entry, Raw, RawValue, repeated_entries, repeated_named};
 use super::section::{Section, Shape};
 use super::sections::{DEFINE, SECTIONS, TOP, WITH_NODES};
-use crate::elements::entries::{Form, Forms, JointPart, Range};
+use crate::elements::entries::{Form, Forms, Range};
 use crate::scenes::MeshData;
 use crate::scenes::unknown;
 use std::collections::{HashMap, HashSet};
@@ -30,6 +32,10 @@ pub(super) enum Value {
     /// Whole numbers by name, with their places.
     Lists(Vec<(String, usize, Vec<usize>)>),
     Weights(Vec<(String, f64)>),
+    /// Nodes by the names that formulas give them, with their places.
+    NamedNodes(Vec<(String, usize, NodePlace)>),
+    /// Formulas by names, with their places.
+    Formulas(Vec<(String, usize, Expression)>),
     Fields(Fields),
     List(Vec<(usize, Value)>),
 }
@@ -112,8 +118,8 @@ pub(super) struct Contents {
     pub single: Vec<(&'static str, Fields)>,
     /// Entries in the order of the file, but what others refer to before these.
     pub order: Vec<usize>,
-    /// Joints beside those of the library.
-    pub joints: Arc<[JointPart]>,
+    /// Parts beside those of the library.
+    pub own: Arc<OwnParts>,
 }
 
 /// A name that an entry has.
@@ -138,8 +144,8 @@ pub(super) struct Reader {
     pub by_name: HashMap<(String, &'static str), usize>,
     /// An entry could not be read, so that its names are not known: those who use them would only repeat it.
     pub names_are_missing: bool,
-    /// Joints beside those of the library.
-    pub joints: Arc<[JointPart]>,
+    /// Parts beside those of the library.
+    pub own: Arc<OwnParts>,
     pub mistakes: Vec<Mistake>,
 }
 
@@ -150,15 +156,16 @@ pub(super) fn name_space(section: &str) -> &'static str {
             SECTIONS.iter().find(|own| own.name == section).map_or("", |own| own.name)
         }
         "joint" | "driver" | "rigid_interface" | "tie" => "joint",
-        "spring" | "damper" | "force" | "torque" | "distributed_load" | "pressure" => "force",
+        "spring" | "damper" | "element" | "force" | "torque" | "distributed_load" | "pressure" => "force",
         "functional" => "functional",
         _ => "member",
     }
 }
 
-/// Reads a whole file; paths in it begin at a folder. Joints of one's own are known by their names.
-pub(super) fn read(root: &Raw, folder: &Path, joints: &[JointPart]) -> Result<Contents, Vec<Mistake>> {
-    let mut reader = Reader { folder: folder.into(), scope: Scope::of_file(), joints: joints.into(), ..Reader::default() };
+/// Reads a whole file; paths in it begin at a folder. Parts of one's own are known by their names.
+pub(super) fn read(root: &Raw, folder: &Path, own: &OwnParts) -> Result<Contents, Vec<Mistake>> {
+    let mut reader =
+        Reader { folder: folder.into(), scope: Scope::of_file(), own: Arc::new(own.clone()), ..Reader::default() };
     let contents = reader.contents(root);
     if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
 }
@@ -217,7 +224,9 @@ impl Reader {
             };
             self.current = Some(place);
             self.scope.of_section = section.name == "section";
+            let scope = self.scope_with_nodes(&raw);
             let fields = self.fields(&raw, &section.forms, &owner);
+            self.scope = scope.unwrap_or_else(|| std::mem::take(&mut self.scope));
             let mesh = self.meshes.get(&place).cloned();
             items.push(Item { section: section.name, name, fields, mesh });
         }
@@ -226,7 +235,26 @@ impl Reader {
             .map(|(index, name, each)| Variable { fields: items[index].fields.clone(), name, each })
             .collect();
         let order = self.order(&items);
-        Contents { top, variables, definitions, items, single, order, joints: self.joints.clone() }
+        Contents { top, variables, definitions, items, single, order, own: self.own.clone() }
+    }
+
+    /// Adds what formulas know of the nodes that an entry names, and returns the scope without it.
+    fn scope_with_nodes(&mut self, raw: &Raw) -> Option<Scope> {
+        let nodes = raw.get("nodes")?.entries()?.to_vec();
+        let before = (self.scope.clone(), self.mistakes.len());
+        for own in nodes {
+            let place = self.node(&own.value, "", false);
+            // of one that is not there, as of a body: that is told, and not what follows
+            let item = place.and_then(|place| place.item);
+            let section = item.map_or("body", |item| self.declared[item].section.name);
+            for (what, is_vector, _) in of_section(section) {
+                self.scope.add_of_node(format!("{}.{what}", own.key), *is_vector);
+            }
+        }
+        // told where the key is read
+        self.mistakes.truncate(before.1);
+        self.scope.add_variable(TIME);
+        Some(before.0)
     }
 
     /// Takes down the entries of a section with their names.
@@ -303,7 +331,7 @@ impl Reader {
         list
     }
 
-    fn check_name(&mut self, name: &str, at: usize) {
+    pub(super) fn check_name(&mut self, name: &str, at: usize) {
         if !is_name(name) {
             self.wrong(
                 at,
@@ -400,7 +428,7 @@ impl Reader {
     }
 
     fn form(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Option<Form> {
-        let known = all_forms(forms, &self.joints);
+        let known = all_forms(forms, &self.own);
         let names = || known.iter().map(|form| form.name.to_string()).collect::<Vec<_>>();
         let Some(given) = raw.get("type") else {
             self.wrong(raw.at, format!("{owner} needs the key type: one of {}", names().join(", ")));
@@ -420,9 +448,8 @@ impl Reader {
 }
 
 /// All forms of a table.
-pub(super) fn all_forms(forms: &Forms, joints: &[JointPart]) -> Vec<Form> {
-    let own = joints.iter().filter(|_| forms.with_joints).map(|joint| joint.form);
-    forms.forms.iter().copied().chain(own).collect()
+pub(super) fn all_forms(forms: &Forms, own: &OwnParts) -> Vec<Form> {
+    [forms.forms.to_vec(), forms.own.map(|kind| own.forms(kind)).unwrap_or_default()].concat()
 }
 
 fn collect_names(raw: &Raw, names: &mut Vec<String>) {

@@ -48,6 +48,7 @@ pub(super) fn same(a: &'static Forms, b: &'static Forms) -> bool {
 fn table_name(key: &Key) -> String {
     match key.takes {
         Type::Function(..) => "a function of time".into(),
+        Type::Law(..) | Type::Energy(..) => "a table of s".into(),
         Type::Over(..) => "an aggregate".into(),
         _ => key.name.into(),
     }
@@ -55,7 +56,12 @@ fn table_name(key: &Key) -> String {
 
 fn table_of(takes: &Type) -> Option<&'static Forms> {
     match takes {
-        Type::Table(forms) | Type::Tables(forms) | Type::Function(_, forms) | Type::Over(_, forms) => Some(*forms),
+        Type::Table(forms)
+        | Type::Tables(forms)
+        | Type::Function(_, forms)
+        | Type::Law(_, forms)
+        | Type::Energy(_, forms)
+        | Type::Over(_, forms) => Some(*forms),
         _ => None,
     }
 }
@@ -132,7 +138,13 @@ fn words(key: &Key) -> String {
         Type::Table(_) => format!("table {}", table_name(key)),
         Type::Tables(_) => format!("list of tables {}", table_name(key)),
         Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),
+        Type::NamedNodes => "table of names with nodes".into(),
+        Type::OfNodes(unit) => with("formula of the nodes", unit, Range::Any),
+        Type::SeriesOfNodes(unit) => with("formulas of the nodes", unit, Range::Any),
+        Type::OnNodes(unit) => with("table of names of nodes with formulas", unit, Range::Any),
         Type::OfTime => "formula of t".into(),
+        Type::Law(unit, _) => with("formula of s, v, t or table of s", unit, Range::Any),
+        Type::Energy(unit, _) => with("formula or table of s", unit, Range::Any),
         Type::Over(words, _) => format!("{} or an aggregate", one_of(words)),
     }
 }

@@ -2,10 +2,10 @@ use super::build::build;
 use super::expression::Quantity;
 use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::mistake::{Mistake, Source};
+use super::own_parts::OwnParts;
 use super::raw::Raw;
 use super::reader::{Contents, Fields, Item, Value, Variable, name_space, read};
 use crate::design::DesignVariable;
-use crate::elements::entries::JointPart;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
 };
@@ -67,7 +67,7 @@ pub struct FileScene {
 }
 
 /// A text that stays for the life of the program: each is kept once.
-fn kept(text: &str) -> &'static str {
+pub(super) fn kept(text: &str) -> &'static str {
     static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
     let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
     let texts = texts.get_or_insert_default();
@@ -90,14 +90,14 @@ impl FileScene {
     /// # Errors
     /// A file that cannot be read, or what is wrong in it: see [`FileScene::parse`].
     pub fn read(path: &Path) -> Result<Self, String> {
-        Self::read_with(path, &[])
+        Self::read_with(path, &OwnParts::default())
     }
 
-    /// Reads a file in which joints of one's own have forms, too.
+    /// Reads a file in which parts of one's own have forms, too.
     ///
     /// # Errors
     /// As [`FileScene::read`].
-    pub fn read_with(path: &Path, joints: &[JointPart]) -> Result<Self, String> {
+    pub fn read_with(path: &Path, parts: &OwnParts) -> Result<Self, String> {
         let name = path.display().to_string();
         let cannot = |why: String| format!("{name}: cannot be read: {why}");
         let size = std::fs::metadata(path).map_err(|error| cannot(error.to_string()))?.len();
@@ -111,7 +111,7 @@ impl FileScene {
             let source = Source { name: name.clone(), text: before };
             source.told(&Mistake::new(at, "this is no text in UTF-8"))
         })?;
-        Self::parse_with(&name, &text, joints)
+        Self::parse_with(&name, &text, parts)
     }
 
     /// Reads the text of a file; its name is for messages, and for the scene unless the file gives one.
@@ -119,20 +119,21 @@ impl FileScene {
     /// # Errors
     /// All mistakes that were found, a line each: file, line, column, key, value, what is allowed.
     pub fn parse(file: &str, text: &str) -> Result<Self, String> {
-        Self::parse_with(file, text, &[])
+        Self::parse_with(file, text, &OwnParts::default())
     }
 
-    /// Reads a text in which joints of one's own have forms, too.
+    /// Reads a text in which parts of one's own have forms, too.
     ///
     /// # Errors
     /// As [`FileScene::parse`].
-    pub fn parse_with(file: &str, text: &str, joints: &[JointPart]) -> Result<Self, String> {
+    pub fn parse_with(file: &str, text: &str, parts: &OwnParts) -> Result<Self, String> {
+        parts.check()?;
         let source = Source { name: file.into(), text: text.into() };
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
         if let Some(kind) = other_format(text) {
             return Err(format!("{file}: this is {kind}"));
         }
-        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder, joints)) {
+        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder, parts)) {
             Ok(contents) => contents,
             Err(mistakes) => return Err(source.all_told(mistakes)),
         };
@@ -443,7 +444,7 @@ impl Scene for FileScene {
         Some(self.source.place(item.fields.at))
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
-        let Contents { top, variables, definitions, items, order, joints, .. } = &self.contents;
+        let Contents { top, variables, definitions, items, order, own, .. } = &self.contents;
         if x.len() != self.variables.len() {
             return Err(format!("{} variables expected, {} given", self.variables.len(), x.len()));
         }
@@ -466,7 +467,7 @@ impl Scene for FileScene {
             names.push(value);
         }
         let made = items.iter().map(|_| Made::Nothing).collect();
-        let mut known = Known { joints, items, names, share: Cell::new(S::zero()), each, made };
+        let mut known = Known { own, items, names, share: Cell::new(S::zero()), each, made };
         // the ground comes first, as nothing can be joined to it otherwise
         if order.iter().any(|&place| items[place].fields.values.iter().any(|(_, _, value)| names_ground(value))) {
             m.ground();

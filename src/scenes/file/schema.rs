@@ -1,13 +1,14 @@
+use super::own_parts::OwnParts;
 use super::reader::all_forms;
 use super::reference::{same, tables};
 use super::section::Shape;
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
-use crate::elements::entries::{Forms, JointPart, Key, Range, Type};
+use crate::elements::entries::{Forms, Key, Range, Type};
 use serde_json::{Map, Value, json};
 
-/// The JSON schema of scene files, from which editors complete and check them, with joints of one's own. It is made of the tables by which
+/// The JSON schema of scene files, from which editors complete and check them, with parts of one's own. It is made of the tables by which
 /// files are read.
-pub fn schema(joints: &[JointPart]) -> Value {
+pub fn schema(parts: &OwnParts) -> Value {
     let mut properties = Map::new();
     for key in TOP.forms[0].keys {
         properties.insert(key.name.into(), of_key(key));
@@ -15,7 +16,7 @@ pub fn schema(joints: &[JointPart]) -> Value {
     let quantity = json!({"anyOf": [formula(Range::Any), part("vector")]});
     properties.insert(DEFINE.0.into(), json!({"type": "object", "description": DEFINE.1, "additionalProperties": quantity}));
     for section in SECTIONS {
-        let own = table(&section.forms, section.shape != Shape::Once, joints);
+        let own = table(&section.forms, section.shape != Shape::Once, parts);
         let mut own = match section.shape {
             Shape::Once => own,
             Shape::Named => json!({"type": "object", "additionalProperties": own}),
@@ -41,7 +42,7 @@ pub fn schema(joints: &[JointPart]) -> Value {
     let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
     parts.insert("for".into(), own);
     for (name, forms) in tables() {
-        parts.insert(name, table(forms, false, &[]));
+        parts.insert(name, table(forms, false, &OwnParts::default()));
     }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -61,11 +62,14 @@ fn part(name: &str) -> Value {
 
 /// A table that is a value.
 fn inner(forms: &'static Forms) -> Value {
-    tables().into_iter().find(|(_, own)| same(own, forms)).map_or_else(|| table(forms, false, &[]), |(name, _)| part(&name))
+    tables()
+        .into_iter()
+        .find(|(_, own)| same(own, forms))
+        .map_or_else(|| table(forms, false, &OwnParts::default()), |(name, _)| part(&name))
 }
 
 /// A table with the keys of its forms; with forms, the one that the key `type` names.
-fn table(forms: &Forms, is_repeated: bool, joints: &[JointPart]) -> Value {
+fn table(forms: &Forms, is_repeated: bool, parts: &OwnParts) -> Value {
     let of_form = |name: &str, doc: &str, keys: &[Key]| {
         let (mut properties, mut required) = (Map::new(), Vec::new());
         if !name.is_empty() {
@@ -83,7 +87,7 @@ fn table(forms: &Forms, is_repeated: bool, joints: &[JointPart]) -> Value {
         }
         json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false})
     };
-    let all: Vec<Value> = all_forms(forms, joints).iter().map(|form| of_form(form.name, form.doc, form.keys)).collect();
+    let all: Vec<Value> = all_forms(forms, parts).iter().map(|form| of_form(form.name, form.doc, form.keys)).collect();
     match all.len() {
         1 => all.into_iter().next().unwrap_or_default(),
         _ => json!({"oneOf": all}),
@@ -154,6 +158,20 @@ fn of_key(key: &Key) -> Value {
         Type::Count(least, most) => json!({"anyOf": [whole(least, most), {"type": "string", "pattern": "[{]"}]}),
         Type::Counts(count, least, most) => array(whole(least, most), count, Some(count)),
         Type::Flag => json!({"type": "boolean"}),
+        Type::SeriesOfNodes(of) => {
+            unit = of;
+            array(formula(Range::Any), 1, None)
+        }
+        Type::NamedNodes => json!({"type": "object", "additionalProperties": text(), "minProperties": 1}),
+        Type::OfNodes(of) => {
+            unit = of;
+            formula(Range::Any)
+        }
+        Type::OnNodes(of) => {
+            unit = of;
+            let own = json!({"anyOf": [formula(Range::Any), part("vector")]});
+            json!({"type": "object", "additionalProperties": own, "minProperties": 1})
+        }
         Type::Text | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
         Type::Texts => array(text(), 0, None),
         Type::Weights => json!({"type": "object", "additionalProperties": formula(Range::Any), "minProperties": 1}),
@@ -166,7 +184,7 @@ fn of_key(key: &Key) -> Value {
         Type::NamedLists => json!({"type": "object", "additionalProperties": array(whole(0, usize::MAX >> 11), 0, None)}),
         Type::Table(forms) => inner(forms),
         Type::Tables(forms) => array(inner(forms), 0, None),
-        Type::Function(of, forms) => {
+        Type::Function(of, forms) | Type::Law(of, forms) | Type::Energy(of, forms) => {
             unit = of;
             json!({"anyOf": [{"type": "number"}, {"type": "string"}, inner(forms)]})
         }

@@ -2,10 +2,11 @@
 
 use super::section::{Section, Shape};
 use crate::elements::entries::{
-    AXIS, BETWEEN, ENDS, FUNCTION, Form, Forms, Key, NORMAL, ORIENTATION, POINT, Range, Type, forms, forms_of, may, need,
+    AXIS, BETWEEN, FUNCTION, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, may, need,
 };
 use crate::elements::forces::{DAMPERS, SPRINGS};
 use crate::elements::joints::{DRIVERS, JOINTS};
+use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
@@ -36,13 +37,13 @@ pub(super) const TOP: Forms = Forms {
             may("gravity", Vector("m/s2"), "acceleration by weight of all masses, beams, cables and shells; none"),
         ],
     }],
-    with_joints: false,
+    own: None,
 };
 
 /// A table without a choice of forms.
 macro_rules! one_form {
     ($($key:expr),* $(,)?) => {
-        Forms { common: &[], forms: &[Form { name: "", doc: "", keys: &[$($key),*] }], with_joints: false }
+        Forms { common: &[], forms: &[Form { name: "", doc: "", keys: &[$($key),*] }], own: None }
     };
 }
 
@@ -179,9 +180,6 @@ const OF_CABLE: Key = need("cable", Item(CABLE), "name of a cable");
 const AT_SHARE: Key = need("share", Fixed("-", Share), "place along its length, from 0 to 1");
 const COMPONENT: &str = "axial, shear along axes 2 and 3, torsion, bending about axes 2 and 3";
 const SECTION_COMPONENTS: &[&str] = &["axial", "shear_2", "shear_3", "torsion", "bending_2", "bending_3"];
-const ON: Key = need("on", Node, "node");
-const AT: Key = may("point", Vector("m"), "point of the node, in the world at the start; the node's place");
-const ALONG: Key = need("direction", Vector("-"), "direction in the world");
 const OF_JOINT: Key = need("joint", Item(WITH_MULTIPLIERS), "name of a joint or driver");
 const GROUP: Key = need(
     "of",
@@ -189,8 +187,20 @@ const GROUP: Key = need(
     "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
 );
 
-/// Joints that are two constraints.
-pub(crate) const ROLLING: Forms = forms!([]
+const NODES: Key = need("nodes", Type::NamedNodes, "nodes by the names that the formulas give them");
+const BREAKPOINTS: Key = may(
+    "breakpoints",
+    Fixeds(0, "s"),
+    "times at which a formula of t jumps or bends: steps end there; needed where one chooses by abs, min, max or if_less; none",
+);
+
+/// Joints that are two constraints, and joints by formulas.
+const OTHER_JOINTS: Forms = forms!([]
+"formula" "formulas of the places of its nodes, and of the time, that are zero" [
+    NODES,
+    need("equations", Type::SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
+    BREAKPOINTS,
+]
 "rolling_sphere" "b, a sphere, rolls on a plane of a" [
     BETWEEN,
     may("centre", Vector("m"), "centre of the sphere; the place of b"),
@@ -205,7 +215,69 @@ pub(crate) const ROLLING: Forms = forms!([]
     NORMAL,
     need("radius", Number("m", Positive), "radius"),
 ]);
-const JOINT_FORMS: [Form; JOINTS.len() + ROLLING.forms.len()] = forms_of(JOINTS, ROLLING.forms);
+const JOINT_FORMS: [Form; JOINTS.len() + OTHER_JOINTS.forms.len()] = forms_of(JOINTS, OTHER_JOINTS.forms);
+
+/// What is measured but at nodes.
+const MEASURED: Forms = forms!([]
+            "formula" "a formula of its nodes and of the time" [
+                NODES,
+                need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
+                may("unit", Text, "its unit, for tables and charts; -"),
+            ]
+            "reaction" "weighted sum of a joint's multipliers" [
+                OF_JOINT,
+                need("weights", Series("-"), "a weight for each of its equations"),
+            ]
+            "reaction_norm" "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force" [OF_JOINT]
+            "joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
+                OF_JOINT, ON, PLACE, FRAME,
+                need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
+                may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
+            ]
+            "energy" "energy of all elements [J]" []
+            "mass" "mass of some elements [kg]" [may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything")]
+            "strain_energy" "energy stored in strains [J]" [GROUP]
+            "inertia_moment" "moment of inertia about an axis [kg m2]" [
+                may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything"),
+                may("point", Vector("m"), "point of the axis; the origin"),
+                AXIS,
+            ]
+            "von_mises" "von Mises stress on both surfaces of shells by the yield stress [-]" [
+                GROUP,
+                need("yield_stress", Number("N/m2", Positive), "yield stress"),
+            ]
+            "tsai_wu" "failure ratio of Tsai and Wu in laminates [-]" [
+                GROUP,
+                need("laminate", Item(&["laminate"]), "name of the laminate, whose plies have strengths"),
+            ]
+            "section_force" "force or moment in a section of a beam [N, N m]" [
+                OF_BEAM, AT_SHARE,
+                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
+            ]
+            "section_strain" "strain or curvature of a section of a beam [-, 1/m]" [
+                OF_BEAM, AT_SHARE,
+                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
+            ]
+            "fibre_stress" "axial stress of a fibre of a beam [N/m2]" [
+                OF_BEAM, AT_SHARE,
+                need("young", Number("N/m2", Positive), "Young's modulus"),
+                need("fibre", Numbers(&[2], "m", Any), "place of the fibre along axes 2 and 3"),
+            ]
+            "cable_strain" "axial strain of a cable [-]" [OF_CABLE, AT_SHARE]
+            "cable_curvature" "curvature of a cable [1/m]" [OF_CABLE, AT_SHARE]
+            "cable_stress" "axial stress of a fibre of a cable [N/m2]" [
+                OF_CABLE, AT_SHARE,
+                need("young", Number("N/m2", Positive), "Young's modulus"),
+                may("distance", Number("m", Any), "of the fibre from the axis; 0"),
+            ]
+            "largest_cable_stress" "smooth maximum over time and length of the axial stress of a cable [N/m2]; over is an aggregate \
+                                    smooth_maximum of the run" [
+                OF_CABLE,
+                need("young", Number("N/m2", Positive), "Young's modulus"),
+                need("distance", Number("m", AtLeastZero), "of the outer fibres from the axis"),
+            ]
+);
+const FUNCTIONAL_FORMS: [Form; QUANTITIES.len() + MEASURED.forms.len()] = forms_of(QUANTITIES, MEASURED.forms);
 const SPRING_FORMS: [Form; SPRINGS.len()] = forms_of(SPRINGS, &[]);
 const DAMPER_FORMS: [Form; DAMPERS.len()] = forms_of(DAMPERS, &[]);
 const DRIVER_FORMS: [Form; DRIVERS.len()] = forms_of(DRIVERS, &[]);
@@ -511,7 +583,7 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "joint",
         shape: Shape::Listed,
         doc: "What holds nodes together. Geometry is given in the world at the start.",
-        forms: Forms { common: &[NAME, SOFT[0], SOFT[1]], forms: &JOINT_FORMS, with_joints: true },
+        forms: Forms { common: &[NAME, SOFT[0], SOFT[1]], forms: &JOINT_FORMS, own: Some(Kind::Joint) },
     },
     Section {
         name: "rigid_interface",
@@ -549,19 +621,39 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "driver",
         shape: Shape::Listed,
         doc: "A prescribed motion.",
-        forms: Forms { common: &[NAME], forms: &DRIVER_FORMS, with_joints: false },
+        forms: Forms { common: &[NAME], forms: &DRIVER_FORMS, own: None },
     },
     Section {
         name: "spring",
         shape: Shape::Listed,
         doc: "A spring.",
-        forms: Forms { common: &[NAME], forms: &SPRING_FORMS, with_joints: false },
+        forms: Forms { common: &[NAME], forms: &SPRING_FORMS, own: Some(Kind::Spring) },
     },
     Section {
         name: "damper",
         shape: Shape::Listed,
         doc: "A damper.",
-        forms: Forms { common: &[NAME], forms: &DAMPER_FORMS, with_joints: false },
+        forms: Forms { common: &[NAME], forms: &DAMPER_FORMS, own: None },
+    },
+    Section {
+        name: "element",
+        shape: Shape::Listed,
+        doc: "A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], \
+              of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and \
+              a.rate; and the time t.",
+        forms: one_form![
+            NAME,
+            NODES,
+            may("kinetic", Type::OfNodes("J"), "kinetic energy, of places and rates; none"),
+            may("potential", Type::OfNodes("J"), "potential energy, of places; none"),
+            may(
+                "force",
+                Type::OnNodes("N, N m"),
+                "forces on its nodes in the world, of anything; of a joint angle its moment; none"
+            ),
+            may("moment", Type::OnNodes("N m"), "moments on bodies among them in the world, of anything; none"),
+            BREAKPOINTS,
+        ],
     },
     Section {
         name: "force",
@@ -570,7 +662,7 @@ pub(super) const SECTIONS: &[Section] = &[
         forms: one_form![
             NAME,
             need("on", NodeSet, "node; of an edge, an end or a node set of a mesh each node takes an equal share"),
-            AT,
+            PLACE,
             FRAME,
             need("direction", Vector("-"), "direction in the world at the start; its length counts"),
             need("size", Function("N", &FUNCTION), "size over time"),
@@ -625,75 +717,7 @@ pub(super) const SECTIONS: &[Section] = &[
         name: "functional",
         shape: Shape::Listed,
         doc: "A number that a run gives, with its gradient.",
-        forms: forms!([NAME, OVER]
-            "position" "coordinate of a point along a direction [m]" [ON, AT, ALONG]
-            "velocity" "velocity of a point along a direction [m/s]" [ON, AT, ALONG]
-            "target" "squared distance of a point from a target in the world [m2]" [
-                ON, AT,
-                may("target", Vector("m"), "target; where the point starts"),
-            ]
-            "distance" "distance of two points [m]" [BETWEEN, ENDS]
-            "coordinate" "one coordinate of a node, such as a joint angle" [
-                ON,
-                may("index", Count(0, 1000), "which, from 0; 0"),
-            ]
-            "joint_angle" "angle of b against a about an axis, in (-pi, pi] [rad]" [BETWEEN, AXIS]
-            "joint_rate" "angular velocity of b against a along an axis of a [rad/s]" [BETWEEN, AXIS]
-            "joint_displacement" "displacement of a point of b along an axis of a since the start [m]" [BETWEEN, POINT, AXIS]
-            "joint_speed" "its rate [m/s]" [BETWEEN, POINT, AXIS]
-            "reaction" "weighted sum of a joint's multipliers" [
-                OF_JOINT,
-                need("weights", Series("-"), "a weight for each of its equations"),
-            ]
-            "reaction_norm" "length of the forces among a joint's multipliers [N]; of its moments [N m] where it has no force" [OF_JOINT]
-            "joint_load" "force or moment of a joint on one of its nodes [N, N m]" [
-                OF_JOINT, ON, AT, FRAME,
-                need("load", Choice(&["force", "moment", "force_norm", "moment_norm"]), "which"),
-                may("direction", Vector("-"), "direction in the world at the start; needed but for norms"),
-            ]
-            "energy" "energy of all elements [J]" []
-            "mass" "mass of some elements [kg]" [may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything")]
-            "strain_energy" "energy stored in strains [J]" [GROUP]
-            "inertia_moment" "moment of inertia about an axis [kg m2]" [
-                may("of", Items(WITH_ELEMENTS), "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them; everything"),
-                may("point", Vector("m"), "point of the axis; the origin"),
-                AXIS,
-            ]
-            "von_mises" "von Mises stress on both surfaces of shells by the yield stress [-]" [
-                GROUP,
-                need("yield_stress", Number("N/m2", Positive), "yield stress"),
-            ]
-            "tsai_wu" "failure ratio of Tsai and Wu in laminates [-]" [
-                GROUP,
-                need("laminate", Item(&["laminate"]), "name of the laminate, whose plies have strengths"),
-            ]
-            "section_force" "force or moment in a section of a beam [N, N m]" [
-                OF_BEAM, AT_SHARE,
-                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
-            ]
-            "section_strain" "strain or curvature of a section of a beam [-, 1/m]" [
-                OF_BEAM, AT_SHARE,
-                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
-            ]
-            "fibre_stress" "axial stress of a fibre of a beam [N/m2]" [
-                OF_BEAM, AT_SHARE,
-                need("young", Number("N/m2", Positive), "Young's modulus"),
-                need("fibre", Numbers(&[2], "m", Any), "place of the fibre along axes 2 and 3"),
-            ]
-            "cable_strain" "axial strain of a cable [-]" [OF_CABLE, AT_SHARE]
-            "cable_curvature" "curvature of a cable [1/m]" [OF_CABLE, AT_SHARE]
-            "cable_stress" "axial stress of a fibre of a cable [N/m2]" [
-                OF_CABLE, AT_SHARE,
-                need("young", Number("N/m2", Positive), "Young's modulus"),
-                may("distance", Number("m", Any), "of the fibre from the axis; 0"),
-            ]
-            "largest_cable_stress" "smooth maximum over time and length of the axial stress of a cable [N/m2]; over is an aggregate \
-                                    smooth_maximum of the run" [
-                OF_CABLE,
-                need("young", Number("N/m2", Positive), "Young's modulus"),
-                need("distance", Number("m", AtLeastZero), "of the outer fibres from the axis"),
-            ]
-            "cable_deflection" "deflection of b, a cable's node, from the tangent at a [m]" [BETWEEN, NORMAL]),
+        forms: Forms { common: &[NAME, OVER], forms: &FUNCTIONAL_FORMS, own: Some(Kind::Functional) },
     },
     Section {
         name: "settings",

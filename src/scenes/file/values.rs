@@ -1,10 +1,15 @@
 //! Values by what their keys take.
 
-use super::expression::{Expression, Quantity};
-use super::raw::{Raw, RawValue};
+use super::expression::{Expression, OF_LAW, Quantity, TIME, names_in};
+use super::raw::{Entry, Raw, RawValue};
 use super::reader::{Reader, Value};
 use crate::elements::entries::{Key, Range, Type};
 use crate::scenes::unknown;
+
+/// Whether a text mentions a name.
+fn uses(text: &str, name: &str) -> bool {
+    names_in(text).iter().any(|own| own == name)
+}
 
 /// Largest number of a point or face of a mesh.
 const MOST_POINTS: usize = 10_000_000;
@@ -241,18 +246,85 @@ impl Reader {
                 RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
                 _ => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
             },
-            Type::OfTime => {
-                let scope = self.scope.with_time();
-                let own = std::mem::replace(&mut self.scope, scope);
-                let formula = self.formula(raw, &what, Some(Range::Any));
-                self.scope = own;
-                Some(Value::Formula(formula?, Range::Any))
-            }
+            Type::OfTime => self.formula_of(raw, &what, &[TIME]),
+            Type::OfNodes(_) => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
+            Type::SeriesOfNodes(_) => match list().filter(|list| !list.is_empty()) {
+                Some(list) => self.numbers(list, &what, Range::Any),
+                None => {
+                    self.not(raw, key, owner, "a list of formulas");
+                    None
+                }
+            },
+            Type::NamedNodes => match raw.entries().filter(|entries| !entries.is_empty()) {
+                Some(entries) => {
+                    entries.iter().for_each(|own| self.check_name(&own.key, own.at));
+                    let hidden = entries.iter().find(|own| self.scope.find(&own.key).is_some());
+                    if let Some(own) = hidden {
+                        let text = format!("{what}: \"{}\" is a name of this file, too: take another one", own.key);
+                        self.wrong(own.at, text);
+                    }
+                    let node = |own: &Entry| Some((own.key.clone(), own.at, self.node(&own.value, &what, false)?));
+                    let nodes: Vec<_> = entries.iter().map(node).collect();
+                    nodes.into_iter().collect::<Option<_>>().map(Value::NamedNodes)
+                }
+                None => {
+                    self.not(
+                        raw,
+                        key,
+                        owner,
+                        "a table of names for formulas with nodes, as in { hub = \"rotor\", tip = \"blade.end\" }",
+                    );
+                    None
+                }
+            },
+            Type::OnNodes(_) => match raw.entries().filter(|entries| !entries.is_empty()) {
+                Some(entries) => {
+                    let formula = |own: &Entry| {
+                        let formula = match own.value.value {
+                            RawValue::List(_) => self.vector(&own.value, &what),
+                            _ => self.formula(&own.value, &what, None),
+                        };
+                        Some((own.key.clone(), own.at, formula?))
+                    };
+                    let formulas: Vec<_> = entries.iter().map(formula).collect();
+                    formulas.into_iter().collect::<Option<_>>().map(Value::Formulas)
+                }
+                None => {
+                    self.not(
+                        raw,
+                        key,
+                        owner,
+                        "a table of names of its nodes with formulas, as in { tip = \"-c * tip.velocity\" }",
+                    );
+                    None
+                }
+            },
+            Type::Law(_, forms) | Type::Energy(_, forms) => match raw.value {
+                RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
+                _ if matches!(takes, Type::Law(..)) => self.formula_of(raw, &what, &OF_LAW),
+                _ => self.formula_of(raw, &what, &OF_LAW[..1]),
+            },
             Type::Over(words, forms) => match raw.value {
                 RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
                 _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
             },
         }
+    }
+
+    /// A formula of some names beside those of the file.
+    fn formula_of(&mut self, raw: &Raw, what: &str, names: &[&str]) -> Option<Value> {
+        let hidden =
+            names.iter().find(|&&name| self.scope.find(name).is_some() && raw.text().is_some_and(|text| uses(text, name)));
+        if let Some(name) = hidden {
+            let text = format!("{what}: {name} is what it depends on, and a name of this file, too: give that another name");
+            self.wrong(raw.at, text);
+            return None;
+        }
+        let scope = self.scope.with(names);
+        let own = std::mem::replace(&mut self.scope, scope);
+        let formula = self.formula(raw, what, Some(Range::Any));
+        self.scope = own;
+        Some(Value::Formula(formula?, Range::Any))
     }
 
     fn whole_numbers(&mut self, raw: &Raw, what: &str) -> Option<Vec<usize>> {

@@ -1,0 +1,100 @@
+use super::Parameter;
+use crate::program::{ArgumentKind, Formula, ProgramWork};
+use crate::scalar::{CurveId, Interpolant, Scalar};
+use std::fmt;
+use std::sync::Arc;
+
+/// What a spring or damper of one's own answers with: a force or moment f(s, ds/dt, t, p), or an energy f(s, p). It is recorded once, so that
+/// all derivatives are exact.
+///
+/// ```
+/// use costate::prelude::*;
+/// use costate::elements::entries::{GivenValue, SpringPart};
+/// use costate::elements::forces::LineLaw;
+/// use costate::elements::{Characteristic, ForceLaw};
+///
+/// /// Dry friction, smoothed: F = F0 tanh(v / v0)
+/// struct Friction;
+/// impl ForceLaw for Friction {
+///     fn parameters(&self) -> Vec<Parameter> {
+///         vec![Parameter::new("F0", "N"), Parameter::positive("v0", "m/s")]
+///     }
+///     fn value<S: Scalar>(&self, [_, rate, _]: [S; 3], p: &[S]) -> S {
+///         p[0] * (rate / p[1]).tanh()
+///     }
+/// }
+///
+/// let mut m = MechanismBuilder::<f64>::default();
+/// let (ground, block) = (m.ground(), m.point("block", Vector3::new(1.0, 0.0, 0.0)));
+/// m.point_mass("block", block, 2.0);
+/// let law = Characteristic::of(Friction)?;
+/// m.spring(&SpringPart::of::<LineLaw>(), "pad", &[ground, block], [("force", GivenValue::Law(law, vec![3.0, 1e-2]))]);
+/// assert!(m.finish().is_ok());
+/// # Ok::<(), String>(())
+/// ```
+pub trait ForceLaw: Send + Sync + 'static {
+    /// Its parameters; an empty unit is that of the law.
+    fn parameters(&self) -> Vec<Parameter>;
+    /// The value for s, its rate and the time \[s\]. It chooses by [`Scalar::select`] and its kin: one that looks at a value is refused.
+    fn value<S: Scalar>(&self, arguments: [S; 3], p: &[S]) -> S;
+}
+
+/// A [`ForceLaw`] that was recorded.
+#[derive(Clone)]
+pub struct Characteristic {
+    formula: Arc<Formula>,
+    parameters: Vec<Parameter>,
+}
+
+impl fmt::Debug for Characteristic {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("Characteristic").field("parameters", &self.parameters).finish_non_exhaustive()
+    }
+}
+
+/// Values at points of s.
+struct Table(CurveId);
+
+impl ForceLaw for Table {
+    fn parameters(&self) -> Vec<Parameter> {
+        let count = self.0.curve().knots().len();
+        (1..=count).map(|point| Parameter::named(format!("value {point}"), "")).collect()
+    }
+    fn value<S: Scalar>(&self, [s, ..]: [S; 3], p: &[S]) -> S {
+        s.on_curve(self.0, p)
+    }
+}
+
+impl Characteristic {
+    /// Records a law.
+    ///
+    /// # Errors
+    /// If it branches on a value.
+    pub fn of<L: ForceLaw>(law: L) -> Result<Self, String> {
+        let parameters = law.parameters();
+        let arguments = [(ArgumentKind::Number, 3), (ArgumentKind::Parameter, parameters.len())];
+        let formula = Formula::record(arguments, |x| vec![law.value([x[0], x[1], x[2]], &x[3..])]);
+        Ok(Characteristic { formula: formula.map_err(|why| format!("a characteristic: {why}"))?, parameters })
+    }
+
+    /// Values at points of s, which are its parameters: straight lines between them, constant outside, or a natural cubic spline of constant
+    /// slope outside.
+    ///
+    /// # Errors
+    /// Fewer than two points, or points that are not finite or do not increase.
+    pub fn table(points: &[f64], interpolant: Interpolant) -> Result<Self, String> {
+        Self::of(Table(CurveId::new(points, interpolant)?))
+    }
+
+    /// Its parameters.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The value for s, its rate and the time.
+    pub fn value<S: Scalar>(&self, arguments: [S; 3], p: &[S]) -> S {
+        let (inputs, mut result) = ([&arguments[..], p].concat(), [S::zero()]);
+        self.formula.values().run_in(&inputs, &mut result, &mut ProgramWork::default());
+        result[0]
+    }
+}

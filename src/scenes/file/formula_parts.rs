@@ -1,0 +1,326 @@
+//! Elements, joints and functionals that a file gives as formulas of its nodes.
+
+use super::build::Builder;
+use super::build_parts::rates;
+use super::expression::{Expression, Quantity};
+use super::formula_of::FormulaOf;
+use super::known::{Found, Known, Made, fixed_list, list, over, text};
+use super::mistake::Mistake;
+use super::reader::{Fields, Value};
+use super::scene::kept;
+use crate::assembly::NodeId;
+use crate::elements::forces::Soft;
+use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter, State};
+use crate::functionals;
+use crate::scalar::{Scalar, Vector3};
+use std::ops::Range;
+
+/// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
+type OfNode = (&'static str, bool, bool);
+
+const OF_POINT: &[OfNode] = &[("position", true, false), ("velocity", true, true)];
+const OF_BODY: &[OfNode] = &[
+    OF_POINT[0],
+    OF_POINT[1],
+    ("x_axis", true, false),
+    ("y_axis", true, false),
+    ("z_axis", true, false),
+    ("angular_velocity", true, true),
+];
+const OF_COORDINATE: &[OfNode] = &[("value", false, false), ("rate", false, true)];
+
+/// What formulas know of the nodes of a section.
+pub(super) fn of_section(section: &str) -> &'static [OfNode] {
+    match section {
+        "point" | "cable" => OF_POINT,
+        "joint_angle" => OF_COORDINATE,
+        _ => OF_BODY,
+    }
+}
+
+fn of_kind(kind: NodeKind) -> &'static [OfNode] {
+    match kind {
+        NodeKind::Body | NodeKind::Natural => OF_BODY,
+        NodeKind::Point | NodeKind::Slope => OF_POINT,
+        NodeKind::Coordinates(_) => OF_COORDINATE,
+    }
+}
+
+/// Their values, of all nodes, and the time behind them.
+fn arguments<S: Scalar>(kinds: &[NodeKind], [v, q]: [&[S]; 2], t: S) -> Vec<Quantity<S>> {
+    let (mut all, mut first) = (Vec::new(), 0);
+    for &kind in kinds {
+        let (v, q) = (&v[first..], &q[first..]);
+        first += kind.dofs();
+        if matches!(kind, NodeKind::Coordinates(_)) {
+            all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]);
+            continue;
+        }
+        let origin = Vector3::zeros();
+        all.extend([kind.position(q, origin), kind.velocity(v, q, origin)].map(Quantity::Vector));
+        if kind.has_axes() {
+            all.extend(Frame::of(kind, q).axes.map(Quantity::Vector));
+            all.push(Quantity::Vector(kind.angular_velocity(v, q)));
+        }
+    }
+    all.push(Quantity::Number(t));
+    all
+}
+
+/// Formulas of nodes, with the parameters of each.
+struct Formulas {
+    kinds: Vec<NodeKind>,
+    all: Vec<FormulaOf>,
+    breakpoints: Vec<f64>,
+}
+
+impl Formulas {
+    fn parameters(&self) -> Vec<Parameter> {
+        self.all.iter().flat_map(FormulaOf::numbers).collect()
+    }
+    fn dofs(&self) -> usize {
+        self.kinds.iter().map(|kind| kind.dofs()).sum()
+    }
+    fn value<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> Quantity<S> {
+        let before: usize = self.all[..which].iter().map(|own| own.numbers().len()).sum();
+        self.all[which].at(arguments, &p[before..])
+    }
+    fn number<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> S {
+        match self.value(which, arguments, p) {
+            Quantity::Number(own) => own,
+            Quantity::Vector(_) => S::from(f64::NAN),
+        }
+    }
+    /// Places of the coordinates of a node.
+    fn place(&self, node: usize) -> Range<usize> {
+        let first: usize = self.kinds[..node].iter().map(|kind| kind.dofs()).sum();
+        first..first + self.kinds[node].dofs()
+    }
+    fn breakpoints<S: Scalar>(&self) -> Vec<S> {
+        self.breakpoints.iter().map(|&time| S::from(time)).collect()
+    }
+}
+
+/// An element by formulas: numbers of its energies among them, and of the loads on each node.
+struct FormulaElement {
+    formulas: Formulas,
+    kinetic: Option<usize>,
+    potential: Option<usize>,
+    /// Node, whether it is a moment, number of the formula.
+    loads: Vec<(usize, bool, usize)>,
+}
+
+impl Element for FormulaElement {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.formulas.kinds.clone()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.formulas.parameters()
+    }
+    fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
+        let Some(which) = self.kinetic else { return S::zero() };
+        self.formulas.number(which, &arguments(&self.formulas.kinds, [v, q], S::zero()), p)
+    }
+    fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
+        let Some(which) = self.potential else { return S::zero() };
+        let still = vec![S::zero(); q.len()];
+        self.formulas.number(which, &arguments(&self.formulas.kinds, [&still, q], S::zero()), p)
+    }
+    fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
+        if self.loads.is_empty() {
+            return;
+        }
+        let known = arguments(&self.formulas.kinds, [v, q], t);
+        for &(node, is_moment, which) in &self.loads {
+            let (kind, place) = (self.formulas.kinds[node], self.formulas.place(node));
+            let (q, force) = (&q[place.clone()], &mut force[place]);
+            match self.formulas.value(which, &known, p) {
+                Quantity::Number(own) => force[0] += own,
+                Quantity::Vector(own) if is_moment => kind.add_moment(q, own, force),
+                Quantity::Vector(own) => kind.add_force(q, Vector3::zeros(), own, force),
+            }
+        }
+    }
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.formulas.breakpoints()
+    }
+}
+
+/// A joint by formulas that are zero.
+struct FormulaJoint(Formulas);
+
+/// Most equations of a joint by formulas.
+const MOST_EQUATIONS: usize = 12;
+
+impl Constraint for FormulaJoint {
+    const EQUATIONS: usize = MOST_EQUATIONS;
+
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.kinds.clone()
+    }
+    fn equations(&self) -> usize {
+        self.0.all.len()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
+        let still = vec![S::zero(); q.len()];
+        let known = arguments(&self.0.kinds, [&still, q], t);
+        g.iter_mut().enumerate().for_each(|(which, own)| *own = self.0.number(which, &known, p));
+    }
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.0.breakpoints()
+    }
+}
+
+/// What is measured by a formula.
+struct FormulaQuantity(Formulas, &'static str);
+
+impl functionals::Quantity for FormulaQuantity {
+    fn dofs(&self) -> usize {
+        self.0.dofs()
+    }
+    fn unit(&self) -> &'static str {
+        self.1
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
+        self.0.number(0, &arguments(&self.0.kinds, [s.v, s.q], t), p)
+    }
+}
+
+/// The nodes of formulas, and the formulas as they are read.
+struct Reading<'f, S> {
+    known: &'f Known<'f, S>,
+    names: Vec<&'f str>,
+    nodes: Vec<NodeId>,
+    formulas: Formulas,
+    /// Parameters of the formulas.
+    p: Vec<S>,
+}
+
+impl<'f, S: Scalar> Reading<'f, S> {
+    fn new(known: &'f Known<'f, S>, fields: &'f Fields, m: &mut Builder<S>) -> Found<Self> {
+        let Some((_, Value::NamedNodes(given))) = fields.get("nodes") else {
+            return Err(Mistake::new(fields.at, "the key nodes is needed here"));
+        };
+        let (mut names, mut nodes, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+        for (name, at, place) in given {
+            let [node] = known.nodes_at(*at, place, m)?[..] else {
+                return Err(Mistake::new(*at, "one node is wanted"));
+            };
+            let kind = m.model.find_node(node).map(|own| own.kind);
+            names.push(name.as_str());
+            nodes.push(node);
+            kinds.push(kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?);
+        }
+        let formulas = Formulas { kinds, all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
+        Ok(Reading { known, names, nodes, formulas, p: Vec::new() })
+    }
+
+    /// Takes a formula, which may depend on rates and on the time or not, and returns its number.
+    fn take(&mut self, at: usize, formula: &Expression, [rates, time]: [bool; 2]) -> Found<usize> {
+        let mut place = self.known.names.len();
+        for (name, &kind) in self.names.iter().zip(&self.formulas.kinds) {
+            for (what, _, is_rate) in of_kind(kind) {
+                if *is_rate && !rates && formula.uses(place) {
+                    return Err(Mistake::new(at, format!("this depends on places alone: {name}.{what} cannot stand here")));
+                }
+                place += 1;
+            }
+        }
+        if !time && formula.uses(place) {
+            return Err(Mistake::new(at, "this cannot depend on the time t; a force can"));
+        }
+        if time && formula.chooses_by(place) && self.formulas.breakpoints.is_empty() {
+            let text = "this chooses by abs, min, max or if_less and depends on t; give breakpoints, the times at which it jumps or bends";
+            return Err(Mistake::new(at, text));
+        }
+        let (own, numbers) = FormulaOf::of(formula, &self.known.names, Vec::new());
+        self.formulas.all.push(own);
+        self.p.extend(numbers);
+        Ok(self.formulas.all.len() - 1)
+    }
+
+    /// Takes the formula of a key, if it is given.
+    fn take_key(&mut self, fields: &Fields, key: &str, may: [bool; 2]) -> Found<Option<usize>> {
+        match fields.get(key) {
+            Some((at, Value::Formula(formula, _))) => self.take(at, formula, may).map(Some),
+            _ => Ok(None),
+        }
+    }
+}
+
+/// An element by its energies and loads.
+pub(super) fn element<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let mut reading = Reading::new(known, fields, m)?;
+    let kinetic = reading.take_key(fields, "kinetic", [true, false])?;
+    let potential = reading.take_key(fields, "potential", [false, false])?;
+    let mut loads = Vec::new();
+    for (key, is_moment) in [("force", false), ("moment", true)] {
+        let Some((_, Value::Formulas(given))) = fields.get(key) else { continue };
+        for (of, at, formula) in given {
+            let Some(node) = reading.names.iter().position(|name| name == of) else {
+                return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
+            };
+            let kind = reading.formulas.kinds[node];
+            let wants_vector = kind.in_space().is_some();
+            if wants_vector != formula.is_vector || (is_moment && !kind.has_axes()) {
+                let wanted = match (is_moment, wants_vector) {
+                    (true, _) if !kind.has_axes() => "no moment",
+                    (_, true) => "a vector",
+                    _ => "a number",
+                };
+                return Err(Mistake::new(*at, format!("\"{of}\" is {}, which takes {wanted} here", kind.words())));
+            }
+            loads.push((node, is_moment, reading.take(*at, formula, [true, true])?));
+        }
+    }
+    if kinetic.is_none() && potential.is_none() && loads.is_empty() {
+        return Err(Mistake::new(fields.at, "an element needs kinetic, potential, force or moment"));
+    }
+    let Reading { nodes, formulas, p, .. } = reading;
+    m.element(name, &nodes, FormulaElement { formulas, kinetic, potential, loads }, &p);
+    Ok(Made::Nothing)
+}
+
+/// A joint by its equations.
+pub(super) fn joint<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let mut reading = Reading::new(known, fields, m)?;
+    for (at, own) in list(fields, "equations") {
+        let Value::Formula(formula, _) = own else { continue };
+        reading.take(at, formula, [false, true])?;
+    }
+    let Reading { nodes, formulas, p, .. } = reading;
+    let count = formulas.all.len();
+    if count > MOST_EQUATIONS {
+        return Err(Mistake::new(
+            fields.at,
+            format!("a joint has at most {MOST_EQUATIONS} equations, and these are {count}"),
+        ));
+    }
+    Ok(match rates(known, fields)? {
+        None => Made::Joint(m.constraint(name, &nodes, FormulaJoint(formulas), &p)),
+        Some(own) if own.iter().any(|list| list.len() != count) => {
+            let text = format!("there are {count} equations: give as many numbers for stiffness, and for damping or none");
+            return Err(Mistake::new(fields.at, text));
+        }
+        Some([stiffness, damping]) => {
+            m.element(name, &nodes, Soft(FormulaJoint(formulas)), &[stiffness, damping, p].concat());
+            Made::SoftJoint
+        }
+    })
+}
+
+/// A functional by the formula of its quantity.
+pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let mut reading = Reading::new(known, fields, m)?;
+    reading.take_key(fields, "value", [true, true])?;
+    let Reading { nodes, formulas, p, .. } = reading;
+    let unit = kept(text(fields, "unit").unwrap_or("-"));
+    m.functional(name, over(fields), (&nodes, &[]), FormulaQuantity(formulas, unit), &p);
+    Ok(Made::Nothing)
+}

@@ -1,0 +1,91 @@
+use super::reader::all_forms;
+use super::sections::SECTIONS;
+use crate::elements::entries::{Entry, Form, JointPart, Kind, Part, SpringPart};
+use crate::elements::forces::SPRINGS;
+use crate::elements::joints;
+use crate::elements::{Constraint, Element};
+use crate::functionals::quantities::QUANTITIES;
+use crate::functionals::{Quantity, QuantityPart};
+
+/// Parts of one's own, which scene files have by their names beside those of the library:
+/// `OwnParts::default().joint::<Wire>().spring::<Muscle>().functional::<Clearance>()`.
+#[derive(Clone, Debug, Default)]
+pub struct OwnParts {
+    joints: Vec<JointPart>,
+    springs: Vec<SpringPart>,
+    functionals: Vec<QuantityPart>,
+}
+
+impl OwnParts {
+    /// With a joint: a form of `[[joint]]`.
+    #[must_use]
+    pub fn joint<J: Entry<Law: Constraint>>(mut self) -> Self {
+        self.joints.push(JointPart::of::<J>());
+        self
+    }
+
+    /// With a spring or any other element between nodes: a form of `[[spring]]`.
+    #[must_use]
+    pub fn spring<E: Entry<Law: Element>>(mut self) -> Self {
+        self.springs.push(SpringPart::of::<E>());
+        self
+    }
+
+    /// With a quantity: a form of `[[functional]]`.
+    #[must_use]
+    pub fn functional<Q: Entry<Law: Quantity>>(mut self) -> Self {
+        self.functionals.push(QuantityPart::of::<Q>());
+        self
+    }
+
+    /// Their forms, of one kind.
+    pub(crate) fn forms(&self, kind: Kind) -> Vec<Form> {
+        match kind {
+            Kind::Joint => forms(&self.joints),
+            Kind::Spring => forms(&self.springs),
+            Kind::Functional => forms(&self.functionals),
+        }
+    }
+
+    /// Forms of the sections of joints, drivers, springs, dampers and functionals, with the names of these.
+    pub(crate) fn listed(&self) -> Vec<(&'static str, Form)> {
+        let sections = ["joint", "driver", "spring", "damper", "functional"];
+        let own = SECTIONS.iter().filter(|own| sections.contains(&own.name));
+        own.flat_map(|own| all_forms(&own.forms, self).into_iter().map(|form| (own.name, form))).collect()
+    }
+
+    /// Two parts of a section have different names.
+    ///
+    /// # Errors
+    /// A name that a part of one's own and another have.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        for section in SECTIONS {
+            let forms = all_forms(&section.forms, self);
+            let is_twice = |place: &usize| forms[..*place].iter().any(|own| own.name == forms[*place].name);
+            if let Some(place) = (0..forms.len()).find(is_twice) {
+                let name = forms[place].name;
+                return Err(format!("two parts of the section [[{}]] are named \"{name}\"", section.name));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn joint_named(&self, name: &str) -> Option<&JointPart> {
+        joints::named(name).or_else(|| named(&self.joints, name))
+    }
+    pub(super) fn spring_named(&self, name: &str) -> Option<&SpringPart> {
+        named(SPRINGS, name).or_else(|| named(&self.springs, name))
+    }
+    pub(super) fn quantity_named(&self, name: &str) -> Option<&QuantityPart> {
+        named(QUANTITIES, name).or_else(|| named(&self.functionals, name))
+    }
+}
+
+fn forms<L: ?Sized>(parts: &[Part<L>]) -> Vec<Form> {
+    parts.iter().map(|part| part.form).collect()
+}
+
+/// The part of a list with this name.
+pub(super) fn named<'p, L: ?Sized>(parts: &'p [Part<L>], name: &str) -> Option<&'p Part<L>> {
+    parts.iter().find(|part| part.form.name == name)
+}
