@@ -178,12 +178,3 @@ flat! {
     Counters { systems, iterations, projecting, residuals, factorizations, solves, products, blocks, choices, nanoseconds }
     Pause<f64> { checkpoint, t, pace, errors, counters }
 }
-
-/// Checksum of bytes in whole words (Fowler, Noll, Vo: FNV-1a by words): any change within one word changes it.
-pub(crate) fn checksum(bytes: &[u8]) -> u64 {
-    let word = |chunk: &[u8]| chunk.iter().rev().fold(0, |word: u64, &byte| word << 8 | u64::from(byte));
-    bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325, |sum: u64, chunk| {
-        // the rotation carries the high bits down, which a product alone never does
-        (sum ^ word(chunk)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
-    })
-}

@@ -1,14 +1,14 @@
-//! Frames in a file: the length of what follows, a number, a record, a checksum of both and of the run's number, and the length again for
-//! the way back.
+//! Frames in a file: the length of what follows, a number, a record, the CRC-32 of both mixed into the identity of the run, which tells
+//! frames of other runs, and the length again for the way back.
 
-use super::flat::{Flat, checksum};
+use super::flat::Flat;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// First bytes of every file, before the two numbers of its run.
-pub(super) const KIND: &[u8; 16] = b"costate run 05\r\n";
+pub(super) const KIND: &[u8; 16] = b"costate run 06\r\n";
 /// The part of them that files of other versions have, too.
 pub(super) const ANY_KIND: &[u8] = b"costate run ";
 /// Bytes before the first frame.
@@ -26,7 +26,7 @@ pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, recor
     record.put(frame);
     let length = frame.len() as u64 - 8;
     frame[..8].copy_from_slice(&length.to_le_bytes());
-    (checksum(&frame[8..]) ^ identity).put(frame);
+    (u64::from(crc32fast::hash(&frame[8..])) ^ identity).put(frame);
     length.put(frame);
 }
 
@@ -34,6 +34,7 @@ pub(super) fn write_frame(frame: &mut Vec<u8>, identity: u64, number: u64, recor
 pub(super) enum Damage {
     CutOff { size: u64, needed: u64 },
     OtherKind,
+    OtherVersion,
     Checksum,
     Unreadable,
     Io(io::Error),
@@ -43,7 +44,8 @@ impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Damage::CutOff { size, needed } => write!(f, "ends after {size} bytes, but at least {needed} are needed"),
-            Damage::OtherKind => f.write_str("is no file of a run, or of another version's"),
+            Damage::OtherKind => f.write_str("is no file of a run"),
+            Damage::OtherVersion => f.write_str("is a file of a run of another version of this program"),
             Damage::Checksum => f.write_str("its record is damaged: the checksum differs"),
             Damage::Unreadable => f.write_str("its record is damaged: it is not that of a run of this program"),
             Damage::Io(cause) => write!(f, "cannot be read: {cause}"),
@@ -94,7 +96,7 @@ impl Reader {
         self.load(0, HEADER).map_err(|_| Damage::OtherKind)?;
         let (kind, mut numbers) = self.bytes.split_at(KIND.len());
         if kind != KIND {
-            return Err(Damage::OtherKind);
+            return Err(if kind.starts_with(ANY_KIND) { Damage::OtherVersion } else { Damage::OtherKind });
         }
         (self.identity, self.run) = Flat::take(&mut numbers).ok_or(Damage::OtherKind)?;
         Ok(self.identity)
@@ -121,7 +123,7 @@ impl Reader {
         self.load(begin, length + FRAME)?;
         let (body, mut tail) = self.bytes[8..].split_at(length as usize);
         let own = (u64::take(&mut tail), u64::take(&mut tail));
-        if own != (Some(checksum(body) ^ self.identity), Some(length)) {
+        if own != (Some(u64::from(crc32fast::hash(body)) ^ self.identity), Some(length)) {
             return Err(Damage::Checksum);
         }
         self.length = length + FRAME;

@@ -18,7 +18,6 @@ mod schedule;
 pub use checkpoints::Checkpoints;
 pub use dense::{Dense, Snapshot, moments};
 pub use file::FileHistory;
-pub(crate) use flat::checksum;
 pub(crate) use frames::check_place;
 pub use memory::{Memory, MemoryWithin};
 pub use nothing::Nothing;

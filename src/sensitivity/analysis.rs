@@ -7,7 +7,7 @@ use crate::assembly::{Laws, Model};
 use crate::design::{DesignChain, DesignMap, ModelNumbers};
 use crate::elements::RunScalar;
 use crate::functionals::{Extremes, Functional, Over, Sample, StepEnds, Totals, Values};
-use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, checksum, moments};
+use crate::history::{History, Keep, Observer, Rerun, Snapshot, Watch, moments};
 use crate::integrators::{
     Clocks, Counters, Crossing, Guide, InitialState, Method, NewtonTolerance, Pause, Problem, Recorder, Replay, RunError,
     StabilityCourse, StartPlan, StartRecord, StepControl, StepError, StepRecord, SwitchWatch, TimeGrid, march,
@@ -15,6 +15,7 @@ use crate::integrators::{
 };
 use crate::program::Digest;
 use crate::scalar::{COMPLEX_STEP, Complex64, TANGENTS, Tangents};
+use std::hash::Hasher;
 
 /// Everything that defines a functional's dependence on a design: model, map from the design, functionals, method, grid.
 #[derive(Clone, Copy)]
@@ -142,11 +143,10 @@ impl<'m> Analysis<'m> {
     fn fingerprint(&self, laws: &Laws, numbers: &ModelNumbers<f64>) -> u64 {
         let Analysis { method, grid, control, divide, plan, .. } = self;
         let version = env!("CARGO_PKG_VERSION");
-        let laws = Digest::of(laws);
-        let words = format!("{version}{laws:?}{method:?}{control:?}{divide}{plan:?}{:?}", grid.breakpoints);
+        let words = format!("{version}{method:?}{control:?}{divide}{plan:?}{:?}", grid.breakpoints);
         let ModelNumbers { p, q, v } = numbers;
-        let numbers = [p, q, v, &grid.times].into_iter().flatten().flat_map(|number| number.to_le_bytes());
-        checksum(&words.into_bytes().into_iter().chain(numbers).collect::<Vec<u8>>())
+        let numbers = [p, q, v, &grid.times].map(|own| own.iter().map(|number| number.to_bits()).collect::<Vec<_>>());
+        Digest::of(&(laws, words, numbers)).finish()
     }
 
     fn run(

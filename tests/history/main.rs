@@ -396,6 +396,21 @@ fn a_file_that_is_no_history_is_not_overwritten() {
 }
 
 #[test]
+fn a_file_of_another_version_is_refused_as_that() {
+    let folder = Folder::new("version");
+    let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
+    in_file(&*scene, &path);
+    let own = fs::read(&path).expect("is there");
+    assert!(own.starts_with(b"costate run 06"));
+    for (header, what) in
+        [("costate run 05", "a run of another version of this program"), ("costume run 06", "no file of a run")]
+    {
+        fs::write(&path, [header.as_bytes(), &own[header.len()..]].concat()).expect("can be written");
+        assert_says(&FileHistory::open(&path).expect_err("not this version's").to_string(), &["run.bin", what]);
+    }
+}
+
+#[test]
 fn two_runs_do_not_mix_in_one_file() {
     let folder = Folder::new("two");
     let (path, scene) = (folder.0.join("run.bin"), scene("pendulum"));
