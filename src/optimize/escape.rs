@@ -95,28 +95,15 @@ fn on_linear(
     (values, gradients): (&Values, &Gradients),
     wanted: &[f64],
 ) -> Option<Vec<f64>> {
-    let (first, n) = (evaluations.linear_from(), x.len());
+    let first = evaluations.linear_from();
     let (rows, kinds) = (&gradients.constraints[first..], &evaluations.constraints()[first..]);
     let moved: Vec<f64> = wanted.iter().zip(x).map(|(wanted, x)| wanted - x).collect();
-    let at = |row: &Vec<f64>, c: &f64| c + super::curvature::dot(row, &moved);
-    let offsets: Vec<f64> = rows.iter().zip(&values.constraints[first..]).map(|(row, c)| at(row, c)).collect();
+    let at = |(row, c): (&Vec<f64>, &f64)| c + row.iter().zip(&moved).map(|(slope, d)| slope * d).sum::<f64>();
+    let offsets: Vec<f64> = rows.iter().zip(&values.constraints[first..]).map(at).collect();
     if violation(kinds, &offsets) <= evaluations.stopping().violation {
         return Some(wanted.to_vec());
     }
-    let hessian: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
-    let limits = evaluations.bounds().iter().zip(wanted);
-    let (lower, upper): (Vec<f64>, Vec<f64>) = limits.map(|((lower, upper), x)| (lower - x, upper - x)).unzip();
-    let gradient = vec![0.0; n];
-    let program = QuadraticProgram {
-        hessian: &hessian,
-        gradient: &gradient,
-        rows,
-        offsets: &offsets,
-        kinds,
-        lower: &lower,
-        upper: &upper,
-    };
-    let step = program.solve().ok()?.step;
+    let step = QuadraticProgram::shortest(wanted, evaluations.bounds(), kinds, (offsets, rows)).ok()?;
     let place = |((x, d), (lower, upper)): ((&f64, &f64), &(f64, f64))| (x + d).clamp(*lower, *upper);
     Some(wanted.iter().zip(&step).zip(evaluations.bounds()).map(place).collect())
 }

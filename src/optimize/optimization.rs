@@ -187,29 +187,16 @@ impl<'s> Optimization<'s> {
         if super::evaluations::violation(&kinds, &offsets) <= self.stopping.violation {
             return Ok(start.to_vec());
         }
-        let n = y.len();
-        let hessian: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
-        let rows: Vec<Vec<f64>> = linear.iter().map(|row| row.slopes(n)).collect();
-        let (lower, upper): (Vec<f64>, Vec<f64>) =
-            scaling.bounds().iter().zip(&y).map(|((lower, upper), y)| (lower - y, upper - y)).unzip();
-        let program = QuadraticProgram {
-            hessian: &hessian,
-            gradient: &vec![0.0; n],
-            rows: &rows,
-            offsets: &offsets,
-            kinds: &kinds,
-            lower: &lower,
-            upper: &upper,
-        };
+        let rows: Vec<Vec<f64>> = linear.iter().map(|row| row.slopes(y.len())).collect();
         let names: Vec<&str> = self.problem.linear.iter().map(|constraint| constraint.name.as_str()).collect();
-        let step = program.solve().map_err(|_| {
+        let step = QuadraticProgram::shortest(&y, &scaling.bounds(), &kinds, (offsets, &rows)).map_err(|_| {
             RunError::Input(format!(
                 "no design within the bounds satisfies the linear constraints {} together; the variables that may change: {}",
                 names.join(", "),
                 scaling.varying.iter().map(|&i| self.variables[i].name.as_str()).collect::<Vec<_>>().join(", ")
             ))
         })?;
-        Ok(scaling.design(&y.iter().zip(&step.step).map(|(y, d)| y + d).collect::<Vec<_>>()))
+        Ok(scaling.design(&y.iter().zip(&step).map(|(y, d)| y + d).collect::<Vec<_>>()))
     }
 
     /// Optimizes from a design. If that violates linear constraints, the nearest one which satisfies them is the start.

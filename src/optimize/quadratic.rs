@@ -1,32 +1,32 @@
 //! Convex quadratic programs of moderate size, by the dual active-set method.
 
-// indices carry meaning in matrix code
-#![allow(clippy::needless_range_loop)]
-
 use super::ConstraintKind;
+use nalgebra::linalg::{Cholesky, givens::GivensRotation};
+use nalgebra::{DMatrix, DVector};
 
-/// min 1/2 d^T H d + g^T d with `rows` d + `offsets` = 0 or <= 0 and `lower` <= d <= `upper`.
-pub(super) struct QuadraticProgram<'a> {
-    /// H, symmetric and positive definite, row by row.
-    pub hessian: &'a [Vec<f64>],
+/// min 1/2 d^T H d + g^T d with N^T d + c = 0 or <= 0 and `lower` <= d <= `upper`.
+#[derive(Clone)]
+pub(super) struct QuadraticProgram {
+    /// H, symmetric and positive definite.
+    pub hessian: DMatrix<f64>,
     /// g.
-    pub gradient: &'a [f64],
-    /// Gradients of the linearized constraints.
-    pub rows: &'a [Vec<f64>],
-    /// Their values at d = 0.
-    pub offsets: &'a [f64],
+    pub gradient: DVector<f64>,
+    /// N, a column for each linearized constraint: its gradient.
+    pub normals: DMatrix<f64>,
+    /// c, their values at d = 0.
+    pub offsets: Vec<f64>,
     /// Which of them are equalities.
-    pub kinds: &'a [ConstraintKind],
+    pub kinds: Vec<ConstraintKind>,
     /// Least d.
-    pub lower: &'a [f64],
+    pub lower: Vec<f64>,
     /// Largest d.
-    pub upper: &'a [f64],
+    pub upper: Vec<f64>,
 }
 
-/// The minimizer and the multipliers of the rows, with g + H d + sum of multipliers times rows = 0 but for bounds.
+/// The minimizer and the multipliers of the constraints, with g + H d + N times multipliers = 0 but for bounds.
 #[derive(Debug)]
 pub(super) struct Step {
-    pub step: Vec<f64>,
+    pub step: DVector<f64>,
     pub multipliers: Vec<f64>,
 }
 
@@ -42,139 +42,115 @@ pub(super) enum NoStep {
 /// Share of the size of its terms below which a residual counts as zero.
 pub(super) const ROUND_OFF: f64 = 1e-12;
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// One condition n . d >= b of the program.
+/// One condition sign n . d >= b of the program.
 #[derive(Clone, Copy)]
-enum Condition {
-    /// Row `k`, times -1 unless it was turned to be violated from below.
-    Row {
-        index: usize,
-        sign: f64,
-    },
-    Lower(usize),
-    Upper(usize),
+struct Condition {
+    place: Place,
+    sign: f64,
 }
 
-/// H = L L^T of the columns in `inverse` = L^-T Q, of which the first belong to the active conditions, and R of their QR
-/// factorization, column by column.
+#[derive(Clone, Copy)]
+enum Place {
+    /// Of this number.
+    Constraint(usize),
+    /// The lower bound of a variable if the sign is positive, else the upper one.
+    Bound(usize),
+}
+
+/// Columns L^-T Q for H = L L^T, of which the first belong to the active conditions, and R of the QR factorization of these in its upper
+/// left triangle.
 struct Factors {
-    inverse: Vec<Vec<f64>>,
-    r: Vec<Vec<f64>>,
+    inverse: DMatrix<f64>,
+    r: DMatrix<f64>,
+    active: usize,
 }
 
 impl Factors {
     /// `None` unless H is positive definite.
-    fn new(hessian: &[Vec<f64>]) -> Option<Self> {
-        let n = hessian.len();
-        let mut lower = vec![vec![0.0; n]; n];
-        for i in 0..n {
-            for j in 0..=i {
-                let rest = hessian[i][j] - dot(&lower[i][..j], &lower[j][..j]);
-                if i != j {
-                    lower[i][j] = rest / lower[j][j];
-                } else if rest > ROUND_OFF * hessian[i][i].abs() {
-                    lower[i][i] = rest.sqrt();
-                } else {
-                    return None;
-                }
-            }
-        }
-        // columns of L^-T: L^T x = e_k
-        let column = |k: usize| {
-            let mut x = vec![0.0; n];
-            x[k] = 1.0 / lower[k][k];
-            for i in (0..k).rev() {
-                let sum: f64 = (i + 1..=k).map(|j| lower[j][i] * x[j]).sum();
-                x[i] = -sum / lower[i][i];
-            }
-            x
-        };
-        Some(Factors { inverse: (0..n).map(column).collect(), r: Vec::new() })
-    }
-
-    fn active(&self) -> usize {
-        self.r.len()
-    }
-
-    /// Turns two neighbouring columns so that (a, b) becomes (length, 0), which it returns.
-    fn rotate(&mut self, first: usize, a: f64, b: f64) -> [f64; 2] {
-        let length = a.hypot(b);
-        let [c, s] = if length == 0.0 { [1.0, 0.0] } else { [a / length, b / length] };
-        let (left, right) = self.inverse.split_at_mut(first + 1);
-        for (x, y) in left[first].iter_mut().zip(&mut right[0]) {
-            (*x, *y) = (c * *x + s * *y, c * *y - s * *x);
-        }
-        [c, s]
+    fn new(hessian: &DMatrix<f64>) -> Option<Self> {
+        let n = hessian.nrows();
+        let lower = Cholesky::new(hessian.clone())?.unpack();
+        let definite = (0..n).all(|i| lower[(i, i)].powi(2) > ROUND_OFF * hessian[(i, i)]);
+        let inverse = lower.tr_solve_lower_triangular(&DMatrix::identity(n, n)).filter(|_| definite)?;
+        Some(Factors { inverse, r: DMatrix::zeros(n, n), active: 0 })
     }
 
     /// Makes a condition active, of which `turned` is its normal in the columns.
-    fn add(&mut self, mut turned: Vec<f64>) {
-        let active = self.active();
-        for k in (active + 1..turned.len()).rev() {
-            let (a, b) = (turned[k - 1], turned[k]);
-            self.rotate(k - 1, a, b);
-            (turned[k - 1], turned[k]) = (a.hypot(b), 0.0);
+    fn add(&mut self, mut turned: DVector<f64>) {
+        for k in (self.active + 1..turned.len()).rev() {
+            let mut pair = turned.fixed_rows_mut::<2>(k - 1);
+            if let Some((rotation, length)) = GivensRotation::cancel_y(&pair) {
+                rotation.inverse().rotate_rows(&mut self.inverse.fixed_columns_mut::<2>(k - 1));
+                (pair[0], pair[1]) = (length, 0.0);
+            }
         }
-        turned.truncate(active + 1);
-        self.r.push(turned);
+        self.r.set_column(self.active, &turned);
+        self.active += 1;
     }
 
     /// Makes the active condition at `place` inactive.
     fn remove(&mut self, place: usize) {
-        self.r.remove(place);
-        for k in place..self.active() {
-            let (a, b) = (self.r[k][k], self.r[k][k + 1]);
-            let [c, s] = self.rotate(k, a, b);
-            for column in &mut self.r[k..] {
-                let (x, y) = (column[k], column[k + 1]);
-                (column[k], column[k + 1]) = (c * x + s * y, c * y - s * x);
+        self.active -= 1;
+        for k in place..self.active {
+            self.r.swap_columns(k, k + 1);
+            if let Some((rotation, _)) = GivensRotation::cancel_y(&self.r.fixed_view::<2, 1>(k, k)) {
+                rotation.inverse().rotate_rows(&mut self.inverse.fixed_columns_mut::<2>(k));
+                rotation.rotate(&mut self.r.fixed_rows_mut::<2>(k));
             }
-            self.r[k].truncate(k + 1);
         }
     }
 
     /// R^-1 of the leading part.
-    fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let mut x = right[..self.active()].to_vec();
-        for k in (0..x.len()).rev() {
-            x[k] /= self.r[k][k];
-            let known = x[k];
-            for i in 0..k {
-                x[i] -= self.r[k][i] * known;
-            }
-        }
-        x
+    fn solve(&self, right: &DVector<f64>) -> Option<DVector<f64>> {
+        let leading = (self.active, self.active);
+        self.r.view((0, 0), leading).solve_upper_triangular(&right.rows(0, self.active))
     }
 }
 
-impl QuadraticProgram<'_> {
-    fn is_equality(&self, condition: Condition) -> bool {
-        matches!(condition, Condition::Row { index, .. } if self.kinds[index] == ConstraintKind::Equality)
+impl QuadraticProgram {
+    /// The shortest step from `x` to a point within its bounds that keeps constraints of these values and gradients there.
+    ///
+    /// # Errors
+    /// See [`NoStep`].
+    pub fn shortest(
+        x: &[f64],
+        bounds: &[(f64, f64)],
+        kinds: &[ConstraintKind],
+        (offsets, rows): (Vec<f64>, &[Vec<f64>]),
+    ) -> Result<DVector<f64>, NoStep> {
+        let n = x.len();
+        let (lower, upper) = bounds.iter().zip(x).map(|((lower, upper), x)| (lower - x, upper - x)).unzip();
+        let (hessian, gradient, normals) = (DMatrix::identity(n, n), DVector::zeros(n), columns(n, rows));
+        Ok(QuadraticProgram { hessian, gradient, normals, offsets, kinds: kinds.to_vec(), lower, upper }.solve()?.step)
     }
 
-    /// n . d - b, and the size of its terms.
-    fn excess(&self, condition: Condition, d: &[f64]) -> (f64, f64) {
-        match condition {
-            Condition::Row { index, sign } => {
-                let terms: f64 = self.rows[index].iter().zip(d).map(|(a, d)| (a * d).abs()).sum();
-                let value = dot(&self.rows[index], d) + self.offsets[index];
-                (sign * value, terms + self.offsets[index].abs())
+    fn is_equality(&self, condition: Condition) -> bool {
+        matches!(condition.place, Place::Constraint(k) if self.kinds[k] == ConstraintKind::Equality)
+    }
+
+    fn bound(&self, i: usize, sign: f64) -> f64 {
+        if sign > 0.0 { self.lower[i] } else { self.upper[i] }
+    }
+
+    /// sign n . d - b, and the size of its terms.
+    fn excess(&self, Condition { place, sign }: Condition, d: &DVector<f64>) -> (f64, f64) {
+        match place {
+            Place::Constraint(k) => {
+                let (normal, offset) = (self.normals.column(k), self.offsets[k]);
+                (sign * (normal.dot(d) + offset), normal.abs().dot(&d.abs()) + offset.abs())
             }
-            Condition::Lower(i) => (d[i] - self.lower[i], d[i].abs() + self.lower[i].abs()),
-            Condition::Upper(i) => (self.upper[i] - d[i], d[i].abs() + self.upper[i].abs()),
+            Place::Bound(i) => {
+                let bound = self.bound(i, sign);
+                (sign * (d[i] - bound), d[i].abs() + bound.abs())
+            }
         }
     }
 
     /// The normal n in the columns of the factors.
-    fn turned(&self, condition: Condition, factors: &Factors) -> Vec<f64> {
-        let columns = factors.inverse.iter();
-        match condition {
-            Condition::Row { index, sign } => columns.map(|column| sign * dot(column, &self.rows[index])).collect(),
-            Condition::Lower(i) => columns.map(|column| column[i]).collect(),
-            Condition::Upper(i) => columns.map(|column| -column[i]).collect(),
+    fn turned(&self, Condition { place, sign }: Condition, factors: &Factors) -> DVector<f64> {
+        sign * match place {
+            Place::Constraint(k) => factors.inverse.tr_mul(&self.normals.column(k)),
+            Place::Bound(i) => factors.inverse.row(i).transpose(),
         }
     }
 
@@ -189,73 +165,69 @@ impl QuadraticProgram<'_> {
     /// See [`NoStep`].
     pub fn solve(&self) -> Result<Step, NoStep> {
         let n = self.gradient.len();
-        let mut factors = Factors::new(self.hessian).ok_or(NoStep::IllConditioned)?;
-        let mut d = vec![0.0; n];
-        for column in &factors.inverse {
-            let along = dot(column, self.gradient);
-            d.iter_mut().zip(column).for_each(|(d, c)| *d -= along * c);
-        }
-        let mut active: Vec<Condition> = Vec::new();
-        let mut forces: Vec<f64> = Vec::new();
-        let equalities = (0..self.rows.len()).filter(|&k| self.kinds[k] == ConstraintKind::Equality);
-        for index in equalities {
-            let (value, _) = self.excess(Condition::Row { index, sign: 1.0 }, &d);
+        let mut factors = Factors::new(&self.hessian).ok_or(NoStep::IllConditioned)?;
+        let mut d = -(&factors.inverse * factors.inverse.tr_mul(&self.gradient));
+        let mut active: Vec<(Condition, f64)> = Vec::new();
+        let (equalities, inequalities): (Vec<usize>, Vec<usize>) =
+            (0..self.kinds.len()).partition(|&k| self.kinds[k] == ConstraintKind::Equality);
+        for k in equalities {
+            let place = Place::Constraint(k);
+            let (value, _) = self.excess(Condition { place, sign: 1.0 }, &d);
             // turned so that it is violated from below
             let sign = if value > 0.0 { -1.0 } else { 1.0 };
-            self.satisfy(Condition::Row { index, sign }, &mut d, &mut factors, &mut active, &mut forces)?;
+            self.satisfy(Condition { place, sign }, &mut d, &mut factors, &mut active)?;
         }
-        let rows = (0..self.rows.len()).filter(|&k| self.kinds[k] == ConstraintKind::AtMostZero);
-        let bounds = (0..n).flat_map(|i| [Condition::Lower(i), Condition::Upper(i)]);
-        let all: Vec<Condition> = rows.map(|index| Condition::Row { index, sign: -1.0 }).chain(bounds).collect();
+        let limits = inequalities.into_iter().map(|k| Condition { place: Place::Constraint(k), sign: -1.0 });
+        let bounds = (0..n).flat_map(|i| [1.0, -1.0].map(|sign| Condition { place: Place::Bound(i), sign }));
+        let all: Vec<Condition> = limits.chain(bounds).collect();
         for _ in 0..20 * (n + all.len()) + 100 {
             let violated = all.iter().filter_map(|&condition| {
                 let (excess, size) = self.excess(condition, &d);
                 (excess < -ROUND_OFF * (1.0 + size)).then_some((excess / (1.0 + size), condition))
             });
-            let Some((_, worst)) = violated.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-                let mut multipliers = vec![0.0; self.rows.len()];
-                for (d, (lower, upper)) in d.iter_mut().zip(self.lower.iter().zip(self.upper)) {
-                    *d = d.clamp(*lower, *upper);
-                }
-                for (condition, force) in active.iter().zip(&forces) {
-                    match *condition {
-                        Condition::Row { index, sign } => multipliers[index] = -sign * force,
-                        // to the last digit
-                        Condition::Lower(i) => d[i] = self.lower[i],
-                        Condition::Upper(i) => d[i] = self.upper[i],
-                    }
-                }
-                return if d.iter().all(|d| d.is_finite()) {
-                    Ok(Step { step: d, multipliers })
-                } else {
-                    Err(NoStep::IllConditioned)
-                };
-            };
-            self.satisfy(worst, &mut d, &mut factors, &mut active, &mut forces)?;
+            match violated.min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((_, worst)) => self.satisfy(worst, &mut d, &mut factors, &mut active)?,
+                None => return self.minimizer(d, &active),
+            }
         }
         Err(NoStep::IllConditioned)
     }
 
-    /// Moves to the minimum on the active conditions and one more.
+    /// The end: within the bounds and on the active ones to the last digit.
+    fn minimizer(&self, mut d: DVector<f64>, active: &[(Condition, f64)]) -> Result<Step, NoStep> {
+        let mut multipliers = vec![0.0; self.kinds.len()];
+        for (i, d) in d.iter_mut().enumerate() {
+            *d = d.clamp(self.lower[i], self.upper[i]);
+        }
+        for &(Condition { place, sign }, force) in active {
+            match place {
+                Place::Constraint(k) => multipliers[k] = -sign * force,
+                Place::Bound(i) => d[i] = self.bound(i, sign),
+            }
+        }
+        let finite = d.iter().all(|d| d.is_finite());
+        if finite { Ok(Step { step: d, multipliers }) } else { Err(NoStep::IllConditioned) }
+    }
+
+    /// Moves to the minimum on the active conditions, each with its force, and one more.
     fn satisfy(
         &self,
         condition: Condition,
-        d: &mut [f64],
+        d: &mut DVector<f64>,
         factors: &mut Factors,
-        active: &mut Vec<Condition>,
-        forces: &mut Vec<f64>,
+        active: &mut Vec<(Condition, f64)>,
     ) -> Result<(), NoStep> {
         let mut own_force = 0.0;
         loop {
             let turned = self.turned(condition, factors);
             let (excess, size) = self.excess(condition, d);
-            let change = factors.solve(&turned);
-            let free = &turned[factors.active()..];
-            let curvature = dot(free, free);
-            let dependent = curvature <= (ROUND_OFF * ROUND_OFF) * dot(&turned, &turned);
+            let change = factors.solve(&turned).ok_or(NoStep::IllConditioned)?;
+            let free = turned.rows_range(factors.active..);
+            let curvature = free.norm_squared();
+            let dependent = curvature <= (ROUND_OFF * ROUND_OFF) * turned.norm_squared();
             let to_condition = if dependent { f64::INFINITY } else { -excess / curvature };
-            let releases = (0..forces.len()).filter(|&k| !self.is_equality(active[k]) && change[k] > 0.0);
-            let release = releases.map(|k| (forces[k] / change[k], k)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let releases = (0..active.len()).filter(|&k| !self.is_equality(active[k].0) && change[k] > 0.0);
+            let release = releases.map(|k| (active[k].1 / change[k], k)).min_by(|a, b| a.0.total_cmp(&b.0));
             let length = to_condition.min(release.map_or(f64::INFINITY, |(length, _)| length));
             if !length.is_finite() {
                 // an equality that follows from the others
@@ -263,27 +235,28 @@ impl QuadraticProgram<'_> {
                 return if follows { Ok(()) } else { Err(NoStep::Infeasible) };
             }
             if !dependent {
-                for (column, part) in factors.inverse[factors.active()..].iter().zip(free) {
-                    d.iter_mut().zip(column).for_each(|(d, c)| *d += length * part * c);
-                }
+                d.gemv(length, &factors.inverse.columns_range(factors.active..), &free, 1.0);
             }
-            forces.iter_mut().zip(&change).for_each(|(force, change)| *force -= length * change);
+            active.iter_mut().zip(&change).for_each(|((_, force), change)| *force -= length * change);
             own_force += length;
             match release {
                 Some((_, place)) if length < to_condition => {
                     factors.remove(place);
                     active.remove(place);
-                    forces.remove(place);
                 }
                 _ => {
                     factors.add(turned);
-                    active.push(condition);
-                    forces.push(own_force);
+                    active.push((condition, own_force));
                     return Ok(());
                 }
             }
         }
     }
+}
+
+/// Gradients of constraints by `n` variables side by side.
+pub(super) fn columns(n: usize, rows: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(n, rows.len(), |i, k| rows[k][i])
 }
 
 #[cfg(test)]
@@ -298,8 +271,8 @@ mod tests {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
         }
-        fn list(&mut self, n: usize) -> Vec<f64> {
-            (0..n).map(|_| self.next()).collect()
+        fn matrix(&mut self, rows: usize, columns: usize) -> DMatrix<f64> {
+            DMatrix::from_fn(rows, columns, |_, _| self.next())
         }
     }
 
@@ -308,31 +281,23 @@ mod tests {
         let mut numbers = Numbers(7);
         for case in 0..200 {
             let (n, m) = (2 + case % 9, case % 6);
-            let roots: Vec<Vec<f64>> = (0..n).map(|_| numbers.list(n)).collect();
-            let entry = |i: usize, j: usize| dot(&roots[i], &roots[j]) + if i == j { 0.1 } else { 0.0 };
-            let hessian: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
-            let gradient = numbers.list(n).iter().map(|g| 10.0 * g).collect::<Vec<_>>();
-            let rows: Vec<Vec<f64>> = (0..m).map(|_| numbers.list(n)).collect();
-            // a point inside the bounds that satisfies all rows
-            let inside: Vec<f64> = numbers.list(n).iter().map(|x| 0.4 * x).collect();
+            let roots = numbers.matrix(n, n);
+            let hessian = roots.tr_mul(&roots) + 0.1 * DMatrix::identity(n, n);
+            let gradient = 10.0 * numbers.matrix(n, 1).column(0);
+            let normals = numbers.matrix(n, m);
+            // a point inside the bounds that satisfies all constraints
+            let inside = 0.4 * numbers.matrix(n, 1).column(0);
             let kinds: Vec<ConstraintKind> = (0..m).map(|k| if k == 0 && n > 3 { Equality } else { AtMostZero }).collect();
             let slack = |k: usize| if kinds[k] == Equality { 0.0 } else { 0.05 };
-            let offsets: Vec<f64> = (0..m).map(|k| -dot(&rows[k], &inside) - slack(k)).collect();
+            let offsets = (0..m).map(|k| -normals.column(k).dot(&inside) - slack(k)).collect();
             let (lower, upper) = (vec![-0.5; n], vec![0.5; n]);
-            let program = QuadraticProgram {
-                hessian: &hessian,
-                gradient: &gradient,
-                rows: &rows,
-                offsets: &offsets,
-                kinds: &kinds,
-                lower: &lower,
-                upper: &upper,
-            };
+            let program = QuadraticProgram { hessian, gradient, normals, offsets, kinds, lower, upper };
             let Step { step, multipliers } = program.solve().unwrap();
+            let QuadraticProgram { hessian, gradient, normals, offsets, kinds, .. } = program;
             // round-off of a few hundred operations on numbers of the order of 10
             let limit = 1e-10;
             for k in 0..m {
-                let value = dot(&rows[k], &step) + offsets[k];
+                let value = normals.column(k).dot(&step) + offsets[k];
                 match kinds[k] {
                     Equality => assert!(value.abs() < limit, "case {case}: {value}"),
                     AtMostZero => {
@@ -341,10 +306,11 @@ mod tests {
                     }
                 }
             }
-            for i in 0..n {
-                let pull = gradient[i] + dot(&hessian[i], &step) + (0..m).map(|k| multipliers[k] * rows[k][i]).sum::<f64>();
-                let size = 1.0 + multipliers.iter().map(|m| m.abs()).sum::<f64>();
-                match step[i] {
+            let multipliers = DVector::from(multipliers);
+            let pulls = gradient + hessian * &step + normals * &multipliers;
+            let size = 1.0 + multipliers.lp_norm(1);
+            for (&step, &pull) in step.iter().zip(&pulls) {
+                match step {
                     x if x <= -0.5 => assert!(pull > -limit * size, "case {case}: {pull}"),
                     x if x >= 0.5 => assert!(pull < limit * size, "case {case}: {pull}"),
                     _ => assert!(pull.abs() < limit * size, "case {case}: {pull}"),
@@ -355,19 +321,19 @@ mod tests {
 
     #[test]
     fn contradicting_rows_and_an_indefinite_hessian_are_said() {
-        let unit = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
-        let program = |hessian, offsets| {
-            let (lower, upper) = ([-10.0; 2], [10.0; 2]);
-            let (rows, kinds) = ([vec![1.0, 1.0], vec![2.0, 2.0]], [Equality; 2]);
-            let gradient = [1.0, 0.0];
-            let (rows, kinds) = (&rows[..], &kinds[..]);
-            QuadraticProgram { hessian, gradient: &gradient, rows, offsets, kinds, lower: &lower, upper: &upper }.solve()
+        let unit = [1.0, 0.0, 0.0, 1.0];
+        let program = |hessian: &[f64], offsets: &[f64]| {
+            let (hessian, normals) =
+                (DMatrix::from_row_slice(2, 2, hessian), DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 1.0, 2.0]));
+            let (gradient, offsets, kinds) = (DVector::from(vec![1.0, 0.0]), offsets.to_vec(), vec![Equality; 2]);
+            QuadraticProgram { hessian, gradient, normals, offsets, kinds, lower: vec![-10.0; 2], upper: vec![10.0; 2] }
+                .solve()
         };
         assert_eq!(program(&unit, &[1.0, 1.0]).unwrap_err(), NoStep::Infeasible);
         // the second row says the same as the first
         let solution = program(&unit, &[1.0, 2.0]).unwrap();
         assert!((solution.step[0] + 1.0).abs() < 1e-15 && solution.step[1].abs() < 1e-15, "{:?}", solution.step);
-        let indefinite = vec![vec![1.0, 2.0], vec![2.0, 1.0]];
+        let indefinite = [1.0, 2.0, 2.0, 1.0];
         assert_eq!(program(&indefinite, &[1.0, 2.0]).unwrap_err(), NoStep::IllConditioned);
     }
 }

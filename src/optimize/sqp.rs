@@ -1,11 +1,12 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::curvature::{Curvature, dot};
+use super::curvature::Curvature;
 use super::escape::Escape;
-use super::quadratic::NoStep;
+use super::quadratic::{NoStep, QuadraticProgram, columns};
 use super::subproblem::{Direction, Subproblem};
 use super::{Conditions, Evaluations, Gradients, NoValue, Optimizer, Reason, Values};
+use nalgebra::{DVector, DVectorView};
 
 /// Sequential quadratic programming within move limits: each iteration minimizes a quadratic model of the Lagrangian on linearized
 /// constraints in a box around the point, and takes the step if f + price times the largest violation falls by a share of what the model
@@ -161,26 +162,31 @@ impl State {
         evaluations.conditions(&self.x, &self.values, &self.gradients)
     }
 
+    /// df/dx . d.
+    fn slope(&self, step: &DVector<f64>) -> f64 {
+        DVectorView::from_slice(&self.gradients.objective, step.len()).dot(step)
+    }
+
     /// What the first-order model says that a step and the constraints' values still weigh.
     fn first_order(&self, direction: &Direction) -> f64 {
         let products = direction.multipliers.iter().zip(&self.values.constraints).map(|(m, c)| (m * c).abs());
-        dot(&self.gradients.objective, &direction.step).abs() + products.sum::<f64>()
+        self.slope(&direction.step).abs() + products.sum::<f64>()
     }
 
-    fn subproblem<'s>(&'s self, evaluations: &'s Evaluations, reach: f64, offsets: &'s [f64]) -> Subproblem<'s> {
+    fn subproblem(&self, evaluations: &Evaluations, reach: f64, offsets: &[f64]) -> Subproblem {
         let limits = evaluations.bounds().iter().zip(&self.x).zip(&self.ranges);
         let (lower, upper) =
             limits.map(|(((low, high), x), range)| ((low - x).max(-reach * range), (high - x).min(reach * range))).unzip();
-        Subproblem {
-            hessian: &self.curvature.matrix,
-            gradient: &self.gradients.objective,
-            rows: &self.gradients.constraints,
-            offsets,
-            kinds: evaluations.constraints(),
-            linear_from: evaluations.linear_from(),
+        let program = QuadraticProgram {
+            hessian: self.curvature.matrix.clone(),
+            gradient: self.gradients.objective.clone().into(),
+            normals: columns(self.x.len(), &self.gradients.constraints),
+            offsets: offsets.to_vec(),
+            kinds: evaluations.constraints().to_vec(),
             lower,
             upper,
-        }
+        };
+        Subproblem { program, linear_from: evaluations.linear_from() }
     }
 
     /// The minimum of the model in a box, on linearized constraints of the values `offsets` or as near to these as they allow.
@@ -219,7 +225,7 @@ impl State {
     fn promised(&mut self, violation: f64, direction: &Direction) -> f64 {
         let own: f64 = direction.multipliers.iter().map(|multiplier| multiplier.abs()).sum();
         self.price = PRICES[0].max(1.5 * own).max(0.5 * (self.price + 1.5 * own)).min(PRICES[1]);
-        let of_objective = -dot(&self.gradients.objective, &direction.step) - 0.5 * self.curvature.along(&direction.step);
+        let of_objective = -self.slope(&direction.step) - 0.5 * self.curvature.along(&direction.step);
         let restored = violation - direction.left;
         if restored > 0.0 && of_objective + self.price * restored < 0.5 * self.price * restored {
             self.price = (-2.0 * of_objective / restored).max(self.price);
@@ -251,9 +257,9 @@ impl State {
                 Tried::Worse(values) => {
                     if trial == 0 && self.price * (evaluations.violation(&values) - direction.left) > 0.5 * promised {
                         // curved constraints: the same linearization, set right by their values at the full step
-                        let moved = self.gradients.constraints.iter().zip(&values.constraints);
-                        let offsets: Vec<f64> = moved.map(|(row, c)| c - dot(row, &direction.step)).collect();
-                        if let Some(corrected) = self.direction(evaluations, self.reach, &offsets) {
+                        let normals = columns(self.x.len(), &self.gradients.constraints);
+                        let offsets = DVector::from(values.constraints.clone()) - normals.tr_mul(&direction.step);
+                        if let Some(corrected) = self.direction(evaluations, self.reach, offsets.as_slice()) {
                             let x = self.along(evaluations, &corrected.step);
                             let limit = here - TAKEN * promised;
                             if let Tried::Taken(values, gradients, x) = self.taken(evaluations, x, limit)? {
@@ -275,11 +281,11 @@ impl State {
     }
 
     /// The longest part of a step as a share of the ranges.
-    fn share(&self, step: &[f64]) -> f64 {
+    fn share(&self, step: &DVector<f64>) -> f64 {
         step.iter().zip(&self.ranges).fold(0.0, |most: f64, (d, range)| most.max(d.abs() / range.max(f64::MIN_POSITIVE)))
     }
 
-    fn along(&self, evaluations: &Evaluations, step: &[f64]) -> Vec<f64> {
+    fn along(&self, evaluations: &Evaluations, step: &DVector<f64>) -> Vec<f64> {
         let place = |((x, &d), (lower, upper)): ((&f64, &f64), &(f64, f64))| match d {
             // to the last digit
             d if d == lower - x => *lower,
@@ -308,12 +314,11 @@ impl State {
 
     /// Learns what a step says about the curvature of the Lagrangian.
     fn learn(&mut self, x: &[f64], gradients: &Gradients, multipliers: &[f64]) {
-        let of_lagrangian = |gradients: &Gradients, i: usize| {
-            let rows = gradients.constraints.iter().zip(multipliers);
-            gradients.objective[i] + rows.map(|(row, multiplier)| row[i] * multiplier).sum::<f64>()
+        let of_lagrangian = |Gradients { objective, constraints }: &Gradients| {
+            DVector::from(objective.clone())
+                + columns(x.len(), constraints) * DVectorView::from_slice(multipliers, multipliers.len())
         };
-        let step: Vec<f64> = x.iter().zip(&self.x).map(|(new, old)| new - old).collect();
-        let change = (0..x.len()).map(|i| of_lagrangian(gradients, i) - of_lagrangian(&self.gradients, i)).collect();
-        self.curvature.learn(&step, change);
+        let step = DVector::from_fn(x.len(), |i, _| x[i] - self.x[i]);
+        self.curvature.learn(step, of_lagrangian(gradients) - of_lagrangian(&self.gradients));
     }
 }
