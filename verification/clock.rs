@@ -1,6 +1,7 @@
 //! Time that one thread has spent computing, whatever else the machine does.
 
-use costate::integrators::measure_phases;
+use costate::integrators::Method;
+use costate::sensitivity::Analysis;
 use std::time::Instant;
 
 /// A start, to measure from.
@@ -29,12 +30,10 @@ impl Clock {
     }
 }
 
-/// What some work gives while runs and sweeps measure what their parts take; other work goes on without looking at the clock.
-pub fn with_phases<T>(work: impl FnOnce() -> T) -> T {
-    measure_phases(true);
-    let done = work();
-    measure_phases(false);
-    done
+/// What some work gives with an analysis whose runs and sweeps measure what their parts take.
+pub fn with_phases<T>(analysis: Analysis, work: impl FnOnce(&Analysis) -> T) -> T {
+    let method = Method { measures_phases: true, ..analysis.method.clone() };
+    work(&Analysis { method: &method, ..analysis })
 }
 
 /// The number in the middle of a list, of two in the middle the mean: one run that was disturbed does not move it.

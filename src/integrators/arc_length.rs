@@ -134,7 +134,8 @@ pub fn follow_path(problem: &Problem<f64>, method: &Method, plan: &StartPlan, ar
     super::start::check_stillness(problem)?;
     let systems = Systems::new(problem.model, method, &plan.dropped);
     let newton = Newton::new(systems.plain, method.tolerance, method.backend);
-    let newton = newton.map_err(|singular| RunError::of_pattern("start", singular))?;
+    let mut newton = newton.map_err(|singular| RunError::of_pattern("start", singular))?;
+    newton.counters = Counters::measuring(method.measures_phases);
     let mut follower = Follower { problem, newton, load_weight: 0.0 };
     let (start, tangent) = follower.start()?;
     let points = vec![PathPoint { slope: tangent.load * follower.load_weight.sqrt(), ..start }];

@@ -1,4 +1,3 @@
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Work done so far.
@@ -22,17 +21,9 @@ pub struct Counters {
     pub blocks: usize,
     /// Times from which on other redundant constraint equations were left out.
     pub choices: usize,
-    /// Time spent on evaluations of the residual, on matrices, their factorization, and solutions \[ns\]; zero unless
-    /// [`measure_phases`] asks for it.
-    pub nanoseconds: [usize; 4],
-}
-
-static MEASURING: AtomicBool = AtomicBool::new(false);
-
-/// Whether runs and sweeps of this process measure from now on what the parts of their steps take: [`Counters::nanoseconds`]. Looking at the clock
-/// takes a share of the steps of small systems.
-pub fn measure_phases(measuring: bool) {
-    MEASURING.store(measuring, Ordering::Relaxed);
+    /// Time spent on evaluations of the residual, on matrices, their factorization, and solutions \[ns\]; measured where
+    /// [`Method::measures_phases`](super::Method::measures_phases) asks for it.
+    pub nanoseconds: Option<[usize; 4]>,
 }
 
 /// A part of a step whose time is measured.
@@ -45,15 +36,24 @@ pub(crate) enum Phase {
 }
 
 impl Counters {
+    /// Nothing done yet; with the time of phases or without.
+    pub(crate) fn measuring(phases: bool) -> Self {
+        Counters { nanoseconds: phases.then_some([0; 4]), ..Counters::default() }
+    }
+
+    /// What was done so far, which counts no more.
+    pub(crate) fn handed_over(&mut self) -> Self {
+        let emptied = Self::measuring(self.nanoseconds.is_some());
+        std::mem::replace(self, emptied)
+    }
+
     /// What `work` returns; its time counts for a phase.
     #[inline]
     pub(crate) fn timed<T>(&mut self, phase: Phase, work: impl FnOnce() -> T) -> T {
-        if !MEASURING.load(Ordering::Relaxed) {
-            return work();
-        }
+        let Some(nanoseconds) = &mut self.nanoseconds else { return work() };
         let begun = Instant::now();
         let done = work();
-        self.nanoseconds[phase as usize] += begun.elapsed().as_nanos() as usize;
+        nanoseconds[phase as usize] += begun.elapsed().as_nanos() as usize;
         done
     }
 }
@@ -69,6 +69,8 @@ impl std::ops::AddAssign for Counters {
         self.products += other.products;
         self.blocks += other.blocks;
         self.choices += other.choices;
-        self.nanoseconds.iter_mut().zip(other.nanoseconds).for_each(|(own, other)| *own += other);
+        if let Some(other) = other.nanoseconds {
+            self.nanoseconds.get_or_insert_default().iter_mut().zip(other).for_each(|(own, other)| *own += other);
+        }
     }
 }

@@ -44,12 +44,15 @@ pub struct Method {
     pub backend: Backend,
     /// Keep node-local constraints in the matrix: for tests.
     pub unreduced: bool,
+    /// Measure what the parts of steps take, [`Counters::nanoseconds`]; looking at the clock takes a share of the steps of small systems.
+    pub measures_phases: bool,
 }
 
 impl Method {
     /// A table and a level, with round-off tolerance.
     pub fn new(table: Table, level: ConstraintLevel) -> Self {
-        Method { table, level, tolerance: NewtonTolerance::default(), backend: Backend::default(), unreduced: false }
+        let (tolerance, backend) = (NewtonTolerance::default(), Backend::default());
+        Method { table, level, tolerance, backend, unreduced: false, measures_phases: false }
     }
 
     /// The level at which constraints are kept: in an equilibrium and by a variational integrator that of positions, whatever is chosen.

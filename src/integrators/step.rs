@@ -132,7 +132,9 @@ fn solvers<'m, S: RunScalar>(method: &Method, systems: &Systems<'m>) -> Result<[
     let another = || acceleration.another().map_err(|singular| RunError::of_pattern("start", singular));
     let stage = if Arc::ptr_eq(&systems.plain, &systems.stage) { another() } else { newton(method, &systems.stage) }?;
     let start = another()?;
-    Ok([acceleration, stage, start])
+    let mut all = [acceleration, stage, start];
+    all.iter_mut().for_each(|newton| newton.counters = Counters::measuring(method.measures_phases));
+    Ok(all)
 }
 
 fn newton<'m, S: RunScalar>(method: &Method, system: &Arc<System<'m>>) -> Result<Newton<'m, S>, RunError> {
@@ -252,7 +254,7 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.resume(&pause.checkpoint)?;
         self.resolution.errors.clone_from(&pause.errors);
         for newton in [&mut self.acceleration, &mut self.stage, &mut self.start] {
-            newton.counters = Counters::default();
+            newton.counters = Counters::measuring(self.method.measures_phases);
         }
         self.earlier = pause.counters;
         Ok(())

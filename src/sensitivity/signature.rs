@@ -15,8 +15,8 @@ pub(super) struct Signature {
 impl Signature {
     pub fn of(analysis: &Analysis) -> Self {
         let Analysis { model, method, plan, functionals, .. } = analysis;
-        // the same run follows from whatever solves its systems
-        let method = Method { backend: Backend::default(), ..(*method).clone() };
+        // the same run follows from whatever solves its systems, measured or not
+        let method = Method { backend: Backend::default(), measures_phases: false, ..(*method).clone() };
         Signature {
             laws: model.laws(),
             method: format!("{method:?}{plan:?}"),

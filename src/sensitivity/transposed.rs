@@ -141,7 +141,7 @@ impl<'m> TransposedSolver<'m> {
             Factorization::new(&system.pattern, method.backend).map_err(|s| singular(s.unknown, "adjoint"))?;
         let plan = factorization.plan();
         let is_alone = plan.unknowns < APART || is_large(plan) || Jacobian::is_constant_in_stages(&system);
-        Ok(Self::of(system, factorization, active, is_alone))
+        Ok(Self::of(system, factorization, active, is_alone, Counters::measuring(method.measures_phases)))
     }
 
     /// Whether one solver has all stages, on any number of threads: factors, and what is learned of them, go from each system to the next.
@@ -168,10 +168,17 @@ impl<'m> TransposedSolver<'m> {
     /// Another one for the same system.
     pub fn another(&self) -> Result<Self, RunError> {
         let factorization = self.factorization.another().map_err(|s| singular(s.unknown, "adjoint"))?;
-        Ok(Self::of(self.system.clone(), factorization, self.active, self.is_alone))
+        let work = Counters::measuring(self.work.nanoseconds.is_some());
+        Ok(Self::of(self.system.clone(), factorization, self.active, self.is_alone, work))
     }
 
-    fn of(system: Arc<System<'m>>, factorization: Factorization, active: &'m [bool], is_alone: bool) -> Self {
+    fn of(
+        system: Arc<System<'m>>,
+        factorization: Factorization,
+        active: &'m [bool],
+        is_alone: bool,
+        work: Counters,
+    ) -> Self {
         TransposedSolver {
             is_alone,
             residual: Residual::default(),
@@ -187,7 +194,7 @@ impl<'m> TransposedSolver<'m> {
             is_careful: false,
             has_projection: None,
             needed: false,
-            work: Counters::default(),
+            work,
             reduced: Vec::new(),
             sweep: Sweep::default(),
             bases: Vec::new(),
@@ -261,7 +268,7 @@ impl<'m> TransposedSolver<'m> {
     /// Forgets a system for whose adjoint nobody has asked, and counts the work done so far.
     pub fn forget(&mut self, counters: &mut Counters) {
         self.factored = None;
-        *counters += std::mem::take(&mut self.work);
+        *counters += self.work.handed_over();
     }
 
     /// Goes back through one system, which is factored now unless it was before; returns the adjoint of its base point for each

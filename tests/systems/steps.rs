@@ -7,8 +7,8 @@ use costate::integrators::{
 };
 use costate::prelude::*;
 use costate::scenes::AnyScene;
-use costate::scenes::built_in::all;
-use costate::sensitivity::Forward;
+use costate::scenes::built_in::{FiveBar, all};
+use costate::sensitivity::{Analysis, Forward};
 
 /// R = a + stiffness q - load, the load jumping from 0 to 1 at a time; nothing is defined for |q| beyond `wall`.
 struct Oscillator {
@@ -351,6 +351,22 @@ fn by_rule(scene: &dyn AnyScene, table: &str, rule: NewtonTolerance, settings: S
     let x: Vec<f64> = scene.variables().iter().map(|variable| variable.initial).collect();
     let method = Method { tolerance: rule, ..Method::new(named(table), ConstraintLevel::Acceleration) };
     Prepared::with(scene, &x, method, settings.without_method()).unwrap().analysis().forward(&x).unwrap()
+}
+
+#[test]
+fn phases_are_measured_by_the_method_that_asks_for_it_and_by_no_other() {
+    let own = Prepared::new(FiveBar.as_ref()).unwrap();
+    let method = Method { measures_phases: true, ..own.analysis().method.clone() };
+    let (plain, measuring) = (own.analysis(), Analysis { method: &method, ..own.analysis() });
+    let (first, second) = (plain.forward(&own.x).unwrap(), measuring.forward(&own.x).unwrap());
+    assert_eq!(first.counters.nanoseconds, None);
+    assert!(second.counters.nanoseconds.unwrap().iter().all(|&phase| phase > 0), "{:?}", second.counters);
+    // the forward run of one is the other's, too, and the numbers are the same
+    let (measured, gradient) = (measuring.adjoint(&own.x, &first).unwrap(), plain.adjoint(&own.x, &second).unwrap());
+    assert_eq!(measured.rows, gradient.rows);
+    assert_eq!(gradient.counters.nanoseconds, None);
+    let [_, matrices, factorizations, solutions] = measured.counters.nanoseconds.unwrap();
+    assert!(matrices.min(factorizations).min(solutions) > 0, "{:?}", measured.counters);
 }
 
 #[test]

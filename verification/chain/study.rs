@@ -231,9 +231,10 @@ fn measure(method: &Method, (bodies, steps): (usize, usize), repeats: usize) -> 
     let phases = |prepared: &Prepared| -> Result<([f64; 4], f64), String> {
         let begun = Instant::now();
         // no history is kept, as in the other times
-        let run = with_phases(|| Analysis { keep: &Keep::Nothing, ..prepared.analysis() }.forward(&x));
+        let run = with_phases(Analysis { keep: &Keep::Nothing, ..prepared.analysis() }, |analysis| analysis.forward(&x));
         let total = begun.elapsed().as_secs_f64();
-        Ok((run.map_err(|error| error.to_string())?.counters.nanoseconds.map(|own| 1e-9 * own as f64), total))
+        let counters = run.map_err(|error| error.to_string())?.counters;
+        Ok((counters.nanoseconds.unwrap_or_default().map(|own| 1e-9 * own as f64), total))
     };
     let ((first, first_total), (whole, total)) = (phases(&one)?, phases(&all)?);
     cost.shares = std::array::from_fn(|phase| (whole[phase] - first[phase]) / (total - first_total));

@@ -99,9 +99,9 @@ fn parts_of_a_sweep(scene: &Prepared, repeats: usize) -> Result<[f64; 5], String
     let mut parts = [const { Vec::new() }; 5];
     for _ in 0..repeats {
         let clock = Clock::start();
-        let gradient = with_phases(|| analysis.adjoint_of(&scene.x, &forward, &asked)).map_err(words)?;
+        let gradient = with_phases(analysis, |analysis| analysis.adjoint_of(&scene.x, &forward, &asked)).map_err(words)?;
         let all = clock.seconds();
-        let known = gradient.counters.nanoseconds.map(|time| 1e-9 * time as f64);
+        let known = gradient.counters.nanoseconds.unwrap_or_default().map(|time| 1e-9 * time as f64);
         let others = all - known.iter().sum::<f64>();
         parts.iter_mut().zip(known.into_iter().chain([others])).for_each(|(part, time)| part.push(time));
     }
