@@ -1,5 +1,6 @@
 //! Shells of four, six and nine nodes on meshes that users bring: the same physics as on grids, names, closed forms, and mistakes in words.
 
+use super::assert_close;
 use costate::assembly::NodeId;
 use costate::elements::flexible::faces::FaceKind;
 use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, ShellSection};
@@ -86,10 +87,6 @@ fn moved(m: &MechanismBuilder<f64>, to: impl Fn(Vector3<f64>) -> (Vector3<f64>, 
 fn deformed(x: Vector3<f64>) -> (Vector3<f64>, Quaternion<f64>) {
     let turn = Quaternion::about(Vector3::new(0.6, 0.0, 0.8), 0.3 * x[1] - 0.2 * x[0]);
     (turn.rotate(x) + Vector3::new(0.02 * x[0] * x[1], 0.01 * x[2], 0.03 * x[0] * x[0]), turn)
-}
-
-fn assert_close(what: &str, own: f64, expected: f64, tolerance: f64) {
-    assert!((own - expected).abs() <= tolerance * expected.abs(), "{what}: {own:e} instead of {expected:e}");
 }
 
 #[test]

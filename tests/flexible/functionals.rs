@@ -1,5 +1,6 @@
 //! Functionals over groups of elements: quantities against closed forms, a user's own, aggregates against their definition, gradients.
 
+use super::assert_close;
 use costate::assembly::VectorsAvq;
 use costate::elements::flexible::{Laminate, Material, Ply, PlyStrength, Shell, ShellKind};
 use costate::functionals::{Measured, OfShells, Sample, ShellQuantity};
@@ -16,10 +17,6 @@ fn rectangle<S: Scalar>(elements: [usize; 2]) -> ShellMesh<S> {
     let [along, across] = SIZES.map(S::from);
     let zero = S::zero();
     ShellMesh::plate(Vector3::zeros(), [Vector3::new(along, zero, zero), Vector3::new(zero, across, zero)], elements)
-}
-
-fn assert_close(what: &str, own: f64, expected: f64, tolerance: f64) {
-    assert!((own - expected).abs() <= tolerance * expected.abs(), "{what}: {own} instead of {expected}");
 }
 
 /// What functional `k` measures with every node moved.

@@ -1,5 +1,6 @@
 //! Shells of mechanisms: what they are made of, their weight, drilling against closed forms, and mistakes in words.
 
+use super::assert_close;
 use costate::assembly::NodeId;
 use costate::elements::flexible::{Laminate, Material, Ply};
 use costate::prelude::*;
@@ -39,10 +40,6 @@ fn moved(m: &MechanismBuilder<f64>, to: impl Fn(Vector3<f64>) -> (Vector3<f64>, 
         place.iter().copied().chain(turn.times(Quaternion::from_slice(&q[3..])).0).collect::<Vec<f64>>()
     };
     m.numbers.q.chunks_exact(7).flat_map(node).collect()
-}
-
-fn assert_close(what: &str, own: f64, expected: f64, tolerance: f64) {
-    assert!((own - expected).abs() <= tolerance * expected.abs(), "{what}: {own} instead of {expected}");
 }
 
 #[test]
