@@ -20,8 +20,6 @@ pub struct Analysis {
     pub fronts: usize,
     /// Rows of the largest front.
     pub largest_front: usize,
-    /// Most unknowns eliminated in one front.
-    pub largest_pivot_block: usize,
 }
 
 /// A dense matrix of the elimination: its pivots, and the rows (and columns) that the elimination changes.
@@ -281,7 +279,6 @@ impl Symbolic {
             bytes: size_of::<f64>() * (self.factor_storage() + self.small_storage()) + waiting + indices,
             fronts: self.fronts.len(),
             largest_front: fronts().map(Front::size).max().unwrap_or(0),
-            largest_pivot_block: fronts().map(|front| front.pivots).max().unwrap_or(0),
         }
     }
 }
