@@ -134,14 +134,7 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
         crossings.iter().for_each(|crossing| page.warning(crossing));
     }
     let behind = simulation.behind_jumps(&prepared);
-    let checkpoints = forward.history.usage().checkpoints;
-    if checkpoints > 0 && prepared.keep == Keep::Auto {
-        let steps = forward.history.steps();
-        say(format_args!(
-            "{steps} steps would take more than a third of the free memory: {checkpoints} checkpoints are kept, and the steps between them \
-             computed again (--history file:PATH keeps all)\n"
-        ));
-    }
+    say_checkpoints(&prepared, forward);
     // a sweep that is stopped leaves what the simulation gave
     let mut simulated = simulation.json(&prepared);
     simulated.insert("error".into(), json!("interrupted before the gradient was there"));
@@ -158,17 +151,10 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
         Ok(gradient)
     });
     let adjoint = adjoint.inspect_err(|_| simulation.say_files())?;
-    let check = options.check.map(|way| {
-        let check = match way {
-            CheckWay::ComplexStep => Check::by_complex_step(&prepared, forward, &adjoint),
-            CheckWay::Independent => Check::independent(&prepared, forward, &adjoint),
-        };
-        check.inspect_err(|_| {
-            (0..prepared.functionals().len()).for_each(|row| say_gradient(&prepared, row, &adjoint, None));
-            simulation.say_files();
-        })
-    });
-    let check = check.transpose()?;
+    let check = options.check.map(|way| Check::by(way, &prepared, forward, &adjoint)).transpose().inspect_err(|_| {
+        (0..prepared.functionals().len()).for_each(|row| say_gradient(&prepared, row, &adjoint, None));
+        simulation.say_files();
+    })?;
 
     set_last_words(None);
     for row in 0..prepared.functionals().len() {
@@ -177,30 +163,7 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     say_work(&work(&simulation, &adjoint, check.as_ref()));
     let ratio = adjoint.seconds / simulation.seconds;
     say(format_args!("adjoint time / forward time: {}", number(ratio)));
-    if let Some(check) = &check {
-        for (k, functional) in prepared.functionals().iter().enumerate() {
-            let (largest, limit) = (check.largest(k), check.limit(k));
-            let verdict = match largest <= limit {
-                true if check.blind(k, &behind, &prepared).is_some() => "shows nothing",
-                true => "pass",
-                false => "FAIL",
-            };
-            let rounding =
-                check.scatter[k].filter(|_| limit > check.way.limit()).map_or_else(String::new, |scatter| match check.way {
-                    CheckWay::ComplexStep => {
-                        format!(
-                            "; a rounding of the variables changes its complex-step derivatives by {} of them",
-                            brief(scatter)
-                        )
-                    }
-                    CheckWay::Independent => format!("; round-off of the runs is {} of its quotients", brief(scatter)),
-                });
-            let (largest, name, other) = (brief(largest), &functional.name, check.way.words());
-            say(format_args!(
-                "{name}: largest relative difference to {other}: {largest} (limit {limit:.0e}): {verdict}{rounding}"
-            ));
-        }
-    }
+    check.iter().for_each(|check| check.say(&behind, &prepared));
     say("");
     if output.meshes {
         let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(&*scene));
@@ -217,21 +180,18 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     simulation.conclude(page, summary);
     simulation.say_files();
     say_json(options.scene.json, &json_of(&simulation, &prepared, &adjoint, check.as_ref(), &behind));
-    match check {
-        Some(check) if !check.passes() => {
-            let name = check.worst_functional().map_or("", |k| prepared.functionals()[k].name.as_str());
-            let (largest, limit) = check.figures();
-            let largest = brief(largest);
-            let other = check.way.words();
-            Err(Failure::run(format!(
-                "the adjoint gradient of \"{name}\" differs from the {other} by {largest}, more than {limit:.0e}"
-            )))
-        }
-        Some(check) => match check.first_blind(&behind, &prepared) {
-            Some(why) => Err(Failure::run(why)),
-            None => simulation.unwritten.map_or(Ok(()), Err),
-        },
-        None => simulation.unwritten.map_or(Ok(()), Err),
+    check.map_or(Ok(()), |check| check.verdict(&behind, &prepared))?;
+    simulation.unwritten.map_or(Ok(()), Err)
+}
+
+fn say_checkpoints(prepared: &Prepared, forward: &Forward) {
+    let checkpoints = forward.history.usage().checkpoints;
+    if checkpoints > 0 && prepared.keep == Keep::Auto {
+        let steps = forward.history.steps();
+        say(format_args!(
+            "{steps} steps would take more than a third of the free memory: {checkpoints} checkpoints are kept, and the steps between them \
+             computed again (--history file:PATH keeps all)\n"
+        ));
     }
 }
 
@@ -269,6 +229,49 @@ fn brief(difference: f64) -> String {
 }
 
 impl Check {
+    fn by(way: CheckWay, prepared: &Prepared, forward: &Forward, adjoint: &Timed) -> Result<Self, Failure> {
+        match way {
+            CheckWay::ComplexStep => Check::by_complex_step(prepared, forward, adjoint),
+            CheckWay::Independent => Check::independent(prepared, forward, adjoint),
+        }
+    }
+
+    /// What it shows of each functional.
+    fn say(&self, behind: &[&str], prepared: &Prepared) {
+        for (k, functional) in prepared.functionals().iter().enumerate() {
+            let (largest, limit) = (self.largest(k), self.limit(k));
+            let verdict = match largest <= limit {
+                true if self.blind(k, behind, prepared).is_some() => "shows nothing",
+                true => "pass",
+                false => "FAIL",
+            };
+            let scatter = self.scatter[k].filter(|_| limit > self.way.limit()).map(brief);
+            let rounding = scatter.map_or_else(String::new, |scatter| match self.way {
+                CheckWay::ComplexStep => {
+                    format!("; a rounding of the variables changes its complex-step derivatives by {scatter} of them")
+                }
+                CheckWay::Independent => format!("; round-off of the runs is {scatter} of its quotients"),
+            });
+            let (largest, name, other) = (brief(largest), &functional.name, self.way.words());
+            say(format_args!(
+                "{name}: largest relative difference to {other}: {largest} (limit {limit:.0e}): {verdict}{rounding}"
+            ));
+        }
+    }
+
+    /// How the command ends.
+    fn verdict(&self, behind: &[&str], prepared: &Prepared) -> Result<(), Failure> {
+        if self.passes() {
+            return self.first_blind(behind, prepared).map_or(Ok(()), |why| Err(Failure::run(why)));
+        }
+        let name = self.worst_functional().map_or("", |k| prepared.functionals()[k].name.as_str());
+        let ((largest, limit), other) = (self.figures(), self.way.words());
+        let largest = brief(largest);
+        Err(Failure::run(format!(
+            "the adjoint gradient of \"{name}\" differs from the {other} by {largest}, more than {limit:.0e}"
+        )))
+    }
+
     fn by_complex_step(prepared: &Prepared, forward: &Forward, adjoint: &Timed) -> Result<Self, Failure> {
         let other = timed("complex step", forward, || prepared.analysis().complex_step(&prepared.x, forward))?;
         let mut check = Check::of(CheckWay::ComplexStep, (prepared, &forward.values), adjoint, other);

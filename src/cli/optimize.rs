@@ -160,29 +160,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
 
     announce(&optimization, &*optimizer);
     let guard = Guard::new();
-    let recording = |path: PathBuf, progress| Recording { path, guard: &guard, progress, failed: None };
-    let (optimized, mut files) = if options.starts == 1 {
-        let progress = Progress::new("optimizing", options.iterations as u64);
-        let mut recording = recording(path.clone(), Some(progress));
-        let optimized = match &recorded {
-            Some((header, rows)) => optimization.resume(&*optimizer, (header, rows), &mut recording),
-            None => optimization.run(&*optimizer, &start, &mut recording),
-        };
-        let optimized = optimized.map_err(located)?;
-        recording.failed.map_or(Ok(()), Err)?;
-        (optimized, vec![path])
-    } else {
-        let numbered = |number: usize| folder.join(format!("optimization.start-{number}.csv"));
-        let mut recordings: Vec<Recording> = (1..=options.starts).map(|k| recording(numbered(k), None)).collect();
-        let starts = optimization.starts(&start, options.starts);
-        let all = optimization.run_from_all(&*optimizer, &starts, &mut recordings);
-        recordings.into_iter().try_for_each(|recording| recording.failed.map_or(Ok(()), Err))?;
-        let (optimized, table) = best_of(&optimization, all).map_err(located)?;
-        say(format_args!("{table}\n"));
-        write_csv(&path, &optimized.history.header(), optimized.history.rows())?;
-        let files = (1..=options.starts).map(numbered).filter(|file| file.exists());
-        (optimized, files.chain([path]).collect())
-    };
+    let (optimized, mut files) = optimized(options, (&optimization, &*optimizer), &start, recorded, &folder, &guard)?;
     let report = Report::new(&optimization, &*optimizer, &optimized)?;
     let charts = optimization_charts::charts(&optimization, &optimized.history);
     files.extend(optimization_charts::write(&charts, &folder)?);
@@ -204,6 +182,42 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &json);
     report.verdict()
+}
+
+/// The best that comes of one start or of some, and the files written on the way.
+fn optimized(
+    options: &OptimizeOptions,
+    (optimization, optimizer): (&Optimization, &dyn Optimizer),
+    start: &[f64],
+    recorded: Option<(Vec<String>, Vec<Vec<f64>>)>,
+    folder: &Path,
+    guard: &Guard,
+) -> Result<(Optimized, Vec<PathBuf>), Failure> {
+    let located = |error| options.scene.located(optimization.scene, error);
+    let path = folder.join("optimization.csv");
+    let recording = |path: PathBuf, progress| Recording { path, guard, progress, failed: None };
+    if options.starts == 1 {
+        let progress = Progress::new("optimizing", options.iterations as u64);
+        let mut recording = recording(path.clone(), Some(progress));
+        let optimized = match &recorded {
+            Some((header, rows)) => optimization.resume(optimizer, (header, rows), &mut recording),
+            None => optimization.run(optimizer, start, &mut recording),
+        };
+        let optimized = optimized.map_err(located)?;
+        recording.failed.map_or(Ok(()), Err)?;
+        Ok((optimized, vec![path]))
+    } else {
+        let numbered = |number: usize| folder.join(format!("optimization.start-{number}.csv"));
+        let mut recordings: Vec<Recording> = (1..=options.starts).map(|k| recording(numbered(k), None)).collect();
+        let starts = optimization.starts(start, options.starts);
+        let all = optimization.run_from_all(optimizer, &starts, &mut recordings);
+        recordings.into_iter().try_for_each(|recording| recording.failed.map_or(Ok(()), Err))?;
+        let (optimized, table) = best_of(optimization, all).map_err(located)?;
+        say(format_args!("{table}\n"));
+        write_csv(&path, &optimized.history.header(), optimized.history.rows())?;
+        let files = (1..=options.starts).map(numbered).filter(|file| file.exists());
+        Ok((optimized, files.chain([path]).collect()))
+    }
 }
 
 /// The best end of several starts, and all of them as a table.
@@ -394,6 +408,22 @@ impl<'r> Report<'r> {
         self.optimization.varying().into_iter().map(row).collect()
     }
 
+    /// Simulations and sweeps.
+    fn say_work(&self) {
+        let work = self.optimized.history.work();
+        let mut table = Table::new(&["", "number", "time"]);
+        let simulations = ("simulations", work.simulations, work.simulation_seconds);
+        let sweeps = match self.optimization.gradient {
+            GradientBy::Adjoint => "adjoint sweeps",
+            GradientBy::Difference { .. } => "simulations for differences",
+            GradientBy::ComplexStep => "complex-step simulations",
+        };
+        for (name, number, time) in [simulations, (sweeps, work.sweeps, work.gradient_seconds)] {
+            table.row([name.into(), format!("{number:>6}").into(), format!("{:>10}", seconds(time)).into()]);
+        }
+        say(format_args!("{table}\n"));
+    }
+
     fn say(&self) {
         let Report { optimization, optimized, best, .. } = self;
         let (history, ended) = (&optimized.history, &optimized.ended);
@@ -437,18 +467,7 @@ impl<'r> Report<'r> {
             ]);
         }
         say(format_args!("{table}\n"));
-        let work = history.work();
-        let mut table = Table::new(&["", "number", "time"]);
-        let simulations = ("simulations", work.simulations, work.simulation_seconds);
-        let sweeps = match self.optimization.gradient {
-            GradientBy::Adjoint => "adjoint sweeps",
-            GradientBy::Difference { .. } => "simulations for differences",
-            GradientBy::ComplexStep => "complex-step simulations",
-        };
-        for (name, number, time) in [simulations, (sweeps, work.sweeps, work.gradient_seconds)] {
-            table.row([name.into(), format!("{number:>6}").into(), format!("{:>10}", seconds(time)).into()]);
-        }
-        say(format_args!("{table}\n"));
+        self.say_work();
         say(format_args!("{}: {}", count(ended.iterations, "iteration"), ended.reason));
         if ended.failed > 0 {
             let why = optimized.failure.as_ref().map_or_else(String::new, |error| format!("; the last one: {error}"));

@@ -132,23 +132,26 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             row.factor /= size(constraint.scale, &[constraint.limit.value(), row.value(values)]);
         }
         let y = program.scaling.scaled(start);
-        // the same law, method and machine give the same bits
-        if let Some(first) = program.recorded.front() {
-            let own = Some((start, &values[..])) == Some((&first.design, &first.functionals));
-            if !own {
-                return Err(RunError::Input(format!(
-                    "the history begins with the design {:?} and the functionals {:?}, but here they are {start:?} and {values:?}: it is of \
-                     another scene, start, method or machine; begin anew from its best design with --restart",
-                    first.design, first.functionals
-                )));
-            }
-        }
+        program.check_begin(start, values)?;
         if program.replayed(&y, start).is_some() {
             program.latest = Some(Simulated { prepared, forward, place: 0 });
             return Ok(program);
         }
         program.keep(&y, start.to_vec(), Ok((prepared, forward)), begun.elapsed().as_secs_f64()).ok();
         Ok(program)
+    }
+
+    /// Whether the recorded optimization begins with the start: the same law, method and machine give the same bits.
+    fn check_begin(&self, start: &[f64], values: &[f64]) -> Result<(), RunError> {
+        match self.recorded.front() {
+            Some(DesignPoint { design, functionals, .. }) if (start, values) != (design, functionals) => {
+                Err(RunError::Input(format!(
+                    "the history begins with the design {design:?} and the functionals {functionals:?}, but here they are {start:?} and \
+                     {values:?}: it is of another scene, start, method or machine; begin anew from its best design with --restart"
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Builds a design and simulates it.

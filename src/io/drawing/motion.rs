@@ -1,6 +1,6 @@
 //! A motion in one picture: earlier positions faint, the last one strong, the paths of points as thin lines.
 
-use super::axis::{Scale, drawable, round_step};
+use super::axis::{Mark, Marks, Scale, drawable, round_step};
 use super::picture::{Align, Colour, FRAME, GREY_INK, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
 use super::plot::{LABEL_SIZE, MARK_SIZE, Plot, TITLE_SIZE, marks_width};
 use crate::io::file::IoError;
@@ -145,7 +145,6 @@ impl MotionPicture {
         let mut axes = [0, 1, 2].map(|index| Scale::around(self.points().map(|point| point[index]), false, 0.06));
         let longest = axes.iter().map(|axis| axis.hi - axis.lo).fold(0.0, f64::max);
         axes.iter_mut().for_each(|axis| widen(axis, 0.3 * longest));
-        let [x, y, z] = &axes;
         let seen = |point| flat(View::Isometric, point);
         let corners: Vec<Place> = (0..8)
             .map(|corner| [0, 1, 2].map(|index| if corner >> index & 1 == 0 { axes[index].lo } else { axes[index].hi }))
@@ -166,53 +165,8 @@ impl MotionPicture {
 
         let step = round_step(longest, 9);
         let marks = [0, 1, 2].map(|index| axes[index].marks(((axes[index].hi - axes[index].lo) / step).ceil() as usize));
-        for mark in &marks[0].list {
-            let at = mark.value;
-            picture.line([[at, y.hi, z.lo], [at, y.lo, z.lo], [at, y.lo, z.hi]].map(place).to_vec(), 1.0, GRID);
-        }
-        for mark in &marks[1].list {
-            let at = mark.value;
-            picture.line([[x.hi, at, z.lo], [x.lo, at, z.lo], [x.lo, at, z.hi]].map(place).to_vec(), 1.0, GRID);
-        }
-        for mark in &marks[2].list {
-            let at = mark.value;
-            picture.line([[x.hi, y.lo, at], [x.lo, y.lo, at], [x.lo, y.hi, at]].map(place).to_vec(), 1.0, GRID);
-        }
-        let mut edge = |corners: [[f64; 3]; 3], colour| picture.line(corners.map(place).to_vec(), 1.0, colour);
-        edge([[x.hi, y.lo, z.hi], [x.lo, y.lo, z.hi], [x.lo, y.hi, z.hi]], GRID);
-        edge([[x.hi, y.lo, z.lo], [x.lo, y.lo, z.lo], [x.lo, y.hi, z.lo]], FRAME);
-        edge([[x.lo, y.lo, z.lo], [x.lo, y.lo, z.hi], [x.lo, y.lo, z.hi]], FRAME);
-        edge([[x.lo, y.hi, z.lo], [x.lo, y.hi, z.hi], [x.lo, y.hi, z.hi]], GRID);
-        edge([[x.hi, y.lo, z.lo], [x.hi, y.hi, z.lo], [x.lo, y.hi, z.lo]], FRAME);
-        edge([[x.hi, y.lo, z.lo], [x.hi, y.lo, z.hi], [x.hi, y.lo, z.hi]], FRAME);
-
-        // numbers below the two near edges of the floor and to the left of the upright edge
-        let middle = |axis: &Scale| 0.5 * (axis.lo + axis.hi);
-        let mut label = |point: [f64; 3], [dx, dy]: Place, text: &str, name: bool, align| {
-            let [px, py] = place(point);
-            let (size, colour) = if name { (LABEL_SIZE, INK) } else { (MARK_SIZE, GREY_INK) };
-            picture.text([px + dx, py + dy + 0.36 * size], text, size, colour, align);
-        };
-        for (index, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let at = |value: f64| match index {
-                0 => [value, y.hi, z.lo],
-                1 => [x.hi, value, z.lo],
-                _ => [x.hi, y.lo, value],
-            };
-            let (near, far, align) = match index {
-                0 => ([7.0, 9.0], [32.0, 34.0], Align::Left),
-                1 => ([-7.0, 9.0], [-32.0, 34.0], Align::Right),
-                _ => ([-8.0, 0.0], [-20.0 - marks_width(&marks[2]), 0.0], Align::Right),
-            };
-            // the numbers at the ends would meet those of the next axis
-            let inside = |value: f64| (0.02..=0.98).contains(&axes[index].at(value));
-            for mark in marks[index].list.iter().filter(|mark| inside(mark.value)) {
-                label(at(mark.value), near, &mark.label, false, align);
-            }
-            let factor = &marks[index].factor;
-            let unit = if factor.is_empty() { format!("{name} [m]") } else { format!("{name} [m] {factor}") };
-            label(at(middle(&axes[index])), far, &unit, true, align);
-        }
+        draw_rear_faces(&mut picture, &axes, &marks, place);
+        draw_labels(&mut picture, &axes, &marks, place);
         self.draw_system(&mut picture, place);
         self.draw_head(&mut picture, 30.0, left + width + 16.0);
         picture
@@ -338,6 +292,55 @@ impl MotionPicture {
     fn trail_colour(&self, index: usize) -> Colour {
         let roles = self.frames.iter().flat_map(|frame| &frame.lines).map(|line| line.role + 1).max().unwrap_or(0);
         PALETTE[(roles + index) % PALETTE.len()]
+    }
+}
+
+/// Grid and edges of the three faces of a box that are seen from inside.
+fn draw_rear_faces(picture: &mut Picture, axes: &[Scale; 3], marks: &[Marks; 3], place: impl Fn([f64; 3]) -> Place) {
+    let [x, y, z] = axes;
+    let mut draw = |corners: [[f64; 3]; 3], colour| picture.line(corners.map(&place).to_vec(), 1.0, colour);
+    for (index, marks) in marks.iter().enumerate() {
+        for &Mark { value: at, .. } in &marks.list {
+            let grid = match index {
+                0 => [[at, y.hi, z.lo], [at, y.lo, z.lo], [at, y.lo, z.hi]],
+                1 => [[x.hi, at, z.lo], [x.lo, at, z.lo], [x.lo, at, z.hi]],
+                _ => [[x.hi, y.lo, at], [x.lo, y.lo, at], [x.lo, y.hi, at]],
+            };
+            draw(grid, GRID);
+        }
+    }
+    draw([[x.hi, y.lo, z.hi], [x.lo, y.lo, z.hi], [x.lo, y.hi, z.hi]], GRID);
+    draw([[x.hi, y.lo, z.lo], [x.lo, y.lo, z.lo], [x.lo, y.hi, z.lo]], FRAME);
+    draw([[x.lo, y.lo, z.lo], [x.lo, y.lo, z.hi], [x.lo, y.lo, z.hi]], FRAME);
+    draw([[x.lo, y.hi, z.lo], [x.lo, y.hi, z.hi], [x.lo, y.hi, z.hi]], GRID);
+    draw([[x.hi, y.lo, z.lo], [x.hi, y.hi, z.lo], [x.lo, y.hi, z.lo]], FRAME);
+    draw([[x.hi, y.lo, z.lo], [x.hi, y.lo, z.hi], [x.hi, y.lo, z.hi]], FRAME);
+}
+
+/// Numbers and names below the two near edges of the floor and to the left of the upright edge.
+fn draw_labels(picture: &mut Picture, axes: &[Scale; 3], marks: &[Marks; 3], place: impl Fn([f64; 3]) -> Place) {
+    let [x, y, z] = axes;
+    for (index, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let (axis, Marks { list, factor }) = (&axes[index], &marks[index]);
+        let (near, far, align) = match index {
+            0 => ([7.0, 9.0], [32.0, 34.0], Align::Left),
+            1 => ([-7.0, 9.0], [-32.0, 34.0], Align::Right),
+            _ => ([-8.0, 0.0], [-20.0 - marks_width(&marks[2]), 0.0], Align::Right),
+        };
+        let mut label = |value: f64, [dx, dy]: Place, text: &str, size: f64, colour| {
+            let [px, py] = place(match index {
+                0 => [value, y.hi, z.lo],
+                1 => [x.hi, value, z.lo],
+                _ => [x.hi, y.lo, value],
+            });
+            picture.text([px + dx, py + dy + 0.36 * size], text, size, colour, align);
+        };
+        // the numbers at the ends would meet those of the next axis
+        for mark in list.iter().filter(|mark| (0.02..=0.98).contains(&axis.at(mark.value))) {
+            label(mark.value, near, &mark.label, MARK_SIZE, GREY_INK);
+        }
+        let unit = if factor.is_empty() { format!("{name} [m]") } else { format!("{name} [m] {factor}") };
+        label(0.5 * (axis.lo + axis.hi), far, &unit, LABEL_SIZE, INK);
     }
 }
 
