@@ -123,3 +123,45 @@ fn what_is_wrong_with_a_law_is_told() {
     let told = FileScene::parse("laws.toml", &hidden).unwrap_err();
     assert!(told.contains("s is what it depends on, and a name of this file, too"), "{told}");
 }
+
+/// The quarter of a car among the example scenes, by a Runge-Kutta method of its own.
+fn heights_of_the_car() -> f64 {
+    let (rate, force, knee, stop, tyre) = (2.2e4, 900.0, 0.3, 2e5, 1.9e5);
+    let (body, wheel, room, g) = (300.0, 40.0, 0.08, 9.81);
+    let sag = (body + wheel) * g / tyre;
+    // a step of the method never crosses an end of the bump
+    let accelerations = |t: f64, [z, top, v, top_v]: [f64; 4]| {
+        let (s, rate_s) = (top - z - 0.5, top_v - v);
+        let spring = rate * s - g * body + stop * ((s - room).max(0.0) - (-room - s).max(0.0));
+        let pull = spring + force * (rate_s / knee).tanh();
+        let away = t - 0.325;
+        let bump = if away.abs() < 0.125 { 0.12 * (4.0 * std::f64::consts::PI * away).cos().powi(2) } else { 0.0 };
+        [(pull + tyre * (0.3 - z + bump).max(0.0)) / wheel - g, -pull / body - g]
+    };
+    let slope = |t: f64, y: [f64; 4]| {
+        let [a, top_a] = accelerations(t, y);
+        [y[2], y[3], a, top_a]
+    };
+    let (mut y, h) = ([0.3 - sag, 0.8 - sag, 0.0, 0.0], 1e-5);
+    for step in 0..150_000 {
+        let t = f64::from(step) * h;
+        let along = |k: [f64; 4], c: f64| std::array::from_fn(|i| y[i] + c * k[i]);
+        let k1 = slope(t, y);
+        let k2 = slope(t + h / 2.0, along(k1, h / 2.0));
+        let k3 = slope(t + h / 2.0, along(k2, h / 2.0));
+        let k4 = slope(t + h, along(k3, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    }
+    y[1]
+}
+
+#[test]
+fn the_quarter_of_a_car_moves_as_its_equations_say() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/quarter-car.toml");
+    let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    let values = prepared.analysis().forward(&prepared.x).unwrap().values;
+    let exact = heights_of_the_car();
+    // stops and a tyre that lifts off bend the forces within steps
+    assert!((values[1] - exact).abs() < 1e-5, "{} for {exact}", values[1]);
+}
