@@ -44,7 +44,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 42] = [
+const OTHERS: [(&str, &str, &str); 41] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives reaction_gradient", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -60,11 +60,6 @@ const OTHERS: [(&str, &str, &str); 42] = [
     ("elements/flexible/small_strain_cable.rs", "second_derivative", "d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/cable.rs", "derivatives", "dr/dx and d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/hermite.rs", "derivative_rows", "of shape functions, as tables of numbers"),
-    (
-        "assembly/quadratic.rs",
-        "derivatives second_derivatives",
-        "of a quadratic form whose coefficients are read off the recording",
-    ),
     ("assembly/breakpoints.rs", "add_transposed", "of what was recorded"),
     ("assembly/element_programs.rs", "gradient", "makes the program of the recording"),
     ("assembly/jacobian.rs", "reduce_adjoint set_adjoints", "adjoint variables along the reduced unknowns and back"),

@@ -5,7 +5,7 @@ use super::element_programs::{ElementLayout, Force};
 use super::null_spaces::{LEFT, NullSpaces, RIGHT, starts_of_numbers};
 use super::numbering::{DofMap, System};
 use super::places::{MOST_LANES, Places, Starts};
-use super::reduction::NodeReduction;
+use super::reduction::{NodeReduction, RotationCoordinates};
 use crate::elements::{ConstraintPhysics, RunScalar};
 use crate::program::{Formula, Program, ProgramCache, ProgramWork};
 use rayon::prelude::*;
@@ -82,16 +82,12 @@ impl System<'_> {
     /// How the coordinates of a node follow from its unknowns.
     pub(super) fn reduction(&self, node: usize) -> NodeReduction {
         let (dofs, unknowns) = (self.model.nodes[node].dofs.len(), &self.nodes[node]);
-        let copies = if self.options.stabilized { 2 } else { 1 };
         if unknowns.columns.is_empty() {
             return NodeReduction::Fixed { dofs };
         }
-        match unknowns.local.map(|local| self.locals[local].form.turning()) {
+        match unknowns.local.and(RotationCoordinates::of(self.model.nodes[node].kind)) {
             None => NodeReduction::Free { dofs },
-            Some(Some(turning)) if !self.options.stabilized => {
-                NodeReduction::RotationCoordinates { free: dofs - turning.coordinates(), turning }
-            }
-            Some(_) => NodeReduction::Dense { dofs, unknowns: unknowns.columns.len() / copies },
+            Some(turning) => NodeReduction::RotationCoordinates { free: dofs - turning.coordinates(), turning },
         }
     }
 
@@ -121,6 +117,18 @@ impl System<'_> {
         };
         let numbers = |part: usize| (&self.constraint_parts[part], self.equations_of(part));
         sorted(self.constraint_parts.len(), kind, layout, numbers, &starts_of_numbers(self))
+    }
+
+    /// Constraints inside nodes that are eliminated.
+    pub(super) fn sort_nodes(&self) -> Vec<ConstraintBatch> {
+        let own = if self.options.unreduced { &[] } else { &self.locals[..] };
+        let kind = |part: usize| Some((Arc::clone(own[part].physics.formula()), self.reductions(&own[part].part), false));
+        let layout = |part: usize| ConstraintLayout {
+            n: own[part].part.segments[0].len(),
+            ..ConstraintLayout::of(&own[part].physics)
+        };
+        let numbers = |part: usize| (&own[part].part, own[part].equations.clone());
+        sorted(own.len(), kind, layout, numbers, &starts_of_numbers(self))
     }
 
     /// The constraint of a batch: its first one stands for all.

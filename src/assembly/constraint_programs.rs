@@ -7,7 +7,7 @@ use super::batches::Lanes;
 use super::element_programs::gradient;
 use super::places::Places;
 use super::reduction::{Columns, NodeReduction};
-use super::{Equations, Level, Unknowns, VectorsAvq};
+use super::{Equations, Level, VectorsAvq};
 use crate::elements::{ConstraintPhysics, RunScalar, motion_derivatives};
 use crate::program::{Graph, Node, Program, ProgramKind};
 use std::sync::Arc;
@@ -77,16 +77,16 @@ impl Places {
         &self,
         lanes: &mut Lanes<S>,
         (at, p, t): (&VectorsAvq<S>, &[S], S),
-        (unknowns, stabilized): (&Unknowns<S>, bool),
+        ([mu, eta], stabilized): ([&[S]; 2], bool),
         scales: [f64; 2],
     ) {
         lanes.gather_nodes(&self.nodes, [&at.v, &at.q]);
         lanes.gather(&self.parameters, p);
         lanes.spread(t);
         lanes.gather_nodes(&self.nodes, [&at.a]);
-        lanes.gather(&self.multipliers, &unknowns.mu);
+        lanes.gather(&self.multipliers, mu);
         if stabilized {
-            lanes.gather(&self.multipliers, &unknowns.eta);
+            lanes.gather(&self.multipliers, eta);
         } else {
             lanes.skip(self.multipliers.length);
         }
@@ -169,22 +169,22 @@ impl Asked {
         self.code().chain(moves.map(u32::from)).fold(0, |code, own| 16 * code + own)
     }
 
-    fn code(&self) -> impl Iterator<Item = u32> {
+    pub fn code(&self) -> impl Iterator<Item = u32> {
         let order = |order: Option<Order>| order.map_or(9, |order| order as u32);
         [order(self.equations[0]), order(self.equations[1]), u32::from(self.reactions)].into_iter()
     }
 }
 
 /// What a constraint's programs are made of.
-struct Parts {
+pub(super) struct Parts {
     /// A^T mu, and -A^T eta with rate corrections; empty where no reactions are asked for.
-    reactions: [Vec<Node>; 2],
+    pub reactions: [Vec<Node>; 2],
     /// Both sets of equations, scaled.
-    equations: [Vec<Node>; 2],
+    pub equations: [Vec<Node>; 2],
 }
 
 impl Parts {
-    fn new(
+    pub fn new(
         graph: &mut Graph,
         (inputs, outputs): (&[Node], &[Node]),
         layout: ConstraintLayout,

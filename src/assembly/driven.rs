@@ -12,7 +12,6 @@ pub(crate) struct RowsOfDrives {
     /// Column of each coordinate of the model.
     columns: Vec<Option<usize>>,
     own: Vec<f64>,
-    local: Vec<f64>,
     work: FormulaWork<f64>,
 }
 
@@ -30,7 +29,7 @@ impl RowsOfDrives {
 
     /// Evaluates them.
     pub fn evaluate(&mut self, system: &System, q: &[f64], p: &[f64], t: f64) {
-        let RowsOfDrives { rows, size, columns, own, local, work } = self;
+        let RowsOfDrives { rows, size, columns, own, work } = self;
         let model: &Model = system.model;
         rows.clear();
         let begin_row = |rows: &mut Vec<f64>| {
@@ -39,10 +38,7 @@ impl RowsOfDrives {
         };
         for inside in &system.locals {
             let dofs = model.nodes[inside.node].dofs.clone();
-            local.clear();
-            local.resize(inside.equations.len() * dofs.len(), 0.0);
-            inside.form.rows(&q[dofs.clone()], local);
-            for row in local.chunks(dofs.len()) {
+            for row in inside.physics.rows_in(&q[dofs.clone()], &[], t, work).chunks(dofs.len()) {
                 let begin = begin_row(rows);
                 for (dof, entry) in dofs.clone().zip(row) {
                     columns[dof].iter().for_each(|column| rows[begin + column] += entry);

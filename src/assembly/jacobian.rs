@@ -1,14 +1,15 @@
 use super::batches::{BatchWork, ElementBatch, LaneResults, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
+use super::inside_nodes::{CURVATURE, InsideNodes};
+use super::node_programs;
 use super::null_spaces::NullSpaces;
 use super::numbering::{ScatterMap, System, add_at};
-use super::reduction::{Columns, RotationCoordinates};
+use super::reduction::Columns;
 use super::{Adjoints, Equations, Residual, StageCoefficients, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::program::Program;
 use crate::scalar::larger;
-use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// The matrix of one system at one point, with the bases along which the unknowns of each node move.
@@ -119,13 +120,8 @@ impl Jacobian {
         }
         relief.local_mu.clear();
         relief.local_mu.resize(system.local_equations, 0.0);
-        for local in system.eliminated() {
-            let dofs = system.model.nodes[local.node].dofs.clone();
-            let q: SmallVec<[f64; 12]> = residual.constraint_at.q[dofs.clone()].iter().map(|q| q.value()).collect();
-            let rows = super::local::reaction_rows(local, &q);
-            let mu = super::local::least_squares(&rows, local.equations.len(), &forces[dofs]);
-            relief.local_mu[local.equations.clone()].copy_from_slice(&mu);
-        }
+        let q: Vec<f64> = residual.constraint_at.q.iter().map(|q| q.value()).collect();
+        InsideNodes::default().eliminate(system, &q, &mut forces, (&mut relief.local_mu, 1.0));
     }
 
     /// Stresses in the matrix are those at its point again.
@@ -159,8 +155,12 @@ impl Jacobian {
             self.add_elements(system, (equations, Force::Stresses), &point, p, t);
         }
         self.add_constraints(system, equations, &point, p, t);
-        for (node, places) in &system.node_blocks {
-            self.add_node(system, equations, (*node, places), &point.unknowns);
+        // a reaction at the start of a step does not move
+        if !equations.parts_reactions() {
+            self.add_curvature(system, equations, &point);
+        }
+        if system.options.stabilized {
+            self.add_rates(system);
         }
         self.point = point;
     }
@@ -249,7 +249,7 @@ impl Jacobian {
                 continue;
             }
             let Jacobian { values, bases, work, .. } = self;
-            let unknowns = (&point.unknowns, asked.stabilized());
+            let unknowns = ([&point.unknowns.mu[..], &point.unknowns.eta], asked.stabilized());
             run_lanes(
                 program,
                 batch.parts.len(),
@@ -267,62 +267,54 @@ impl Jacobian {
         }
     }
 
-    /// Adds the curvature of the reaction inside a node, and the identity of its rate corrections.
-    fn add_node(
-        &mut self,
-        system: &System,
-        equations: &Equations,
-        (node, places): (usize, &[u32]),
-        unknowns: &Unknowns<f64>,
-    ) {
-        let (values, bases) = (&mut self.values, self.bases.of_node(system, node));
-        let (size, dofs) = (system.nodes[node].columns.len(), bases.reduction.dofs());
-        let stabilized = system.options.stabilized;
-        let rows = if stabilized { size / 2 } else { size };
-        let mut add = |row: usize, column: usize, value: f64| {
-            if value != 0.0 {
-                add_at(places[row + column * size], value, values);
-            }
-        };
-        let local = system.nodes[node].local.map(|index| &system.locals[index]);
-        if let (Some(local), Some(numbers)) = (local, bases.of_euler_parameters())
-            && let Some(unit) = local.form.unit_length()
-            && !equations.parts_reactions()
-        {
-            let weight = equations.constraint.alpha * unknowns.local_mu[local.equations.start] * unit.second;
-            let [left, right] = numbers.map(|scaled| RotationCoordinates::Euler.rows(scaled));
-            for column in 0..3 {
-                for row in 0..3 {
-                    let sum = left.iter().zip(&right).fold(0.0, |sum, (l, r)| sum + l[row] * r[column]);
-                    add(3 + row, 3 + column, weight * sum);
-                }
-            }
-            return;
-        }
-        // a reaction at the start of a step does not move
-        if let Some(local) = local.filter(|_| !equations.parts_reactions()) {
-            let alpha = equations.constraint.alpha;
-            let sets = [(&unknowns.local_mu, 0, alpha), (&unknowns.local_eta, rows, -alpha)];
-            for (multipliers, first, factor) in sets.into_iter().take(if stabilized { 2 } else { 1 }) {
-                let mu = &multipliers[local.equations.clone()];
-                for (equation, i, j, second) in local.form.second_derivatives() {
-                    let weight = factor * mu[equation] * second;
-                    for column in 0..size {
-                        let (dx, dy) = bases.direction(j, column);
-                        let along = weight * (dx + dy);
-                        if along != 0.0 {
-                            (0..rows).for_each(|row| add(first + row, column, bases.left(i, row) * along));
-                        }
+    /// Adds the curvature of the reactions inside nodes.
+    fn add_curvature(&mut self, system: &System, equations: &Equations, point: &Point) {
+        let Jacobian { values, bases, work, .. } = self;
+        for batch in system.node_batches() {
+            let (layout, stabilized) = (batch.layout, system.options.stabilized);
+            let make = || node_programs::matrix(system.constraint_inside(batch), &batch.nodes, stabilized);
+            let program = batch.programs.get(CURVATURE, make);
+            run_lanes(
+                program,
+                batch.parts.len(),
+                work,
+                |mut lanes, _| {
+                    // equations inside nodes are quadratic: their curvature is the same everywhere
+                    lanes.skip(batch.formula.inputs + batch.nodes[0].dofs());
+                    lanes.gather(&batch.places.multipliers, &point.unknowns.local_mu);
+                    if stabilized {
+                        lanes.gather(&batch.places.multipliers, &point.unknowns.local_eta);
+                    } else {
+                        lanes.skip(layout.equations);
                     }
-                }
-            }
+                    lanes.skip(2);
+                    lanes.spread(equations.constraint.alpha);
+                    lanes.gather_bases(batch, bases);
+                },
+                |results| {
+                    results.for_each_part(|part, entries| {
+                        let places = &system.node_blocks[system.locals[batch.parts[part]].block].1;
+                        let entries = program.labels().iter().zip(entries);
+                        entries.for_each(|(&label, entry)| add_at(places[label as usize], entry, values));
+                    });
+                },
+            );
         }
-        if stabilized {
-            for dof in 0..dofs {
+    }
+
+    /// Adds the identity of rate corrections.
+    fn add_rates(&mut self, system: &System) {
+        for (node, places) in &system.node_blocks {
+            let bases = self.bases.of_node(system, *node);
+            let size = system.nodes[*node].columns.len();
+            for dof in 0..bases.reduction.dofs() {
                 for column in 0..size {
                     let (_, dy) = bases.direction(dof, column);
-                    if dy != 0.0 {
-                        (0..rows).for_each(|row| add(rows + row, column, bases.left(dof, row) * dy));
+                    for row in 0..size / 2 {
+                        let entry = bases.left(dof, row) * dy;
+                        if entry != 0.0 {
+                            add_at(places[size / 2 + row + column * size], entry, &mut self.values);
+                        }
                     }
                 }
             }

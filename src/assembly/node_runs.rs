@@ -1,6 +1,6 @@
 //! Nodes of a kind that follow each other: what is done with each is done with all in one pass.
 
-use super::numbering::{MultiplierRun, NodeConstraint, System};
+use super::numbering::{MultiplierRun, System};
 use super::reduction::NodeReduction;
 use crate::elements::{NodeKind, RunScalar};
 use std::ops::Range;
@@ -22,8 +22,6 @@ pub(super) struct NodeRun {
     /// Where the numbers of its bases N_L and N_R begin, and how many each node has.
     pub first_number: [usize; 2],
     pub numbers: [usize; 2],
-    /// Place of the constraint inside the first node, if those inside them are eliminated.
-    pub first_local: Option<usize>,
 }
 
 impl NodeRun {
@@ -50,27 +48,17 @@ impl NodeRun {
                 columns: unknowns.columns.len(),
                 first_number,
                 numbers: reduction.numbers(system.options.stabilized),
-                first_local: unknowns.local,
             });
         }
         runs
     }
 
-    /// Whether a node that follows has the places that this run would give it, and a constraint of the same form inside.
+    /// Whether a node that follows has the places that this run would give it.
     fn takes(&self, system: &System, node: usize) -> bool {
-        let (unknowns, place) = (&system.nodes[node], node - self.nodes.start);
-        let form = |local: usize| system.locals[local].form_address();
-        let own = &system.model.nodes[node];
+        let (unknowns, own) = (&system.nodes[node], &system.model.nodes[node]);
         own.kind == self.kind
             && own.dofs == self.dofs(node)
             && (unknowns.columns.is_empty() || unknowns.columns == self.columns_of(node))
-            && unknowns.local == self.first_local.map(|first| first + place)
-            && unknowns.local.map(form) == self.first_local.map(form)
-    }
-
-    /// The constraints inside its nodes, if those are eliminated.
-    pub fn locals<'s>(&self, system: &'s System) -> &'s [NodeConstraint] {
-        self.first_local.map_or(&[], |first| &system.locals[first..first + self.nodes.len()])
     }
 
     /// First coordinate of each node.

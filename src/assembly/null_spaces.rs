@@ -8,17 +8,14 @@ use super::jacobian::Point;
 use super::node_runs::NodeRun;
 use super::numbering::System;
 use super::reduction::{NodeReduction, RotationCoordinates};
-use crate::elements::State;
 use std::ops::Range;
 
 /// Bases of all nodes: N_L at right angles to the reaction inside a node, N_R to its equations.
 #[derive(Default)]
 pub(super) struct NullSpaces {
-    /// The numbers that they are made of, node after node: scaled coordinates where the others turn rigidly, all entries (row-major) of
-    /// other bases, none where unknowns are coordinates.
+    /// The numbers that they are made of, node after node: scaled coordinates where some turn rigidly, with rate corrections their scaled rates,
+    /// too; none where unknowns are coordinates.
     numbers: [Vec<f64>; 2],
-    /// Entries of one basis.
-    work: Vec<f64>,
 }
 
 /// The reaction's side: rows of the matrix.
@@ -35,7 +32,7 @@ impl NullSpaces {
     /// The bases at a point.
     pub fn set(&mut self, system: &System, equations: &Equations, point: &Point) {
         let (at, reaction_at) = (&point.constraint_at, point.reaction(equations));
-        let NullSpaces { numbers, work } = self;
+        let numbers = &mut self.numbers;
         for side in [LEFT, RIGHT] {
             numbers[side].resize(system.node_runs.last().map_or(0, |run| run.all_numbers(side).end), 0.0);
         }
@@ -43,33 +40,21 @@ impl NullSpaces {
         // rows are linear in the coordinates: at this level those of a combination of them and their rates
         let [by_value, by_rate, by_second] = equations.row_weights();
         let combined = |i: usize| by_value * at.q[i] + by_rate * at.v[i] + by_second * at.a[i];
+        let rate = equations.constraint.alpha / equations.constraint.beta;
         for run in &system.node_runs {
+            let NodeReduction::RotationCoordinates { free, turning } = run.reduction else { continue };
             let (lefts, rights) = (&mut left[run.all_numbers(LEFT)], &mut right[run.all_numbers(RIGHT)]);
-            match run.reduction {
-                NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => {}
-                NodeReduction::RotationCoordinates { free, turning } => {
-                    let count = turning.coordinates();
-                    let both = lefts.chunks_exact_mut(count).zip(rights.chunks_exact_mut(count));
-                    for ((left, right), start) in both.zip(run.starts().map(|start| start + free)) {
-                        left.copy_from_slice(&reaction_at.q[start..start + count]);
-                        turning.scale(left);
-                        right.iter_mut().zip(start..).for_each(|(own, i)| *own = combined(i));
-                        turning.scale(right);
-                    }
-                }
-                NodeReduction::Dense { .. } => {
-                    let copies = if system.options.stabilized { 2 } else { 1 };
-                    for (place, local) in run.locals(system).iter().enumerate() {
-                        let (dofs, count) = (run.dofs(run.nodes.start + place), local.equations.len());
-                        let reaction = super::local::reaction_rows(local, &reaction_at.q[dofs.clone()]);
-                        super::local::complement(&reaction, count, dofs.len(), work);
-                        lefts[place * run.numbers[LEFT]..][..run.numbers[LEFT]].copy_from_slice(work);
-                        let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
-                        let rows = super::local::equation_rows(local, equations, state);
-                        super::local::complement(&rows, copies * count, copies * dofs.len(), work);
-                        rights[place * run.numbers[RIGHT]..][..run.numbers[RIGHT]].copy_from_slice(work);
-                    }
-                }
+            let count = turning.coordinates();
+            let both = lefts.chunks_exact_mut(count).zip(rights.chunks_exact_mut(run.numbers[RIGHT]));
+            for ((left, right), start) in both.zip(run.starts().map(|start| start + free)) {
+                left.copy_from_slice(&reaction_at.q[start..start + count]);
+                let scale = turning.scale(left);
+                left.iter_mut().for_each(|own| *own *= scale);
+                let (right, rates) = right.split_at_mut(count);
+                right.iter_mut().zip(start..).for_each(|(own, i)| *own = combined(i));
+                let scale = turning.scale(right);
+                right.iter_mut().for_each(|own| *own *= scale);
+                rates.iter_mut().zip(&at.v[start..]).for_each(|(own, v)| *own = rate * v * scale);
             }
         }
     }
@@ -177,9 +162,6 @@ impl NullSpaces {
     }
 }
 
-/// All constraints inside nodes let coordinates turn: other bases are those of coordinates together with their rate corrections.
-const OF_RATES: &str = "dense bases have rate corrections";
-
 /// Sets the unknowns of a run to N^T x, times a factor, with the numbers of its bases.
 #[inline(always)]
 fn restrict_run<S: Copy>(
@@ -202,7 +184,6 @@ fn restrict_run<S: Copy>(
         NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
             restrict_turning::<S, 9>((free, RotationCoordinates::Axes), numbers, (x, value), factor, reduced);
         }
-        NodeReduction::Dense { .. } => unreachable!("{OF_RATES}"),
     }
 }
 
@@ -246,7 +227,6 @@ fn prolong_run(run: &NodeRun, numbers: &[f64], reduced: &[f64], mut change: impl
         NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => {
             prolong_turning::<9>((free, RotationCoordinates::Axes), numbers, reduced, first, change);
         }
-        NodeReduction::Dense { .. } => unreachable!("{OF_RATES}"),
     }
 }
 
@@ -276,36 +256,35 @@ pub(super) struct NodeNullSpaces<'b> {
 }
 
 impl NodeNullSpaces<'_> {
-    /// The numbers of N_L and N_R where coordinates turn like Euler parameters behind lengths, without rate corrections.
-    pub fn of_euler_parameters(&self) -> Option<[&[f64; 4]; 2]> {
-        let euler = NodeReduction::RotationCoordinates { free: 3, turning: RotationCoordinates::Euler };
-        if self.reduction != euler {
-            return None;
-        }
-        Some([self.left.first_chunk()?, self.right.first_chunk()?])
-    }
-
     /// An entry of N_L.
     pub fn left(&self, dof: usize, row: usize) -> f64 {
-        self.entry(self.left, dof, row, self.reduction.unknowns())
+        self.entry(self.left, dof, row)
     }
 
     /// (d x, d y) of a coordinate along a column.
     pub fn direction(&self, dof: usize, column: usize) -> (f64, f64) {
-        let copies = if self.stabilized { 2 } else { 1 };
-        let (dofs, columns) = (self.reduction.dofs(), copies * self.reduction.unknowns());
-        let entry = |row: usize| self.entry(self.right, row, column, columns);
-        (entry(dof), if self.stabilized { entry(dof + dofs) } else { 0.0 })
+        let unknowns = self.reduction.unknowns();
+        if !self.stabilized {
+            return (self.entry(self.right, dof, column), 0.0);
+        }
+        let (turns, rates) = self.right.split_at(self.right.len() / 2);
+        let turn = self.entry(turns, dof, column % unknowns);
+        let rate = match self.reduction {
+            NodeReduction::RotationCoordinates { free, .. } if dof >= free && column % unknowns >= free => {
+                self.entry(rates, dof, column % unknowns)
+            }
+            _ => 0.0,
+        };
+        if column < unknowns { (turn + rate, -rate) } else { (rate, turn - rate) }
     }
 
-    fn entry(&self, numbers: &[f64], row: usize, column: usize, columns: usize) -> f64 {
+    fn entry(&self, numbers: &[f64], row: usize, column: usize) -> f64 {
         let unit = |row: usize| f64::from(u8::from(row == column));
         match self.reduction {
             NodeReduction::Fixed { .. } => 0.0,
             NodeReduction::Free { .. } => unit(row),
             NodeReduction::RotationCoordinates { free, .. } if row < free || column < free => unit(row),
             NodeReduction::RotationCoordinates { free, turning } => turning.value(row - free, column - free, numbers),
-            NodeReduction::Dense { .. } => numbers[row * columns + column],
         }
     }
 }

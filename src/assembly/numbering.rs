@@ -3,11 +3,11 @@ use super::batches::{ConstraintBatch, ElementBatch};
 use super::element_programs::Force;
 use super::model::{Model, NodeId};
 use super::node_runs::NodeRun;
-use super::quadratic::Quadratic;
+use super::reduction::RotationCoordinates;
 use crate::elements::{ConstraintPhysics, NodeKind};
 use crate::linalg::SparsePattern;
 use crate::program::Formula;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -27,16 +27,12 @@ pub struct SystemOptions {
 pub(super) struct NodeConstraint {
     pub node: usize,
     pub equations: Range<usize>,
-    pub physics: ConstraintPhysics,
-    /// Its closed form.
-    pub form: Arc<Quadratic>,
-}
-
-impl NodeConstraint {
-    /// The same for all constraints of one form.
-    pub fn form_address(&self) -> *const Quadratic {
-        Arc::as_ptr(&self.form)
-    }
+    /// One for all nodes of a kind.
+    pub physics: Arc<ConstraintPhysics>,
+    /// The coordinates that it is about: those behind the position.
+    pub part: DofMap,
+    /// Its place among the blocks of nodes, if it is eliminated.
+    pub block: usize,
 }
 
 /// Constraint equations that follow each other, and so do their multipliers in the matrix.
@@ -190,6 +186,7 @@ pub struct System<'m> {
     /// Elements and constraints that are evaluated side by side: residuals, impulses, constraints.
     batches: [OnceLock<Vec<ElementBatch>>; Force::KINDS],
     constraint_batches: OnceLock<Vec<ConstraintBatch>>,
+    node_batches: OnceLock<Vec<ConstraintBatch>>,
 }
 
 impl<'m> System<'m> {
@@ -197,27 +194,26 @@ impl<'m> System<'m> {
     pub fn new(model: &'m Model, options: SystemOptions) -> Self {
         let copies = if options.stabilized { 2 } else { 1 };
         let mut locals = Vec::new();
-        // one closed form for all nodes of a kind
-        let mut forms: Vec<(NodeKind, Arc<Quadratic>)> = Vec::new();
+        let mut known: Vec<(NodeKind, Arc<ConstraintPhysics>)> = Vec::new();
         let (mut local_equations, mut columns) = (0, 0);
         let mut nodes = Vec::with_capacity(model.nodes.len());
         for (index, node) in model.nodes.iter().enumerate() {
             let mut unknowns = NodeUnknowns { columns: columns..columns, local: None };
             if !node.fixed {
                 let mut free = node.dofs.len();
-                if let Some(physics) = node.kind.local_constraint() {
+                let same = known.iter().find(|(kind, _)| *kind == node.kind).map(|(_, physics)| Arc::clone(physics));
+                if let Some(physics) = same.or_else(|| node.kind.local_constraint().map(Arc::new)) {
+                    known.push((node.kind, Arc::clone(&physics)));
                     let equations = local_equations..local_equations + physics.equation_count();
                     local_equations = equations.end;
                     if !options.unreduced {
                         free -= equations.len();
                         unknowns.local = Some(locals.len());
                     }
-                    let known = forms.iter().find(|(kind, _)| *kind == node.kind).map(|(_, form)| Arc::clone(form));
-                    let form = known.unwrap_or_else(|| {
-                        forms.push((node.kind, Arc::new(Quadratic::of(&physics))));
-                        Arc::clone(&forms[forms.len() - 1].1)
-                    });
-                    locals.push(NodeConstraint { node: index, equations, form, physics });
+                    let turning = RotationCoordinates::of(node.kind).map_or(0, RotationCoordinates::coordinates);
+                    let own = node.dofs.end - turning..node.dofs.end;
+                    let part = DofMap { segments: smallvec![own], nodes: smallvec![index], parameters: 0..0 };
+                    locals.push(NodeConstraint { node: index, equations, physics, part, block: 0 });
                 }
                 columns += copies * free;
                 unknowns.columns.end = columns;
@@ -285,6 +281,9 @@ impl<'m> System<'m> {
         }
         let with_block = |node: &NodeUnknowns| !node.columns.is_empty() && (node.local.is_some() || options.stabilized);
         let block_nodes: Vec<usize> = (0..nodes.len()).filter(|&node| with_block(&nodes[node])).collect();
+        for (block, &node) in block_nodes.iter().enumerate() {
+            nodes[node].local.into_iter().for_each(|local| locals[local].block = block);
+        }
         let node_block =
             |&node: &usize| Coupled { unknowns: node_columns(&[model.node_id(node)]), nodes: Vec::new(), diagonal: false };
         let node_blocks: Vec<_> = block_nodes.iter().map(node_block).collect();
@@ -327,6 +326,7 @@ impl<'m> System<'m> {
             options,
             batches: [const { OnceLock::new() }; Force::KINDS],
             constraint_batches: OnceLock::new(),
+            node_batches: OnceLock::new(),
         };
         system.node_runs = NodeRun::all(&system);
         system
@@ -340,6 +340,16 @@ impl<'m> System<'m> {
     /// Constraints that are evaluated side by side.
     pub(super) fn constraint_batches(&self) -> &[ConstraintBatch] {
         self.constraint_batches.get_or_init(|| self.sort_constraints())
+    }
+
+    /// Constraints inside nodes that are eliminated, evaluated side by side.
+    pub(super) fn node_batches(&self) -> &[ConstraintBatch] {
+        self.node_batches.get_or_init(|| self.sort_nodes())
+    }
+
+    /// The constraint of a batch of them.
+    pub(super) fn constraint_inside(&self, batch: &ConstraintBatch) -> &ConstraintPhysics {
+        &self.locals[batch.parts[0]].physics
     }
 
     /// Places of the multipliers of a constraint.
@@ -369,11 +379,6 @@ impl<'m> System<'m> {
             physics: &local.physics,
             equations: local.equations.start + shift..local.equations.end + shift,
         })
-    }
-
-    /// Node-local constraints that are eliminated.
-    pub(super) fn eliminated(&self) -> impl Iterator<Item = &NodeConstraint> {
-        self.locals.iter().filter(|_| !self.options.unreduced)
     }
 
     /// Number of unknowns in the matrix.

@@ -1,14 +1,13 @@
 use super::batches::{Batch, BatchWork, LaneResults, Run, run_lanes};
 use super::constraint_programs::{self, Asked, ConstraintPart};
 use super::element_programs::{self, Force};
-use super::local::dot4;
+use super::inside_nodes::PRODUCTS;
+use super::jacobian::numbers_of;
+use super::node_programs;
 use super::numbering::{DofMap, System};
 use super::places::{Places, Starts};
-use super::residual::LocalVec;
-use super::{Equations, Level, Rates, Unknowns, VectorsAvq};
-use crate::elements::State;
+use super::{Equations, Unknowns, VectorsAvq};
 use crate::program::Program;
-use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -196,6 +195,8 @@ pub struct Products {
     constraints: Option<Vec<Selection>>,
     active: Vec<bool>,
     work: BatchWork<f64>,
+    /// What constraints inside nodes add to (a, v, q), and to q where reactions act.
+    inside_nodes: Vec<f64>,
 }
 
 impl Products {
@@ -206,6 +207,7 @@ impl Products {
             constraints: None,
             active: active.to_vec(),
             work: BatchWork::default(),
+            inside_nodes: Vec::new(),
         }
     }
 
@@ -297,7 +299,12 @@ impl Products {
                     count,
                     work,
                     |mut lanes, _| {
-                        places.write_constraints(&mut lanes, (at, p, t), (unknowns, stabilized), scales);
+                        places.write_constraints(
+                            &mut lanes,
+                            (at, p, t),
+                            ([&unknowns.mu, &unknowns.eta], stabilized),
+                            scales,
+                        );
                         for adjoint in adjoints {
                             let reactions = [(&adjoint.f, asked.reactions), (&adjoint.y, asked.reactions && stabilized)];
                             let read = reactions.into_iter().filter(|(_, is_read)| *is_read);
@@ -335,150 +342,60 @@ pub struct NodeBars<'b> {
     pub reactions: Option<&'b mut [f64]>,
 }
 
-impl System<'_> {
-    /// Adds the products with the reactions inside nodes, and those of the equations there, whose adjoints are such that the gradient with
-    /// respect to each node's unknowns vanishes along the directions that were eliminated, x_bar + J^T lambda + C^T lambda_local = 0; in
-    /// closed form.
-    pub fn add_node_products(
-        &self,
+impl Products {
+    /// Adds the products with the reactions inside nodes, and those of the equations there, whose adjoints follow from what is left of the
+    /// gradient with respect to each node's unknowns.
+    pub fn add_inside_nodes(
+        &mut self,
+        system: &System,
         equations: &Equations,
         unknowns: &Unknowns<f64>,
         at: &VectorsAvq<f64>,
         functionals: &mut [NodeBars],
     ) {
-        let all = self.model.dofs;
-        let (scales, outer, inner) = (equations.row_scales(), equations.residual, equations.constraint);
-        let mut gradients: SmallVec<[Rates<f64>; 16]> = SmallVec::new();
-        let mut unbalanced: LocalVec<f64> = SmallVec::new();
-        for local in self.eliminated() {
-            let dofs = self.model.nodes[local.node].dofs.clone();
-            let (own, n) = (local.equations.clone(), dofs.len());
-            if let Some(unit) = local.form.unit_length().filter(|_| equations.level != Level::Stabilized) {
-                let four = dofs.start + unit.first..dofs.start + unit.first + 4;
-                let node = UnitNode { all, dofs: four, second: unit.second };
-                node.add_products(equations, unknowns.local_mu[own.start], at, functionals);
-                continue;
-            }
-            let state = State { a: &at.a[dofs.clone()], v: &at.v[dofs.clone()], q: &at.q[dofs.clone()] };
-            gradients.clear();
-            gradients.resize(own.len() * n, Rates::zero());
-            local.form.moving_rows(state, &mut gradients);
-            let rows = super::local::rows_of(&gradients, n, equations);
-            let places = [0, 1, 2].map(|vector| vector * all + dofs.start..vector * all + dofs.end);
+        let (asked, scales) = Asked::at(equations, false);
+        let (parts_reactions, stabilized) = (equations.parts_reactions(), asked.stabilized());
+        let code = PRODUCTS | asked.short_code([parts_reactions, false, false]);
+        let rates = [equations.residual, equations.constraint].map(|shift| numbers_of(shift).0).concat();
+        let all = system.model.dofs;
+        let Products { work, inside_nodes, .. } = self;
+        for batch in system.node_batches() {
+            let (places, physics) = (&batch.places, system.constraint_inside(batch));
+            let program =
+                batch.programs.get(code, || node_programs::products(physics, batch.layout, asked, parts_reactions));
             for NodeBars { x, y, adjoints, elements, constraints, reactions } in &mut *functionals {
-                let target = &mut reactions.as_deref_mut().unwrap_or(&mut **constraints)[places[2].clone()];
-                local.form.add_curvature(&unknowns.local_mu[own.clone()], &adjoints.f[dofs.clone()], 1.0, target);
-                if let (Some(eta), Some(lambda)) = (unknowns.local_eta.get(own.clone()), adjoints.y.get(dofs.clone())) {
-                    local.form.add_curvature(eta, lambda, -1.0, target);
-                }
-                // what is left of x_bar + J^T lambda along the eliminated directions belongs to the equations inside the node
-                let part = |values: &[f64], vector: usize, i: usize| values[places[vector].start + i];
-                let along_q = |i: usize| outer.alpha * part(elements, 2, i) + inner.alpha * part(constraints, 2, i);
-                unbalanced.clear();
-                unbalanced.extend((0..n).map(|i| {
-                    let rates = outer.gamma * part(elements, 0, i) + outer.beta * part(elements, 1, i);
-                    let inner_rates = inner.gamma * part(constraints, 0, i) + inner.beta * part(constraints, 1, i);
-                    x[dofs.start + i] + rates + inner_rates + along_q(i)
-                }));
-                if let Some(y) = y.get(dofs.clone()) {
-                    let lambda = &adjoints.y[dofs.clone()];
-                    unbalanced.extend(y.iter().zip(lambda).enumerate().map(|(i, (y, lambda))| y + lambda + along_q(i)));
-                }
-                let count = rows.len() / unbalanced.len();
-                let multipliers = super::local::least_squares(&rows, count, &unbalanced);
-                for (row, equation) in gradients.chunks_exact(n).zip(0..) {
-                    let second = multipliers.get(equation + own.len()).copied().unwrap_or(0.0);
-                    let weights = [multipliers[equation] * scales[0], second * scales[1]];
-                    add_row(equations.level, row, weights, &places, constraints);
-                }
-            }
-        }
-    }
-}
-
-/// Four coordinates of unit length: (x . x) h / 2 + c = 0.
-struct UnitNode {
-    /// Number of coordinates of the model.
-    all: usize,
-    dofs: Range<usize>,
-    /// h.
-    second: f64,
-}
-
-impl UnitNode {
-    /// What [`System::add_node_products`] does, in a few multiplications.
-    fn add_products(&self, equations: &Equations, mu: f64, at: &VectorsAvq<f64>, functionals: &mut [NodeBars]) {
-        let UnitNode { all, dofs, second } = self;
-        let four = |values: &[f64]| -> [f64; 4] { *values[dofs.start..].first_chunk().expect("four coordinates") };
-        let (a, v, q) = (four(&at.a), four(&at.v), four(&at.q));
-        let (outer, inner, weights) = (equations.residual, equations.constraint, equations.row_weights());
-        let mut row = [0.0; 4];
-        for i in 0..4 {
-            row[i] = (weights[0] * q[i] + weights[1] * v[i] + weights[2] * a[i]) * second;
-        }
-        let along = equations.row_scales()[0] * second / dot4(&row, &row);
-        for NodeBars { x, adjoints, elements, constraints, reactions, .. } in functionals {
-            let places = [dofs.start, all + dofs.start, 2 * all + dofs.start];
-            let target = &mut reactions.as_deref_mut().unwrap_or(&mut **constraints)[places[2]..][..4];
-            let (x, f) = (four(x), four(&adjoints.f));
-            for i in 0..4 {
-                target[i] += mu * second * f[i];
-            }
-            let mut sum = 0.0;
-            for i in 0..4 {
-                let of = |vector: usize| (elements[places[vector] + i], constraints[places[vector] + i]);
-                let (of_a, of_v, of_q) = (of(0), of(1), of(2));
-                let rates = outer.gamma * of_a.0 + outer.beta * of_v.0 + (inner.gamma * of_a.1 + inner.beta * of_v.1);
-                sum += row[i] * (x[i] + rates + (outer.alpha * of_q.0 + inner.alpha * of_q.1));
-            }
-            let weight = -sum * along;
-            for i in 0..4 {
-                let (in_a, in_v, in_q) = (places[0] + i, places[1] + i, places[2] + i);
-                match equations.level {
-                    Level::Position => constraints[in_q] += weight * q[i],
-                    Level::Velocity => {
-                        constraints[in_v] += weight * q[i];
-                        constraints[in_q] += weight * v[i];
-                    }
-                    _ => {
-                        constraints[in_a] += weight * q[i];
-                        constraints[in_v] += 2.0 * weight * v[i];
-                        constraints[in_q] += weight * a[i];
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Adds the scaled weights of the one or two equations of a level times their gradients, given the row A along the motion, to the places of
-/// the node's a, v and q.
-fn add_row(
-    level: Level,
-    row: &[Rates<f64>],
-    [first, second]: [f64; 2],
-    [at_a, at_v, at_q]: &[Range<usize>; 3],
-    bar: &mut [f64],
-) {
-    if [first, second] == [0.0; 2] {
-        return;
-    }
-    let places = at_a.clone().zip(at_v.clone().zip(at_q.clone()));
-    for (a, (in_a, (in_v, in_q))) in row.iter().zip(places) {
-        match level {
-            Level::Position => bar[in_q] += first * a.value,
-            Level::Velocity => {
-                bar[in_v] += first * a.value;
-                bar[in_q] += first * a.first;
-            }
-            Level::Acceleration => {
-                bar[in_a] += first * a.value;
-                bar[in_v] += 2.0 * first * a.first;
-                bar[in_q] += first * a.second;
-            }
-            Level::Stabilized => {
-                bar[in_v] += second * a.value;
-                bar[in_q] += first * a.value + second * a.first;
+                inside_nodes.clear();
+                inside_nodes.resize(4 * all, 0.0);
+                run_lanes(
+                    program,
+                    batch.parts.len(),
+                    work,
+                    |mut lanes, _| {
+                        let multipliers = [&unknowns.local_mu[..], &unknowns.local_eta];
+                        lanes.skip(batch.formula.inputs);
+                        places.write_constraints(&mut lanes, (at, &[], 0.0), (multipliers, stabilized), scales);
+                        rates.iter().for_each(|&rate| lanes.spread(rate));
+                        for (of_x, of_y) in [(&adjoints.f[..], &adjoints.y[..]), (x, y)] {
+                            lanes.gather_nodes(&places.nodes, [of_x]);
+                            if stabilized {
+                                lanes.gather_nodes(&places.nodes, [of_y]);
+                            }
+                        }
+                        for bars in [elements, &**constraints] {
+                            lanes.gather_nodes(&places.nodes, [&bars[..all], &bars[all..2 * all], &bars[2 * all..]]);
+                        }
+                    },
+                    |results| {
+                        let mut place = 0;
+                        for own in inside_nodes.chunks_exact_mut(all).take(if parts_reactions { 4 } else { 3 }) {
+                            place = results.add_to_nodes(place, &places.nodes, 1.0, own);
+                        }
+                    },
+                );
+                let (own, of_reactions) = inside_nodes.split_at(3 * all);
+                constraints.iter_mut().zip(own).for_each(|(bar, own)| *bar += own);
+                let reactions = reactions.iter_mut().flat_map(|bars| &mut bars[2 * all..]);
+                reactions.zip(of_reactions).for_each(|(bar, own)| *bar += own);
             }
         }
     }

@@ -6,6 +6,7 @@
 // indices carry meaning in matrix code
 #![allow(clippy::needless_range_loop)]
 
+use crate::elements::NodeKind;
 use crate::program::{Graph, Node};
 
 /// How the coordinates of a node follow from its unknowns in the matrix.
@@ -28,17 +29,18 @@ pub(super) enum NodeReduction {
         /// How the others turn.
         turning: RotationCoordinates,
     },
-    /// Any bases, all of whose entries are arguments.
-    Dense {
-        /// Number of coordinates.
-        dofs: usize,
-        /// Number of unknowns; twice as many with rate corrections.
-        unknowns: usize,
-    },
 }
 
-/// Coordinates at the end of a node that turn rigidly: the directions in which the constraints let them move are known, and change
+/// Coordinates at the end of a node that turn rigidly: the directions N(q) in which the constraints let them move are known, and change
 /// smoothly with the pose.
+///
+/// Rows of the constraints are linear, A(q) N(q) = 0 for all q, so that A(q) N(v) + A(v) N(q) = 0: with rate corrections the equations
+/// A (dx + dy) = 0 and A dx + k dA/dt (dx + dy) = 0 hold along
+///
+/// ```text
+/// dx = (N + k V) z + k V w        V = N(v), k = alpha / beta
+/// dy = -k V z + (N - k V) w
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum RotationCoordinates {
     /// Four Euler parameters.
@@ -48,6 +50,15 @@ pub(super) enum RotationCoordinates {
 }
 
 impl RotationCoordinates {
+    /// Those of a kind of node with a constraint inside.
+    pub fn of(kind: NodeKind) -> Option<Self> {
+        match kind {
+            NodeKind::Body => Some(RotationCoordinates::Euler),
+            NodeKind::Natural => Some(RotationCoordinates::Axes),
+            NodeKind::Point | NodeKind::Slope | NodeKind::Coordinates(_) => None,
+        }
+    }
+
     /// Number of coordinates.
     pub fn coordinates(self) -> usize {
         match self {
@@ -56,12 +67,11 @@ impl RotationCoordinates {
         }
     }
 
-    /// Scales coordinates so that [`RotationCoordinates::entry`] makes columns of unit length of them where they are a pose.
-    pub fn scale(self, turning: &mut [f64]) {
+    /// The factor of coordinates with which [`RotationCoordinates::entry`] makes columns of unit length of them where they are a pose.
+    pub fn scale(self, turning: &[f64]) -> f64 {
         let square = turning.iter().fold(0.0, |sum, x| sum + x * x);
         // of three axes of length 1 every turn moves two
-        let scale = if self == RotationCoordinates::Euler { 1.0 / square.sqrt() } else { (1.5 / square).sqrt() };
-        turning.iter_mut().for_each(|x| *x *= scale);
+        if self == RotationCoordinates::Euler { 1.0 / square.sqrt() } else { (1.5 / square).sqrt() }
     }
 
     /// What each coordinate moves by in turns about three axes, from as many scaled coordinates as there are.
@@ -116,7 +126,7 @@ impl NodeReduction {
     /// Number of coordinates.
     pub fn dofs(self) -> usize {
         match self {
-            NodeReduction::Fixed { dofs } | NodeReduction::Free { dofs } | NodeReduction::Dense { dofs, .. } => dofs,
+            NodeReduction::Fixed { dofs } | NodeReduction::Free { dofs } => dofs,
             NodeReduction::RotationCoordinates { free, turning } => free + turning.coordinates(),
         }
     }
@@ -127,29 +137,28 @@ impl NodeReduction {
             NodeReduction::Fixed { .. } => 0,
             NodeReduction::Free { dofs } => dofs,
             NodeReduction::RotationCoordinates { free, .. } => free + 3,
-            NodeReduction::Dense { unknowns, .. } => unknowns,
         }
     }
 
     /// A number for each kind.
     pub fn code(self) -> u32 {
-        let (kind, size, more) = match self {
-            NodeReduction::Fixed { dofs } => (0, dofs, 0),
-            NodeReduction::Free { dofs } => (1, dofs, 0),
-            NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Euler } => (2, free, 0),
-            NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => (3, free, 0),
-            NodeReduction::Dense { dofs, unknowns } => (4, dofs, unknowns),
+        let (kind, size) = match self {
+            NodeReduction::Fixed { dofs } => (0, dofs),
+            NodeReduction::Free { dofs } => (1, dofs),
+            NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Euler } => (2, free),
+            NodeReduction::RotationCoordinates { free, turning: RotationCoordinates::Axes } => (3, free),
         };
-        (kind + 8 * size + 8192 * more) as u32
+        (kind + 4 * size) as u32
     }
 
     /// Numbers of its bases: left, then right.
     pub fn numbers(self, stabilized: bool) -> [usize; 2] {
-        let copies = if stabilized { 2 } else { 1 };
         match self {
             NodeReduction::Fixed { .. } | NodeReduction::Free { .. } => [0; 2],
-            NodeReduction::RotationCoordinates { turning, .. } => [turning.coordinates(); 2],
-            NodeReduction::Dense { dofs, unknowns } => [dofs * unknowns, copies * dofs * copies * unknowns],
+            NodeReduction::RotationCoordinates { turning, .. } => {
+                let count = turning.coordinates();
+                [count, if stabilized { 2 * count } else { count }]
+            }
         }
     }
 }
@@ -263,26 +272,36 @@ impl<'n> Columns<'n> {
     }
 }
 
-/// Rows of one basis with `copies` sets of rows and columns.
+/// Rows of one basis; with `copies` = 2 those of x, then those of y, along as many columns again (see [`RotationCoordinates`]).
 fn rows(graph: &mut Graph, node: NodeReduction, numbers: &[Node], copies: usize) -> Vec<Vec<Node>> {
-    let (dofs, unknowns) = (copies * node.dofs(), copies * node.unknowns());
+    let (dofs, unknowns) = (node.dofs(), node.unknowns());
     let (zero, one) = (graph.zero(), graph.constant(1.0));
-    let mut rows = vec![vec![zero; unknowns]; dofs];
-    match node {
-        NodeReduction::Fixed { .. } => {}
-        NodeReduction::Free { .. } => rows.iter_mut().enumerate().for_each(|(i, row)| row[i] = one),
-        NodeReduction::RotationCoordinates { free, turning } => {
-            rows[..free].iter_mut().enumerate().for_each(|(i, row)| row[i] = one);
-            for (coordinate, row) in rows[free..].iter_mut().enumerate() {
-                for axis in 0..3 {
-                    if let Some((place, negated)) = turning.entry(coordinate, axis) {
-                        row[free + axis] = if negated { graph.neg(numbers[place]) } else { numbers[place] };
-                    }
-                }
+    let mut rows = vec![vec![zero; copies * unknowns]; copies * dofs];
+    let (free, turning) = match node {
+        NodeReduction::Fixed { .. } => (0, None),
+        NodeReduction::Free { dofs } => (dofs, None),
+        NodeReduction::RotationCoordinates { free, turning } => (free, Some(turning)),
+    };
+    for copy in 0..copies {
+        (0..free).for_each(|i| rows[copy * dofs + i][copy * unknowns + i] = one);
+    }
+    for (turning, coordinate) in
+        turning.into_iter().flat_map(|turning| (0..turning.coordinates()).map(move |i| (turning, i)))
+    {
+        for axis in 0..3 {
+            let Some((place, negated)) = turning.entry(coordinate, axis) else { continue };
+            let signed = |graph: &mut Graph, number: Node| if negated { graph.neg(number) } else { number };
+            let (row, column) = (free + coordinate, free + axis);
+            let turn = signed(graph, numbers[place]);
+            if copies == 1 {
+                rows[row][column] = turn;
+                continue;
             }
-        }
-        NodeReduction::Dense { .. } => {
-            rows.iter_mut().zip(numbers.chunks_exact(unknowns)).for_each(|(row, own)| row.copy_from_slice(own));
+            let rate = signed(graph, numbers[turning.coordinates() + place]);
+            rows[row][column] = graph.add(turn, rate);
+            rows[row][unknowns + column] = rate;
+            rows[dofs + row][column] = graph.neg(rate);
+            rows[dofs + row][unknowns + column] = graph.sub(turn, rate);
         }
     }
     rows
@@ -295,7 +314,8 @@ mod tests {
     #[test]
     fn turns_keep_the_length_of_euler_parameters_and_the_angles_between_axes() {
         let mut e = [0.3, -0.5, 0.7, 0.2];
-        RotationCoordinates::Euler.scale(&mut e);
+        let scale = RotationCoordinates::Euler.scale(&e);
+        e.iter_mut().for_each(|e| *e *= scale);
         let basis = RotationCoordinates::Euler.rows(&e);
         for axis in 0..3 {
             let product: f64 = (0..4).map(|i| e[i] * basis[i][axis]).sum();
@@ -303,7 +323,8 @@ mod tests {
             assert!(product.abs() < 1e-15 && (length - 1.0).abs() < 1e-15);
         }
         let mut axes = [0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0];
-        RotationCoordinates::Axes.scale(&mut axes);
+        let scale = RotationCoordinates::Axes.scale(&axes);
+        axes.iter_mut().for_each(|x| *x *= scale);
         let basis = RotationCoordinates::Axes.rows(&axes);
         for turn in 0..3 {
             for (first, second) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {

@@ -1,16 +1,12 @@
 use super::batches::{Batch, BatchWork, last_bit, run_lanes};
 use super::constraint_programs::{Asked, ConstraintPart, values};
 use super::element_programs::Force;
-use super::node_runs::NodeRun;
+use super::inside_nodes::InsideNodes;
 use super::numbering::System;
 use super::reduction::NodeReduction;
-use super::{Clock, Equations, Level, Rates, StageSystem, TermPoint, Unknowns, VectorsAvq};
+use super::{Clock, Equations, StageSystem, TermPoint, Unknowns, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
 use crate::scalar::Scalar;
-use smallvec::SmallVec;
-
-/// Values of one element or constraint: on the stack for up to two bodies.
-pub(super) type LocalVec<S> = SmallVec<[S; 32]>;
 
 /// Share of the largest force below which a stalled residual counts as round-off.
 const FORCE_FLOOR: f64 = 1e-10;
@@ -53,7 +49,7 @@ pub struct Residual<S> {
     /// The base, moved to where constraints hold in a step of a variational integrator.
     constraint_base: VectorsAvq<S>,
     work: BatchWork<S>,
-    restored: VectorsAvq<S>,
+    inside_nodes: InsideNodes<S>,
     floor: Floor,
 }
 
@@ -100,7 +96,7 @@ impl<S> Default for Residual<S> {
             base: Vec::new(),
             constraint_base: VectorsAvq::default(),
             work: BatchWork::default(),
-            restored: VectorsAvq::default(),
+            inside_nodes: InsideNodes::default(),
             floor: Floor::default(),
         }
     }
@@ -183,8 +179,8 @@ impl<S: RunScalar> Residual<S> {
         let mut moved = std::mem::take(&mut self.constraint_base);
         let constraint_base = equations.point_of(TermPoint::Constraints, base, &mut moved);
         if !self.last_bits {
-            let work = &mut self.restored;
-            super::local::restore(system, equations, constraint_base, unknowns, self.keep_values, corrections, work);
+            let how = (self.keep_values, corrections);
+            self.inside_nodes.restore(system, equations, constraint_base, unknowns, how);
         }
         self.at.set_shifted(base, equations.residual, unknowns);
         if equations.is_of_inertia() {
@@ -218,11 +214,15 @@ impl<S: RunScalar> Residual<S> {
         }
         self.y.copy_from_slice(&unknowns.y);
         self.add_constraints(scope, system, equations, unknowns, p, t);
-        for run in &system.node_runs {
-            if let NodeReduction::Fixed { .. } = run.reduction {
-                self.f[run.all_dofs()].fill(S::zero());
-            }
-            self.eliminate(system, equations, run, unknowns);
+        for run in system.node_runs.iter().filter(|run| matches!(run.reduction, NodeReduction::Fixed { .. })) {
+            self.f[run.all_dofs()].fill(S::zero());
+        }
+        let Residual { f, y, inside_nodes, constraint_at, reaction_at, .. } = self;
+        let q = if parts_reactions { &reaction_at.q } else { &constraint_at.q };
+        inside_nodes.eliminate(system, q, f, (&mut unknowns.local_mu, 1.0));
+        if system.options.stabilized {
+            // Y = y - A^T eta: the sign of eta is the opposite one
+            inside_nodes.eliminate(system, q, y, (&mut unknowns.local_eta, -1.0));
         }
     }
 
@@ -231,13 +231,8 @@ impl<S: RunScalar> Residual<S> {
         let StageSystem { equations, base, .. } = stage;
         let mut moved = std::mem::take(&mut self.constraint_base);
         let base = equations.point_of(TermPoint::Constraints, base, &mut moved);
-        super::local::restore(system, equations, base, unknowns, self.keep_values, RESTORATIONS, &mut self.restored);
+        self.inside_nodes.restore(system, equations, base, unknowns, (self.keep_values, RESTORATIONS));
         self.constraint_base = moved;
-    }
-
-    /// Where reactions act.
-    pub(super) fn reaction_point(&self, equations: &Equations) -> &VectorsAvq<S> {
-        if equations.parts_reactions() { &self.reaction_at } else { &self.constraint_at }
     }
 
     /// Force below which F is round-off at the point evaluated last: a share of the largest contribution of one element or joint,
@@ -351,7 +346,10 @@ impl<S: RunScalar> Residual<S> {
                 program,
                 batch.parts.len(),
                 work,
-                |mut lanes, _| batch.places.write_constraints(&mut lanes, (at, p, time), (unknowns, stabilized), scales),
+                |mut lanes, _| {
+                    let multipliers = [&unknowns.mu[..], &unknowns.eta];
+                    batch.places.write_constraints(&mut lanes, (at, p, time), (multipliers, stabilized), scales);
+                },
                 |results| {
                     let mut place = 0;
                     if asked.reactions {
@@ -370,50 +368,5 @@ impl<S: RunScalar> Residual<S> {
                 },
             );
         }
-    }
-
-    /// Sets the multipliers inside nodes so that F (and Y) have no part along their reactions, and adds these.
-    fn eliminate(&mut self, system: &System, equations: &Equations, run: &NodeRun, unknowns: &mut Unknowns<S>) {
-        let locals = run.locals(system);
-        let Some(first) = locals.first() else { return };
-        if let (Some(unit), true) = (first.form.unit_length(), self.y.is_empty()) {
-            let Residual { f, constraint_at, reaction_at, .. } = self;
-            let q = if equations.parts_reactions() { &reaction_at.q } else { &constraint_at.q };
-            let (places, factor) = (unit.first..unit.first + 4, 1.0 / unit.second);
-            let (mus, count) = (&mut unknowns.local_mu[first.equations.start..], run.reduction.dofs());
-            let nodes = f[run.all_dofs()].chunks_exact_mut(count).zip(q[run.all_dofs()].chunks_exact(count));
-            for ((f, q), own) in nodes.zip(mus) {
-                let (f, q) = (&mut f[places.clone()], &q[places.clone()]);
-                let mu = -(super::local::dot4(q, f) / super::local::dot4(q, q));
-                f.iter_mut().zip(q).for_each(|(f, &q)| *f += q * mu);
-                *own = mu * factor;
-            }
-            return;
-        }
-        for local in locals {
-            let dofs = system.model.nodes[local.node].dofs.clone();
-            let rows = super::local::reaction_rows(local, &self.reaction_point(equations).q[dofs.clone()]);
-            let mu = super::local::least_squares(&rows, local.equations.len(), &self.f[dofs.clone()]);
-            super::local::add_combination(&rows, &mu, &mut self.f[dofs.clone()]);
-            unknowns.local_mu[local.equations.clone()].copy_from_slice(&mu);
-            if !self.y.is_empty() {
-                // Y = y - A^T eta: the sign of eta is the opposite one
-                let negative = super::local::least_squares(&rows, local.equations.len(), &self.y[dofs.clone()]);
-                super::local::add_combination(&rows, &negative, &mut self.y[dofs]);
-                for (eta, n) in unknowns.local_eta[local.equations.clone()].iter_mut().zip(negative) {
-                    *eta = -n;
-                }
-            }
-        }
-    }
-}
-
-/// The one or two derivatives that are the equations of a level.
-pub(super) fn select<S: Scalar>(level: Level, g: Rates<S>) -> (S, S) {
-    match level {
-        Level::Position => (g.value, S::zero()),
-        Level::Velocity => (g.first, S::zero()),
-        Level::Acceleration => (g.second, S::zero()),
-        Level::Stabilized => (g.value, g.first),
     }
 }

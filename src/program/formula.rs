@@ -45,6 +45,14 @@ pub enum ProgramKind {
     ConstraintMatrix,
     /// Products of a constraint with adjoint variables.
     ConstraintProducts,
+    /// Correction of the unknowns of a node by the constraint inside.
+    NodeCorrection,
+    /// Reaction inside a node, of a force.
+    NodeElimination,
+    /// Matrix of the constraint inside a node.
+    NodeMatrix,
+    /// Products of the constraint inside a node with adjoint variables.
+    NodeProducts,
     /// What is measured at points of an element.
     PointValues,
     /// Gradient of what is made of these.

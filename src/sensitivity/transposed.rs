@@ -380,7 +380,7 @@ impl<'m> TransposedSolver<'m> {
 
     /// Adds the products with what is inside nodes.
     fn add_inside_nodes(&mut self, equations: &Equations, asked: &[usize], bars: &[SolutionBar]) {
-        let TransposedSolver { system, residual, unknowns, sweep, .. } = self;
+        let TransposedSolver { system, residual, products, unknowns, sweep, .. } = self;
         let all = 3 * system.model.dofs;
         let [elements, _, _, constraints, reactions] = &mut sweep.at;
         let mut reactions = reactions.chunks_exact_mut(all);
@@ -395,7 +395,7 @@ impl<'m> TransposedSolver<'m> {
             reactions: reactions.next(),
         });
         let mut at_nodes = at_nodes.collect::<SmallVec<[_; 8]>>();
-        system.add_node_products(equations, unknowns, &residual.constraint_at, &mut at_nodes);
+        products.add_inside_nodes(system, equations, unknowns, &residual.constraint_at, &mut at_nodes);
     }
 
     /// The adjoints of the base from those of all points.

@@ -1,0 +1,171 @@
+//! Constraints inside a node: satisfied there, and removed from the matrix exactly.
+//!
+//! With B = A^T (the reaction's direction) and C the derivative of the node's own equations with respect to its unknowns, the matrix gets
+//! N_L^T J N_R, where N_L is orthogonal to B and N_R to C. Unknowns move along N_R and are then brought back onto the node's equations.
+
+use super::batches::{BatchWork, ConstraintBatch, LaneResults, run_lanes};
+use super::constraint_programs::{Asked, ConstraintPart};
+use super::node_programs;
+use super::numbering::System;
+use super::unit_length::UnitLengths;
+use super::{Equations, StageCoefficients, Unknowns, VectorsAvq};
+use crate::elements::RunScalar;
+
+/// Codes of programs of nodes, beside those of the orders of equations.
+pub(super) const ELIMINATION: u32 = 1 << 31;
+pub(super) const CURVATURE: u32 = 1 << 30;
+pub(super) const PRODUCTS: u32 = 1 << 29;
+
+/// Evaluates constraints inside nodes, those of a kind side by side.
+pub(super) struct InsideNodes<S> {
+    work: BatchWork<S>,
+    /// How far each node was off before its last correction, zero where it is done.
+    gaps: Vec<f64>,
+    /// What it is about to change.
+    before: Vec<S>,
+}
+
+impl<S> Default for InsideNodes<S> {
+    fn default() -> Self {
+        InsideNodes { work: BatchWork::default(), gaps: Vec::new(), before: Vec::new() }
+    }
+}
+
+impl<S: RunScalar> InsideNodes<S> {
+    /// Moves unknowns along C^T until the equations inside each node hold to round-off, in every derivative part; with `keep_values` in the
+    /// derivative parts only; at most `corrections` times.
+    pub fn restore(
+        &mut self,
+        system: &System,
+        equations: &Equations,
+        base: &VectorsAvq<S>,
+        unknowns: &mut Unknowns<S>,
+        (keep_values, corrections): (bool, usize),
+    ) {
+        if keep_values && S::PARTS == 0 {
+            return;
+        }
+        let (asked, scales) = Asked::part(ConstraintPart::Equations, equations, false);
+        let StageCoefficients { gamma, beta, alpha } = equations.constraint;
+        let InsideNodes { work, gaps, before } = self;
+        gaps.clear();
+        gaps.resize(system.locals.len(), f64::INFINITY);
+        for batch in system.node_batches() {
+            if let (Some(lengths), 0, false) = (UnitLengths::of(batch), S::PARTS, asked.stabilized()) {
+                lengths.restore(equations, base, unknowns, corrections);
+                continue;
+            }
+            let (physics, nodes) = (system.constraint_inside(batch), &batch.places.nodes);
+            let make = || node_programs::correction(physics, batch.layout, asked);
+            let program = batch.programs.get(asked.short_code([false; 3]), make);
+            for _ in 0..corrections {
+                before.clear();
+                before.extend_from_slice(&unknowns.x);
+                before.extend_from_slice(&unknowns.y);
+                let (x, y) = before.split_at(unknowns.x.len());
+                let mut is_moved = false;
+                run_lanes(
+                    program,
+                    batch.parts.len(),
+                    work,
+                    |mut lanes, _| {
+                        lanes.skip(batch.formula.inputs);
+                        lanes.gather_nodes(nodes, [&base.v, &base.q]);
+                        lanes.skip(1);
+                        lanes.gather_nodes(nodes, [&base.a]);
+                        lanes.skip(2 * batch.layout.equations);
+                        scales.into_iter().chain([gamma, beta, alpha]).for_each(|number| lanes.spread(S::from(number)));
+                        lanes.gather_nodes(nodes, [x]);
+                        if asked.stabilized() {
+                            lanes.gather_nodes(nodes, [y]);
+                        }
+                    },
+                    |results| is_moved |= correct(batch, asked, keep_values, &results, gaps, unknowns),
+                );
+                if !is_moved {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Sets multipliers inside nodes, times a sign, so that a force has no part along their reactions, and adds these.
+    pub fn eliminate(&mut self, system: &System, q: &[S], force: &mut [S], (multipliers, sign): (&mut [S], f64)) {
+        let InsideNodes { work, before, .. } = self;
+        multipliers.fill(S::zero());
+        for batch in system.node_batches() {
+            if let Some(lengths) = UnitLengths::of(batch) {
+                lengths.eliminate(q, force, (multipliers, sign));
+                continue;
+            }
+            let nodes = &batch.places.nodes;
+            let make = || node_programs::elimination(system.constraint_inside(batch), batch.layout);
+            let program = batch.programs.get(ELIMINATION, make);
+            before.clear();
+            before.extend_from_slice(force);
+            run_lanes(
+                program,
+                batch.parts.len(),
+                work,
+                |mut lanes, _| {
+                    lanes.skip(batch.formula.inputs + batch.layout.n);
+                    lanes.gather_nodes(nodes, [q]);
+                    lanes.skip(1);
+                    lanes.gather_nodes(nodes, [before]);
+                },
+                |results| {
+                    let behind = results.add_to_nodes(0, nodes, 1.0, force);
+                    results.add_to_nodes(behind, std::slice::from_ref(&batch.places.multipliers), sign, multipliers);
+                },
+            );
+        }
+    }
+}
+
+/// Corrects the unknowns of nodes that are off by more than round-off and still come nearer; returns whether there are any.
+#[inline(always)]
+fn correct<S: RunScalar>(
+    batch: &ConstraintBatch,
+    asked: Asked,
+    keep_values: bool,
+    results: &LaneResults<S>,
+    gaps: &mut [f64],
+    unknowns: &mut Unknowns<S>,
+) -> bool {
+    let mut is_any_moved = false;
+    results.for_each_part(|place, mut numbers| {
+        let mut next = || numbers.next().unwrap_or(S::zero());
+        let (mut gap, mut is_settled): (f64, bool) = (0.0, true);
+        for _ in asked.equations.iter().flatten() {
+            let round_off = next().value();
+            for _ in 0..batch.layout.equations {
+                let g = next();
+                gap = gap.max(magnitude(g));
+                is_settled &= g.value().abs() <= round_off;
+            }
+        }
+        // rate corrections are as small as the round-off of coordinates
+        is_settled = keep_values || (is_settled && !asked.stabilized());
+        let before = &mut gaps[batch.parts[place]];
+        // below a quarter of the last one: still converging; otherwise round-off is reached
+        if (is_settled && S::PARTS == 0) || gap == 0.0 || gap >= 0.25 * *before {
+            *before = 0.0;
+            return;
+        }
+        (*before, is_any_moved) = (gap, true);
+        let dofs = batch.places.nodes[0].of(place);
+        for unknown in [&mut unknowns.x, &mut unknowns.y].into_iter().take(if asked.stabilized() { 2 } else { 1 }) {
+            for own in &mut unknown[dofs.clone()] {
+                let change = next();
+                // a value at round-off stays what it is
+                *own += if is_settled { change - S::from(change.value()) } else { change };
+            }
+        }
+    });
+    is_any_moved
+}
+
+/// Size of a number with its derivative parts.
+fn magnitude<S: RunScalar>(s: S) -> f64 {
+    (0..S::PARTS).map(|part| s.part(part).abs()).fold(s.value().abs(), f64::max)
+}
