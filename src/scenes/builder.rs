@@ -23,6 +23,7 @@ mod ties;
 
 pub use beams::{BeamLine, BeamMember};
 pub use cables::{CableLine, CableMember};
+#[cfg(feature = "files")]
 pub(in crate::scenes) use entries::Wrong;
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;

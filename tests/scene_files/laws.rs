@@ -129,12 +129,11 @@ fn heights_of_the_car() -> f64 {
     let (rate, force, knee, stop, tyre) = (2.2e4, 900.0, 0.3, 2e5, 1.9e5);
     let (body, wheel, room, g) = (300.0, 40.0, 0.08, 9.81);
     let sag = (body + wheel) * g / tyre;
-    // a step of the method never crosses an end of the bump
     let accelerations = |t: f64, [z, top, v, top_v]: [f64; 4]| {
         let (s, rate_s) = (top - z - 0.5, top_v - v);
         let spring = rate * s - g * body + stop * ((s - room).max(0.0) - (-room - s).max(0.0));
         let pull = spring + force * (rate_s / knee).tanh();
-        let away = t - 0.325;
+        let away = t - 0.125;
         let bump = if away.abs() < 0.125 { 0.12 * (4.0 * std::f64::consts::PI * away).cos().powi(2) } else { 0.0 };
         [(pull + tyre * (0.3 - z + bump).max(0.0)) / wheel - g, -pull / body - g]
     };

@@ -3,6 +3,7 @@
 use costate::integrators::{Table, tables};
 use costate::prelude::*;
 use costate::scenes::FileScene;
+use costate::sensitivity::Analysis;
 
 /// An aluminium beam of 1 m x 20 mm x 10 mm that falls about a hinge, and what else it says.
 fn falling_beam(more: &str) -> FileScene {
@@ -198,6 +199,17 @@ type = "energy"
 over = "terminal"
 "#;
 
+/// By how much a derivative of a functional differs between designs a rounding apart.
+fn scatter(analysis: &Analysis, x: &[f64], functional: usize, variable: usize) -> f64 {
+    let at = |rounded: fn(f64) -> f64| {
+        let x: Vec<f64> = x.iter().map(|&x| rounded(x)).collect();
+        let forward = analysis.forward(&x).expect("runs");
+        analysis.tangent(&x, &forward).expect("runs").rows[functional][variable]
+    };
+    let [up, here, down] = [at(f64::next_up), at(|x| x), at(f64::next_down)];
+    (up - here).abs().max((down - here).abs()).max((up - down).abs())
+}
+
 #[test]
 fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_of_other_designs() {
     let scene = FileScene::parse("lifted.toml", LIFTED).expect("sound");
@@ -231,7 +243,8 @@ fn steps_move_with_breakpoints_in_adjoint_tangents_and_complex_step_as_in_runs_o
                         ("tangent", tangent[k][i], 1e-12 * conditioned),
                         ("quotient", quotients[k][i], 1e-5),
                     ] {
-                        if (own - exact).abs() > limit * size {
+                        // a last digit of the variables may move a gradient by more: the force at position level by up to 1.5e-11
+                        if (own - exact).abs() > limit * size && (own - exact).abs() > 4.0 * scatter(&analysis, &x, k, i) {
                             failures
                                 .push(format!("{what}: {name} {own}, complex step {exact}, {:.1e}", (own - exact) / size));
                         }

@@ -134,7 +134,7 @@ impl JointVisitor for Entries {
 impl SpringVisitor for Entries {
     fn visit<E: Entry<Law: Element>>(&mut self) {
         // springs and dampers of one name are told apart by their types
-        let path = std::any::type_name::<E::Law>();
+        let path = std::any::type_name::<E>();
         let of_type = path.rsplit("::").next().unwrap_or(path);
         let word = |c: char| if c.is_uppercase() { format!(" {}", c.to_lowercase()) } else { c.into() };
         let name: String = of_type.chars().map(word).collect();
