@@ -1,5 +1,6 @@
 //! Springs and dampers by laws of one's own.
 
+use super::runge_kutta;
 use costate::scenes::{FileScene, Prepared};
 
 /// A mass on a line from the origin along x, at 0.5 m, that a spring holds.
@@ -30,22 +31,9 @@ fn run(text: &str, k: f64) -> [Vec<f64>; 2] {
     [forward.values, gradient.rows.iter().map(|row| row[0]).collect()]
 }
 
-/// x at the end of 2 x'' = -force(x - rest, x', t), by a Runge-Kutta method of its own.
+/// x at the end of 2 x'' = -force(x - rest, x', t).
 fn integrated(rest: f64, force: impl Fn(f64, f64, f64) -> f64) -> f64 {
-    let rate = |[x, v]: [f64; 2], t: f64| [v, -force(x - rest, v, t) / 2.0];
-    let (mut s, h) = ([0.5, 0.0], 1e-4);
-    for step in 0..8000 {
-        let t = f64::from(step) * h;
-        let along = |d: [f64; 2], c: f64| [s[0] + c * d[0], s[1] + c * d[1]];
-        let k1 = rate(s, t);
-        let k2 = rate(along(k1, h / 2.0), t + h / 2.0);
-        let k3 = rate(along(k2, h / 2.0), t + h / 2.0);
-        let k4 = rate(along(k3, h), t + h);
-        for i in 0..2 {
-            s[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-        }
-    }
-    s[0]
+    runge_kutta::integrated([0.5, 0.0], (8000, 1e-4), |t, [x, v]| [v, -force(x - rest, v, t) / 2.0])[0]
 }
 
 #[test]
@@ -124,8 +112,8 @@ fn what_is_wrong_with_a_law_is_told() {
     assert!(told.contains("s is what it depends on, and a name of this file, too"), "{told}");
 }
 
-/// The quarter of a car among the example scenes, by a Runge-Kutta method of its own.
-fn heights_of_the_car() -> f64 {
+/// Where the body of the quarter of a car among the example scenes ends.
+fn height_of_the_car() -> f64 {
     let (rate, force, knee, stop, tyre) = (2.2e4, 900.0, 0.3, 2e5, 1.9e5);
     let (body, wheel, room, g) = (300.0, 40.0, 0.08, 9.81);
     let sag = (body + wheel) * g / tyre;
@@ -141,17 +129,7 @@ fn heights_of_the_car() -> f64 {
         let [a, top_a] = accelerations(t, y);
         [y[2], y[3], a, top_a]
     };
-    let (mut y, h) = ([0.3 - sag, 0.8 - sag, 0.0, 0.0], 1e-5);
-    for step in 0..150_000 {
-        let t = f64::from(step) * h;
-        let along = |k: [f64; 4], c: f64| std::array::from_fn(|i| y[i] + c * k[i]);
-        let k1 = slope(t, y);
-        let k2 = slope(t + h / 2.0, along(k1, h / 2.0));
-        let k3 = slope(t + h / 2.0, along(k2, h / 2.0));
-        let k4 = slope(t + h, along(k3, h));
-        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-    }
-    y[1]
+    runge_kutta::integrated([0.3 - sag, 0.8 - sag, 0.0, 0.0], (150_000, 1e-5), slope)[1]
 }
 
 #[test]
@@ -160,7 +138,7 @@ fn the_quarter_of_a_car_moves_as_its_equations_say() {
     let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
     let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
     let values = prepared.analysis().forward(&prepared.x).unwrap().values;
-    let exact = heights_of_the_car();
+    let exact = height_of_the_car();
     // stops and a tyre that lifts off bend the forces within steps
     assert!((values[1] - exact).abs() < 1e-5, "{} for {exact}", values[1]);
 }

@@ -6,6 +6,7 @@ mod laws;
 mod meshes;
 mod mutations;
 mod own_parts;
+mod runge_kutta;
 mod signals;
 mod wrong_files;
 mod wrong_meshes;

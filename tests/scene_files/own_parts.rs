@@ -1,5 +1,6 @@
 //! Joints, springs and functionals of one's own in scene files: by their entries alone.
 
+use super::runge_kutta;
 use costate::elements::entries::{BETWEEN, Entry, Example, ExampleValue, Given, Key, Range, Type, need};
 use costate::elements::{Constraint, Element, Frame, NodeKind, Parameter, State};
 use costate::functionals::Quantity;
@@ -142,21 +143,10 @@ fn values(joint: &str, x: f64) -> Vec<f64> {
 fn a_joint_of_ones_own_is_used_by_its_name() {
     let joint = "type = \"parabolic_wire\"\ncurvature = \"k\"";
     let [low, mid, high] = [0.8 - 1e-4, 0.8, 0.8 + 1e-4].map(|x| values(joint, x)[0]);
-    // along the wire: (1 + k^2 x^2) x'' + k^2 x x'^2 + g k x = 0, by a Runge-Kutta method of its own
+    // along the wire: (1 + k^2 x^2) x'' + k^2 x x'^2 + g k x = 0
     let slide = |k: f64| {
-        let rate = |[x, v]: [f64; 2]| [v, -(k * k * x * v * v + 9.81 * k * x) / (1.0 + k * k * x * x)];
-        let (mut s, h) = ([0.5, 0.0], 1e-4);
-        for _ in 0..4000 {
-            let along = |d: [f64; 2], c: f64| [s[0] + c * d[0], s[1] + c * d[1]];
-            let k1 = rate(s);
-            let k2 = rate(along(k1, h / 2.0));
-            let k3 = rate(along(k2, h / 2.0));
-            let k4 = rate(along(k3, h));
-            for i in 0..2 {
-                s[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-            }
-        }
-        s[0]
+        let slope = |_, [x, v]: [f64; 2]| [v, -(k * k * x * v * v + 9.81 * k * x) / (1.0 + k * k * x * x)];
+        runge_kutta::integrated([0.5, 0.0], (4000, 1e-4), slope)[0]
     };
     assert!((mid - slide(0.8)).abs() < 1e-7, "{mid} for {}", slide(0.8));
     let scene = FileScene::parse_with("own.toml", &text(joint), &parts()).unwrap();
@@ -214,21 +204,10 @@ fn a_spring_and_a_functional_of_ones_own_are_used_by_their_names() {
     let analysis = prepared.analysis();
     let at = |k3: f64| analysis.forward(&[k3]).unwrap();
     let forward = at(40.0);
-    // the energy along x'' = -(3 x + k3 x^3) / 2, by a Runge-Kutta method of its own
+    // x'' = -(3 x + k3 x^3) / 2
     let force = |k3: f64| {
-        let rate = |[x, v]: [f64; 2]| [v, -(3.0 * x + k3 * x.powi(3)) / 2.0];
-        let (mut s, h) = ([0.5, 0.0], 1e-4);
-        for _ in 0..8000 {
-            let along = |d: [f64; 2], c: f64| [s[0] + c * d[0], s[1] + c * d[1]];
-            let k1 = rate(s);
-            let k2 = rate(along(k1, h / 2.0));
-            let k3 = rate(along(k2, h / 2.0));
-            let k4 = rate(along(k3, h));
-            for i in 0..2 {
-                s[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-            }
-        }
-        3.0 * s[0] + k3 * s[0].powi(3)
+        let law = |x: f64| 3.0 * x + k3 * x.powi(3);
+        law(runge_kutta::integrated([0.5, 0.0], (8000, 1e-4), |_, [x, v]| [v, -law(x) / 2.0])[0])
     };
     assert!((forward.values[0] - force(40.0)).abs() < 1e-6, "{} for {}", forward.values[0], force(40.0));
     let own = analysis.adjoint(&[40.0], &forward).unwrap().rows[0][0];
