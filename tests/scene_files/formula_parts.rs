@@ -91,6 +91,13 @@ fn energies_and_loads_are_those_of_the_library() {
 }
 
 #[test]
+fn a_choice_that_is_none_of_the_time_has_no_breakpoints() {
+    let force = "a = \"k * max(a.position.z - 0.5, 0) * cos(3 * t) * a.x_axis\"";
+    let own = format!("{HEADER}nodes = {{ a = \"body\" }}\nforce = {{ {force} }}\nbreakpoints = []");
+    assert!(run(&own).iter().all(|own| own.is_finite()));
+}
+
+#[test]
 fn a_force_of_the_velocity_brakes_as_its_equation_says() {
     // quadratic drag without weight: v = v0 / (1 + c v0 t / m)
     let text = "version = 1\n[variable]\nc = { initial = 0.7, bounds = [0, 2] }\n[[point]]\nname = \"ball\"\nposition = [0, 0, 0]\nmass = 0.5\n\

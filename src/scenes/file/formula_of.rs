@@ -26,10 +26,14 @@ impl FormulaOf {
         (FormulaOf { formula: formula.renamed(place), is_vector, breakpoints }, parameters)
     }
 
-    /// Its parameters.
-    pub fn numbers(&self) -> Vec<Parameter> {
-        let count: usize = self.is_vector.iter().map(|&is_vector| if is_vector { 3 } else { 1 }).sum();
-        (0..count).map(|i| Parameter::named(format!("number {i} of the formula"), "-")).collect()
+    /// Number of its parameters.
+    pub fn count(&self) -> usize {
+        self.is_vector.iter().map(|&is_vector| if is_vector { 3 } else { 1 }).sum()
+    }
+
+    /// Its parameters, as part of what is called so.
+    pub fn numbers(&self, of: &str) -> Vec<Parameter> {
+        (1..=self.count()).map(|i| Parameter::named(format!("number {i} of {of}"), "-")).collect()
     }
 
     /// Its value for the arguments.
@@ -60,7 +64,7 @@ impl FormulaOf {
 
 impl TimeFormula for FormulaOf {
     fn parameters(&self) -> Vec<Parameter> {
-        self.numbers()
+        self.numbers("the formula")
     }
     fn value<S: Scalar>(&self, t: S, p: &[S]) -> S {
         self.number(&[t], p)
@@ -72,7 +76,7 @@ impl TimeFormula for FormulaOf {
 
 impl ForceLaw for FormulaOf {
     fn parameters(&self) -> Vec<Parameter> {
-        self.numbers()
+        self.numbers("the formula")
     }
     fn value<S: Scalar>(&self, arguments: [S; 3], p: &[S]) -> S {
         self.number(&arguments, p)

@@ -76,13 +76,14 @@ struct Formulas {
 
 impl Formulas {
     fn parameters(&self) -> Vec<Parameter> {
-        self.all.iter().flat_map(FormulaOf::numbers).collect()
+        let numbered = (1..).zip(&self.all);
+        numbered.flat_map(|(number, own)| own.numbers(&format!("formula {number}"))).collect()
     }
     fn dofs(&self) -> usize {
         self.kinds.iter().map(|kind| kind.dofs()).sum()
     }
     fn value<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> Quantity<S> {
-        let before: usize = self.all[..which].iter().map(|own| own.numbers().len()).sum();
+        let before: usize = self.all[..which].iter().map(FormulaOf::count).sum();
         self.all[which].at(arguments, &p[before..])
     }
     fn number<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> S {
@@ -198,6 +199,8 @@ struct Reading<'f, S> {
     names: Vec<&'f str>,
     nodes: Vec<NodeId>,
     formulas: Formulas,
+    /// Breakpoints are given, and be it none.
+    tells_breakpoints: bool,
     /// Parameters of the formulas.
     p: Vec<S>,
 }
@@ -218,7 +221,8 @@ impl<'f, S: Scalar> Reading<'f, S> {
             kinds.push(kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?);
         }
         let formulas = Formulas { kinds, all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
-        Ok(Reading { known, names, nodes, formulas, p: Vec::new() })
+        let tells_breakpoints = fields.get("breakpoints").is_some();
+        Ok(Reading { known, names, nodes, formulas, tells_breakpoints, p: Vec::new() })
     }
 
     /// Takes a formula, which may depend on rates and on the time or not, and returns its number.
@@ -235,8 +239,8 @@ impl<'f, S: Scalar> Reading<'f, S> {
         if !time && formula.uses(place) {
             return Err(Mistake::new(at, "this cannot depend on the time t; a force can"));
         }
-        if time && formula.chooses_by(place) && self.formulas.breakpoints.is_empty() {
-            let text = "this chooses by abs, min, max or if_less and depends on t; give breakpoints, the times at which it jumps or bends";
+        if time && formula.chooses_by(place) && !self.tells_breakpoints {
+            let text = "this chooses by abs, min, max or if_less and depends on t; give breakpoints, the times at which it jumps or bends, or [] if there are none";
             return Err(Mistake::new(at, text));
         }
         let (own, numbers) = FormulaOf::of(formula, &self.known.names, Vec::new());

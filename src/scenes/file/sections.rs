@@ -191,7 +191,7 @@ const NODES: Key = need("nodes", Type::NamedNodes, "nodes by the names that the 
 const BREAKPOINTS: Key = may(
     "breakpoints",
     Fixeds(0, "s"),
-    "times at which a formula of t jumps or bends: steps end there; needed where one chooses by abs, min, max or if_less; none",
+    "times at which a formula of t jumps or bends: steps end there; needed, if only as [], where one chooses by abs, min, max or if_less; none",
 );
 
 /// Joints that are two constraints, and joints by formulas.
