@@ -276,7 +276,12 @@ impl Case {
 
     /// Soft drives do work of their own.
     pub fn has_energies(&self) -> bool {
-        !matches!(&self.subject, Subject::Soft(joint) if matches!(**joint, Subject::Rotation(_) | Subject::Translation(_)))
+        match &self.subject {
+            Subject::Soft(joint) => !matches!(**joint, Subject::Rotation(_) | Subject::Translation(_)),
+            // for what their forces do at rest no energy is stated
+            Subject::Spring(kind) => !kind.ends_with("_law"),
+            _ => true,
+        }
     }
 
     /// The numbers that the builder takes for the beam, if they are what is varied.
