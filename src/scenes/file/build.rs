@@ -14,6 +14,7 @@ use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
 use crate::elements::flexible::Material;
 use crate::elements::forces::{DAMPERS, LoadFrame};
+use crate::elements::joints::DRIVERS;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Torque};
 
@@ -49,7 +50,11 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
-        "joint" | "driver" => match known.own.joint_named(fields.form) {
+        "driver" => match named(DRIVERS, fields.form) {
+            Some(part) => joint(known, part, name, fields, m),
+            None => Err(Mistake::new(fields.at, format!("nothing builds a driver of type {}", fields.form))),
+        },
+        "joint" => match known.own.joint_named(fields.form) {
             Some(part) => joint(known, part, name, fields, m),
             None if fields.form == "formula" => formula_parts::joint(known, name, fields, m),
             None => rolling(known, name, fields, m),

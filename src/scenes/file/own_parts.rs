@@ -1,8 +1,9 @@
 use super::reader::all_forms;
 use super::sections::SECTIONS;
+use crate::design::repeated;
 use crate::elements::entries::{Entry, Form, JointPart, Kind, Part, SpringPart};
 use crate::elements::forces::SPRINGS;
-use crate::elements::joints;
+use crate::elements::joints::JOINTS;
 use crate::elements::{Constraint, Element};
 use crate::functionals::quantities::QUANTITIES;
 use crate::functionals::{Quantity, QuantityPart};
@@ -61,9 +62,7 @@ impl OwnParts {
     pub(crate) fn check(&self) -> Result<(), String> {
         for section in SECTIONS {
             let forms = all_forms(&section.forms, self);
-            let is_twice = |place: &usize| forms[..*place].iter().any(|own| own.name == forms[*place].name);
-            if let Some(place) = (0..forms.len()).find(is_twice) {
-                let name = forms[place].name;
+            if let Some(name) = repeated(forms.iter().map(|form| form.name)) {
                 return Err(format!("two parts of the section [[{}]] are named \"{name}\"", section.name));
             }
         }
@@ -71,7 +70,7 @@ impl OwnParts {
     }
 
     pub(super) fn joint_named(&self, name: &str) -> Option<&JointPart> {
-        joints::named(name).or_else(|| named(&self.joints, name))
+        named(JOINTS, name).or_else(|| named(&self.joints, name))
     }
     pub(super) fn spring_named(&self, name: &str) -> Option<&SpringPart> {
         named(SPRINGS, name).or_else(|| named(&self.springs, name))
