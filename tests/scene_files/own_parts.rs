@@ -159,6 +159,31 @@ fn a_joint_of_ones_own_is_used_by_its_name() {
     assert!((own - quotient).abs() < 1e-6 * quotient.abs(), "{own} for {quotient}");
 }
 
+/// The wire by the name of a driver of the library, which stands in another section.
+struct NamedLikeADriver;
+
+impl Entry for NamedLikeADriver {
+    type Law = Wire;
+    const NAME: &'static str = "rotation";
+    const DOC: &'static str = Wire::DOC;
+    const KEYS: &'static [Key] = Wire::KEYS;
+    const EXAMPLE: Example = Wire::EXAMPLE;
+
+    fn make<S: Scalar>(given: &mut Given<S>) -> (Wire, Vec<S>) {
+        Wire::make(given)
+    }
+}
+
+#[test]
+fn a_joint_by_the_name_of_a_driver_is_itself() {
+    let own = OwnParts::default().joint::<NamedLikeADriver>();
+    let text = text("type = \"rotation\"\ncurvature = \"k\"");
+    let scene = FileScene::parse_with("own.toml", &text, &own).unwrap_or_else(|why| panic!("{why}"));
+    let prepared = Prepared::new(&scene).unwrap_or_else(|why| panic!("{why}"));
+    let value = prepared.analysis().forward(&[0.8]).unwrap().values;
+    assert_eq!(value, values("type = \"parabolic_wire\"\ncurvature = \"k\"", 0.8));
+}
+
 #[test]
 fn it_is_soft_by_the_same_keys() {
     let [rigid, soft] = ["", "stiffness = [1e7, 1e7]\ndamping = [1e3, 1e3]"]
