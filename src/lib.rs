@@ -79,6 +79,7 @@ pub mod prelude {
     pub use crate::elements::flexible::section::Shape;
     pub use crate::elements::flexible::{CableSection, Laminate, Material, Ply, Section};
     pub use crate::elements::forces::LoadFrame;
+    pub use crate::elements::joints::Freedom;
     pub use crate::elements::{
         Admissible, Constraint, Element, NodeKind, NonholonomicConstraint, Parameter, State, TimeFormula, TimeFunction,
     };

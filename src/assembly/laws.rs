@@ -37,7 +37,12 @@ impl Model {
         Laws {
             nodes: self.nodes.iter().map(|node| Digest::of(&(node.kind, node.fixed))).collect(),
             elements: self.elements.iter().map(|own| law(own, of_element(&own.physics))).collect(),
-            constraints: self.constraints.iter().map(|own| law(own, of_constraint(&own.physics))).collect(),
+            constraints: self
+                .constraints
+                .iter()
+                .chain(&self.holds)
+                .map(|own| law(own, of_constraint(&own.physics)))
+                .collect(),
             parameters: self.parameters,
         }
     }
@@ -52,7 +57,11 @@ impl Laws {
         if let Some(node) = first(&self.nodes, &other.nodes) {
             return Some(format!("the kind of node \"{}\"", model.nodes[node].name));
         }
-        let parts = model.elements.iter().map(|own| &own.name).chain(model.constraints.iter().map(|own| &own.name));
+        let parts = model
+            .elements
+            .iter()
+            .map(|own| &own.name)
+            .chain(model.constraints.iter().chain(&model.holds).map(|own| &own.name));
         let [own, others_laws] = [self, other].map(|laws| [&laws.elements[..], &laws.constraints].concat());
         match (first(&own, &others_laws), counts == others && self.parameters == other.parameters) {
             (Some(place), true) => {

@@ -27,6 +27,7 @@ pub struct ElementId(pub(crate) usize, pub(crate) ModelIdentity);
 pub struct ConstraintId(pub(crate) usize, pub(crate) ModelIdentity);
 
 /// A set of coordinates with a name.
+#[derive(Clone)]
 pub struct Node {
     /// Name for messages and output.
     pub name: String,
@@ -39,6 +40,7 @@ pub struct Node {
 }
 
 /// An element or constraint with its name, nodes and parameters.
+#[derive(Clone)]
 pub struct Attached<P> {
     /// Name for messages and output.
     pub name: String,
@@ -53,7 +55,9 @@ pub struct Attached<P> {
 }
 
 /// The topology of a mechanism: nodes, elements and constraints, without any physical number.
-#[derive(Default)]
+///
+/// A clone is the same model: what belongs to one belongs to the other.
+#[derive(Clone, Default)]
 pub struct Model {
     /// Nodes, in the order of their coordinates.
     pub nodes: Vec<Node>,
@@ -61,6 +65,8 @@ pub struct Model {
     pub elements: Vec<Attached<ElementPhysics>>,
     /// Joints and drivers.
     pub constraints: Vec<Attached<ConstraintPhysics>>,
+    /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by [`Model::at_rest`].
+    pub holds: Vec<Attached<ConstraintPhysics>>,
     /// Length of q.
     pub dofs: usize,
     /// Length of mu.
@@ -184,6 +190,24 @@ impl Model {
         self.equations = equations.end;
         self.constraints.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations, physics });
         ConstraintId(self.constraints.len() - 1, self.identity)
+    }
+
+    /// Adds what holds parts in the equilibrium at the start; the caller has checked the number of coordinates.
+    pub(crate) fn add_hold(&mut self, name: &str, nodes: &[NodeId], physics: Box<dyn AnyConstraint>) {
+        let physics = ConstraintPhysics::new(physics);
+        let parameters = self.add_parameters(physics.parameter_count());
+        self.holds.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
+    }
+
+    /// The same model with what holds parts at the start as constraints, behind the others.
+    pub fn at_rest(&self) -> Model {
+        let mut model = self.clone();
+        for mut hold in std::mem::take(&mut model.holds) {
+            hold.equations = model.equations..model.equations + hold.physics.equation_count();
+            model.equations = hold.equations.end;
+            model.constraints.push(hold);
+        }
+        model
     }
 
     /// A node.

@@ -72,7 +72,7 @@ pub struct SceneOptions {
     /// Project an inconsistent start onto the constraints instead of refusing it
     #[arg(long)]
     project_start: bool,
-    /// End with an error where the last equilibrium of --method static is unstable, or not known to be stable
+    /// End with an error where the last equilibrium of --method static, or that at which the motion begins, is unstable, or not known to be stable
     #[arg(long)]
     stable: bool,
     /// Print one JSON object with all figures on the last line of stdout

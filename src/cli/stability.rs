@@ -18,7 +18,11 @@ pub enum Statement {
 /// What is said of the last equilibrium of a run.
 pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
     let StabilityCourse { end: Stability { negative, determinant, .. }, lost } = forward.stability?;
-    let load = forward.grid.times[forward.grid.steps()];
+    let is_start = prepared.plan.equilibrium.is_some();
+    let which = match is_start {
+        true => "the equilibrium at which the motion begins".to_string(),
+        false => format!("the equilibrium at the load factor {}", forward.grid.times[forward.grid.steps()]),
+    };
     let lost = lost.map(|([from, to], step)| {
         let [from, to] = [from, to].map(number);
         format!("the path lost its stability between the load factors {from} and {to} (step {step})")
@@ -26,9 +30,9 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
     let verdict = forward.stability.map(|course| course.end.verdict());
     Some(match verdict? {
         Verdict::Stable => {
-            let mut words = format!("the equilibrium at the load factor {load} is stable");
+            let mut words = format!("{which} is stable");
             if determinant.is_some() {
-                words += " against divergence (its loads follow the motion: `modes --static` tells whether it flutters)";
+                words += " against divergence (its loads follow the motion: `modes` tells whether it flutters, with --static at the end of load steps)";
             }
             if let Some(lost) = lost {
                 words += &format!("; but {lost}, and what follows a snap depends on the motion");
@@ -42,17 +46,19 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
             };
             let lost = lost.map_or_else(String::new, |lost| format!("; {lost}"));
             Statement::Warning(format!(
-                "the equilibrium at the load factor {load} is UNSTABLE ({directions}): no structure stays there, and functionals and gradients \
-                 are those of a state that cannot last{lost}; {}",
+                "{which} is UNSTABLE ({directions}): no structure stays there, and functionals and gradients are those of a {} that cannot \
+                 last{lost}; {}",
+                if is_start { "motion from a state" } else { "state" },
                 way(prepared)
             ))
         }
         Verdict::Undecided => Statement::Warning(format!(
-            "whether the equilibrium at the load factor {load} is stable is not known: {}; `modes --static` tells more",
+            "whether {which} is stable is not known: {}; `modes{}` tells more",
             match determinant {
                 None => "a direction has no stiffness but for round-off",
                 Some(_) => "loads follow the motion, and signs of the stiffness do not decide",
-            }
+            },
+            if is_start { "" } else { " --static" }
         )),
     })
 }
@@ -60,8 +66,9 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
 /// How a stable equilibrium is found.
 fn way(prepared: &Prepared) -> String {
     let shorter = match prepared.control {
-        // these look for the stable branch already
+        // these look for the stable branch already, as does a start
         Some(_) => String::new(),
+        None if prepared.plan.equilibrium.is_some() => String::new(),
         None => format!(
             "let load steps be chosen (--tolerance 1e-6: those that lose stability are shortened) or take more (--steps above {}); ",
             prepared.grid.steps()

@@ -597,8 +597,12 @@ pub fn motion_derivatives(graph: &mut Graph, outputs: &[Node], [a, v, q]: [&[Nod
     [outputs.to_vec(), first, second]
 }
 
-/// A constraint of a model with its recording, made when it is first asked for.
-pub struct ConstraintPhysics {
+/// A constraint of a model with its recording, made when it is first asked for, and once for all clones.
+#[derive(Clone)]
+pub struct ConstraintPhysics(Arc<ConstraintRecording>);
+
+/// A constraint and what was recorded of it.
+struct ConstraintRecording {
     own: Box<dyn AnyConstraint>,
     dofs: usize,
     equations: usize,
@@ -611,55 +615,56 @@ pub struct ConstraintPhysics {
 impl ConstraintPhysics {
     /// Whether it drives a motion.
     pub fn is_driver(&self) -> bool {
-        self.own.is_driver()
+        self.0.own.is_driver()
     }
 
     /// A constraint, recorded when that is first asked for.
     pub fn new(own: Box<dyn AnyConstraint>) -> Self {
         let (dofs, equations, list) = (dofs_of(&own.node_kinds()), own.equation_count(), own.parameter_list());
         let lengths = (0..list.len()).filter(|&place| list[place].unit == "m").collect();
-        ConstraintPhysics { own, dofs, equations, parameters: list.len(), lengths, formula: OnceLock::new() }
+        let (parameters, formula) = (list.len(), OnceLock::new());
+        ConstraintPhysics(Arc::new(ConstraintRecording { own, dofs, equations, parameters, lengths, formula }))
     }
 
     /// Path of its type.
     pub fn type_name(&self) -> &'static str {
-        self.own.type_name()
+        self.0.own.type_name()
     }
     /// Number of coordinates.
     pub fn dof_count(&self) -> usize {
-        self.dofs
+        self.0.dofs
     }
     /// Number of equations.
     pub fn equation_count(&self) -> usize {
-        self.equations
+        self.0.equations
     }
     /// Number of parameters.
     pub fn parameter_count(&self) -> usize {
-        self.parameters
+        self.0.parameters
     }
     /// Which of its parameters are lengths \[m\].
     pub(crate) fn lengths(&self) -> &[usize] {
-        &self.lengths
+        &self.0.lengths
     }
     /// Whether it restricts velocities only.
     pub fn is_nonholonomic(&self) -> bool {
-        self.own.is_nonholonomic()
+        self.0.own.is_nonholonomic()
     }
     /// Its parameters.
     pub fn parameter_list(&self) -> Vec<Parameter> {
-        self.own.parameter_list()
+        self.0.own.parameter_list()
     }
     /// Times at which the prescribed motion is not smooth.
     pub fn breakpoint_times(&self, p: &[f64]) -> Vec<f64> {
-        self.own.breakpoint_times(p)
+        self.0.own.breakpoint_times(p)
     }
     /// The same times in recorded numbers.
     pub(crate) fn recorded_breakpoints(&self, p: &[Recorded]) -> Vec<Recorded> {
-        self.own.recorded_breakpoints(p)
+        self.0.own.recorded_breakpoints(p)
     }
     /// Why its formula cannot be used, if so.
     pub fn refused(&self) -> Option<&str> {
-        self.formula.get_or_init(|| record(&*self.own)).as_ref().err().map(String::as_str)
+        self.0.formula.get_or_init(|| record(&*self.0.own)).as_ref().err().map(String::as_str)
     }
     /// What it does: its formula, or why it has none.
     pub(crate) fn law(&self) -> Digest {
@@ -667,17 +672,17 @@ impl ConstraintPhysics {
     }
     /// g or h of (v, q, p, t).
     pub fn formula(&self) -> &Arc<Formula> {
-        checked(self.formula.get_or_init(|| record(&*self.own)))
+        checked(self.0.formula.get_or_init(|| record(&*self.0.own)))
     }
 
     /// g with its first and second derivative along the motion; (0, h, dh/dt) for a nonholonomic constraint.
     pub fn motion<S: RunScalar>(&self, s: State<S>, p: &[S], t: S) -> Vec<[S; 3]> {
-        let (n, m) = (self.dofs, self.parameters);
+        let (n, m) = (self.0.dofs, self.0.parameters);
         let program = self.formula().dense_program((ProgramKind::Motion, Codes::new()), n, |graph, x, outputs| {
             let (v, q, t, a) = (&x[..n], &x[n..2 * n], x[2 * n + m], &x[2 * n + m + 1..]);
             motion_derivatives(graph, outputs, [a, v, q], t).into_iter().flatten().collect()
         });
-        let count = self.equations;
+        let count = self.0.equations;
         let mut work = FormulaWork::default();
         let outputs = work.run(&program, s.v.iter().chain(s.q).chain(p).chain([&t]).chain(s.a).copied());
         let own = |row: usize| match self.is_nonholonomic() {
@@ -694,17 +699,17 @@ impl ConstraintPhysics {
 
     /// [`Self::value`] in a workspace.
     pub fn value_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
-        let zeros = std::iter::repeat_n(S::zero(), self.dofs);
+        let zeros = std::iter::repeat_n(S::zero(), self.0.dofs);
         work.run(self.formula().values(), zeros.chain(q.iter().chain(p).copied()).chain([t]))
     }
 
     /// Whether its reactions do no work on any motion that it allows: g(q, p) without time.
     pub fn is_scleronomic(&self) -> bool {
         let mut is_steady = !self.is_nonholonomic();
-        let (n, m) = (self.dofs, self.parameters);
-        let recorded = Formula::record(of_constraint(&*self.own), |x| {
+        let (n, m) = (self.0.dofs, self.0.parameters);
+        let recorded = Formula::record(of_constraint(&*self.0.own), |x| {
             let [v, q, p, t] = arguments(x, [n, n, m, 1]);
-            let equations = self.own.evaluate([v, q, p], t[0]);
+            let equations = self.0.own.evaluate([v, q, p], t[0]);
             is_steady &= is_steady_in(&equations, t[0]);
             equations
         });
@@ -713,10 +718,10 @@ impl ConstraintPhysics {
 
     /// d(A^T mu)/dt and dg/dt at a fixed state.
     pub fn time_rates(&self, q: &[f64], mu: &[f64], p: &[f64], t: f64) -> (Vec<f64>, Vec<f64>) {
-        let (n, m) = (self.dofs, self.parameters);
+        let (n, m) = (self.0.dofs, self.0.parameters);
         let towards = if self.is_nonholonomic() { 0 } else { n };
         let program =
-            self.formula().dense_program((ProgramKind::TimeRates, Codes::new()), self.equations, |graph, x, outputs| {
+            self.formula().dense_program((ProgramKind::TimeRates, Codes::new()), self.0.equations, |graph, x, outputs| {
                 let one = graph.constant(1.0);
                 let reaction = graph.reverse(outputs, &x[2 * n + m + 1..], &x[towards..towards + n]);
                 let all: Vec<Node> = reaction.iter().chain(outputs).copied().collect();
@@ -724,7 +729,7 @@ impl ConstraintPhysics {
             });
         let zeros = vec![0.0; n];
         let inputs: Vec<f64> = zeros.iter().chain(q).chain(p).chain([&t]).chain(mu).copied().collect();
-        let mut outputs = vec![0.0; n + self.equations];
+        let mut outputs = vec![0.0; n + self.0.equations];
         program.run(&inputs, &mut outputs, &mut ProgramWork::default());
         let gaps = outputs.split_off(n);
         (outputs, gaps)
@@ -742,14 +747,14 @@ impl ConstraintPhysics {
         mu: &[S],
         work: &'w mut FormulaWork<S>,
     ) -> &'w [S] {
-        let zeros = std::iter::repeat_n(S::zero(), self.dofs);
+        let zeros = std::iter::repeat_n(S::zero(), self.0.dofs);
         work.run(&self.reaction_program(), zeros.chain(q.iter().chain(p).copied()).chain([t]).chain(mu.iter().copied()))
     }
 
     fn reaction_program(&self) -> Arc<Program> {
-        let (n, first) = (self.dofs, 2 * self.dofs + self.parameters + 1);
+        let (n, first) = (self.0.dofs, 2 * self.0.dofs + self.0.parameters + 1);
         let towards = if self.is_nonholonomic() { 0 } else { n };
-        self.formula().dense_program((ProgramKind::Reaction, Codes::new()), self.equations, |graph, x, outputs| {
+        self.formula().dense_program((ProgramKind::Reaction, Codes::new()), self.0.equations, |graph, x, outputs| {
             graph.reverse(outputs, &x[first..], &x[towards..towards + n])
         })
     }
@@ -761,7 +766,7 @@ impl ConstraintPhysics {
 
     /// [`Self::rows`] in a workspace.
     pub fn rows_in<'w, S: RunScalar>(&self, q: &[S], p: &[S], t: S, work: &'w mut FormulaWork<S>) -> &'w [S] {
-        let (n, towards) = (self.dofs, if self.is_nonholonomic() { 0 } else { self.dofs });
+        let (n, towards) = (self.0.dofs, if self.is_nonholonomic() { 0 } else { self.0.dofs });
         let program = self.formula().dense_program((ProgramKind::Rows, Codes::new()), 0, |graph, x, outputs| {
             let one = graph.constant(1.0);
             outputs.iter().flat_map(|&output| graph.reverse(&[output], &[one], &x[towards..towards + n])).collect()
@@ -772,7 +777,7 @@ impl ConstraintPhysics {
 
     /// Gradient of lambda . A^T mu towards q, then towards all parameters.
     pub fn reaction_gradient(&self, (q, p, t): (&[f64], &[f64], f64), mu: &[f64], lambda: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (n, m, count) = (self.dofs, self.parameters, self.equations);
+        let (n, m, count) = (self.0.dofs, self.0.parameters, self.0.equations);
         let first = 2 * n + m + 1;
         let towards = if self.is_nonholonomic() { 0 } else { n };
         let program =
@@ -791,7 +796,7 @@ impl ConstraintPhysics {
     /// Whether the reaction on one node depends on the coordinates of no other, for the numbers of coordinates of its nodes: read off the
     /// recording.
     pub fn is_separable(&self, nodes: &[usize]) -> bool {
-        let (n, first) = (self.dofs, 2 * self.dofs + self.parameters + 1);
+        let (n, first) = (self.0.dofs, 2 * self.0.dofs + self.0.parameters + 1);
         if self.is_nonholonomic() {
             return false;
         }
@@ -811,7 +816,7 @@ impl ConstraintPhysics {
 
     /// A^T mu in recorded numbers (v, q, mu, p) and t.
     pub(crate) fn recorded_reaction(&self, [v, q, mu, p]: [&[Recorded]; 4], t: Recorded) -> Vec<Recorded> {
-        let equations = self.own.evaluate([v, q, p], t);
+        let equations = self.0.own.evaluate([v, q, p], t);
         gradient_of(&equations, mu, if self.is_nonholonomic() { v } else { q })
     }
 }

@@ -489,7 +489,8 @@ mod tests {
         let base = VectorsAvq { a: vec![0.0], v: vec![1.0], q: vec![2.0] };
         let unknowns = Unknowns { x: vec![-9.81], ..Unknowns::default() };
         let acceleration = SolveRecord { t: 0.0, equations: Equations::acceleration(), base, unknowns };
-        StartRecord { dropped: Vec::new(), position_projection: None, velocity_projection: None, acceleration }
+        let (equilibrium, position_projection, velocity_projection) = (None, None, None);
+        StartRecord { dropped: Vec::new(), equilibrium, position_projection, velocity_projection, acceleration }
     }
 
     fn step(index: usize) -> StepRecord<f64> {

@@ -159,7 +159,7 @@ flat! {
     SolveRecord<f64> { t, equations, base, unknowns }
     StageRecord<f64> { solve, known, rate }
     StepRecord<f64> { t, h, scheme, dropped, restart, stages, position_projection, velocity_projection, q, v }
-    StartRecord<f64> { dropped, position_projection, velocity_projection, acceleration }
+    StartRecord<f64> { dropped, equilibrium, position_projection, velocity_projection, acceleration }
     Track<f64> { times, differences, used }
     Prediction<f64> { tracks }
     StepState<f64> { step, scheme, dropped, chosen_anew, carried, rate, last, prediction, allowed }

@@ -98,6 +98,8 @@ impl<S: Scalar> StepRecord<S> {
 pub struct StartRecord<S> {
     /// Redundant constraint equations that are left out.
     pub dropped: Vec<usize>,
+    /// The equilibrium at the start, if asked for: its unknowns lead there from the given coordinates.
+    pub equilibrium: Option<SolveRecord<S>>,
     /// Projection of the given coordinates, if asked for.
     pub position_projection: Option<SolveRecord<S>>,
     /// Projection of the given velocities, if asked for.

@@ -29,6 +29,8 @@ pub struct ConstraintPolicy {
     pub project_start: bool,
     /// Leave out constraint equations that depend on others instead of refusing them.
     pub drop_redundant: bool,
+    /// Start from the equilibrium under the loads of the start, near the given coordinates (differentiated): a motion alone.
+    pub from_equilibrium: bool,
 }
 
 /// Decisions made once, for the real numbers, and used by every run of the scene.
@@ -40,6 +42,8 @@ pub struct StartPlan {
     pub choose_again: bool,
     /// Project the start.
     pub project: bool,
+    /// Begin at an equilibrium, without these equations of the [model at rest](Model::at_rest), which depend on the others.
+    pub equilibrium: Option<Vec<usize>>,
 }
 
 /// Violation of a constraint beyond which a start is inconsistent, relative to the size of the coordinates or rates.
@@ -53,7 +57,12 @@ impl StartPlan {
     pub fn prepare(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> Result<StartPlan, RunError> {
         examine(problem, table, policy)?;
         let dropped = find_dependent(problem, table, policy)?;
-        Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start })
+        let equilibrium = policy.from_equilibrium.then(|| {
+            let (model, Problem { p, start, .. }) = (problem.model.at_rest(), problem.clone());
+            let (q, v) = (start.q.clone(), vec![0.0; start.v.len()]);
+            dependent_equations(&Problem { model: &model, p, start }, (&q, &v), 0.0, None)
+        });
+        Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start, equilibrium })
     }
 
     /// Examines the start of another design in the same way, but for the rank of its constraints.
@@ -61,7 +70,14 @@ impl StartPlan {
     /// # Errors
     /// As for [`StartPlan::prepare`].
     pub fn check(&self, problem: &Problem<f64>, table: &Table) -> Result<(), RunError> {
-        examine(problem, table, ConstraintPolicy { project_start: self.project, drop_redundant: self.choose_again })
+        examine(problem, table, self.policy())
+    }
+
+    /// What it was made by.
+    pub(super) fn policy(&self) -> ConstraintPolicy {
+        let (project_start, drop_redundant, from_equilibrium) =
+            (self.project, self.choose_again, self.equilibrium.is_some());
+        ConstraintPolicy { project_start, drop_redundant, from_equilibrium }
     }
 }
 
@@ -75,6 +91,9 @@ fn examine(problem: &Problem<f64>, table: &Table, policy: ConstraintPolicy) -> R
     check_euler_parameters(problem, policy)?;
     if table.is_static() {
         check_stillness(problem)?;
+    }
+    if policy.from_equilibrium {
+        check_equilibrium(model, table)?;
     }
     if table.variational.is_some() {
         check_lagrangian(model, &table.name)?;
@@ -176,6 +195,13 @@ fn check_nodes(model: &Model) -> Result<(), RunError> {
     Ok(())
 }
 
+/// The velocities that a motion has at the equilibrium where it begins: they were given for other coordinates.
+pub(super) fn check_velocities(problem: &Problem<f64>, table: &Table) -> Result<(), RunError> {
+    let policy = ConstraintPolicy::default();
+    let checked = check_euler_parameters(problem, policy).and_then(|()| check_consistency(problem, table, policy));
+    checked.map_err(|why| RunError::Input(format!("at the equilibrium where the motion begins: {why}")))
+}
+
 fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> Result<(), RunError> {
     for node in problem.model.nodes.iter().filter(|node| node.kind == NodeKind::Body && !policy.project_start) {
         let own = |x: &[f64]| Quaternion::from_slice(&x[node.dofs.start + 3..]);
@@ -215,16 +241,31 @@ fn check_euler_parameters(problem: &Problem<f64>, policy: ConstraintPolicy) -> R
     Ok(())
 }
 
+/// Whether a motion can begin at an equilibrium.
+fn check_equilibrium(model: &Model, table: &Table) -> Result<(), RunError> {
+    if table.is_static() {
+        let text =
+            "a start from equilibrium is one of a motion: statics find equilibria themselves; leave one of the two out";
+        return Err(RunError::Input(text.into()));
+    }
+    check_holonomic(model, "start it from given coordinates")
+}
+
+/// Constraints on velocities alone leave equilibria undetermined.
+fn check_holonomic(model: &Model, instead: &str) -> Result<(), RunError> {
+    match model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
+        Some(joint) => Err(RunError::Input(format!(
+            "joint \"{}\" restricts velocities, not positions: it has no equilibrium of its own; remove it or {instead}",
+            joint.name
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Nothing moves: no initial velocity, and no constraint on velocities alone.
 pub(super) fn check_stillness(problem: &Problem<f64>) -> Result<(), RunError> {
     let model = problem.model;
-    if let Some(joint) = model.constraints.iter().find(|joint| joint.physics.is_nonholonomic()) {
-        return Err(RunError::Input(format!(
-            "joint \"{}\" restricts velocities, not positions: it has no equilibrium of its own; \
-             remove it or simulate the motion instead of the statics",
-            joint.name
-        )));
-    }
+    check_holonomic(model, "simulate the motion instead of the statics")?;
     if let Some(dof) = problem.start.v.iter().position(|&v| v != 0.0) {
         return Err(RunError::Input(format!(
             "initial velocity of {} is {}: in statics nothing moves; set it to 0 or simulate the motion instead of the statics",
@@ -249,7 +290,7 @@ fn check_consistency(problem: &Problem<f64>, table: &Table, policy: ConstraintPo
         for (row, [value, rate, _]) in g.iter().enumerate() {
             if !(value.abs() <= INCONSISTENT * length) {
                 messages.push(format!("joint \"{}\", constraint {}: g = {:.6e}", joint.name, row + 1, value));
-            } else if !table.is_static() && !(rate.abs() <= INCONSISTENT * speed) {
+            } else if !table.is_static() && !policy.from_equilibrium && !(rate.abs() <= INCONSISTENT * speed) {
                 messages.push(format!("joint \"{}\", constraint {}: dg/dt = {:.6e}", joint.name, row + 1, rate));
             }
         }

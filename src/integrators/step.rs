@@ -8,6 +8,8 @@ use super::newton::{Newton, NewtonTolerance};
 use super::record::{SolveRecord, StageRecord, StartRecord, StepRecord};
 use super::redundancy::{KEPT, Watch, dependent_equations, violated};
 use super::resolution::{Measures, Resolution, StepErrors, is_smooth};
+use super::resting_start::RestingStart;
+use super::start::check_velocities;
 use super::{
     Carried, ConstraintLevel, InitialState, Pace, Pause, Prediction, RunError, Scheme, Stability, StabilityCourse,
     StartPlan, Systems, Table, TimeGrid, Verdict,
@@ -90,7 +92,7 @@ pub(super) enum InitialGuess<'g> {
 }
 
 impl<'g> InitialGuess<'g> {
-    fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
+    pub(super) fn guided(record: Option<&'g SolveRecord<f64>>) -> Self {
         record.map_or(InitialGuess::Zero, |record| InitialGuess::Solved(&record.unknowns))
     }
 }
@@ -105,7 +107,7 @@ struct StepStart {
 }
 
 /// Solves the system of a record, whose time, equations and base are given, and keeps there what the adjoint needs.
-fn solve<S: RunScalar>(
+pub(super) fn solve<S: RunScalar>(
     newton: &mut Newton<S>,
     record: &mut SolveRecord<S>,
     first: InitialGuess,
@@ -271,6 +273,10 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let InitialState { mut q, mut v } = self.problem.start.clone();
         let mut start_projections = [None, None];
         let is_static = self.method.table.is_static();
+        let equilibrium = match &plan.equilibrium {
+            Some(dropped) => Some(self.come_to_rest(dropped, t, &mut q, guide)?),
+            None => None,
+        };
         // a large solver before the next one is used
         let give_back =
             |newton: &mut Newton<'m, S>| newton.release().map_err(|singular| RunError::of_pattern("start", singular));
@@ -278,19 +284,27 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             let place = || "projection of the start (t = 0 s)".to_string();
             let zeros = || vec![S::zero(); model.dofs];
             let p = &self.problem.p;
-            let [mut first, mut second] = [SolveRecord::empty(), SolveRecord::empty()];
-            first.equations = Equations::initial_position_projection();
-            first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
-            let from = start_of(|start| start.position_projection.as_ref());
-            solve(&mut self.start, &mut first, from, p, &place)?;
-            add_scaled(&mut q, &first.unknowns.x, 1.0);
+            let mut first = None;
+            // the joints of an equilibrium are closed
+            if equilibrium.is_none() {
+                let first = first.insert(SolveRecord::empty());
+                first.equations = Equations::initial_position_projection();
+                first.base = VectorsAvq { a: zeros(), v: zeros(), q: q.clone() };
+                let from = start_of(|start| start.position_projection.as_ref());
+                solve(&mut self.start, first, from, p, &place)?;
+                add_scaled(&mut q, &first.unknowns.x, 1.0);
+            }
+            let mut second = SolveRecord::empty();
             second.equations = Equations::initial_velocity_projection();
             second.base = VectorsAvq { a: zeros(), v: v.clone(), q: q.clone() };
             let from = start_of(|start| start.velocity_projection.as_ref());
             solve(&mut self.start, &mut second, from, p, &place)?;
             add_scaled(&mut v, &second.unknowns.x, 1.0);
-            start_projections = [Some(first), Some(second)];
+            start_projections = [first, Some(second)];
             give_back(&mut self.start)?;
+        }
+        if equilibrium.is_some() && guide.is_none() {
+            self.check_velocities(&q, &v)?;
         }
         self.clock = clock_at(&self.clocks, 0);
         if let Some(clock) = self.clock {
@@ -335,7 +349,31 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             self.between.last.mu = guessed;
         }
         let [position_projection, velocity_projection] = start_projections;
-        Ok(StartRecord { dropped: plan.dropped.clone(), position_projection, velocity_projection, acceleration: first })
+        let dropped = plan.dropped.clone();
+        Ok(StartRecord { dropped, equilibrium, position_projection, velocity_projection, acceleration: first })
+    }
+
+    /// Moves coordinates to the equilibrium near them.
+    fn come_to_rest(
+        &mut self,
+        dropped: &[usize],
+        t: f64,
+        q: &mut Vec<S>,
+        guide: Option<&StartRecord<f64>>,
+    ) -> Result<SolveRecord<S>, RunError> {
+        let guide = guide.and_then(|start| start.equilibrium.as_ref());
+        let RestingStart { record, stability, counters } = RestingStart::find(self.problem, self.method, dropped, t, guide)?;
+        self.earlier += counters;
+        self.resolution.errors.stability = stability.map(|end| StabilityCourse { end, lost: None });
+        *q = record.point().q;
+        Ok(record)
+    }
+
+    /// Velocities were given for other coordinates than those of the equilibrium.
+    fn check_velocities(&self, q: &[S], v: &[S]) -> Result<(), RunError> {
+        let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
+        let start = InitialState { q: real(q), v: real(v) };
+        check_velocities(&Problem { model: self.problem.model, p: real(&self.problem.p), start }, &self.method.table)
     }
 
     /// The end of a run.

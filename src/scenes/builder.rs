@@ -6,6 +6,7 @@ mod forces;
 mod free_mesh;
 mod functionals;
 mod groups;
+mod holds;
 mod joints;
 mod loads;
 mod mesh_gaps;

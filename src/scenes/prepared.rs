@@ -94,6 +94,14 @@ impl Settings {
         self
     }
 
+    /// Begins the motion at the equilibrium under the loads of its start, near the coordinates that the scene gives: see
+    /// [`MechanismBuilder::hold`] for what such an equilibrium leaves free.
+    #[must_use]
+    pub fn from_equilibrium(mut self) -> Self {
+        self.policy.from_equilibrium = true;
+        self
+    }
+
     /// Projects the start onto the constraints.
     #[must_use]
     pub fn projecting_start(mut self) -> Self {
@@ -180,7 +188,9 @@ impl<'s> Prepared<'s> {
         }
         let mechanism = scene.build_real(x).map_err(RunError::Input)?;
         let breakpoints = mechanism.breakpoints();
-        let Settings { end, steps, control, divide, policy, .. } = settings;
+        let Settings { end, steps, control, divide, mut policy, .. } = settings;
+        // load steps lead to equilibria themselves
+        policy.from_equilibrium &= !method.table.is_static();
         if let Some(control) = &control {
             control.check(&method.table)?;
         }

@@ -1,7 +1,7 @@
 use super::Prepared;
 use crate::integrators::{
     ArcLength, InitialState, Mode, Path, Problem, Recorder, RunError, StabilityCourse, StartRecord, StepRecord, follow_path,
-    march, march_adaptive, march_dividing, vibrations,
+    march, march_adaptive, march_dividing, resting_start, vibrations,
 };
 
 /// The last state of a run over load steps.
@@ -54,6 +54,14 @@ impl Prepared<'_> {
         Ok(last)
     }
 
+    /// Coordinates of the equilibrium at which the motion begins; those that the scene gives where it does not begin at one.
+    ///
+    /// # Errors
+    /// An equilibrium that is not found.
+    pub fn resting_start(&self) -> Result<Vec<f64>, RunError> {
+        resting_start(&self.problem(), &self.method, &self.plan)
+    }
+
     /// Equilibria along their path, through limits of the load; the load factor is 0 at the start, whatever the method.
     ///
     /// # Errors
@@ -63,7 +71,7 @@ impl Prepared<'_> {
     }
 
     /// Lowest modes of small undamped vibrations: with the method `static` about the equilibrium at the end of the load steps, otherwise
-    /// about the start, which must be one.
+    /// about the start, which must be one, or is looked for in a run from equilibrium.
     ///
     /// # Errors
     /// See [`Prepared::equilibrium`] and [`vibrations`].
@@ -76,8 +84,11 @@ impl Prepared<'_> {
     /// # Errors
     /// As for [`Prepared::modes`].
     pub fn modes_with_state(&self, count: usize) -> Result<(Vec<f64>, Vec<Mode>), RunError> {
-        let problem = self.problem();
+        let mut problem = self.problem();
         if !self.method.table.is_static() {
+            if self.plan.equilibrium.is_some() {
+                problem.start.q = self.resting_start()?;
+            }
             let modes = vibrations(&problem, &self.method, &self.plan, 0.0, count)?;
             return Ok((problem.start.q, modes));
         }

@@ -4,8 +4,8 @@
 //! adjoint X_bar of its solution solves (dF/dX)^T lambda = -X_bar and passes (dF/dbase)^T lambda and (dF/dp)^T lambda on.
 
 use super::solvers::StepSolvers;
-use super::transposed::{Backward, SolutionBar, add, set_zero_vectors, set_zeros};
-use crate::assembly::VectorsAvq;
+use super::transposed::{Backward, SolutionBar, TransposedSolver, add, set_zero_vectors, set_zeros};
+use crate::assembly::{System, VectorsAvq};
 use crate::design::ModelNumbers;
 use crate::functionals::{Functional, FunctionalGradient, QuadratureWeights, Sample, SampleBars, Times, Totals};
 use crate::history::{History, Rerun};
@@ -13,6 +13,7 @@ use crate::integrators::{
     Carried, Combination, Counters, Method, Problem, RunError, SolveRecord, StartRecord, StepRecord, Systems, Table,
 };
 use smallvec::SmallVec;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -142,6 +143,9 @@ impl<'m> Sweep<'m> {
                 carry(bases, &mut back);
             }
         }
+        if let (Some(record), Some(dropped)) = (&start.equilibrium, &rerun.plan.equilibrium) {
+            self.equilibrium(record, dropped, &mut back)?;
+        }
         let gradients = back
             .into_iter()
             .map(|mut back| {
@@ -150,6 +154,21 @@ impl<'m> Sweep<'m> {
             })
             .collect();
         Ok(AdjointRun { gradients, counters: self.counters })
+    }
+
+    /// Back through the equilibrium at which a motion begins, without some equations of the model at rest.
+    fn equilibrium(&mut self, record: &SolveRecord<f64>, dropped: &[usize], back: &mut [Backward]) -> Result<(), RunError> {
+        let model = self.problem.model.at_rest();
+        let system = Arc::new(System::new(&model, self.method.system_options(dropped, false)));
+        let multipliers = system.multipliers();
+        let mut solver = TransposedSolver::new(system, self.method, self.active)?;
+        let bar = |back: &Backward| SolutionBar { x: back.carried[0].clone(), rate: Vec::new(), mu: vec![0.0; multipliers] };
+        let bars: Vec<SolutionBar> = back.iter().map(bar).collect();
+        let bases = solver.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
+        for (back, base) in back.iter_mut().zip(bases) {
+            add(&mut back.carried[0], 1.0, &base.q);
+        }
+        Ok(())
     }
 
     /// Back through all steps, one after the other.

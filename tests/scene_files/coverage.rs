@@ -15,6 +15,7 @@ const FILES: &[(&str, &str)] = &[
     ("beams and cables", include_str!("coverage/members.toml")),
     ("shells", include_str!("coverage/shells.toml")),
     ("meshes", include_str!("coverage/meshes.toml")),
+    ("a start from equilibrium", include_str!("coverage/equilibrium.toml")),
     ("rolling", include_str!("coverage/rolling.toml")),
     ("soft joints, tapered beams, profiles", include_str!("coverage/soft.toml")),
 ];

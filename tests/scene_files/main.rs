@@ -1,6 +1,7 @@
 //! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
 
 mod coverage;
+mod equilibrium_start;
 mod formula_parts;
 mod laws;
 mod meshes;

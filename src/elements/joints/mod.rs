@@ -7,6 +7,7 @@ mod cylindrical;
 mod distance;
 mod fixed;
 mod gear;
+mod held_node;
 mod helical;
 mod planar;
 mod point_in_plane;
@@ -29,6 +30,7 @@ pub use cylindrical::CylindricalJoint;
 pub use distance::DistanceJoint;
 pub use fixed::FixedJoint;
 pub use gear::GearJoint;
+pub use held_node::{Freedom, HeldNode};
 pub use helical::HelicalJoint;
 pub use planar::PlanarJoint;
 pub use point_in_plane::PointInPlane;
@@ -50,7 +52,7 @@ use super::{AnyConstraint, Frame, NodeKind, Nonholonomic, Parameter};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::f64::consts::TAU;
 
-instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, TiedNode, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
+instantiate_here!(dyn AnyConstraint: AngleCoordinate, CableCorner, CableEnd, CylindricalJoint, DistanceJoint, FixedJoint, GearJoint, HeldNode, HelicalJoint, PlanarJoint, PointInPlane, PointOnLine, PrescribedRotation, PrescribedTranslation, PrismaticJoint, RackAndPinion, RevoluteJoint, RigidLink, DiscOnPlane, SphericalJoint, TiedNode, UniversalJoint, Nonholonomic<RollingDisc>, Nonholonomic<RollingSphere>);
 
 entries! {
     JointPart, JointVisitor;

@@ -14,7 +14,7 @@ use super::reader::{Fields, Item, Value};
 use crate::assembly::NodeId;
 use crate::elements::flexible::Material;
 use crate::elements::forces::{DAMPERS, LoadFrame};
-use crate::elements::joints::DRIVERS;
+use crate::elements::joints::{DRIVERS, Freedom};
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::{Force, MechanismBuilder, MeshedShell, Signal, Torque};
 
@@ -63,6 +63,15 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             let body = known.node(fields, "body", m)?;
             let nodes = node_sets(known, fields, m)?;
             m.rigid_interface(name, body, &nodes);
+            Ok(Made::Nothing)
+        }
+        "hold" => {
+            let chosen = |(_, own): (usize, &Value)| match own {
+                Value::Text(name) => Freedom::NAMES.iter().position(|own| own == name).map(|place| Freedom::ALL[place]),
+                _ => None,
+            };
+            let directions: Vec<Freedom> = list(fields, "directions").filter_map(chosen).collect();
+            node_sets(known, fields, m)?.into_iter().for_each(|node| m.hold(node, &directions));
             Ok(Made::Nothing)
         }
         "tie" => {

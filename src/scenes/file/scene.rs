@@ -287,7 +287,7 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
         mistakes
             .push(Mistake::new(at("tolerance"), "[settings] has steps and tolerance: one of them says how long steps are"));
     }
-    for key in ["velocity_tolerance", "project_start"] {
+    for key in ["velocity_tolerance", "project_start", "start"] {
         if fields.get(key).is_some() && is_static {
             mistakes.push(Mistake::new(at(key), format!("{key} of [settings] means nothing with the method static")));
         }
@@ -308,6 +308,11 @@ fn settings(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Settings {
     settings.divide = flag(fields, "divide_steps", false);
     settings.policy.drop_redundant = flag(fields, "drop_redundant", false);
     settings.policy.project_start = flag(fields, "project_start", false);
+    settings.policy.from_equilibrium = text(fields, "start") == Some("equilibrium");
+    if let Some(hold) = contents.items.iter().find(|item| item.section == "hold" && !settings.policy.from_equilibrium) {
+        let text = "[[hold]] holds nodes in the equilibrium at which a motion begins: give [settings] the key start = \"equilibrium\"";
+        mistakes.push(Mistake::new(hold.fields.at, text));
+    }
     settings.control = tolerance.map(|tolerance| {
         let mut control = StepControl::new(tolerance);
         control.velocities = StepControl::new(fixed(fields, "velocity_tolerance").unwrap_or(tolerance)).velocities;

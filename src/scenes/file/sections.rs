@@ -5,7 +5,7 @@ use crate::elements::entries::{
     AXIS, BETWEEN, FUNCTION, Form, Forms, Key, Kind, NORMAL, ON, ORIENTATION, PLACE, Range, Type, forms, forms_of, may, need,
 };
 use crate::elements::forces::{DAMPERS, SPRINGS};
-use crate::elements::joints::{DRIVERS, JOINTS};
+use crate::elements::joints::{DRIVERS, Freedom, JOINTS};
 use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
@@ -596,6 +596,15 @@ pub(super) const SECTIONS: &[Section] = &[
         ],
     },
     Section {
+        name: "hold",
+        shape: Shape::Listed,
+        doc: "Nodes that are held where they stand while the equilibrium is found at which the motion begins (`start` of `[settings]`), and let go then.",
+        forms: one_form![
+            need("nodes", NodeSets, "what is held"),
+            may("directions", Choices(&Freedom::NAMES), "in which directions of the world; all that it has"),
+        ],
+    },
+    Section {
         name: "tie",
         shape: Shape::Listed,
         doc: "Edges of shells, or other nodes, that follow the faces of shells on which they lie, where nodes do not meet: edges in the mean along \
@@ -757,6 +766,11 @@ pub(super) const SECTIONS: &[Section] = &[
                 "when Newton's method stops, as for --newton; round-off"
             ),
             may("solver", Choice(&["automatic", "dense", "multifrontal"]), "solver of the linear systems; automatic"),
+            may(
+                "start",
+                Choice(&["given", "equilibrium"]),
+                "where the motion begins: at the coordinates that the parts give, or at the equilibrium near them under the loads of t = 0; given"
+            ),
             may("divide_steps", Flag, "halve steps that Newton's method cannot make; false"),
             may("drop_redundant", Flag, "leave out redundant constraint equations instead of refusing them; false"),
             may("project_start", Flag, "project an inconsistent start onto the constraints instead of refusing it; false"),

@@ -1,0 +1,220 @@
+//! A motion that begins at rest: the equilibrium under the loads of its start, near the coordinates that are given.
+//!
+//! Steps of an implicit Euler method that forgets its velocities, x = argmin V(q + h^2 x) + |h^2 x|^2_M / (2 h^2), follow the energy downhill to an
+//! equilibrium that stands, with reactions and loads that have no energy as they come: R(x, 0, q + h^2 x, p, t) + A^T mu = 0,
+//! g(q + h^2 x, p, t) = 0. One that ends where that sum is not least is too long. They grow until they end where R(0, 0, q + x, p, t) + A^T mu = 0
+//! does, which is solved last and alone counts: its solution does not depend on the way there.
+
+use super::newton::{Newton, NewtonTolerance};
+use super::record::SolveRecord;
+use super::step::{InitialGuess, solve};
+use super::{Counters, Method, Problem, RunError, Stability, StartPlan, Verdict};
+use crate::assembly::{Equations, Level, Residual, StageCoefficients, System, Unknowns, VectorsAvq};
+use crate::elements::RunScalar;
+use std::sync::Arc;
+
+/// Size of the first step \[s\]; it is divided and multiplied until steps are of a good length.
+const FIRST: f64 = 0.05;
+/// By how much a step grows or shrinks.
+const GROWTH: f64 = 4.0;
+/// Displacement of the longest step that is taken, by the model's length; the next one is as long beyond a [`SHORT`] one.
+const LONGEST: f64 = 0.3;
+/// Displacement behind which the next step is longer, and at which an equilibrium still is the one that steps lead to.
+const SHORT: f64 = 0.1;
+/// Displacement behind which the equilibrium itself is looked for.
+const NEAR: f64 = 0.02;
+/// Displacement of steps that do not leave an equilibrium which does not stand.
+const NONE: f64 = 1e-10;
+/// Steps above this size \[s\] have come to rest, but for what only inertia holds.
+const LARGEST: f64 = 1e4;
+/// Steps below this size \[s\] find nothing any more.
+const SMALLEST: f64 = 1e-9;
+/// Most steps that are tried.
+const MOST: usize = 200;
+/// Where in the run.
+const PLACE: &str = "equilibrium at the start (t = 0 s)";
+
+/// The equilibrium at which a motion begins.
+pub(super) struct RestingStart<S> {
+    /// Its system, whose base are the given coordinates.
+    pub record: SolveRecord<S>,
+    /// Whether it stands; not known of derivative parts, which follow a real run.
+    pub stability: Option<Stability>,
+    /// Work done.
+    pub counters: Counters,
+}
+
+/// The equation of an equilibrium whose unknowns are displacements.
+fn at_rest() -> Equations {
+    Equations::stage(StageCoefficients::new(0.0, 0.0, 1.0), Level::Position)
+}
+
+impl<S: RunScalar> RestingStart<S> {
+    /// Finds the equilibrium near the start, or follows that of a real run, without the equations `dropped` of the model at rest.
+    ///
+    /// # Errors
+    /// [`RunError`] with what moves on, or could not be solved.
+    pub fn find(
+        problem: &Problem<S>,
+        method: &Method,
+        dropped: &[usize],
+        t: f64,
+        guide: Option<&SolveRecord<f64>>,
+    ) -> Result<Self, RunError> {
+        let model = problem.model.at_rest();
+        let system = Arc::new(System::new(&model, method.system_options(dropped, false)));
+        let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend);
+        let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
+        newton.counters = Counters::measuring(method.measures_phases);
+        let zeros = || vec![S::zero(); model.dofs];
+        let base = VectorsAvq { a: zeros(), v: zeros(), q: problem.start.q.clone() };
+        let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
+        if guide.is_some() {
+            solve(&mut newton, &mut record, InitialGuess::guided(guide), &problem.p, &|| PLACE.into())?;
+            return Ok(RestingStart { record, stability: None, counters: newton.counters });
+        }
+        let mut search = Search { newton, p: &problem.p, record, h: FIRST, at: Vec::new(), ended: None };
+        search.run()?;
+        let stability = search.newton.stability();
+        Ok(RestingStart { record: search.record, stability: Some(stability), counters: search.newton.counters })
+    }
+}
+
+/// Coordinates at which a motion begins: those of the equilibrium near the given ones, if the plan says so.
+///
+/// # Errors
+/// [`RunError`] with what moves on, or could not be solved.
+pub fn resting_start(problem: &Problem<f64>, method: &Method, plan: &StartPlan) -> Result<Vec<f64>, RunError> {
+    let Some(dropped) = &plan.equilibrium else { return Ok(problem.start.q.clone()) };
+    Ok(RestingStart::find(problem, method, dropped, 0.0, None)?.record.point().q)
+}
+
+/// A search for an equilibrium.
+struct Search<'m, 'p, S> {
+    newton: Newton<'m, S>,
+    p: &'p [S],
+    /// The equilibrium's own system, from where it is looked for.
+    record: SolveRecord<S>,
+    /// Size of the next step \[s\].
+    h: f64,
+    /// Coordinates that it has come to.
+    at: Vec<S>,
+    /// What the last look for the equilibrium itself ended with.
+    ended: Option<Ended>,
+}
+
+/// Where a step leads, with its displacement by the model's length.
+enum Step {
+    /// To a neighbour.
+    To(f64),
+    /// Farther than is trusted.
+    TooLong,
+    /// To a state that energy and way do not make the least one.
+    NotLeast(f64),
+}
+
+/// Why a state was not taken for the equilibrium.
+enum Ended {
+    /// It was not found.
+    Failed(RunError),
+    /// It lies elsewhere, or does not stand.
+    Refused,
+}
+
+impl<S: RunScalar> Search<'_, '_, S> {
+    fn run(&mut self) -> Result<(), RunError> {
+        self.at.clone_from(&self.record.base.q);
+        let mut step = SolveRecord::empty();
+        step.base.clone_from(&self.record.base);
+        Residual::shape(&self.newton.system, &mut step.unknowns, true);
+        for _ in 0..MOST {
+            let before = step.unknowns.clone();
+            match self.step(&mut step) {
+                Ok(Step::To(displacement)) => {
+                    if displacement <= NEAR && self.looks_at_rest(&step.unknowns) {
+                        return Ok(());
+                    }
+                    if displacement <= SHORT {
+                        self.h *= GROWTH;
+                    }
+                    if self.h > LARGEST {
+                        return self.end();
+                    }
+                }
+                // nothing leads away from an equilibrium that does not stand
+                Ok(Step::NotLeast(displacement)) if displacement <= NONE => return self.end(),
+                failed => {
+                    step.unknowns = before;
+                    self.h /= GROWTH;
+                    if self.h < SMALLEST {
+                        return Err(failed.err().unwrap_or_else(|| self.moves_on(&step.unknowns)));
+                    }
+                }
+            }
+        }
+        Err(self.moves_on(&step.unknowns))
+    }
+
+    /// Makes a step from rest, and goes where it leads if it is not too long.
+    fn step(&mut self, step: &mut SolveRecord<S>) -> Result<Step, RunError> {
+        let Search { newton, p, record, h, at, .. } = self;
+        step.t = record.t;
+        step.equations = Equations::stage(StageCoefficients::new(1.0, 0.0, *h * *h), Level::Position);
+        step.base.q.clone_from(at);
+        step.unknowns.x.fill(S::zero());
+        solve(newton, step, InitialGuess::Given, p, &|| PLACE.into())?;
+        let moved = step.point().q;
+        let displacement = newton.distance(&moved, at) / newton.length;
+        if newton.stability().verdict() == Verdict::Unstable {
+            return Ok(Step::NotLeast(displacement));
+        }
+        if displacement > LONGEST {
+            return Ok(Step::TooLong);
+        }
+        *at = moved;
+        Ok(Step::To(displacement))
+    }
+
+    /// Looks for the equilibrium itself from where the steps have come to; one that lies elsewhere or does not stand is not taken while steps go on.
+    fn looks_at_rest(&mut self, reactions: &Unknowns<S>) -> bool {
+        let Search { newton, p, record, at, ended, .. } = self;
+        record.unknowns.clone_from(reactions);
+        let moved = at.iter().zip(&record.base.q);
+        record.unknowns.x.iter_mut().zip(moved).for_each(|(x, (&at, &base))| *x = at - base);
+        if let Err(why) = solve(newton, record, InitialGuess::Given, p, &|| PLACE.into()) {
+            *ended = Some(Ended::Failed(why));
+            return false;
+        }
+        let away = newton.distance(&record.point().q, at) / newton.length;
+        let is_taken = away <= SHORT && newton.stability().verdict() != Verdict::Unstable;
+        *ended = (!is_taken).then_some(Ended::Refused);
+        is_taken
+    }
+
+    /// Steps have come to rest at a state that was not taken.
+    fn end(&mut self) -> Result<(), RunError> {
+        match self.ended.take() {
+            Some(Ended::Failed(RunError::Singular { place, unknown, .. })) => Err(RunError::Singular {
+                place,
+                unknown,
+                hint: "nothing but inertia holds it, so its equilibrium is not determined: hold it there ([[hold]] of a scene file, \
+                       `MechanismBuilder::hold` in a program), or give it a spring"
+                    .into(),
+            }),
+            Some(Ended::Failed(why)) => Err(why),
+            // a structure without imperfection on its straight path: that it does not stand is told with the results
+            _ => Ok(()),
+        }
+    }
+
+    /// What moves fastest, and does not come to rest.
+    fn moves_on(&self, last: &Unknowns<S>) -> RunError {
+        let sizes = last.x.iter().zip(&self.newton.coordinate_scales).map(|(x, scale)| x.value().abs() * scale);
+        let fastest = sizes.enumerate().max_by(|one, other| one.1.total_cmp(&other.1)).map_or(0, |(dof, _)| dof);
+        let name = self.newton.system.model.dof_name(fastest);
+        RunError::Input(format!(
+            "{PLACE}: {name} goes on moving and comes to no rest: hold it there ([[hold]] of a scene file, `MechanismBuilder::hold` in a program), \
+             give it a spring or a stop, or start the motion from given coordinates"
+        ))
+    }
+}
