@@ -1,4 +1,5 @@
 use crate::elements::{AnyConstraint, AnyElement, ConstraintPhysics, ElementPhysics, NodeKind};
+use crate::scalar::Scalar;
 use std::any::TypeId;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -67,6 +68,8 @@ pub struct Model {
     pub constraints: Vec<Attached<ConstraintPhysics>>,
     /// What holds parts while the equilibrium at the start is found, and lets them go then; their equations are counted by [`Model::at_rest`].
     pub holds: Vec<Attached<ConstraintPhysics>>,
+    /// Nodes whose rates are states of first order; these are given where a motion begins at an equilibrium, which does not move them.
+    pub states: Vec<NodeId>,
     /// Length of q.
     pub dofs: usize,
     /// Length of mu.
@@ -199,15 +202,25 @@ impl Model {
         self.holds.push(Attached { name: name.into(), nodes: nodes.into(), parameters, equations: 0..0, physics });
     }
 
-    /// The same model with what holds parts at the start as constraints, behind the others.
+    /// The same model with what holds parts at the start as constraints, behind the others, and with states that stay.
     pub fn at_rest(&self) -> Model {
         let mut model = self.clone();
+        self.states.iter().for_each(|node| model.nodes[node.0].fixed = true);
         for mut hold in std::mem::take(&mut model.holds) {
             hold.equations = model.equations..model.equations + hold.physics.equation_count();
             model.equations = hold.equations.end;
             model.constraints.push(hold);
         }
         model
+    }
+
+    /// Velocities of the model at rest: zero, but for states.
+    pub(crate) fn velocities_at_rest<S: Scalar>(&self, v: &[S]) -> Vec<S> {
+        let mut rest = vec![S::zero(); v.len()];
+        for place in self.states.iter().flat_map(|node| self.nodes[node.0].dofs.clone()) {
+            rest[place] = v[place];
+        }
+        rest
     }
 
     /// A node.

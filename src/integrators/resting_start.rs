@@ -66,8 +66,8 @@ impl<S: RunScalar> RestingStart<S> {
         let newton = Newton::new(system, NewtonTolerance::RoundOff, method.backend);
         let mut newton = newton.map_err(|singular| RunError::of_pattern(PLACE, singular))?;
         newton.counters = Counters::measuring(method.measures_phases);
-        let zeros = || vec![S::zero(); model.dofs];
-        let base = VectorsAvq { a: zeros(), v: zeros(), q: problem.start.q.clone() };
+        let v = model.velocities_at_rest(&problem.start.v);
+        let base = VectorsAvq { a: vec![S::zero(); model.dofs], v, q: problem.start.q.clone() };
         let mut record = SolveRecord { t, equations: at_rest(), base, unknowns: Unknowns::default() };
         if guide.is_some() {
             solve(&mut newton, &mut record, InitialGuess::guided(guide), &problem.p, &|| PLACE.into())?;

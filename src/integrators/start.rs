@@ -59,7 +59,7 @@ impl StartPlan {
         let dropped = find_dependent(problem, table, policy)?;
         let equilibrium = policy.from_equilibrium.then(|| {
             let (model, Problem { p, start, .. }) = (problem.model.at_rest(), problem.clone());
-            let (q, v) = (start.q.clone(), vec![0.0; start.v.len()]);
+            let (q, v) = (start.q.clone(), model.velocities_at_rest(&start.v));
             dependent_equations(&Problem { model: &model, p, start }, (&q, &v), 0.0, None)
         });
         Ok(StartPlan { dropped, choose_again: policy.drop_redundant, project: policy.project_start, equilibrium })

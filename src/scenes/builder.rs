@@ -185,6 +185,14 @@ impl<S: Scalar> MechanismBuilder<S> {
         node
     }
 
+    /// A node whose rates are states z of first order, with their start: an element of one's own gives z' = f, by the residual a - f with
+    /// z = v. They have no energy; an equilibrium at which a motion begins leaves them as they are given.
+    pub fn states(&mut self, name: &str, initial: &[S]) -> NodeId {
+        let node = self.coordinates(name, &vec![S::zero(); initial.len()], initial);
+        self.model.states.push(node);
+        node
+    }
+
     /// The ground: a body at the origin that never moves.
     pub fn ground(&mut self) -> NodeId {
         if let Some(ground) = self.ground {

@@ -167,6 +167,7 @@ impl<'m> Sweep<'m> {
         let bases = solver.through(record, &self.problem.p, &bars, back, &mut self.counters)?;
         for (back, base) in back.iter_mut().zip(bases) {
             add(&mut back.carried[0], 1.0, &base.q);
+            add(&mut back.carried[1], 1.0, &model.velocities_at_rest(&base.v));
         }
         Ok(())
     }

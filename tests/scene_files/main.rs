@@ -9,6 +9,7 @@ mod mutations;
 mod own_parts;
 mod runge_kutta;
 mod signals;
+mod states;
 mod wrong_files;
 mod wrong_meshes;
 

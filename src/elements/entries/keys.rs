@@ -100,8 +100,8 @@ pub enum Type {
     OfNodes(&'static str),
     /// Several of them; unit.
     SeriesOfNodes(&'static str),
-    /// Formulas of what is known of these nodes by the names of those on which they act; unit.
-    OnNodes(&'static str),
+    /// Formulas of what is known of nodes, by names; unit.
+    NamedFormulas(&'static str),
     /// A formula of time.
     OfTime,
     /// A formula of s, v and t or a table of s; unit.

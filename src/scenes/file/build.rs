@@ -50,6 +50,7 @@ pub(super) fn build<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S
             let (nodes, axis) = (known.different_nodes(fields, "between", m)?, known.vector(fields, "axis")?);
             Ok(Made::Node(m.joint_angle(name, nodes, axis)))
         }
+        "state" => formula_parts::state(known, name, fields, m),
         "driver" => match named(DRIVERS, fields.form) {
             Some(part) => joint(known, part, name, fields, m),
             None => Err(Mistake::new(fields.at, format!("nothing builds a driver of type {}", fields.form))),

@@ -246,6 +246,11 @@ impl Expression {
         self.operations.contains(&Operation::Name(name))
     }
 
+    /// Whether it uses a name with this number or a larger one.
+    pub fn uses_from(&self, first: usize) -> bool {
+        self.operations.iter().any(|own| matches!(own, Operation::Name(name) if *name >= first))
+    }
+
     /// The same formula of names that have other numbers.
     pub fn renamed(&self, number: impl Fn(usize) -> usize) -> Self {
         let renamed = |operation: &Operation| match operation {

@@ -34,26 +34,44 @@ pub(super) fn of_section(section: &str) -> &'static [OfNode] {
     match section {
         "point" | "cable" => OF_POINT,
         "joint_angle" => OF_COORDINATE,
+        // by the names of its values
+        "state" => &[],
         _ => OF_BODY,
     }
 }
 
-fn of_kind(kind: NodeKind) -> &'static [OfNode] {
-    match kind {
-        NodeKind::Body | NodeKind::Natural => OF_BODY,
-        NodeKind::Point | NodeKind::Slope => OF_POINT,
-        NodeKind::Coordinates(_) => OF_COORDINATE,
+/// A node as formulas know it.
+#[derive(Clone, Copy)]
+struct KnownNode {
+    kind: NodeKind,
+    /// Its rates are states.
+    is_state: bool,
+}
+
+impl KnownNode {
+    /// Words of what formulas know of it, and whether that is a rate.
+    fn known(self) -> Vec<(&'static str, bool)> {
+        let of_node = match self.kind {
+            NodeKind::Coordinates(count) if self.is_state => return vec![("state", true); count],
+            NodeKind::Body | NodeKind::Natural => OF_BODY,
+            NodeKind::Point | NodeKind::Slope => OF_POINT,
+            NodeKind::Coordinates(_) => OF_COORDINATE,
+        };
+        of_node.iter().map(|(what, _, is_rate)| (*what, *is_rate)).collect()
     }
 }
 
 /// Their values, of all nodes, and the time behind them.
-fn arguments<S: Scalar>(kinds: &[NodeKind], [v, q]: [&[S]; 2], t: S) -> Vec<Quantity<S>> {
+fn arguments<S: Scalar>(nodes: &[KnownNode], [v, q]: [&[S]; 2], t: S) -> Vec<Quantity<S>> {
     let (mut all, mut first) = (Vec::new(), 0);
-    for &kind in kinds {
+    for &KnownNode { kind, is_state } in nodes {
         let (v, q) = (&v[first..], &q[first..]);
         first += kind.dofs();
-        if matches!(kind, NodeKind::Coordinates(_)) {
-            all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]);
+        if let NodeKind::Coordinates(count) = kind {
+            match is_state {
+                true => all.extend(v[..count].iter().map(|&state| Quantity::Number(state))),
+                false => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
+            }
             continue;
         }
         let origin = Vector3::zeros();
@@ -69,7 +87,7 @@ fn arguments<S: Scalar>(kinds: &[NodeKind], [v, q]: [&[S]; 2], t: S) -> Vec<Quan
 
 /// Formulas of nodes, with the parameters of each.
 struct Formulas {
-    kinds: Vec<NodeKind>,
+    nodes: Vec<KnownNode>,
     all: Vec<FormulaOf>,
     breakpoints: Vec<f64>,
 }
@@ -79,8 +97,11 @@ impl Formulas {
         let numbered = (1..).zip(&self.all);
         numbered.flat_map(|(number, own)| own.numbers(&format!("formula {number}"))).collect()
     }
+    fn kinds(&self) -> Vec<NodeKind> {
+        self.nodes.iter().map(|node| node.kind).collect()
+    }
     fn dofs(&self) -> usize {
-        self.kinds.iter().map(|kind| kind.dofs()).sum()
+        self.nodes.iter().map(|node| node.kind.dofs()).sum()
     }
     fn value<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> Quantity<S> {
         let before: usize = self.all[..which].iter().map(FormulaOf::count).sum();
@@ -94,8 +115,8 @@ impl Formulas {
     }
     /// Places of the coordinates of a node.
     fn place(&self, node: usize) -> Range<usize> {
-        let first: usize = self.kinds[..node].iter().map(|kind| kind.dofs()).sum();
-        first..first + self.kinds[node].dofs()
+        let first: usize = self.nodes[..node].iter().map(|node| node.kind.dofs()).sum();
+        first..first + self.nodes[node].kind.dofs()
     }
     fn breakpoints<S: Scalar>(&self) -> Vec<S> {
         self.breakpoints.iter().map(|&time| S::from(time)).collect()
@@ -113,27 +134,27 @@ struct FormulaElement {
 
 impl Element for FormulaElement {
     fn nodes(&self) -> Vec<NodeKind> {
-        self.formulas.kinds.clone()
+        self.formulas.kinds()
     }
     fn parameters(&self) -> Vec<Parameter> {
         self.formulas.parameters()
     }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let Some(which) = self.kinetic else { return S::zero() };
-        self.formulas.number(which, &arguments(&self.formulas.kinds, [v, q], S::zero()), p)
+        self.formulas.number(which, &arguments(&self.formulas.nodes, [v, q], S::zero()), p)
     }
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let Some(which) = self.potential else { return S::zero() };
         let still = vec![S::zero(); q.len()];
-        self.formulas.number(which, &arguments(&self.formulas.kinds, [&still, q], S::zero()), p)
+        self.formulas.number(which, &arguments(&self.formulas.nodes, [&still, q], S::zero()), p)
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         if self.loads.is_empty() {
             return;
         }
-        let known = arguments(&self.formulas.kinds, [v, q], t);
+        let known = arguments(&self.formulas.nodes, [v, q], t);
         for &(node, is_moment, which) in &self.loads {
-            let (kind, place) = (self.formulas.kinds[node], self.formulas.place(node));
+            let (kind, place) = (self.formulas.nodes[node].kind, self.formulas.place(node));
             let (q, force) = (&q[place.clone()], &mut force[place]);
             match self.formulas.value(which, &known, p) {
                 Quantity::Number(own) => force[0] += own,
@@ -147,6 +168,27 @@ impl Element for FormulaElement {
     }
 }
 
+/// States of first order by formulas of their rates: R = dz/dt - f(z, nodes, t) on the last node, whose rates they are.
+struct FormulaState(Formulas);
+
+impl Element for FormulaState {
+    fn nodes(&self) -> Vec<NodeKind> {
+        self.0.kinds()
+    }
+    fn parameters(&self) -> Vec<Parameter> {
+        self.0.parameters()
+    }
+    fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
+        let known = arguments(&self.0.nodes, [s.v, s.q], t);
+        for (which, place) in self.0.place(self.0.nodes.len() - 1).enumerate() {
+            r[place] += s.a[place] - self.0.number(which, &known, p);
+        }
+    }
+    fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
+        self.0.breakpoints()
+    }
+}
+
 /// A joint by formulas that are zero.
 struct FormulaJoint(Formulas);
 
@@ -157,7 +199,7 @@ impl Constraint for FormulaJoint {
     const EQUATIONS: usize = MOST_EQUATIONS;
 
     fn nodes(&self) -> Vec<NodeKind> {
-        self.0.kinds.clone()
+        self.0.kinds()
     }
     fn equations(&self) -> usize {
         self.0.all.len()
@@ -167,7 +209,7 @@ impl Constraint for FormulaJoint {
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         let still = vec![S::zero(); q.len()];
-        let known = arguments(&self.0.kinds, [&still, q], t);
+        let known = arguments(&self.0.nodes, [&still, q], t);
         g.iter_mut().enumerate().for_each(|(which, own)| *own = self.0.number(which, &known, p));
     }
     fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
@@ -189,7 +231,7 @@ impl functionals::Quantity for FormulaQuantity {
         self.0.parameters()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
-        self.0.number(0, &arguments(&self.0.kinds, [s.v, s.q], t), p)
+        self.0.number(0, &arguments(&self.0.nodes, [s.v, s.q], t), p)
     }
 }
 
@@ -207,30 +249,39 @@ struct Reading<'f, S> {
 
 impl<'f, S: Scalar> Reading<'f, S> {
     fn new(known: &'f Known<'f, S>, fields: &'f Fields, m: &mut Builder<S>) -> Found<Self> {
-        let Some((_, Value::NamedNodes(given))) = fields.get("nodes") else {
-            return Err(Mistake::new(fields.at, "the key nodes is needed here"));
+        let given: &[_] = match fields.get("nodes") {
+            Some((_, Value::NamedNodes(given))) => given,
+            _ => &[],
         };
-        let (mut names, mut nodes, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+        let mut own = Self::without_nodes(known, fields);
         for (name, at, place) in given {
             let [node] = known.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
             };
             let kind = m.model.find_node(node).map(|own| own.kind);
-            names.push(name.as_str());
-            nodes.push(node);
-            kinds.push(kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?);
+            own.add(name, node, kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?, m);
         }
-        let formulas = Formulas { kinds, all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
+        Ok(own)
+    }
+
+    fn without_nodes(known: &'f Known<'f, S>, fields: &'f Fields) -> Self {
+        let formulas = Formulas { nodes: Vec::new(), all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
         let tells_breakpoints = fields.get("breakpoints").is_some();
-        Ok(Reading { known, names, nodes, formulas, tells_breakpoints, p: Vec::new() })
+        Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, tells_breakpoints, p: Vec::new() }
+    }
+
+    fn add(&mut self, name: &'f str, node: NodeId, kind: NodeKind, m: &Builder<S>) {
+        self.names.push(name);
+        self.nodes.push(node);
+        self.formulas.nodes.push(KnownNode { kind, is_state: m.model.states.contains(&node) });
     }
 
     /// Takes a formula, which may depend on rates and on the time or not, and returns its number.
     fn take(&mut self, at: usize, formula: &Expression, [rates, time]: [bool; 2]) -> Found<usize> {
         let mut place = self.known.names.len();
-        for (name, &kind) in self.names.iter().zip(&self.formulas.kinds) {
-            for (what, _, is_rate) in of_kind(kind) {
-                if *is_rate && !rates && formula.uses(place) {
+        for (name, node) in self.names.iter().zip(&self.formulas.nodes) {
+            for (what, is_rate) in node.known() {
+                if is_rate && !rates && formula.uses(place) {
                     return Err(Mistake::new(at, format!("this depends on places alone: {name}.{what} cannot stand here")));
                 }
                 place += 1;
@@ -270,7 +321,10 @@ pub(super) fn element<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, 
             let Some(node) = reading.names.iter().position(|name| name == of) else {
                 return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
             };
-            let kind = reading.formulas.kinds[node];
+            let KnownNode { kind, is_state } = reading.formulas.nodes[node];
+            if is_state {
+                return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
+            }
             let wants_vector = kind.in_space().is_some();
             if wants_vector != formula.is_vector || (is_moment && !kind.has_axes()) {
                 let wanted = match (is_moment, wants_vector) {
@@ -289,6 +343,40 @@ pub(super) fn element<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, 
     let Reading { nodes, formulas, p, .. } = reading;
     m.element(name, &nodes, FormulaElement { formulas, kinetic, potential, loads }, &p);
     Ok(Made::Nothing)
+}
+
+/// States by their start and their rates.
+pub(super) fn state<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m: &mut Builder<S>) -> Found<Made<S>> {
+    let named = |key: &str| match fields.get(key) {
+        Some((_, Value::Formulas(given))) => given.as_slice(),
+        _ => &[],
+    };
+    let (initial, rates) = (named("initial"), named("rate"));
+    let mut start = Vec::new();
+    for (value, at, formula) in initial {
+        if formula.is_vector || formula.uses_from(known.names.len()) {
+            return Err(Mistake::new(*at, format!("the start of {value} must be a number of the design alone")));
+        }
+        start.extend(formula.value(&known.names).components());
+    }
+    let mut reading = Reading::new(known, fields, m)?;
+    let node = m.states(name, &start);
+    reading.add("", node, NodeKind::Coordinates(start.len()), m);
+    for (value, at, _) in initial {
+        let Some((_, at, formula)) = rates.iter().find(|own| own.0 == *value) else {
+            return Err(Mistake::new(*at, format!("{value} has a start, but no rate")));
+        };
+        if formula.is_vector {
+            return Err(Mistake::new(*at, format!("the rate of {value} must be a number")));
+        }
+        reading.take(*at, formula, [true, true])?;
+    }
+    if let Some((other, at, _)) = rates.iter().find(|own| initial.iter().all(|value| value.0 != own.0)) {
+        return Err(Mistake::new(*at, format!("{other} has a rate, but no start: give it one in initial")));
+    }
+    let Reading { nodes, formulas, p, .. } = reading;
+    m.element(&format!("rates of {name}"), &nodes, FormulaState(formulas), &p);
+    Ok(Made::Node(node))
 }
 
 /// A joint by its equations.

@@ -240,7 +240,11 @@ impl Reader {
 
     /// Adds what formulas know of the nodes that an entry names, and returns the scope without it.
     fn scope_with_nodes(&mut self, raw: &Raw) -> Option<Scope> {
-        let nodes = raw.get("nodes")?.entries()?.to_vec();
+        let list = |key: &str| raw.get(key).and_then(Raw::entries).map(<[Entry]>::to_vec);
+        let (nodes, own) = match self.current.map(|own| self.declared[own].section.name) {
+            Some("state") => (list("nodes").unwrap_or_default(), list("initial").unwrap_or_default()),
+            _ => (list("nodes")?, Vec::new()),
+        };
         let before = (self.scope.clone(), self.mistakes.len());
         for own in nodes {
             let place = self.node(&own.value, "", false);
@@ -250,9 +254,20 @@ impl Reader {
             for (what, is_vector, _) in of_section(section) {
                 self.scope.add_of_node(format!("{}.{what}", own.key), *is_vector);
             }
+            let states = item.filter(|_| section == "state").and_then(|item| self.declared[item].raw.get("initial"));
+            for state in states.and_then(Raw::entries).map(<[Entry]>::to_vec).unwrap_or_default() {
+                self.scope.add_of_node(format!("{}.{}", own.key, state.key), false);
+            }
         }
         // told where the key is read
         self.mistakes.truncate(before.1);
+        for state in own {
+            self.check_name(&state.key, state.at);
+            if self.scope.find(&state.key).is_some() {
+                self.wrong(state.at, format!("\"{}\" is a name of this file, too: take another one", state.key));
+            }
+            self.scope.add_variable(&state.key);
+        }
         self.scope.add_variable(TIME);
         Some(before.0)
     }

@@ -141,7 +141,7 @@ fn words(key: &Key) -> String {
         Type::NamedNodes => "table of names with nodes".into(),
         Type::OfNodes(unit) => with("formula of the nodes", unit, Range::Any),
         Type::SeriesOfNodes(unit) => with("formulas of the nodes", unit, Range::Any),
-        Type::OnNodes(unit) => with("table of names of nodes with formulas", unit, Range::Any),
+        Type::NamedFormulas(unit) => with("table of names with formulas", unit, Range::Any),
         Type::OfTime => "formula of t".into(),
         Type::Law(unit, _) => with("formula of s, v, t or table of s", unit, Range::Any),
         Type::Energy(unit, _) => with("formula or table of s", unit, Range::Any),

@@ -167,7 +167,7 @@ fn of_key(key: &Key) -> Value {
             unit = of;
             formula(Range::Any)
         }
-        Type::OnNodes(of) => {
+        Type::NamedFormulas(of) => {
             unit = of;
             let own = json!({"anyOf": [formula(Range::Any), part("vector")]});
             json!({"type": "object", "additionalProperties": own, "minProperties": 1})

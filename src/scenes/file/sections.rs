@@ -164,7 +164,7 @@ const EDGES: &[&str] = &["first_start", "first_end", "second_start", "second_end
 
 /// Sections whose entries are nodes or have nodes.
 pub(super) const WITH_NODES: &[&str] =
-    &["body", "point", "joint_angle", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
+    &["body", "point", "joint_angle", "state", "beam", "cable", "shell", "mesh", "thin_walls", "sphere"];
 /// Sections whose entries have elements.
 const WITH_ELEMENTS: &[&str] = &["beam", "cable", "shell", "mesh", "thin_walls", "sphere", "group"];
 /// Sections whose entries are joints.
@@ -580,6 +580,19 @@ pub(super) const SECTIONS: &[Section] = &[
         forms: one_form![NAME, BETWEEN, AXIS],
     },
     Section {
+        name: "state",
+        shape: Shape::Listed,
+        doc: "States z of first order, z' = f(z, nodes, t), as of a controller, an actuator, the slip of a tyre, inflow. Its formulas know its own values by \
+              their names, and nodes as those of an [[element]] do; where it is a node of others, these know c.NAME of a state called c.",
+        forms: one_form![
+            NAME,
+            need("initial", Type::NamedFormulas("-"), "values at the start by their names"),
+            need("rate", Type::NamedFormulas("1/s"), "rates of all of them by the same names"),
+            may("nodes", Type::NamedNodes, "nodes by the names that the formulas give them; none"),
+            BREAKPOINTS,
+        ],
+    },
+    Section {
         name: "joint",
         shape: Shape::Listed,
         doc: "What holds nodes together. Geometry is given in the world at the start.",
@@ -649,7 +662,7 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Listed,
         doc: "A part of one's own, by formulas of what its nodes do. Of a node called a in `nodes` these know a.position and a.velocity [m, m/s], \
               of one with axes a.x_axis, a.y_axis, a.z_axis and a.angular_velocity [rad/s], all in the world; of a joint angle a.value and \
-              a.rate; and the time t.",
+              a.rate, of a state a.NAME; and the time t.",
         forms: one_form![
             NAME,
             NODES,
@@ -657,10 +670,10 @@ pub(super) const SECTIONS: &[Section] = &[
             may("potential", Type::OfNodes("J"), "potential energy, of places; none"),
             may(
                 "force",
-                Type::OnNodes("N, N m"),
+                Type::NamedFormulas("N, N m"),
                 "forces on its nodes in the world, of anything; of a joint angle its moment; none"
             ),
-            may("moment", Type::OnNodes("N m"), "moments on bodies among them in the world, of anything; none"),
+            may("moment", Type::NamedFormulas("N m"), "moments on bodies among them in the world, of anything; none"),
             BREAKPOINTS,
         ],
     },

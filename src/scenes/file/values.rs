@@ -277,7 +277,7 @@ impl Reader {
                     None
                 }
             },
-            Type::OnNodes(_) => match raw.entries().filter(|entries| !entries.is_empty()) {
+            Type::NamedFormulas(_) => match raw.entries().filter(|entries| !entries.is_empty()) {
                 Some(entries) => {
                     let formula = |own: &Entry| {
                         let formula = match own.value.value {
@@ -290,12 +290,7 @@ impl Reader {
                     formulas.into_iter().collect::<Option<_>>().map(Value::Formulas)
                 }
                 None => {
-                    self.not(
-                        raw,
-                        key,
-                        owner,
-                        "a table of names of its nodes with formulas, as in { tip = \"-c * tip.velocity\" }",
-                    );
+                    self.not(raw, key, owner, "a table of names with formulas, as in { tip = \"-c * tip.velocity\" }");
                     None
                 }
             },
