@@ -465,7 +465,7 @@ fn a_new_file_runs_and_its_gradient_is_right() {
 #[test]
 fn the_help_of_every_command_has_examples() {
     let folder = Folder::new("help");
-    for command in ["run", "gradient", "optimize", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
+    for command in ["run", "gradient", "optimize", "sweep", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
     {
         let help = text(&folder.run(&[command, "--help"]).stdout);
         // the parser of the command line adds its lists of values behind the last line of a description
@@ -771,7 +771,7 @@ fn an_optimization_shows_before_and_after_and_is_taken_up_from_its_history() {
     let file = "out/five-bar/optimization.csv";
     let first = fs::read(folder.0.join(file)).unwrap();
     let output = folder.run(&[&common[..], &["--restart", file, "--gradient", "difference"]].concat());
-    assert!(text(&output.stdout).contains("kept the earlier history as out/five-bar/optimization.1.csv"));
+    assert!(text(&output.stdout).contains("kept the earlier table as out/five-bar/optimization.1.csv"));
     assert_eq!(fs::read(folder.0.join("out/five-bar/optimization.1.csv")).unwrap(), first, "no point is lost");
     // gradients by differences may not be good enough to verify an optimum
     let is_short = text(&output.stderr).contains("the accuracy of values or gradients is used up");

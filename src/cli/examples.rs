@@ -38,6 +38,19 @@ impl CommandLine<'_> {
                 (format!("optimize {better}"), "the problem that the scene states"),
                 (format!("optimize {better} --iterations 20 --json"), "with one JSON object behind the tables"),
             ],
+            "sweep" => {
+                let own = self.scenes.iter().find(|own| own.name() == first);
+                let variable = own.and_then(|own| own.variables().into_iter().next());
+                let range =
+                    variable.map_or_else(|| "length=1:2".into(), |own| format!("{}={}:{}", own.name, own.lower, own.upper));
+                vec![
+                    (format!("sweep {first} --vary \"{range}:5\""), "five values of one variable"),
+                    (
+                        format!("sweep {first} --samples 64 --sampling sobol"),
+                        "64 designs within the bounds of all variables",
+                    ),
+                ]
+            }
             "modes" => {
                 let still = self.example_scene(|scene| scene.settings().method.as_deref() == Some("static"));
                 vec![

@@ -35,6 +35,7 @@
 mod check;
 mod columns;
 mod console;
+mod earlier;
 mod examples;
 mod failure;
 mod gradient;
@@ -59,6 +60,7 @@ mod run;
 mod simulation;
 mod stability;
 mod study;
+mod sweep;
 mod verify;
 
 pub use study::{Figure, Form, Report, Study};
@@ -89,6 +91,8 @@ enum Command {
     Gradient(gradient::GradientOptions),
     /// Improve a scene's design by what the scene states: objective, limits, variables
     Optimize(optimize::OptimizeOptions),
+    /// Run a scene at many designs, several at once: grids and samples of its variables
+    Sweep(sweep::SweepOptions),
     /// Frequencies and shapes of small vibrations about the start of a scene or another equilibrium
     Modes(modes::ModesOptions),
     /// Measure a study against its reference; without a name: list the studies
@@ -222,6 +226,7 @@ impl<'p> CommandLine<'p> {
             Command::Run(options) => run::run(options, self),
             Command::Gradient(options) => gradient::run(options, self),
             Command::Optimize(options) => optimize::run(options, self),
+            Command::Sweep(options) => sweep::run(options, self),
             Command::Modes(options) => modes::run(options, self),
             Command::Verify(options) => verify::run(options, self),
             Command::Check(options) => check::run(options, self),

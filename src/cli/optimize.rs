@@ -3,6 +3,7 @@
 
 use super::CommandLine;
 use super::console::{count, json_number, say, say_json, seconds, warn};
+use super::earlier::keep_earlier;
 use super::failure::{Failure, INTERRUPTED, LIMIT_REACHED};
 use super::interrupt::Guard;
 use super::kept_moments::KeptMoments;
@@ -133,9 +134,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let scene = options.scene.scene(program)?;
     let optimizer = optimizer(&options.optimizer)?;
     let problem = scene.optimization_problem().ok_or_else(|| program.no_problem(&*scene))?;
-    if options.scene.output_step().is_some() {
-        return Err(Failure::input("--output-step: an optimization writes no histories of motions; leave it out"));
-    }
+    options.scene.without_histories("an optimization")?;
     let (method, settings) = options.scene.simulation(&*scene)?;
     let method = options.scene.differentiable(method)?;
     let located = |error| options.scene.located(&*scene, error);
@@ -251,33 +250,6 @@ fn best_of(optimization: &Optimization, all: Vec<Result<Optimized, RunError>>) -
         (Some((optimized, _)), _) => Ok((optimized, table)),
         (None, failure) => Err(failure.unwrap_or_else(|| RunError::Input("no start could be simulated".into()))),
     }
-}
-
-/// The history of an earlier optimization in the same folder keeps its points: under the first number that is free. Only a file is moved.
-fn keep_earlier(path: &Path) -> Result<(), Failure> {
-    let cannot =
-        |cause: std::io::Error| Failure::run(format!("cannot keep the earlier history {}: {cause}", path.display()));
-    match std::fs::metadata(path) {
-        Ok(own) if own.is_file() => {}
-        Ok(_) => {
-            return Err(Failure::input(format!(
-                "{} is no file; the history of the optimization is written there",
-                path.display()
-            )));
-        }
-        Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(cause) => return Err(cannot(cause)),
-    }
-    let mut kept = (1..).map(|number: u32| path.with_extension(format!("{number}.csv")));
-    // what a link leads to may be elsewhere, or nowhere: its name is taken
-    let Some(kept) =
-        kept.find(|kept| kept.symlink_metadata().is_err_and(|cause| cause.kind() == std::io::ErrorKind::NotFound))
-    else {
-        return Ok(());
-    };
-    std::fs::rename(path, &kept).map_err(cannot)?;
-    say(format_args!("kept the earlier history as {}", kept.display()));
-    Ok(())
 }
 
 fn optimizer(name: &str) -> Result<Box<dyn Optimizer>, Failure> {
@@ -624,36 +596,5 @@ impl<'r> Report<'r> {
             ))),
             _ => Ok(()),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_history_of_an_earlier_optimization_is_kept_or_its_error_is_told() {
-        let folder = std::env::temp_dir().join(format!("costate-earlier-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
-        let (path, first, second) = (folder.join("designs.csv"), folder.join("designs.1.csv"), folder.join("designs.2.csv"));
-        keep_earlier(&path).expect("nothing is there");
-        std::fs::write(&path, "points").expect("written");
-        // the name of a link that leads nowhere is taken
-        #[cfg(unix)]
-        std::os::unix::fs::symlink(folder.join("nowhere"), &first).expect("a link");
-        #[cfg(not(unix))]
-        std::fs::write(&first, "").expect("written");
-        keep_earlier(&path).expect("is kept");
-        assert!(!path.exists() && first.symlink_metadata().is_ok());
-        assert_eq!(std::fs::read_to_string(&second).expect("kept"), "points");
-        // what is no file is left where it is
-        std::fs::create_dir(&path).expect("a folder");
-        let failure = keep_earlier(&path).expect_err("is no file");
-        assert!(failure.code == 2 && failure.message.contains("is no file"), "{failure:?}");
-        assert!(path.is_dir());
-        // and so is what cannot be looked at
-        let failure = keep_earlier(&second.join("designs.csv")).expect_err("its folder is a file");
-        assert!(failure.code == 1 && failure.message.contains("cannot keep the earlier history"), "{failure:?}");
-        let _ = std::fs::remove_dir_all(&folder);
     }
 }

@@ -138,6 +138,16 @@ impl<'p> CommandLine<'p> {
     }
 }
 
+/// The place of a design variable.
+///
+/// # Errors
+/// A name that the scene has not, with the nearest one.
+pub(super) fn variable_named(variables: &[DesignVariable], name: &str) -> Result<usize, String> {
+    let known = || variables.iter().map(|variable| variable.name.clone()).collect::<Vec<_>>();
+    let place = variables.iter().position(|variable| variable.name == name);
+    place.ok_or_else(|| unknown("design variable", name, &known()))
+}
+
 /// The initial design with the changes of `--set`.
 pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -> Result<Vec<f64>, Failure> {
     let mut x: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
@@ -150,10 +160,8 @@ pub(super) fn changed_design(variables: &[DesignVariable], changes: &[String]) -
             )));
         };
         let (name, value) = (name.trim(), value.trim());
-        let known: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
-        let Some(index) = variables.iter().position(|variable| variable.name == name) else {
-            return Err(Failure::input(format!("--set {change}: {}", unknown("design variable", name, &known))));
-        };
+        let index =
+            variable_named(variables, name).map_err(|message| Failure::input(format!("--set {change}: {message}")))?;
         if seen.contains(&name) {
             return Err(Failure::input(format!("--set {change}: \"{name}\" was already set; give it once")));
         }
@@ -251,6 +259,12 @@ impl SceneOptions {
         !self.set.is_empty()
     }
 
+    /// Places of the variables that `--set` names.
+    pub fn set_places(&self, variables: &[DesignVariable]) -> Vec<usize> {
+        let names = self.set.iter().filter_map(|change| change.split_once('=')).map(|(name, _)| name.trim());
+        names.filter_map(|name| variable_named(variables, name).ok()).collect()
+    }
+
     /// The chosen method, duration and steps.
     ///
     /// # Errors
@@ -303,11 +317,6 @@ impl SceneOptions {
         Ok(method)
     }
 
-    /// Time between the rows of the histories [s] that `--output-step` asks for.
-    pub fn output_step(&self) -> Option<f64> {
-        self.output_step
-    }
-
     /// What is written: by the options, else by the scene.
     pub fn output(&self, scene: &dyn AnyScene) -> Output {
         let own = scene.output();
@@ -322,6 +331,17 @@ impl SceneOptions {
     /// Whether a report is written.
     pub fn reports(&self) -> bool {
         !self.no_report
+    }
+
+    /// Refuses what is written for one motion alone.
+    ///
+    /// # Errors
+    /// An option that asks for it; `what` has none.
+    pub fn without_histories(&self, what: &str) -> Result<(), Failure> {
+        let given = [("--output-step", self.output_step.is_some()), ("--vtk", self.vtk)];
+        given.iter().find(|option| option.1).map_or(Ok(()), |(option, _)| {
+            Err(Failure::input(format!("{option}: {what} writes no histories of motions; leave it out")))
+        })
     }
 
     /// The folder for the results.

@@ -168,7 +168,7 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
 }
 
 /// The failure, with the options that its advice is about.
-fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
+pub fn with_hint(error: RunError, prepared: &Prepared) -> Failure {
     let failure = Failure::from(error);
     let option = match prepared.control {
         Some(_) => "--longest-step".into(),
@@ -260,7 +260,7 @@ impl Simulation {
 
     /// Says how well equal steps resolve the motion, or whether an equilibrium stands, and warns where they hardly do.
     pub fn say_resolution(&self, prepared: &Prepared) {
-        if let Some((error, _)) = self.error_in_words(prepared) {
+        if let Some((error, _)) = error_in_words(prepared, &self.forward) {
             say(format_args!("largest estimated error of a step: {error}\n"));
         }
         if let Some(Statement::Stable(words)) = stability::statement(prepared, &self.forward) {
@@ -271,25 +271,7 @@ impl Simulation {
 
     /// Warnings where the steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does not stand.
     pub fn resolution(&self, prepared: &Prepared) -> Vec<String> {
-        let mut warnings: Vec<String> = self.error_in_words(prepared).and_then(|error| error.1).into_iter().collect();
-        if let Some((t, step)) = self.forward.leap {
-            warnings.push(format!(
-                "step {step} (t = {} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
-                 let the steps be chosen (--tolerance)",
-                shortest(t)
-            ));
-        }
-        let [_, functionals] = prepared.undetermined();
-        if !functionals.is_empty() {
-            warnings.push(format!(
-                "the model does not determine {}: redundant joints share loads in many ways, of which the one of least norm is given; leave out \
-                 equations that the real joints do not have, or let parts be flexible",
-                quoted(&functionals)
-            ));
-        }
-        if let Some(Statement::Warning(words)) = stability::statement(prepared, &self.forward) {
-            warnings.push(words);
-        }
+        let mut warnings = warnings(prepared, &self.forward);
         for (word, (share, t)) in ["grows", "falls"].into_iter().zip(self.energy.iter().flat_map(|energy| energy.shares())) {
             if share > StepError::COARSE {
                 warnings.push(format!(
@@ -319,25 +301,6 @@ impl Simulation {
                 || !of_motion.is_empty() && functional.over.times() != Times::Start && !is_mass
         });
         behind.map(|functional| functional.name.as_str()).collect()
-    }
-
-    /// The largest estimated error of a step, and the warning that it is large.
-    fn error_in_words(&self, prepared: &Prepared) -> Option<(String, Option<String>)> {
-        let StepError { share, step, t, dof, in_velocity } = self.forward.error?;
-        let of = if in_velocity { "largest velocity" } else { "model's length" };
-        let name = prepared.model().dof_name(dof);
-        let place = format!("step {step} (t = {} s), {name}{}", shortest(t), if in_velocity { ", velocity" } else { "" });
-        let warning = (share > StepError::COARSE).then(|| {
-            let steps = prepared.grid.steps();
-            let chosen =
-                if prepared.method.table.embedded.is_some() { "--tolerance" } else { "--tolerance with another method" };
-            format!(
-                "a step has an estimated error of {:.1} % of the {of}, {place}: the motion may be another one from there on; take smaller steps \
-                 (--steps above {steps}), or {chosen}",
-                100.0 * share
-            )
-        });
-        Some((format!("{share:.1e} of the {of}, {place}"), warning))
     }
 
     /// Writes the report, if there is one, and the summary, the last files of a run.
@@ -434,6 +397,50 @@ impl Simulation {
         }
         object
     }
+}
+
+/// Warnings about a run where its steps hardly resolve the motion, the model does not determine what is asked for, or an equilibrium does
+/// not stand.
+pub fn warnings(prepared: &Prepared, forward: &Forward) -> Vec<String> {
+    let mut warnings: Vec<String> = error_in_words(prepared, forward).and_then(|error| error.1).into_iter().collect();
+    if let Some((t, step)) = forward.leap {
+        warnings.push(format!(
+            "step {step} (t = {} s) leaps over a dead point: the drives determine the motion, and it goes on along another branch from there on; \
+             let the steps be chosen (--tolerance)",
+            shortest(t)
+        ));
+    }
+    let [_, functionals] = prepared.undetermined();
+    if !functionals.is_empty() {
+        warnings.push(format!(
+            "the model does not determine {}: redundant joints share loads in many ways, of which the one of least norm is given; leave out \
+             equations that the real joints do not have, or let parts be flexible",
+            quoted(&functionals)
+        ));
+    }
+    if let Some(Statement::Warning(words)) = stability::statement(prepared, forward) {
+        warnings.push(words);
+    }
+    warnings
+}
+
+/// The largest estimated error of a step, and the warning that it is large.
+fn error_in_words(prepared: &Prepared, forward: &Forward) -> Option<(String, Option<String>)> {
+    let StepError { share, step, t, dof, in_velocity } = forward.error?;
+    let of = if in_velocity { "largest velocity" } else { "model's length" };
+    let name = prepared.model().dof_name(dof);
+    let place = format!("step {step} (t = {} s), {name}{}", shortest(t), if in_velocity { ", velocity" } else { "" });
+    let warning = (share > StepError::COARSE).then(|| {
+        let steps = prepared.grid.steps();
+        let chosen =
+            if prepared.method.table.embedded.is_some() { "--tolerance" } else { "--tolerance with another method" };
+        format!(
+            "a step has an estimated error of {:.1} % of the {of}, {place}: the motion may be another one from there on; take smaller steps \
+             (--steps above {steps}), or {chosen}",
+            100.0 * share
+        )
+    });
+    Some((format!("{share:.1e} of the {of}, {place}"), warning))
 }
 
 /// Names in words.

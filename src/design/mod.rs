@@ -3,6 +3,10 @@
 //! The chain (dp/dx)^T p_bar + (dq0/dx)^T q_bar + (dv0/dx)^T v_bar is one reverse sweep over the recorded map, whatever the
 //! number of variables.
 
+mod sampling;
+
+pub use sampling::{SOBOL_DIMENSIONS, latin_hypercube, sobol};
+
 use crate::program::{Graph, Node, Recorded, Recording, record};
 use crate::scalar::Scalar;
 use std::collections::HashSet;

@@ -18,11 +18,18 @@ mod vtu;
 #[cfg(feature = "arrow")]
 pub use arrow::ArrowFile;
 #[cfg(feature = "cli")]
-pub use drawing::{Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_panels};
+pub use drawing::{
+    Bars, Chart, ColouredSurface, Facet, Frame, MotionPicture, Polyline, Series, Style, Trail, View, write_bars,
+    write_panels,
+};
 pub use file::{IoError, write_file, write_with};
 #[cfg(feature = "cli")]
 pub use progress::Progress;
+#[cfg(feature = "cli")]
+pub(crate) use read::fields;
 pub use read::read_csv;
+#[cfg(feature = "cli")]
+pub(crate) use table::quoted;
 pub use table::{Cell, CsvFile, Table, number, write_csv};
 #[cfg(feature = "cli")]
 pub(crate) use vtu::base64;

@@ -11,7 +11,7 @@ pub fn read_csv(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), String> {
     let text = std::fs::read_to_string(path).map_err(|cause| failed(cause.to_string()))?;
     let mut lines = text.lines().enumerate();
     let header =
-        lines.next().and_then(|(_, line)| names(line)).ok_or_else(|| failed("line 1 is no list of names".into()))?;
+        lines.next().and_then(|(_, line)| fields(line)).ok_or_else(|| failed("line 1 is no list of names".into()))?;
     let mut rows = Vec::new();
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let numbers: Result<Vec<f64>, &str> = line.split(',').map(|word| word.trim().parse().map_err(|_| word)).collect();
@@ -25,20 +25,20 @@ pub fn read_csv(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), String> {
     Ok((header, rows))
 }
 
-/// The names of a line, some of them quoted; `None` for a quote without its end.
-fn names(line: &str) -> Option<Vec<String>> {
-    let (mut names, mut name, mut quoted) = (Vec::new(), String::new(), false);
+/// What stands between the commas of a line, some of it quoted; `None` for a quote without its end, and for nothing at all.
+pub(crate) fn fields(line: &str) -> Option<Vec<String>> {
+    let (mut fields, mut field, mut quoted) = (Vec::new(), String::new(), false);
     let mut letters = line.chars().peekable();
     while let Some(letter) = letters.next() {
         match letter {
-            '"' if quoted && letters.peek() == Some(&'"') => name.extend(letters.next()),
+            '"' if quoted && letters.peek() == Some(&'"') => field.extend(letters.next()),
             '"' => quoted = !quoted,
-            ',' if !quoted => names.push(std::mem::take(&mut name)),
-            letter => name.push(letter),
+            ',' if !quoted => fields.push(std::mem::take(&mut field)),
+            letter => field.push(letter),
         }
     }
-    names.push(name);
-    (!quoted && names.iter().any(|name| !name.is_empty())).then_some(names)
+    fields.push(field);
+    (!quoted && fields.iter().any(|field| !field.is_empty())).then_some(fields)
 }
 
 #[cfg(test)]

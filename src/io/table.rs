@@ -139,7 +139,8 @@ impl CsvFile {
     }
 }
 
-fn quoted(name: &str) -> String {
+/// What stands in a field of a CSV file.
+pub(crate) fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 

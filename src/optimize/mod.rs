@@ -17,6 +17,7 @@ mod optimization;
 mod optimizer;
 mod program;
 mod quadratic;
+pub(crate) mod runs_at_once;
 mod scaling;
 mod sqp;
 mod starts;

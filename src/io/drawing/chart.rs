@@ -4,6 +4,7 @@ use super::axis::{Marks, Scale, drawable};
 use super::picture::{Align, Colour, GRID, INK, PALETTE, Picture, Place, WHITE_PAPER, text_width};
 use super::plot::{Plot, TITLE_SIZE, marks_width};
 use crate::io::file::IoError;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// How a [`Series`] is drawn.
@@ -155,8 +156,17 @@ fn pieces(plot: &Plot, series: &Series) -> Vec<Vec<Place>> {
         .points
         .split(|&(x, y)| !drawable(x, plot.x.log) || !drawable(y, plot.y.log))
         .filter(|piece| !piece.is_empty())
-        .map(|piece| thinned(piece.iter().map(|&point| plot.place(point))))
+        .map(|piece| {
+            let places = piece.iter().map(|&point| plot.place(point));
+            if series.style == Style::Markers { scattered(places) } else { thinned(places) }
+        })
         .collect()
+}
+
+/// Of points without a line between them one for each pixel: more signs there look the same.
+fn scattered(points: impl Iterator<Item = Place>) -> Vec<Place> {
+    let mut taken = HashSet::new();
+    points.filter(|at| taken.insert(at.map(|length| length.round() as i64))).collect()
 }
 
 /// Of all consecutive points within a quarter pixel in x only the first, lowest, highest and last.
@@ -267,7 +277,7 @@ fn listed(chart: &Chart) -> impl Iterator<Item = (usize, &Series)> {
 }
 
 /// At most 40 letters of a name.
-fn short(name: &str) -> String {
+pub(super) fn short(name: &str) -> String {
     if name.chars().count() <= 40 { name.to_owned() } else { name.chars().take(39).chain(['…']).collect() }
 }
 

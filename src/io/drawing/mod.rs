@@ -4,10 +4,12 @@
 //! every machine.
 
 mod axis;
+mod bars;
 mod chart;
 mod motion;
 mod picture;
 mod plot;
 
+pub use bars::{Bars, write_bars};
 pub use chart::{Chart, Series, Style, write_panels};
 pub use motion::{ColouredSurface, Facet, Frame, MotionPicture, Polyline, Trail, View};

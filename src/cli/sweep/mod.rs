@@ -1,0 +1,245 @@
+//! `costate sweep`: a parameter study, each design an ordinary run, several at once.
+
+mod findings;
+mod pictures;
+mod rows;
+mod summary;
+mod variation;
+
+use super::CommandLine;
+use super::console::{count, say, say_json};
+use super::failure::{Failure, INTERRUPTED};
+use super::interrupt::Guard;
+use super::options::SceneOptions;
+use super::results::check_folder;
+use super::simulation::{warnings, with_hint};
+use super::stability::{Statement, statement};
+use crate::history::{Keep, Watch};
+use crate::integrators::{Method, StepRecord};
+use crate::io::{Progress, write_file};
+use crate::optimize::runs_at_once::run_at_once;
+use crate::scenes::{AnyScene, Prepared, Settings};
+use clap::Args;
+use rows::{Outcome, Outcomes, Rows, header, row};
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+use variation::{MOST_DESIGNS, Sampling, Variation};
+
+/// Options of `costate sweep`.
+#[derive(Args)]
+pub struct SweepOptions {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Vary a design variable: NAME=FROM:TO:COUNT in equal steps, NAME=FROM:TO:COUNT:log in equal steps of the logarithm, or
+    /// NAME=VALUE,VALUE; given for several variables, a grid. With --samples a range: NAME=FROM:TO or NAME=FROM:TO:log
+    #[arg(long, value_name = "NAME=VALUES")]
+    vary: Vec<String>,
+    /// Draw N designs in the ranges of --vary, or without it within the bounds of all variables but those of --set
+    #[arg(long, value_name = "N", value_parser = design_count, allow_negative_numbers = true)]
+    samples: Option<usize>,
+    /// How designs are drawn: a Latin hypercube, or Sobol's sequence in up to 21 variables
+    #[arg(long, value_enum, value_name = "WAY", default_value_t = Sampling::LatinHypercube, requires = "samples")]
+    sampling: Sampling,
+    /// Other designs of the same kind: a whole number; without it Sobol's sequence begins at the lower ends
+    #[arg(long, value_name = "SEED", requires = "samples")]
+    seed: Option<u64>,
+    /// Threads: as many designs are run at once [default: all]
+    #[arg(long, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
+    threads: Option<usize>,
+    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept; one design is run again to see that they
+    /// are of this sweep
+    #[arg(long)]
+    resume: bool,
+}
+
+/// Most threads.
+const MOST_THREADS: usize = 4096;
+
+fn whole_number(text: &str, most: usize) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(number) if (1..=most).contains(&number) => Ok(number),
+        _ => Err(format!("it must be a whole number from 1 to {most}")),
+    }
+}
+
+fn design_count(text: &str) -> Result<usize, String> {
+    whole_number(text, MOST_DESIGNS)
+}
+
+fn thread_count(text: &str) -> Result<usize, String> {
+    whole_number(text, MOST_THREADS)
+}
+
+/// What is run.
+struct Sweep<'s> {
+    options: &'s SweepOptions,
+    scene: &'s dyn AnyScene,
+    /// At the design of `--set`.
+    base: Prepared<'s>,
+    method: Method,
+    settings: Settings,
+    variation: Variation,
+    /// Names and units of the functionals.
+    functionals: Vec<(String, String)>,
+    threads: usize,
+}
+
+/// `costate sweep`: runs the designs, writes their rows, draws and prints what they show.
+pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure> {
+    let scene = options.scene.scene(program)?;
+    options.scene.without_histories("a sweep")?;
+    let sweep = Sweep::new(options, &*scene)?;
+    let folder = options.scene.folder(&*scene);
+    let (path, header) = (folder.join("sweep.csv"), sweep.header());
+    let (rows, mut outcomes) = match options.resume {
+        true => Rows::resume(&path, header, &sweep.variation)?,
+        false => {
+            check_folder(&folder)?;
+            (Rows::begin(&path, header)?, vec![None; sweep.variation.points.len()])
+        }
+    };
+    let kept = outcomes.iter().flatten().count();
+    let guard = Guard::new();
+    sweep.announce(kept);
+    sweep.check_kept(&outcomes, &path, &guard)?;
+    let begun = Instant::now();
+    sweep.run_all(rows, &mut outcomes, &guard)?;
+    let summary = summary::Summary::new(&sweep, &outcomes, kept, begun.elapsed().as_secs_f64());
+    let mut files = vec![path];
+    files.extend(summary.draw(&folder)?);
+    files.push(folder.join("sweep.json"));
+    let json = summary.json(&files);
+    write_file(&files[files.len() - 1], format!("{json:#}\n").as_bytes())?;
+    summary.say();
+    files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
+    say_json(options.scene.json, &json);
+    summary.verdict()
+}
+
+impl<'s> Sweep<'s> {
+    fn new(options: &'s SweepOptions, scene: &'s dyn AnyScene) -> Result<Self, Failure> {
+        let variables = scene.variables();
+        let (method, settings) = options.scene.simulation(scene)?;
+        options.scene.design(scene)?;
+        let variation = Variation::of(options, &variables, &options.scene.set_places(&variables))?;
+        let base = options.scene.prepare(scene)?;
+        let functionals = base.functionals().iter().map(|own| (own.name.clone(), own.value_unit())).collect();
+        let threads = options.threads.unwrap_or_else(rayon::current_num_threads);
+        Ok(Sweep { options, scene, base, method, settings, variation, functionals, threads })
+    }
+
+    fn name(&self) -> String {
+        self.scene.name()
+    }
+
+    /// Name of a variable that varies.
+    fn axis_name(&self, axis: usize) -> &str {
+        &self.base.variables[self.variation.axes[axis].place].name
+    }
+
+    /// The same with its unit.
+    fn axis_label(&self, axis: usize) -> String {
+        format!("{} [{}]", self.axis_name(axis), self.base.variables[self.variation.axes[axis].place].unit)
+    }
+
+    fn header(&self) -> String {
+        let variable = |axis: usize| {
+            (self.axis_name(axis).to_string(), self.base.variables[self.variation.axes[axis].place].unit.to_string())
+        };
+        header(&(0..self.variation.axes.len()).map(variable).collect::<Vec<_>>(), &self.functionals)
+    }
+
+    fn announce(&self, kept: usize) {
+        let Sweep { scene, variation: Variation { axes, points, words }, settings, .. } = self;
+        say(format_args!("{}: {}", scene.name(), scene.summary()));
+        let kept = if kept > 0 { format!(", of which {kept} are finished") } else { String::new() };
+        let [designs, variables, threads] =
+            [(points.len(), "design"), (axes.len(), "variable"), (self.threads, "thread")].map(|(n, word)| count(n, word));
+        say(format_args!("{designs} {words} in {variables}, on {threads}{kept}"));
+        let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
+        say(format_args!("each design: {}, {steps} over {} s\n", self.method.table.name, settings.end));
+    }
+
+    /// Runs a design as `costate run` does, but keeps no step; `None` if it was stopped.
+    fn outcome(&self, place: usize, guard: &Guard) -> Option<Outcome> {
+        let run = || -> Result<(Vec<f64>, Vec<String>), Failure> {
+            let x = self.variation.design(&self.base.x, place);
+            let mut prepared = Prepared::with(self.scene, &x, self.method.clone(), self.settings.clone())
+                .map_err(|error| self.options.scene.located(self.scene, error))?;
+            prepared.keep = Keep::Nothing;
+            let names = prepared.functionals().iter().map(|own| &own.name);
+            if !names.eq(self.functionals.iter().map(|own| &own.0)) {
+                return Err(Failure::input("the scene has other functionals at this design"));
+            }
+            let mut watch = Watch(|_: &StepRecord<f64>| !guard.requested());
+            let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut watch)?;
+            let checked = stopped.map_or_else(|| prepared.analysis().check_values(&forward), Err);
+            checked.map_err(|error| with_hint(error, &prepared))?;
+            match statement(&prepared, &forward) {
+                Some(Statement::Warning(message)) if self.options.scene.requires_stability() => Err(Failure::run(message)),
+                _ => Ok((forward.values.clone(), warnings(&prepared, &forward))),
+            }
+        };
+        let run = run();
+        if guard.requested() {
+            return None;
+        }
+        Some(match run {
+            Ok((values, warnings)) => Outcome { values, failed: false, message: warnings.join("; ") },
+            Err(Failure { message, .. }) => {
+                Outcome { values: vec![f64::NAN; self.functionals.len()], failed: true, message }
+            }
+        })
+    }
+
+    /// Runs a design of the file again, if there is one: the same scene, method and machine give the same bits.
+    fn check_kept(&self, outcomes: &[Option<Outcome>], path: &Path, guard: &Guard) -> Result<(), Failure> {
+        let Some((place, there)) = outcomes.iter().enumerate().find_map(|(place, own)| Some((place, own.as_ref()?))) else {
+            return Ok(());
+        };
+        let Some(here) = self.outcome(place, guard) else {
+            return Err(Failure { code: INTERRUPTED, message: "interrupted".into() });
+        };
+        let [there, here] = [there, &here].map(|own| row(place + 1, &self.variation.points[place], own));
+        if there == here {
+            return Ok(());
+        }
+        Err(Failure::input(format!(
+            "--resume {}: design {} gave {}, but here it gives {}: the file is of another scene, method or machine; without --resume it is \
+             kept under another name",
+            path.display(),
+            place + 1,
+            there.trim_end(),
+            here.trim_end()
+        )))
+    }
+
+    /// Runs the designs that are not finished; each row is written when it is there, and all are sorted at the end.
+    fn run_all(&self, rows: Rows, outcomes: &mut Outcomes, guard: &Guard) -> Result<(), Failure> {
+        let places: Vec<usize> = (0..outcomes.len()).filter(|&place| outcomes[place].is_none()).collect();
+        let progress = Progress::new("designs", outcomes.len() as u64);
+        let finished = outcomes.len() - places.len();
+        progress.set(finished as u64);
+        let shared = Mutex::new((rows, outcomes, finished, None));
+        let lock = || shared.lock().unwrap_or_else(PoisonError::into_inner);
+        run_at_once(places.len(), self.threads, |number| {
+            let place = places[number];
+            if guard.requested() || lock().3.is_some() {
+                return;
+            }
+            let Some(outcome) = self.outcome(place, guard) else { return };
+            let (rows, outcomes, finished, unwritten) = &mut *lock();
+            if let Err(error) = rows.add(&row(place + 1, &self.variation.points[place], &outcome)) {
+                *unwritten = Some(error);
+                return;
+            }
+            outcomes[place] = Some(outcome);
+            *finished += 1;
+            progress.set(*finished as u64);
+        });
+        let (rows, outcomes, _, unwritten) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        unwritten.map_or_else(|| rows.sort(outcomes, &self.variation), Err)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,172 @@
+//! sweep.csv: a row for each design, added when it is finished, read again by `--resume`, sorted at the end.
+
+use super::variation::Variation;
+use crate::cli::earlier::keep_earlier;
+use crate::cli::failure::Failure;
+use crate::history::check_place;
+use crate::io::{IoError, fields, quoted, write_file};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// What came of one design.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Values of the functionals; NaN where the design failed.
+    pub values: Vec<f64>,
+    /// It could not be simulated.
+    pub failed: bool,
+    /// Why, or warnings about the run.
+    pub message: String,
+}
+
+/// What came of each design, where it is finished.
+pub type Outcomes = Vec<Option<Outcome>>;
+
+/// The file while a sweep goes on. It is locked: a second sweep does not write into it.
+pub struct Rows {
+    path: PathBuf,
+    header: String,
+    file: File,
+}
+
+const STATES: [&str; 2] = ["done", "failed"];
+
+/// Names of the columns: number, variables, functionals, state, message.
+pub fn header(variables: &[(String, String)], functionals: &[(String, String)]) -> String {
+    let named = |kind: &str, (name, unit): &(String, String)| quoted(&format!("{kind} {name} [{unit}]"));
+    let mut names = vec!["number".to_string()];
+    names.extend(variables.iter().map(|own| named("design", own)));
+    names.extend(functionals.iter().map(|own| named("functional", own)));
+    names.extend(["status", "message"].map(String::from));
+    names.join(",") + "\n"
+}
+
+/// The row of a design, numbered from 1 on, with its values of the variables that vary.
+pub fn row(number: usize, point: &[f64], Outcome { values, failed, message }: &Outcome) -> String {
+    let numbers: String = point.iter().chain(values).map(|value| format!("{value:.16e},")).collect();
+    format!("{number},{numbers}{},{}\n", STATES[usize::from(*failed)], quoted(&message.replace(['\n', '\r'], " ")))
+}
+
+/// Opens a file and locks it.
+fn locked(path: &Path, options: &OpenOptions) -> io::Result<File> {
+    check_place(path)?;
+    let file = options.open(path)?;
+    file.try_lock().map_err(|cause| io::Error::other(format!("another sweep is writing it: {cause}")))?;
+    Ok(file)
+}
+
+impl Rows {
+    /// Begins a file; an earlier one keeps its rows under another name.
+    ///
+    /// # Errors
+    /// A place that cannot be written to, and a file that another sweep is writing.
+    pub fn begin(path: &Path, header: String) -> Result<Self, Failure> {
+        let cannot = |cause: io::Error| Failure::input(format!("cannot write {}: {cause}", path.display()));
+        if path.is_file() {
+            locked(path, File::options().read(true)).map_err(cannot)?;
+        }
+        keep_earlier(path)?;
+        let mut file = locked(path, File::options().write(true).create_new(true)).map_err(cannot)?;
+        file.write_all(header.as_bytes()).map_err(cannot)?;
+        Ok(Rows { path: path.to_path_buf(), header, file })
+    }
+
+    /// Goes on with a file: its rows are what is finished. A last line that was not written whole is cut off.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or whose rows are no designs of this sweep, with the line.
+    pub fn resume(path: &Path, header: String, variation: &Variation) -> Result<(Self, Outcomes), Failure> {
+        let refused = |message: String| Failure::input(format!("--resume {}: {message}", path.display()));
+        let mut file = locked(path, File::options().read(true).write(true)).map_err(|cause| refused(cause.to_string()))?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(|cause| refused(cause.to_string()))?;
+        let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        if end == 0 && !header.as_bytes().starts_with(&bytes) {
+            return Err(refused("it is no table of a sweep".into()));
+        }
+        bytes.truncate(end);
+        let text = String::from_utf8(bytes).map_err(|cause| refused(cause.to_string()))?;
+        let outcomes = outcomes(&text, &header, variation).map_err(refused)?;
+        let mut again = || -> io::Result<()> {
+            file.set_len(text.len() as u64)?;
+            file.seek(SeekFrom::End(0))?;
+            file.write_all(if text.is_empty() { header.as_bytes() } else { b"" })
+        };
+        again().map_err(|cause| refused(cause.to_string()))?;
+        Ok((Rows { path: path.to_path_buf(), header, file }, outcomes))
+    }
+
+    /// Adds the row of a design.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn add(&mut self, row: &str) -> Result<(), IoError> {
+        self.file.write_all(row.as_bytes()).map_err(|cause| IoError::new(&self.path, cause))
+    }
+
+    /// Puts the rows in the order of their numbers.
+    ///
+    /// # Errors
+    /// A file that cannot be written: the rows remain as they are.
+    pub fn sort(self, outcomes: &[Option<Outcome>], variation: &Variation) -> Result<(), IoError> {
+        let rows = outcomes.iter().zip(&variation.points).enumerate();
+        let rows = rows.filter_map(|(place, (outcome, point))| Some(row(place + 1, point, outcome.as_ref()?)));
+        write_file(&self.path, (self.header + &rows.collect::<String>()).as_bytes())
+    }
+}
+
+/// What the lines of a file say.
+fn outcomes(text: &str, header: &str, variation: &Variation) -> Result<Outcomes, String> {
+    let mut outcomes = vec![None; variation.points.len()];
+    let mut lines = text.lines().zip(1..);
+    let Some((names, _)) = lines.next() else { return Ok(outcomes) };
+    if names != header.trim_end() {
+        return Err(format!(
+            "its columns are {names}, but those of this sweep are {}: it is of another scene or variation; without --resume it is kept \
+             under another name",
+            header.trim_end()
+        ));
+    }
+    let columns = fields(header.trim_end()).map_or(0, |fields| fields.len());
+    for (line, number) in lines {
+        let (place, outcome) = read(line, columns, variation).map_err(|message| format!("line {number}: {message}"))?;
+        if outcomes[place].replace(outcome).is_some() {
+            return Err(format!("line {number}: the design {} stands there twice", place + 1));
+        }
+    }
+    Ok(outcomes)
+}
+
+/// A row as [`row`] writes it.
+fn read(line: &str, columns: usize, variation: &Variation) -> Result<(usize, Outcome), String> {
+    let no_row = || format!("\"{line}\" is no row of a sweep");
+    let words = fields(line).filter(|words| words.len() == columns).ok_or_else(no_row)?;
+    let (numbers, words) = words.split_at(columns - 2);
+    let number = numbers[0].parse::<usize>().map_err(|_| no_row())?;
+    let numbers: Vec<f64> = numbers[1..].iter().map(|word| word.parse()).collect::<Result<_, _>>().map_err(|_| no_row())?;
+    let failed = STATES.iter().position(|state| *state == words[0]).ok_or_else(no_row)? == 1;
+    let (design, values) = numbers.split_at(variation.axes.len());
+    let place = number.wrapping_sub(1);
+    let point = variation.points.get(place).ok_or_else(|| {
+        format!("there is a design {number}, but this sweep has {}: it is of another variation", variation.points.len())
+    })?;
+    if point != design {
+        return Err(format!("design {number} is {design:?}, but {point:?} in this sweep: it is of another variation"));
+    }
+    Ok((place, Outcome { values: values.to_vec(), failed, message: words[1].clone() }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_read_as_it_was_written() {
+        let variation = Variation { axes: Vec::new(), points: vec![Vec::new(); 3], words: String::new() };
+        let outcome = Outcome { values: vec![0.1, 1.0 / 3.0], failed: true, message: "a, \"b\"\nc".into() };
+        let (place, read) = read(row(3, &[], &outcome).trim_end(), 5, &variation).expect("a row");
+        assert_eq!((place, &read.message[..], read.failed), (2, "a, \"b\" c", true));
+        assert_eq!(read.values, outcome.values);
+    }
+}

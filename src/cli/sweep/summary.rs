@@ -1,0 +1,177 @@
+//! What is printed at the end of a sweep, and stands in sweep.json.
+
+use super::findings::Findings;
+use super::pictures;
+use super::rows::Outcome;
+use super::{Sampling, Sweep};
+use crate::cli::console::{count, json_number, say, seconds, warn};
+use crate::cli::failure::{Failure, INTERRUPTED};
+use crate::cli::simulation::names;
+use crate::io::{Cell, Table};
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// Most variables that have a column in the console, and most failed designs that are listed in JSON.
+const MOST_COLUMNS: usize = 8;
+const MOST_LISTED: usize = 100;
+
+/// A sweep that ended.
+pub struct Summary<'s> {
+    sweep: &'s Sweep<'s>,
+    /// Designs that were simulated, and those that could not be, by their places.
+    done: Vec<(usize, &'s Outcome)>,
+    failed: Vec<(usize, &'s Outcome)>,
+    /// Rows of an earlier sweep.
+    kept: usize,
+    seconds: f64,
+    /// Of each functional.
+    findings: Vec<Findings>,
+}
+
+impl<'s> Summary<'s> {
+    /// Of what is finished.
+    pub fn new(sweep: &'s Sweep<'s>, outcomes: &'s [Option<Outcome>], kept: usize, seconds: f64) -> Self {
+        let finished = outcomes.iter().enumerate().filter_map(|(place, outcome)| Some((place, outcome.as_ref()?)));
+        let (failed, done): (Vec<_>, Vec<_>) = finished.partition(|(_, outcome)| outcome.failed);
+        let variable = |axis: usize| done.iter().map(|&(place, _)| sweep.variation.points[place][axis]).collect();
+        let variables: Vec<Vec<f64>> = (0..sweep.variation.axes.len()).map(variable).collect();
+        let values = |k: usize| done.iter().map(|&(place, outcome)| (place, outcome.values[k])).collect::<Vec<_>>();
+        let findings = (0..sweep.functionals.len()).filter_map(|k| Findings::of(&values(k), &variables)).collect();
+        Summary { sweep, done, failed, kept, seconds, findings }
+    }
+
+    /// Draws the pictures.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn draw(&self, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+        if self.findings.is_empty() {
+            Ok(Vec::new())
+        } else {
+            pictures::draw(self.sweep, &self.done, &self.findings, folder)
+        }
+    }
+
+    /// Prints the extremes of the functionals, their designs, and rank correlations.
+    pub fn say(&self) {
+        if !self.findings.is_empty() {
+            say(format_args!("{}\n", self.extremes()));
+            say(format_args!("{}\n", self.designs()));
+            say(format_args!("{}\n", self.correlations()));
+        }
+        let [done, failed] = [&self.done, &self.failed].map(|own| own.len());
+        let took = if self.kept == done + failed { String::new() } else { format!(" in {}", seconds(self.seconds)) };
+        say(format_args!("{} finished{took}, {failed} failed\n", count(done + failed, "design")));
+        let mut told = self.done.iter().filter(|(_, outcome)| !outcome.message.is_empty());
+        if let Some((place, Outcome { message, .. })) = told.next() {
+            let more = told.count() + 1;
+            warn(&format!(
+                "{} with a warning in sweep.csv; the first, design {}: {message}",
+                count(more, "design"),
+                place + 1
+            ));
+        }
+    }
+
+    fn extremes(&self) -> Table {
+        let mut table = Table::new(&["functional", "smallest", "design", "largest", "design", "mean", "unit"]);
+        for ((name, unit), Findings { extremes: [least, most], mean, .. }) in
+            self.sweep.functionals.iter().zip(&self.findings)
+        {
+            let number = |place: usize| Cell::Number((place + 1) as f64);
+            table.row([
+                name.as_str().into(),
+                least.0.into(),
+                number(least.1),
+                most.0.into(),
+                number(most.1),
+                (*mean).into(),
+                unit.as_str().into(),
+            ]);
+        }
+        table
+    }
+
+    /// The variables of the designs that have an extreme value.
+    fn designs(&self) -> Table {
+        let axes = 0..self.sweep.variation.axes.len().min(MOST_COLUMNS);
+        let labels: Vec<String> = axes.clone().map(|axis| self.sweep.axis_label(axis)).collect();
+        let mut table = Table::new(&["design"].into_iter().chain(labels.iter().map(String::as_str)).collect::<Vec<_>>());
+        let mut places: Vec<usize> = self.findings.iter().flat_map(|own| own.extremes.map(|extreme| extreme.1)).collect();
+        places.sort_unstable();
+        places.dedup();
+        for place in places {
+            let values = axes.clone().map(|axis| Cell::Number(self.sweep.variation.points[place][axis]));
+            table.row([Cell::Number((place + 1) as f64)].into_iter().chain(values));
+        }
+        table
+    }
+
+    fn correlations(&self) -> Table {
+        let axes = 0..self.sweep.variation.axes.len().min(MOST_COLUMNS);
+        let labels: Vec<&str> = axes.clone().map(|axis| self.sweep.axis_name(axis)).collect();
+        let mut table = Table::new(&["rank correlation of"].into_iter().chain(labels).collect::<Vec<_>>());
+        for ((name, _), own) in self.sweep.functionals.iter().zip(&self.findings) {
+            let values = axes.clone().map(|axis| match own.correlations[axis] {
+                correlation if correlation.is_finite() => Cell::Text(format!("{correlation:>6.3}")),
+                _ => "-".into(),
+            });
+            table.row([Cell::from(name.as_str())].into_iter().chain(values));
+        }
+        table
+    }
+
+    /// The same and more as one object.
+    pub fn json(&self, files: &[PathBuf]) -> Value {
+        let Summary { sweep, done, failed, kept, seconds, findings } = self;
+        let design = sweep.base.variables.iter().zip(&sweep.base.x).map(|(v, &x)| (v.name.clone(), json_number(x)));
+        let axes = sweep.variation.axes.iter().enumerate().map(|(k, axis)| {
+            let (from, to) = axis.range;
+            json!({"name": sweep.axis_name(k), "unit": sweep.base.variables[axis.place].unit, "from": from, "to": to, "logarithmic": axis.log})
+        });
+        let extreme = |(value, place): (f64, usize)| json!({"value": json_number(value), "design": place + 1});
+        let functional = |((name, unit), own): (&(String, String), &Findings)| {
+            let [smallest, largest] = own.extremes.map(extreme);
+            let correlations = own.correlations.iter().enumerate();
+            let correlations = correlations.map(|(axis, &value)| (sweep.axis_name(axis).to_string(), json_number(value)));
+            json!({
+                "name": name, "unit": unit, "smallest": smallest, "largest": largest, "mean": json_number(own.mean),
+                "rank_correlation": correlations.collect::<Map<_, _>>(),
+            })
+        };
+        let failure = |(place, outcome): &(usize, &Outcome)| json!({"design": place + 1, "message": outcome.message});
+        json!({
+            "scene": sweep.name(),
+            "method": sweep.method.table.name,
+            "designs": sweep.variation.points.len(),
+            "sampling": sweep.options.samples.map_or("grid", |_| Sampling::name(sweep.options.sampling)),
+            "varied": axes.collect::<Vec<_>>(),
+            "design": design.collect::<Map<_, _>>(),
+            "finished": done.len() + failed.len(),
+            "taken_over": kept,
+            "failed": failed.len(),
+            "failures": failed.iter().take(MOST_LISTED).map(failure).collect::<Vec<_>>(),
+            "functionals": sweep.functionals.iter().zip(findings).map(functional).collect::<Vec<_>>(),
+            "threads": sweep.threads,
+            "time_s": json_number(*seconds),
+            "files": names(files),
+        })
+    }
+
+    /// What the program ends with.
+    ///
+    /// # Errors
+    /// Designs that are left, or that failed.
+    pub fn verdict(&self) -> Result<(), Failure> {
+        let (all, finished) = (self.sweep.variation.points.len(), self.done.len() + self.failed.len());
+        if finished < all {
+            let message =
+                format!("stopped after {finished} of {all} designs: sweep.csv has their rows, and --resume goes on");
+            return Err(Failure { code: INTERRUPTED, message });
+        }
+        self.failed.first().map_or(Ok(()), |(place, Outcome { message, .. })| {
+            let failed = self.failed.len();
+            Err(Failure::run(format!("{failed} of {all} designs failed; the first, design {}: {message}", place + 1)))
+        })
+    }
+}

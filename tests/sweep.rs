@@ -1,0 +1,316 @@
+//! Parameter studies as their users meet them: the bits of single runs on any number of threads, rows that survive, messages.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// An empty folder of its own for one test, removed when dropped; the program runs inside it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("costate-sweep-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).expect("a folder");
+        Folder(path)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_costate"));
+        command.args(arguments).current_dir(&self.0);
+        command
+    }
+
+    /// Output of a command that ends with a code.
+    fn run(&self, code: i32, arguments: &[&str]) -> Output {
+        let output = self.command(arguments).output().expect("it runs");
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", text(&output.stderr));
+        output
+    }
+
+    fn read(&self, file: &str) -> String {
+        fs::read_to_string(self.0.join(file)).expect("a file")
+    }
+
+    fn write(&self, file: &str, text: &str) {
+        fs::write(self.0.join(file), text).expect("written");
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("text")
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_str(text(&output.stdout).lines().last().expect("a line")).expect("an object")
+}
+
+/// Header and rows of a table.
+fn table(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
+    (lines.next().expect("a header"), lines.collect())
+}
+
+fn number(word: &str) -> f64 {
+    word.parse().expect("a number")
+}
+
+const PENDULUM: [&str; 9] =
+    ["sweep", "pendulum", "--end", "0.5", "--steps", "20", "--vary", "length=0.5:2:4", "--vary=gravity=9.81,1.62"];
+
+const FILES: [&str; 2] = ["out/pendulum/sweep.csv", "out/pendulum/sweep.json"];
+
+#[test]
+fn a_design_has_the_bits_of_its_single_run_on_any_number_of_threads() {
+    let folder = Folder::new("bits");
+    let common = ["five-bar", "--end", "0.5", "--steps", "20"];
+    let vary = ["--vary", "c=1.5:20:3:log", "--vary", "L01=1.9,2.1"];
+    let mut tables = BTreeSet::new();
+    for threads in ["1", "2", "7"] {
+        folder.run(0, &[&["sweep"], &common[..], &vary, &["--threads", threads, "--out", threads]].concat());
+        tables.insert(folder.read(&format!("{threads}/sweep.csv")));
+    }
+    assert_eq!(tables.len(), 1, "{tables:?}");
+    let (header, rows) = table(tables.first().expect("one"));
+    assert_eq!(header[..3], ["number", "design c [N s/m]", "design L01 [m]"]);
+    assert_eq!(rows.iter().map(|row| &row[0][..]).collect::<Vec<_>>(), ["1", "2", "3", "4", "5", "6"]);
+    for row in rows {
+        let set = [format!("c={}", row[1]), format!("L01={}", row[2])];
+        let output =
+            folder.run(0, &[&["run"], &common[..], &["--json", "--no-report", "--set", &set[0], "--set", &set[1]]].concat());
+        let values = json(&output)["functionals"].as_array().expect("functionals").clone();
+        assert_eq!(values.len() + 5, header.len());
+        for (value, word) in values.iter().zip(&row[3..]) {
+            assert_eq!(value["value"].as_f64().expect("a number").to_bits(), number(word).to_bits(), "{set:?} {value}");
+        }
+        assert_eq!(row[row.len() - 2], "done");
+    }
+}
+
+#[test]
+fn extremes_correlations_and_pictures_are_those_of_the_rows() {
+    let folder = Folder::new("shown");
+    let output = folder.run(0, &[&PENDULUM[..], &["--json"]].concat());
+    let (_, rows) = table(&folder.read(FILES[0]));
+    let object = json(&output);
+    let written: Value = serde_json::from_str(&folder.read(FILES[1])).expect("an object");
+    assert_eq!(object, written);
+    assert_eq!((&object["designs"], &object["failed"], &object["sampling"]), (&8.into(), &0.into(), &"grid".into()));
+    for (k, own) in object["functionals"].as_array().expect("functionals").iter().enumerate() {
+        assert!(own["rank_correlation"]["length"].as_f64().is_some_and(|rho| rho.abs() <= 1.0), "{own}");
+        let smallest = own["smallest"]["design"].as_u64().expect("a number") as usize - 1;
+        let value = own["smallest"]["value"].as_f64().expect("a number");
+        // names of functionals with a comma are two words here: values are counted from the end
+        let column = rows[0].len() - 2 - object["functionals"].as_array().expect("functionals").len() + k;
+        assert_eq!(number(&rows[smallest][column]), value);
+        assert!(rows.iter().all(|row| number(&row[column]) >= value));
+    }
+    let stdout = text(&output.stdout);
+    for part in ["8 designs of a grid in 2 variables, on ", "rank correlation of", "gravity", "8 designs finished in "] {
+        assert!(stdout.contains(part), "{part}: {stdout}");
+    }
+    for name in ["scatter-1", "scatter-2", "sensitivity"] {
+        let svg = folder.read(&format!("out/pendulum/{name}.svg"));
+        assert!(folder.0.join(format!("out/pendulum/{name}.png")).exists() && svg.contains("x at the end"), "{name}");
+    }
+    assert!(folder.read("out/pendulum/sensitivity.svg").contains("Spearman's rank correlation over 8 designs"));
+    // an earlier table is kept
+    let first = folder.read(FILES[0]);
+    let output = folder.run(0, &["sweep", "pendulum", "--end", "0.5", "--steps", "20", "--vary", "length=1"]);
+    assert!(text(&output.stdout).contains("kept the earlier table as out/pendulum/sweep.1.csv"));
+    assert_eq!(folder.read("out/pendulum/sweep.1.csv"), first);
+}
+
+#[test]
+fn a_sweep_that_was_cut_off_goes_on_and_ends_with_the_same_table() {
+    let folder = Folder::new("resume");
+    folder.run(0, &PENDULUM);
+    let whole = folder.read(FILES[0]);
+    let lines: Vec<&str> = whole.lines().collect();
+    let resume = [&PENDULUM[..], &["--resume", "--json"]].concat();
+    let torn = format!("{}\n{}\n{}\n{}", lines[0], lines[6], lines[2], &lines[4][..lines[4].len() / 2]);
+    for (left, taken_over) in [(torn, 2), ("num".into(), 0), (String::new(), 0), (whole.clone(), 8)] {
+        folder.write(FILES[0], &left);
+        let output = folder.run(0, &resume);
+        assert_eq!(json(&output)["taken_over"], taken_over, "{left}");
+        assert_eq!(folder.read(FILES[0]), whole);
+    }
+    // what is not of this sweep stays as it is
+    let cases: [(&[&str], String, &str); 7] = [
+        (&[], "my notes".into(), "it is no table of a sweep"),
+        (&["--method", "dirk2"], whole.clone(), "the file is of another scene, method or machine"),
+        (&["--set", "mass=2"], whole.clone(), "the file is of another scene, method or machine"),
+        (&["--vary", "mass=1:2:2"], whole.clone(), "of another scene or variation"),
+        (&[], format!("{whole}{}\n", lines[3]), "line 10: the design 3 stands there twice"),
+        (&[], format!("{whole}9,{}\n", &lines[3][2..]), "line 10: there is a design 9, but this sweep has 8"),
+        (&[], format!("{}\n4{}\n", lines[0], &lines[3][1..]), "line 2: design 4 is [1.0, 9.81], but [1.0, 1.62] in this sweep"),
+    ];
+    for (more, left, message) in cases {
+        folder.write(FILES[0], &left);
+        let said = text(&folder.run(2, &[&resume[..], more].concat()).stderr);
+        assert!(said.contains(message) && said.contains("--resume out/pendulum/sweep.csv"), "{message}: {said}");
+        assert_eq!(folder.read(FILES[0]), left);
+    }
+    fs::remove_file(folder.0.join(FILES[0])).expect("removed");
+    assert!(text(&folder.run(2, &resume).stderr).contains("--resume out/pendulum/sweep.csv: "));
+}
+
+/// A stone whose mass vanishes where the load is 2.
+const STONE: &str = r#"
+version = 1
+gravity = [0, 0, -10]
+[variable]
+load = { initial = 1, bounds = [0, 3], unit = "kg" }
+lift = { initial = 3, bounds = [1, 8], unit = "m/s" }
+[settings]
+end = 0.5
+steps = 10
+[[point]]
+name = "stone"
+mass = "2 - load"
+position = [0, 0, 0]
+velocity = [0, 0, "lift"]
+[[functional]]
+name = "height"
+type = "position"
+node = "stone"
+direction = [0, 0, 1]
+over = "terminal"
+"#;
+
+#[test]
+fn a_failed_design_is_named_with_its_reason_and_the_others_are_run() {
+    let folder = Folder::new("failed");
+    folder.write("stone.toml", STONE);
+    let output = folder.run(1, &["sweep", "stone.toml", "--vary", "load=0.5:2.5:3", "--vary", "lift=2,4", "--json"]);
+    let said = text(&output.stderr);
+    assert!(said.contains("2 of 6 designs failed; the first, design 5: stone.toml:") && said.contains("-0.5"), "{said}");
+    let object = json(&output);
+    assert_eq!((&object["finished"], &object["failed"]), (&6.into(), &2.into()));
+    let csv = folder.read("out/stone/sweep.csv");
+    let (_, rows) = table(&csv);
+    let states: Vec<&str> = rows.iter().map(|row| &row[4][..]).collect();
+    assert_eq!(states, ["done", "done", "done", "done", "failed", "failed"]);
+    assert!(rows[4][3] == "NaN" && csv.contains("mass: at this design the value is -0.5"), "{csv}");
+    // 2.0 * 0.5 - 10 * 0.5^2 / 2
+    assert!((number(&rows[0][3]) + 0.25).abs() < 1e-12, "{csv}");
+    // failed designs are not run again, and the code remains
+    let output = folder.run(1, &["sweep", "stone.toml", "--vary", "load=0.5:2.5:3", "--vary", "lift=2,4", "--json", "--resume"]);
+    assert_eq!(json(&output)["taken_over"], 6);
+    assert_eq!(folder.read("out/stone/sweep.csv"), csv);
+}
+
+#[test]
+fn samples_fill_the_ranges_evenly_and_leave_what_is_set() {
+    let folder = Folder::new("samples");
+    let common = ["sweep", "pendulum", "--end", "0.1", "--steps", "2", "--samples", "16"];
+    let strata = |rows: &[Vec<String>], column: usize, share: fn(f64) -> f64| {
+        rows.iter().map(|row| (16.0 * share(number(&row[column]))).floor() as usize).collect::<BTreeSet<_>>().len()
+    };
+    for (sampling, seed) in [("latin-hypercube", "1"), ("latin-hypercube", "2"), ("sobol", "1"), ("sobol", "2")] {
+        let out = format!("{sampling}-{seed}");
+        folder.run(0, &[&common[..], &["--sampling", sampling, "--seed", seed, "--set", "mass=3", "--out", &out]].concat());
+        let (header, rows) = table(&folder.read(&format!("{out}/sweep.csv")));
+        assert_eq!((rows.len(), &header[1..3]), (16, &["design length [m]".into(), "design gravity [m/s2]".into()][..]));
+        assert_eq!(strata(&rows, 1, |x| (x - 0.1) / 9.9), 16, "{out}");
+        assert_eq!(strata(&rows, 2, |x| (x - 0.1) / 19.9), 16, "{out}");
+    }
+    assert_ne!(folder.read("sobol-1/sweep.csv"), folder.read("sobol-2/sweep.csv"));
+    assert_ne!(folder.read("latin-hypercube-1/sweep.csv"), folder.read("latin-hypercube-2/sweep.csv"));
+    folder.run(0, &[&common[..], &["--sampling", "sobol", "--vary", "length=0.1:10:log"]].concat());
+    let (_, rows) = table(&folder.read("out/pendulum/sweep.csv"));
+    assert_eq!(number(&rows[0][1]), 0.1, "without a seed it begins at the lower end");
+    assert!((number(&rows[1][1]) - 1.0).abs() < 1e-15, "half of the logarithm");
+    assert_eq!(strata(&rows, 1, |x| 0.5 * (x.log10() + 1.0) + 1e-12), 16);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_a_sweep_with_its_finished_rows() {
+    use std::process::Stdio;
+    let folder = Folder::new("stopped");
+    let arguments = ["sweep", "pendulum", "--steps", "3000", "--vary", "length=0.5:2:60", "--threads", "2"];
+    let file = folder.0.join(FILES[0]);
+    let rows = || fs::read_to_string(&file).map_or(0, |text| text.lines().count().saturating_sub(1));
+    for (signal, resume) in [("-INT", None), ("-TERM", Some("--resume"))] {
+        let before = rows();
+        let mut command = folder.command(&[&arguments[..], resume.as_slice()].concat());
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it runs");
+        while rows() < before + 3 {
+            assert!(child.try_wait().expect("a state").is_none(), "it ended before it was stopped");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill").success());
+        let output = child.wait_with_output().expect("it ends");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{message}");
+        assert!(message.contains(" of 60 designs: sweep.csv has their rows, and --resume goes on"), "{message}");
+        let numbers: Vec<usize> =
+            table(&folder.read(FILES[0])).1.iter().map(|row| row[0].parse().expect("a number")).collect();
+        assert!(numbers.len() >= before + 3 && numbers.is_sorted(), "{numbers:?}");
+    }
+}
+
+#[test]
+fn wrong_input_is_refused_with_what_is_allowed() {
+    let folder = Folder::new("wrong");
+    let cases: &[(&[&str], &[&str])] = &[
+        (&[], &["nothing varies", "--vary mass=FROM:TO:COUNT", "--samples N"]),
+        (&["--vary", "lenght=1:2:3"], &["--vary lenght=1:2:3", "\"length\"?"]),
+        (&["--vary", "length"], &["--vary length", "NAME=FROM:TO:COUNT"]),
+        (&["--vary", "length=1:2:0"], &["count \"0\"", "whole number from 2 to 1000000", "NAME=VALUE"]),
+        (&["--vary", "length=1:2:1"], &["count \"1\""]),
+        (&["--vary", "length=1:2:x"], &["count \"x\""]),
+        (&["--vary", "length=1:2:lin"], &["count \"lin\""]),
+        (&["--vary", "length=2:1:5"], &["from a number to a larger one, not from 2 to 1"]),
+        (&["--vary", "length=1:1:5"], &["not from 1 to 1"]),
+        (&["--vary", "length=1:two:5"], &["\"two\" is not a number"]),
+        (&["--vary", "length=1:inf:5"], &["\"inf\" is not a number"]),
+        (&["--vary", "length=1,,2"], &["\"\" is not a number"]),
+        (&["--vary", "length=0:2:5:log"], &["lies above 0", "begins at 0"]),
+        (&["--vary", "length=1:2:3:4:5"], &["FROM:TO:COUNT:log"]),
+        (&["--vary", "length=log"], &["FROM:TO:COUNT:log"]),
+        (&["--vary", "length=1:2"], &["a grid needs a count", "--samples N"]),
+        (&["--vary", "length=1:20:5"], &["\"length\" is 20 m", "between 0.1 and 10 m"]),
+        (&["--vary", "length=5,0"], &["\"length\" is 0 m"]),
+        (&["--vary", "length=1:2:5", "--vary", "length=3"], &["--vary length=3", "varies already"]),
+        (&["--vary", "length=1:2:5", "--set", "length=3"], &["--set gives it one value"]),
+        (&["--vary", "length=1:2:2000", "--vary", "mass=1:2:2000"], &["--vary mass=1:2:2000", "more than 1000000 designs"]),
+        (&["--vary", "length=1:2:5", "--samples", "8"], &["without a count", "NAME=FROM:TO"]),
+        (&["--vary", "length=1,2", "--samples", "8"], &["without a count"]),
+        (&["--samples", "0"], &["--samples", "'0'", "whole number from 1 to 1000000"]),
+        (&["--samples", "8", "--sampling", "halton"], &["'halton'", "latin-hypercube, sobol"]),
+        (&["--samples", "8", "--set", "mass=1", "--set", "length=1", "--set", "gravity=9"], &["no variable", "left to vary"]),
+        (&["--vary", "length=1:2:5", "--seed", "3"], &["--samples"]),
+        (&["--vary", "length=1:2:5", "--sampling", "sobol"], &["--samples"]),
+        (&["--vary", "length=1:2:5", "--threads", "0"], &["--threads", "'0'", "whole number from 1 to"]),
+        (&["--vary", "length=1:2:5", "--output-step", "0.1"], &["--output-step", "a sweep writes no histories"]),
+        (&["--vary", "length=1:2:5", "--vtk"], &["--vtk", "leave it out"]),
+        (&["--vary", "length=1:2:5", "--method", "esdrik3"], &["did you mean \"esdirk3\"?"]),
+    ];
+    for (arguments, expected) in cases {
+        let output = folder.run(2, &[&["sweep", "pendulum"], *arguments].concat());
+        let message = text(&output.stderr);
+        assert_eq!(message.matches("error:").count(), 1, "{arguments:?}: {message}");
+        for part in *expected {
+            assert!(message.contains(part), "{arguments:?}: {part} is not in {message}");
+        }
+        assert_eq!(text(&output.stdout), "", "{arguments:?}");
+    }
+    assert_eq!(fs::read_dir(&folder.0).expect("a folder").count(), 0);
+    // more variables than Sobol's sequence has dimensions
+    let names: Vec<String> = (0..22).map(|k| format!("v{k}")).collect();
+    let variables: String = names.iter().map(|name| format!("{name} = {{ initial = 1, bounds = [1, 2] }}\n")).collect();
+    let many = STONE.replace("[variable]\n", &format!("[variable]\n{variables}")).replace("2 - load", &format!("5 - load + {}", names.join(" + ")));
+    folder.write("many.toml", &many);
+    let said = text(&folder.run(2, &["sweep", "many.toml", "--samples", "4", "--sampling", "sobol"]).stderr);
+    assert!(said.contains("at most 2^32 points in 21 dimensions") && said.contains("latin-hypercube"), "{said}");
+}
