@@ -465,7 +465,8 @@ fn a_new_file_runs_and_its_gradient_is_right() {
 #[test]
 fn the_help_of_every_command_has_examples() {
     let folder = Folder::new("help");
-    for command in ["run", "gradient", "optimize", "sweep", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
+    for command in
+        ["run", "gradient", "optimize", "sweep", "modes", "verify", "check", "new", "schema", "list", "completions", "man"]
     {
         let help = text(&folder.run(&[command, "--help"]).stdout);
         // the parser of the command line adds its lists of values behind the last line of a description

@@ -1,4 +1,4 @@
-//! Parameter studies as their users meet them: the bits of single runs on any number of threads, rows that survive, messages.
+//! Parameter studies as users meet them: the bits of single runs on any number of threads, rows that survive, messages.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -53,6 +53,13 @@ fn json(output: &Output) -> Value {
     serde_json::from_str(text(&output.stdout).lines().last().expect("a line")).expect("an object")
 }
 
+/// Numbers behind the word "value" in the last line, to the last bit: the parser of JSON here rounds otherwise.
+fn values(output: &Output) -> Vec<f64> {
+    let text = text(&output.stdout);
+    let words = text.lines().last().expect("a line").split("\"value\":").skip(1);
+    words.map(|word| number(word.split([',', '}']).next().expect("a word"))).collect()
+}
+
 /// Header and rows of a table.
 fn table(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
@@ -86,10 +93,10 @@ fn a_design_has_the_bits_of_its_single_run_on_any_number_of_threads() {
         let set = [format!("c={}", row[1]), format!("L01={}", row[2])];
         let output =
             folder.run(0, &[&["run"], &common[..], &["--json", "--no-report", "--set", &set[0], "--set", &set[1]]].concat());
-        let values = json(&output)["functionals"].as_array().expect("functionals").clone();
+        let values = values(&output);
         assert_eq!(values.len() + 5, header.len());
         for (value, word) in values.iter().zip(&row[3..]) {
-            assert_eq!(value["value"].as_f64().expect("a number").to_bits(), number(word).to_bits(), "{set:?} {value}");
+            assert_eq!(value.to_bits(), number(word).to_bits(), "{set:?} {value}");
         }
         assert_eq!(row[row.len() - 2], "done");
     }
@@ -104,14 +111,13 @@ fn extremes_correlations_and_pictures_are_those_of_the_rows() {
     let written: Value = serde_json::from_str(&folder.read(FILES[1])).expect("an object");
     assert_eq!(object, written);
     assert_eq!((&object["designs"], &object["failed"], &object["sampling"]), (&8.into(), &0.into(), &"grid".into()));
-    for (k, own) in object["functionals"].as_array().expect("functionals").iter().enumerate() {
+    let functionals = object["functionals"].as_array().expect("functionals");
+    for (k, (own, extremes)) in functionals.iter().zip(values(&output).chunks(2)).enumerate() {
         assert!(own["rank_correlation"]["length"].as_f64().is_some_and(|rho| rho.abs() <= 1.0), "{own}");
-        let smallest = own["smallest"]["design"].as_u64().expect("a number") as usize - 1;
-        let value = own["smallest"]["value"].as_f64().expect("a number");
-        // names of functionals with a comma are two words here: values are counted from the end
-        let column = rows[0].len() - 2 - object["functionals"].as_array().expect("functionals").len() + k;
-        assert_eq!(number(&rows[smallest][column]), value);
-        assert!(rows.iter().all(|row| number(&row[column]) >= value));
+        let column: Vec<f64> = rows.iter().map(|row| number(&row[3 + k])).collect();
+        let [least, most] = ["smallest", "largest"].map(|name| own[name]["design"].as_u64().expect("a number") as usize - 1);
+        assert_eq!([column[least], column[most]], extremes);
+        assert!(column.iter().all(|value| (extremes[0]..=extremes[1]).contains(value)), "{column:?}");
     }
     let stdout = text(&output.stdout);
     for part in ["8 designs of a grid in 2 variables, on ", "rank correlation of", "gravity", "8 designs finished in "] {
@@ -146,12 +152,16 @@ fn a_sweep_that_was_cut_off_goes_on_and_ends_with_the_same_table() {
     // what is not of this sweep stays as it is
     let cases: [(&[&str], String, &str); 7] = [
         (&[], "my notes".into(), "it is no table of a sweep"),
-        (&["--method", "dirk2"], whole.clone(), "the file is of another scene, method or machine"),
+        (&["--method", "dirk2"], format!("{whole}torn"), "the file is of another scene, method or machine"),
         (&["--set", "mass=2"], whole.clone(), "the file is of another scene, method or machine"),
         (&["--vary", "mass=1:2:2"], whole.clone(), "of another scene or variation"),
         (&[], format!("{whole}{}\n", lines[3]), "line 10: the design 3 stands there twice"),
         (&[], format!("{whole}9,{}\n", &lines[3][2..]), "line 10: there is a design 9, but this sweep has 8"),
-        (&[], format!("{}\n4{}\n", lines[0], &lines[3][1..]), "line 2: design 4 is [1.0, 9.81], but [1.0, 1.62] in this sweep"),
+        (
+            &[],
+            format!("{}\n4{}\n", lines[0], &lines[3][1..]),
+            "line 2: design 4 is [1.0, 9.81], but [1.0, 1.62] in this sweep",
+        ),
     ];
     for (more, left, message) in cases {
         folder.write(FILES[0], &left);
@@ -181,7 +191,7 @@ velocity = [0, 0, "lift"]
 [[functional]]
 name = "height"
 type = "position"
-node = "stone"
+on = "stone"
 direction = [0, 0, 1]
 over = "terminal"
 "#;
@@ -203,9 +213,22 @@ fn a_failed_design_is_named_with_its_reason_and_the_others_are_run() {
     // 2.0 * 0.5 - 10 * 0.5^2 / 2
     assert!((number(&rows[0][3]) + 0.25).abs() < 1e-12, "{csv}");
     // failed designs are not run again, and the code remains
-    let output = folder.run(1, &["sweep", "stone.toml", "--vary", "load=0.5:2.5:3", "--vary", "lift=2,4", "--json", "--resume"]);
+    let output =
+        folder.run(1, &["sweep", "stone.toml", "--vary", "load=0.5:2.5:3", "--vary", "lift=2,4", "--json", "--resume"]);
     assert_eq!(json(&output)["taken_over"], 6);
     assert_eq!(folder.read("out/stone/sweep.csv"), csv);
+    // steps that are too large, with a message of commas and quotes
+    let large = ["sweep", "pendulum", "--steps", "20", "--vary", "length=0.5:2:3"];
+    let said = text(&folder.run(1, &large).stderr);
+    assert!(
+        said.contains("3 of 3 designs failed") && said.contains("Newton") && said.contains("--steps above 20"),
+        "{said}"
+    );
+    let csv = folder.read(FILES[0]);
+    assert!(csv.contains("\"\"bob\"\", x"), "{csv}");
+    folder.run(1, &[&large[..], &["--resume"]].concat());
+    assert_eq!(folder.read(FILES[0]), csv);
+    assert!(!folder.0.join("out/pendulum/sensitivity.svg").exists(), "there is nothing to show");
 }
 
 #[test]
@@ -288,7 +311,10 @@ fn wrong_input_is_refused_with_what_is_allowed() {
         (&["--vary", "length=1,2", "--samples", "8"], &["without a count"]),
         (&["--samples", "0"], &["--samples", "'0'", "whole number from 1 to 1000000"]),
         (&["--samples", "8", "--sampling", "halton"], &["'halton'", "latin-hypercube, sobol"]),
-        (&["--samples", "8", "--set", "mass=1", "--set", "length=1", "--set", "gravity=9"], &["no variable", "left to vary"]),
+        (
+            &["--samples", "8", "--set", "mass=1", "--set", "length=1", "--set", "gravity=9"],
+            &["no variable", "left to vary"],
+        ),
         (&["--vary", "length=1:2:5", "--seed", "3"], &["--samples"]),
         (&["--vary", "length=1:2:5", "--sampling", "sobol"], &["--samples"]),
         (&["--vary", "length=1:2:5", "--threads", "0"], &["--threads", "'0'", "whole number from 1 to"]),
@@ -309,7 +335,9 @@ fn wrong_input_is_refused_with_what_is_allowed() {
     // more variables than Sobol's sequence has dimensions
     let names: Vec<String> = (0..22).map(|k| format!("v{k}")).collect();
     let variables: String = names.iter().map(|name| format!("{name} = {{ initial = 1, bounds = [1, 2] }}\n")).collect();
-    let many = STONE.replace("[variable]\n", &format!("[variable]\n{variables}")).replace("2 - load", &format!("5 - load + {}", names.join(" + ")));
+    let many = STONE
+        .replace("[variable]\n", &format!("[variable]\n{variables}"))
+        .replace("2 - load", &format!("5 - load + {}", names.join(" + ")));
     folder.write("many.toml", &many);
     let said = text(&folder.run(2, &["sweep", "many.toml", "--samples", "4", "--sampling", "sobol"]).stderr);
     assert!(said.contains("at most 2^32 points in 21 dimensions") && said.contains("latin-hypercube"), "{said}");

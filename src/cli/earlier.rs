@@ -4,8 +4,8 @@ use super::console::say;
 use super::failure::Failure;
 use std::path::Path;
 
-/// The table of an earlier run of the same command in the same folder keeps its rows: under the first number that is free. Only a file is
-/// moved.
+/// The table of an earlier run of the same command in the same folder keeps its rows, under the first number that is free.
+/// Only a file is moved.
 ///
 /// # Errors
 /// What stands there is no file, or cannot be moved.

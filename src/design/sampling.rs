@@ -1,4 +1,4 @@
-//! Points that fill the unit cube evenly, the same in every run: designs to start from, and designs of a parameter study.
+//! Points that fill the unit cube evenly, the same in every run: designs to start from, designs of a parameter study.
 
 /// Numbers that are the same in every run (a linear congruential generator; Knuth, MMIX).
 struct Numbers(u64);
@@ -14,7 +14,8 @@ impl Numbers {
     }
 }
 
-/// A Latin hypercube: of `count` points each has, in each dimension, one of `count` equal strata of [0, 1) for itself, and a random place in it.
+/// A Latin hypercube: of `count` points each has, in each dimension, one of `count` equal strata of [0, 1) for itself,
+/// and a random place in it.
 ///
 /// Source: McKay, Beckman & Conover (1979).
 pub fn latin_hypercube(count: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
@@ -40,7 +41,8 @@ pub const SOBOL_DIMENSIONS: usize = POLYNOMIALS.len() + 1;
 
 /// Inner coefficients of a primitive polynomial and initial direction numbers, for each dimension from the second on.
 ///
-/// Source: Joe & Kuo (2008), "Constructing Sobol sequences with better two-dimensional projections", table new-joe-kuo-6.21201.
+/// Source: Joe & Kuo (2008), "Constructing Sobol sequences with better two-dimensional projections", table
+/// new-joe-kuo-6.21201.
 const POLYNOMIALS: [(u32, &[u32]); 20] = [
     (0, &[1]),
     (1, &[1, 3]),
@@ -64,9 +66,9 @@ const POLYNOMIALS: [(u32, &[u32]); 20] = [
     (4, &[1, 3, 7, 13, 13, 15, 69]),
 ];
 
-/// Direction numbers v_k of a dimension, k from 0 on: with the polynomial of degree s and inner coefficients a_1 ... a_{s-1}
+/// Direction numbers v_k of a dimension, k from 0 on, by its polynomial of degree s with inner coefficients a_1 ... a_(s-1):
 ///
-/// v_k = v_{k-s} xor (v_{k-s} / 2^s) xor a_1 v_{k-1} xor ... xor a_{s-1} v_{k-s+1}
+/// v_k = v_(k-s) xor (v_(k-s) / 2^s) xor a_1 v_(k-1) xor ... xor a_(s-1) v_(k-s+1)
 fn directions(dimension: usize) -> [u32; BITS] {
     let mut v = std::array::from_fn(|k| 1 << (BITS - 1 - k));
     let Some((coefficients, initial)) = dimension.checked_sub(1).map(|row| POLYNOMIALS[row]) else { return v };
@@ -83,8 +85,9 @@ fn directions(dimension: usize) -> [u32; BITS] {
     v
 }
 
-/// The first points of Sobol's sequence in [0, 1), in the order of Antonov & Saleev; with a seed each coordinate is shifted by random
-/// binary digits of its own, which keeps how evenly the points lie. Counts that are powers of two are the evenest.
+/// The first points of Sobol's sequence in [0, 1), in the order of Antonov & Saleev; with a seed each coordinate is
+/// shifted by random binary digits of its own, which keeps how evenly the points lie. Counts that are powers of two are the
+/// evenest.
 ///
 /// Source: Sobol' (1967); Joe & Kuo (2008).
 ///
@@ -93,7 +96,8 @@ fn directions(dimension: usize) -> [u32; BITS] {
 pub fn sobol(count: usize, dimensions: usize, seed: Option<u64>) -> Result<Vec<Vec<f64>>, String> {
     if dimensions > SOBOL_DIMENSIONS || count as u64 > 1 << BITS {
         return Err(format!(
-            "{count} points in {dimensions} dimensions are asked for; Sobol's sequence has at most 2^{BITS} points in {SOBOL_DIMENSIONS} dimensions here"
+            "{count} points in {dimensions} dimensions are asked for; Sobol's sequence has at most 2^{BITS} points in \
+             {SOBOL_DIMENSIONS} dimensions here"
         ));
     }
     let mut numbers = seed.map(Numbers);
@@ -140,8 +144,8 @@ mod tests {
         assert!(sobol(4, SOBOL_DIMENSIONS + 1, None).is_err_and(|message| message.contains("21 dimensions")));
     }
 
-    /// Point 299 of SciPy 1.x, `qmc.Sobol(21, scramble=False)`, times 512; and each square of side 1/16 has one of 256 points in the first
-    /// two dimensions.
+    /// Point 299 of SciPy, `qmc.Sobol(21, scramble=False)`, times 512; and each square of side 1/16 has one of 256 points in
+    /// the first two dimensions.
     #[test]
     fn points_of_sobol_are_those_of_another_program() {
         let point = &sobol(300, SOBOL_DIMENSIONS, None).expect("few")[299];

@@ -44,7 +44,9 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// Correlation of ranks, Spearman's rho = sum (r - mean) (s - mean) / sqrt(sum (r - mean)^2 sum (s - mean)^2); NaN where one does not vary.
+/// Correlation of ranks, NaN where one does not vary: Spearman's
+///
+/// rho = sum (r - mean) (s - mean) / sqrt(sum (r - mean)^2 sum (s - mean)^2)
 ///
 /// Source: Spearman (1904); Kendall & Gibbons (1990), chapter 1, with ties.
 fn correlation(r: &[f64], s: &[f64]) -> f64 {
@@ -67,7 +69,7 @@ mod tests {
         assert_eq!(of(&values(|x| 1.0 / x)), -1.0);
         assert_eq!(of(&values(|x| (x - 5.0).powi(2))), 0.0, "what turns in the middle goes nowhere");
         assert!(of(&values(|x| 2.0 + 1e-15 * x)).is_nan(), "round-off");
-        // pairs share the ranks 0.5, 2.5, 4.5, 6.5 of 0 ... 7 beside each other: rho^2 = 1 - (8 * 1/4) / (sum of (r - 3.5)^2 = 42)
+        // pairs share the ranks 0.5, 2.5, 4.5, 6.5 of 0 ... 7: rho^2 = 1 - (8 / 4) / (sum of (r - 3.5)^2 = 42)
         let pairs: Vec<f64> = (0..8).map(|k| f64::from(k / 2)).collect();
         let all: Vec<f64> = (0..8).map(f64::from).collect();
         let rho = correlation(&ranks(&all), &ranks(&pairs));

@@ -47,8 +47,8 @@ pub struct SweepOptions {
     /// Threads: as many designs are run at once [default: all]
     #[arg(long, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
     threads: Option<usize>,
-    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept; one design is run again to see that they
-    /// are of this sweep
+    /// Go on with the sweep whose sweep.csv lies in the folder of results: its rows are kept; one design is run again to see
+    /// that they are of this sweep
     #[arg(long)]
     resume: bool,
 }
@@ -92,7 +92,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     let sweep = Sweep::new(options, &*scene)?;
     let folder = options.scene.folder(&*scene);
     let (path, header) = (folder.join("sweep.csv"), sweep.header());
-    let (rows, mut outcomes) = match options.resume {
+    let (mut rows, mut outcomes) = match options.resume {
         true => Rows::resume(&path, header, &sweep.variation)?,
         false => {
             check_folder(&folder)?;
@@ -103,6 +103,7 @@ pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure>
     let guard = Guard::new();
     sweep.announce(kept);
     sweep.check_kept(&outcomes, &path, &guard)?;
+    rows.cut()?;
     let begun = Instant::now();
     sweep.run_all(rows, &mut outcomes, &guard)?;
     let summary = summary::Summary::new(&sweep, &outcomes, kept, begun.elapsed().as_secs_f64());
@@ -206,8 +207,8 @@ impl<'s> Sweep<'s> {
             return Ok(());
         }
         Err(Failure::input(format!(
-            "--resume {}: design {} gave {}, but here it gives {}: the file is of another scene, method or machine; without --resume it is \
-             kept under another name",
+            "--resume {}: design {} gave {}, but here it gives {}: the file is of another scene, method or machine; without \
+             --resume it is kept under another name",
             path.display(),
             place + 1,
             there.trim_end(),

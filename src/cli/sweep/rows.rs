@@ -28,6 +28,8 @@ pub struct Rows {
     path: PathBuf,
     header: String,
     file: File,
+    /// Length of its whole rows.
+    end: usize,
 }
 
 const STATES: [&str; 2] = ["done", "failed"];
@@ -67,12 +69,11 @@ impl Rows {
             locked(path, File::options().read(true)).map_err(cannot)?;
         }
         keep_earlier(path)?;
-        let mut file = locked(path, File::options().write(true).create_new(true)).map_err(cannot)?;
-        file.write_all(header.as_bytes()).map_err(cannot)?;
-        Ok(Rows { path: path.to_path_buf(), header, file })
+        let file = locked(path, File::options().write(true).create_new(true)).map_err(cannot)?;
+        Ok(Rows { path: path.to_path_buf(), header, file, end: 0 })
     }
 
-    /// Goes on with a file: its rows are what is finished. A last line that was not written whole is cut off.
+    /// Goes on with a file: its rows are what is finished. A last line that was not written whole counts as not there.
     ///
     /// # Errors
     /// A file that cannot be read, or whose rows are no designs of this sweep, with the line.
@@ -88,13 +89,20 @@ impl Rows {
         bytes.truncate(end);
         let text = String::from_utf8(bytes).map_err(|cause| refused(cause.to_string()))?;
         let outcomes = outcomes(&text, &header, variation).map_err(refused)?;
-        let mut again = || -> io::Result<()> {
-            file.set_len(text.len() as u64)?;
-            file.seek(SeekFrom::End(0))?;
-            file.write_all(if text.is_empty() { header.as_bytes() } else { b"" })
+        Ok((Rows { path: path.to_path_buf(), header, file, end: text.len() }, outcomes))
+    }
+
+    /// Cuts off what is no whole row, once it is known that the file is of this sweep.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn cut(&mut self) -> Result<(), IoError> {
+        let mut cut = || {
+            self.file.set_len(self.end as u64)?;
+            self.file.seek(SeekFrom::End(0))?;
+            self.file.write_all(if self.end == 0 { self.header.as_bytes() } else { b"" })
         };
-        again().map_err(|cause| refused(cause.to_string()))?;
-        Ok((Rows { path: path.to_path_buf(), header, file }, outcomes))
+        cut().map_err(|cause: io::Error| IoError::new(&self.path, cause))
     }
 
     /// Adds the row of a design.
@@ -123,8 +131,8 @@ fn outcomes(text: &str, header: &str, variation: &Variation) -> Result<Outcomes,
     let Some((names, _)) = lines.next() else { return Ok(outcomes) };
     if names != header.trim_end() {
         return Err(format!(
-            "its columns are {names}, but those of this sweep are {}: it is of another scene or variation; without --resume it is kept \
-             under another name",
+            "its columns are {names}, but those of this sweep are {}: it is of another scene or variation; without --resume \
+             it is kept under another name",
             header.trim_end()
         ));
     }

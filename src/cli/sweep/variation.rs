@@ -100,8 +100,8 @@ impl Variation {
         if axes.is_empty() {
             let variable = variables.first().map_or("NAME", |variable| &variable.name);
             return Err(Failure::input(format!(
-                "nothing varies: name variables by --vary, as in --vary {variable}=FROM:TO:COUNT, or draw designs within the bounds of all \
-                 by --samples N"
+                "nothing varies: name variables by --vary, as in --vary {variable}=FROM:TO:COUNT, or draw designs within the \
+                 bounds of all by --samples N"
             )));
         }
         let mut points = vec![Vec::new()];
@@ -143,7 +143,7 @@ fn axes_of_bounds(variables: &[DesignVariable], set: &[usize]) -> Result<Vec<Axi
         }
         if !(lower.is_finite() && upper.is_finite()) {
             return Err(Failure::input(format!(
-                "--samples: \"{name}\" has no bound on a side; name the ranges of variables by --vary, as in --vary {name}=FROM:TO"
+                "--samples: \"{name}\" has no bound on a side; name ranges by --vary, as in --vary {name}=FROM:TO"
             )));
         }
         axes.push(Axis { place, range: (*lower, *upper), log: false, values: None });

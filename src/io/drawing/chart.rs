@@ -385,6 +385,19 @@ mod tests {
         }
     }
 
+    #[test]
+    fn signs_without_a_line_are_all_drawn_where_they_can_be_told_apart() {
+        let points: Vec<(f64, f64)> = (0..9).map(|k| (1.0, f64::from(k))).collect();
+        let scale = Scale { lo: 0.0, hi: 10.0, log: false };
+        let plot = Plot { left: 0.0, right: 100.0, top: 0.0, bottom: 100.0, x: scale, y: scale };
+        let drawn = |style| {
+            let twice = [&points[..], &points].concat();
+            pieces(&plot, &Series { name: String::new(), points: twice, style })[0].len()
+        };
+        assert_eq!(drawn(Style::Markers), 9);
+        assert!(drawn(Style::Both) < 9, "a curve is thinned");
+    }
+
     fn chart(series: Vec<Series>) -> Chart {
         let [title, x_label, y_label] = ["Tip of the beam", "time [s]", "deflection w [m]"].map(String::from);
         Chart { title, x_label, y_label, series, ..Chart::default() }
