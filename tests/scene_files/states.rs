@@ -1,5 +1,6 @@
 //! States of first order: controllers, actuators, what lags behind.
 
+use super::runge_kutta;
 use costate::prelude::*;
 use costate::scenes::FileScene;
 
@@ -252,4 +253,21 @@ fn what_is_wrong_with_a_state_is_told() {
         };
         assert!(told.contains(part), "{to}: {told}");
     }
+}
+
+#[test]
+fn the_controlled_arm_moves_as_its_equations_say() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes/controlled-arm.toml");
+    let scene = FileScene::read(&path).unwrap_or_else(|why| panic!("{why}"));
+    let (values, _) = run(&scene);
+    let (kp, ki, kd, target, rise, lag) = (60.0, 80.0, 8.0, std::f64::consts::FRAC_PI_3, 0.3, 0.02);
+    let (inertia, weight) = ((1.2 / 3.0 + 0.5) * 0.64, (1.2 * 0.4 + 0.5 * 0.8) * 9.81);
+    let slope = |_: f64, [angle, rate, command, sum, torque, _]: [f64; 6]| {
+        let of_command = (target - command) / rise;
+        let wanted = kp * (command - angle) + ki * sum + kd * (of_command - rate);
+        let turning = (torque - weight * angle.sin()) / inertia;
+        [rate, turning, of_command, command - angle, (wanted - torque) / lag, (angle - target).powi(2)]
+    };
+    let end = runge_kutta::integrated([0.0; 6], (25_000, 1e-4), slope);
+    assert!((values[2] - end[0]).abs() < 1e-7 && (values[0] - end[5]).abs() < 1e-7, "{values:?} {end:?}");
 }
