@@ -43,6 +43,8 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
     if dropped > 0 {
         say(format_args!("{} left out", count(dropped, "redundant constraint equation")));
     }
+    let notes = scene.notes();
+    notes.iter().for_each(|note| say(note));
     let object = json!({
         "scene": scene.name(),
         "variables": parts[0].0,
@@ -50,6 +52,7 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
         "elements": parts[2].0,
         "joints": parts[3].0,
         "functionals": parts[4].0,
+        "notes": notes,
     });
     say_json(options.json, &object);
     Ok(())

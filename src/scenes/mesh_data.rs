@@ -1,6 +1,5 @@
 //! A mesh of faces as a file gives it: numbers, and what the file calls things.
 
-use crate::elements::flexible::faces::FaceKind;
 use std::fmt;
 
 /// Where something stands in a file.
@@ -43,6 +42,8 @@ pub struct MeshData {
     pub groups: Vec<(String, Vec<usize>)>,
     /// Named sets of points, by their places in `points`, those of curves in the order along the curve.
     pub node_sets: Vec<(String, Vec<usize>)>,
+    /// What reading the file left out or made of it, in words.
+    pub notes: Vec<String>,
 }
 
 impl MeshData {
@@ -82,7 +83,7 @@ impl MeshData {
 
 /// Turns a face round: its corners, and the middles of its edges.
 pub(super) fn reverse(face: &mut [usize]) {
-    let corners = if face.len() == FaceKind::Triangle6.shape().nodes { 3 } else { 4 };
+    let corners = if matches!(face.len(), 3 | 6) { 3 } else { 4 };
     // what has another number of points is refused where it is to become a face
     if let Some(own) = face.get_mut(1..corners) {
         own.reverse();
@@ -104,6 +105,9 @@ mod tests {
         let mut triangle: Vec<usize> = (0..6).collect();
         reverse(&mut triangle);
         assert_eq!(triangle, [0, 2, 1, 5, 4, 3]);
+        let mut three: Vec<usize> = (0..3).collect();
+        reverse(&mut three);
+        assert_eq!(three, [0, 2, 1]);
         let mut four: Vec<usize> = (0..4).collect();
         reverse(&mut four);
         assert_eq!(four, [0, 3, 2, 1]);

@@ -27,6 +27,10 @@ pub trait Scene {
     fn output(&self) -> Output {
         Output::default()
     }
+    /// What reading it left out or made of its files, in words.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
     /// Where a part of this name is described, as messages say it: file, line and column of a scene from a file.
     fn place_of(&self, _part: &str) -> Option<String> {
         None
@@ -61,6 +65,8 @@ pub trait AnyScene: Sync {
     fn optimization_problem(&self) -> Option<OptimizationProblem>;
     /// What its runs write.
     fn output(&self) -> Output;
+    /// What reading it left out or made of its files, in words.
+    fn notes(&self) -> Vec<String>;
     /// Where a part of this name is described.
     fn place_of(&self, part: &str) -> Option<String>;
     /// In real numbers.
@@ -93,6 +99,9 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn output(&self) -> Output {
         Scene::output(self)
+    }
+    fn notes(&self) -> Vec<String> {
+        Scene::notes(self)
     }
     fn place_of(&self, part: &str) -> Option<String> {
         Scene::place_of(self, part)

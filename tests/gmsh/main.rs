@@ -1,4 +1,6 @@
-//! Meshes that Gmsh 4.8 wrote, and such files with something wrong in them: see plate.geo beside.
+//! Meshes that Gmsh 4.8 wrote, and such files with something wrong in them: see plate.geo beside. Versions before 4.1 were written with
+//! `-format msh22` and `msh40`, parameters with `Mesh.SaveParametric`; mixed-2.2.msh and solids-2.2.msh are by hand, mixed-2.2-binary.msh is the
+//! first of these in memory, quads4-2.2-big-endian.msh is quads4-2.2-binary.msh with the bytes of its numbers in the other order.
 
 use costate::elements::flexible::Material;
 use costate::scenes::{FilePlace, FreeMesh, MechanismBuilder, MeshData, parse_gmsh, read_gmsh};
@@ -17,7 +19,15 @@ fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(path(name)).unwrap()
 }
 
-const SORTS: [&str; 4] = ["quads4", "quads8", "quads9", "triangles6"];
+const SORTS: [&str; 5] = ["quads4", "quads8", "quads9", "triangles3", "triangles6"];
+
+/// All files here.
+fn all_files() -> Vec<String> {
+    let entries = std::fs::read_dir(path("")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = entries.filter(|name| name.ends_with(".msh")).collect();
+    names.sort();
+    names
+}
 
 /// A shell of thickness 1 m and density 1 kg/m3: its mass is its area. That of some faces, and of all.
 fn areas(data: &MeshData, group: &[usize]) -> [f64; 2] {
@@ -52,6 +62,84 @@ fn text_and_binary_files_of_gmsh_are_the_same_mesh() {
     }
 }
 
+#[test]
+fn files_of_all_versions_are_the_same_mesh() {
+    for (sort, others) in
+        [("quads4", &["2.2", "2.2-binary", "2.2-parametric-binary", "2.2-big-endian", "4.0"][..]), ("triangles3", &["2.2"])]
+    {
+        let expected = read(&format!("{sort}.msh"));
+        for other in others {
+            let own = read(&format!("{sort}-{other}.msh"));
+            // texts have 16 digits
+            let pairs = own.points.iter().flatten().zip(expected.points.iter().flatten());
+            assert!(pairs.into_iter().all(|(own, expected)| (own - expected).abs() < 1e-15), "{other}");
+            assert_eq!(own.point_numbers, expected.point_numbers, "{other}");
+            // version 2 writes faces of two groups twice and counts them anew
+            assert_eq!(own.faces, expected.faces, "{other}");
+            assert_eq!([&own.groups, &own.node_sets], [&expected.groups, &expected.node_sets], "{other}");
+            assert_eq!(own.notes, expected.notes, "{other}");
+        }
+    }
+    // names of version 2.0 have no dimension, and tags may be missing
+    let text = String::from_utf8(bytes("mixed-2.2.msh")).unwrap();
+    let old = text.replace("2.2 0 8", "2 0 8").replace("1 3 \"", "3 \"").replace("2 1 \"", "1 \"").replace("3 2 \"", "2 \"");
+    let old = old.replace("\n1 15 2 0 1 1\n", "\n1 15 0 1\n");
+    assert_eq!(
+        MeshData { file: String::new(), ..parse_gmsh("", old.as_bytes()).unwrap() },
+        parse_gmsh("", text.as_bytes()).unwrap()
+    );
+}
+
+#[test]
+fn triangles_of_three_nodes_are_raised_with_middles_in_common() {
+    let data = read("triangles3.msh");
+    assert!(data.faces.iter().all(|face| face.len() == 6));
+    // what Euler says of a plate with a hole: faces - edges + corners = 0
+    let (faces, corners) = (data.faces.len(), 24);
+    let edges = data.points.len() - corners;
+    assert_eq!(faces + corners, edges);
+    let middle = |a: usize, b: usize| [0, 1, 2].map(|k| 0.5 * (data.points[a][k] + data.points[b][k]));
+    for face in &data.faces {
+        (0..3).for_each(|k| assert_eq!(data.points[face[3 + k]], middle(face[k], face[(k + 1) % 3])));
+    }
+    // curves go through the middles of their edges, which are held with them
+    let hole = data.node_set("hole").unwrap();
+    assert_eq!(hole.len(), 16);
+    hole.chunks(2).zip(hole.iter().skip(2).step_by(2)).for_each(|(own, &next)| {
+        assert_eq!(data.points[own[1]], middle(own[0], next));
+    });
+    assert_eq!(data.point_numbers[corners..], (25..25 + edges).collect::<Vec<_>>());
+    assert!(
+        data.notes.iter().any(|note| note.contains(&format!("triangles of 3 nodes raised to 6 ({faces}): nodes 25 to")))
+    );
+}
+
+#[test]
+fn solids_are_left_out_beside_faces_and_quadrilaterals_fit_to_raised_triangles() {
+    for name in ["mixed-2.2.msh", "mixed-2.2-binary.msh"] {
+        let data = read(name);
+        assert_eq!(data.faces.iter().map(Vec::len).collect::<Vec<_>>(), [9, 6, 6, 6], "{name}");
+        assert_eq!(data.group("skin"), Some(&[0, 1, 2, 3][..]), "{name}");
+        assert!(data.group("core").is_none(), "{name}");
+        assert_eq!(data.points[data.node_set("root").unwrap()[1]], [0.0, 0.5, 0.0], "{name}");
+        let [_, all] = areas(&data, &[]);
+        assert!((all - 2.5).abs() < 1e-14, "{name}: {all}");
+        let notes = data.notes.join("\n");
+        for part in [
+            "left out: points (1), lines of 2 nodes (1), pyramids of 5 nodes (1), tetrahedra of 4 nodes (1)",
+            "triangles of 3 nodes raised to 6 (3), and quadrilaterals of 4 nodes beside them to 9 (1): nodes 11 to 21 are",
+            "nodes that belong to no face: 3 of 21",
+        ] {
+            assert!(notes.contains(part), "{name}: {notes}");
+        }
+    }
+    let why = read_gmsh(&path("solids-2.2.msh")).unwrap_err();
+    for part in ["no faces, but points (1), pyramids of 5 nodes (1)", "Physical Surface", "-save_all"] {
+        assert!(why.contains(part), "{why}");
+    }
+    assert!(read("quads9.msh").notes.is_empty());
+}
+
 /// Area that chords or arcs of eight parts leave of a square of side 2 around a circle of radius 1/2: an eighth of the circle is a chord, or a
 /// parabola through its middle, under which lie two thirds of the rectangle on the chord.
 fn area(is_curved: bool) -> f64 {
@@ -65,7 +153,7 @@ fn area(is_curved: bool) -> f64 {
 fn areas_are_those_of_the_edges() {
     for sort in SORTS {
         let data = read(&format!("{sort}.msh"));
-        let expected = area(sort != "quads4");
+        let expected = area(!matches!(sort, "quads4" | "triangles3"));
         let [right, all] = areas(&data, data.group("right half").unwrap());
         let [left, _] = areas(&data, data.group("left half").unwrap());
         // Gmsh's points on curves are exact to about 1e-12
@@ -94,7 +182,9 @@ fn physical_groups_are_groups_and_node_sets_in_order() {
             assert!(set.iter().all(|&point| is_on(data.points[point])), "{sort}: {name}");
             set
         };
-        let hole = on("hole", &|[x, y, _]| (x.hypot(y) - 0.5).abs() < 1e-9);
+        // raised triangles keep their straight edges, which go inside the circle
+        let least = if sort == "triangles3" { 0.5 * (PI / 8.0).cos() } else { 0.5 };
+        let hole = on("hole", &|[x, y, _]| (least - 1e-9..0.5 + 1e-9).contains(&x.hypot(y)));
         let per_part = if sort == "quads4" { 1 } else { 2 };
         assert_eq!(hole.len(), 8 * per_part, "{sort}");
         // around the hole, each point beside the last
@@ -137,8 +227,9 @@ fn parameters_are_passed_over_and_a_minus_sign_turns_faces_round() {
 /// Files of which something is replaced: which, by what, the place and the words of the message.
 const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
     ("", "$MeshFormat", "{}", ":1", &["no mesh of Gmsh"]),
-    ("", "4.1 0 8", "2.2 0 8", ":2", &["version \"2.2\"", "4.1", "Mesh.MshFileVersion"]),
-    ("", "4.1 0 8", "4 0 8", ":2", &["version \"4\"", "msh41"]),
+    ("", "4.1 0 8", "3 0 8", ":2", &["version \"3\"", "versions 2.0 to 2.2, 4.0 and 4.1", "-save -format msh41"]),
+    ("", "$MeshFormat", "$NOD", ":1", &["version 1", "-save -format msh41"]),
+    ("", "4.1 0 8", "2.2 0 8", ":9", &["$Entities does not belong to version 2.2"]),
     ("", "4.1 0 8", "4.1 0 4", ":2", &["4 bytes"]),
     ("", "4.1 0 8", "4.1 2 8", ":2", &["0, a text, or 1, binary; it is 2"]),
     ("", "4.1 0 8\n$EndMeshFormat", "4.1 0 8\n$EndMesh", ":3", &["$EndMeshFormat is wanted", "\"$EndMesh\""]),
@@ -177,15 +268,15 @@ const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
     ),
     ("", "7 7 7 0 0", "7 7 7 0", ":28", &["$EndNodes where a parameter of a node is wanted"]),
     ("", "2 9 3 1\n8 30 10 1 2", "2 9 3 1\n8 30 10 1 3", ":34", &["element 8 names node 3", "$Nodes does not have"]),
-    ("", "2 9 3 1\n8 30", "2 9 3 1\n3 30", ":34", &["element 3 is there twice"]),
+    ("", "2 9 3 1\n8 30", "2 9 3 2\n8 30 10 1 2\n8 30", ":35", &["element 8 is there twice"]),
     ("", "2 9 3 1\n8 30", "2 9 3 1\n9 30", ":34", &["the number of an element is 9", "from 3 to 8"]),
     ("", "$Elements\n2 2 3 8", "$Elements\n2 3 3 8", ":35", &["announces 3 elements", "have 2"]),
-    ("", "2 9 3 1\n8 30", "2 9 1 1\n8 30", ":33", &["surface 9", "a line of 2 nodes cannot be a part of it"]),
-    ("", "2 9 3 1\n8", "2 9 4 1\n8", ":33", &["solid element", "gmsh -2"]),
+    ("", "2 9 3 1\n8 30", "2 9 1 1\n8 30", ":33", &["surface 9", "lines of 2 nodes cannot be a part of it"]),
+    ("", "2 9 3 1\n8", "2 9 4 1\n8", ":33", &["surface 9", "tetrahedra of 4 nodes cannot be a part of it"]),
     ("", "2 9 3 1\n8", "2 9 21 1\n8", ":33", &["third order or higher", "Mesh.ElementOrder = 2"]),
-    ("", "2 9 3 1\n8", "2 9 36 1\n8", ":33", &["quadrilateral of third order", "Mesh.ElementOrder = 2"]),
-    ("", "2 9 3 1\n8", "2 9 34 1\n8", ":33", &["element of type 34"]),
-    ("", "1 4 1 1\n3", "1 4 26 1\n3", ":31", &["curve 4", "\"side\"", "line of third order", "Mesh.ElementOrder = 2"]),
+    ("", "2 9 3 1\n8", "2 9 36 1\n8", ":33", &["quadrilaterals of third order", "Mesh.ElementOrder = 2"]),
+    ("", "2 9 3 1\n8", "2 9 34 1\n8", ":33", &["elements of type 34"]),
+    ("", "1 4 1 1\n3", "1 4 26 1\n3", ":31", &["curve 4", "\"side\"", "lines of third order", "Mesh.ElementOrder = 2"]),
     ("", "2 9 3 1\n8 30 10 1 2", "2 9 3 0", "", &["2 elements", "have 1"]),
     (
         "",
@@ -199,7 +290,24 @@ const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
     ("", "$NodeData\n1\n\"a view\"\n$EndNodeData\n", "data\n", ":36", &["a section such as $Nodes", "\"data\""]),
     ("", "$Entities\n", "$PartitionedEntities\n", ":9", &["partitioned", "UnpartitionMesh"]),
     ("", "2 5 \"square \"of\" four\"", "1 7 \"side\"", "", &[]),
-    ("triangles3.msh", "", "", ":128", &["triangle of 3 nodes", "\"right half\"", "RecombineAll", "ElementOrder"]),
+    ("mixed-2.2.msh", "2.2 0 8", "2.2 0 4", ":2", &["4 bytes"]),
+    ("mixed-2.2.msh", "$Nodes\n10", "$Nodes\n99", ":12", &["99 nodes are announced"]),
+    ("mixed-2.2.msh", "$Nodes\n10", "$Nodes\n-1", ":11", &["number of nodes must be a whole number"]),
+    ("mixed-2.2.msh", "$Nodes\n10", "$Nodes\n11", ":22", &["$EndNodes where the number of a node is wanted"]),
+    ("mixed-2.2.msh", "\n10 3 1 0", "\n1 3 1 0", ":21", &["node 1 is there twice"]),
+    ("mixed-2.2.msh", "$Elements\n9", "$Elements\n8", ":33", &["$EndElements is wanted here"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 2 2000 1 1 2 5 3", ":29", &["2000 tags are announced"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 2 2 1 1 2 5 77", ":29", &["element 5 names node 77"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "6 2 2 1 1 2 5 3", ":30", &["element 6 is there twice"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 21 2 1 1 2 5 3", ":29", &["triangles of third order", "ElementOrder = 2"]),
+    ("mixed-2.2.msh", "5 2 2 1 1 2 5 3", "5 29 2 1 1 2 5 3", ":29", &["solids of third order", "ElementOrder = 2"]),
+    (
+        "mixed-2.2.msh",
+        "9 3 0 0\n10 3 1 0",
+        "9 3 0 0\n18446744073709551615 3 1 0",
+        "",
+        &["leaves none for nodes in the middles"],
+    ),
 ];
 
 #[test]
@@ -223,7 +331,8 @@ fn wrong_files_are_told_with_their_place() {
 
 #[test]
 fn files_that_are_cut_off_are_told_wherever_they_end() {
-    for name in ["quads9.msh", "quads9-binary.msh"] {
+    for name in all_files() {
+        let name = name.as_str();
         let whole = bytes(name);
         // without the last line of a text, whose end is not missed
         for end in (0..whole.len() - 1).step_by(7) {
@@ -247,8 +356,6 @@ fn binary_files_that_are_wrong_are_told_with_their_byte() {
         parse_gmsh("a.msh", &bytes).unwrap_err()
     };
     let one = at(b"4.1 1 8\n") + 8;
-    let why = changed(one, &1_i32.to_be_bytes());
-    assert!(why.contains("other order") && why.contains("Mesh.Binary = 0"), "{why}");
     let why = changed(one, &7_i32.to_le_bytes());
     assert!(why.contains("must be 1; it is 7"), "{why}");
     let nodes = at(b"$Nodes\n") + 7;
@@ -259,10 +366,27 @@ fn binary_files_that_are_wrong_are_told_with_their_byte() {
     // the first coordinate, behind four sizes and a block of one node
     let why = changed(nodes + 32 + 20 + 8, &f64::NAN.to_le_bytes());
     assert!(why.contains(&format!("byte {}", nodes + 32 + 20 + 16)) && why.contains("NaN"), "{why}");
+    for name in ["mixed-2.2-binary.msh", "quads4-2.2-big-endian.msh"] {
+        let whole = bytes(name);
+        let elements = whole.windows(10).position(|own| own == b"$Elements\n").unwrap() + 10;
+        // behind the count in text are the type, the number of elements and that of their tags
+        let header = elements + whole[elements..].iter().position(|byte| *byte == b'\n').unwrap() + 1;
+        for (at, own, part) in [
+            (header, 0x7f7f_7f7f, "elements of type 2139062143 are not known"),
+            (header + 4, 0x7f7f_7f7f, "2139062143 elements are announced"),
+            (header + 4, -1, "the number of elements of a block must be at least 0; it is -1"),
+            (header + 8, 0x7f7f_7f7f, "2139062143 tags are announced"),
+        ] {
+            let mut wrong = whole.clone();
+            wrong[at..at + 4].copy_from_slice(&i32::to_ne_bytes(own));
+            let why = parse_gmsh("a.msh", &wrong).unwrap_err();
+            assert!(why.starts_with("a.msh, byte ") && why.contains(part), "{name}: {why}");
+        }
+    }
     // what stands where elements are
     let elements = at(b"$Elements\n") + 10;
     let why = changed(elements + 32 + 8, &2_i32.to_le_bytes());
-    assert!(why.contains("point 4") && why.contains("triangle of 3 nodes"), "{why}");
+    assert!(why.contains("point 4") && why.contains("triangles of 3 nodes"), "{why}");
 }
 
 #[test]
@@ -298,9 +422,8 @@ impl Scatter {
 #[test]
 fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
     // a longer run: GMSH_MUTATIONS=10000000
-    let count: usize = std::env::var("GMSH_MUTATIONS").ok().and_then(|own| own.parse().ok()).unwrap_or(20_000);
-    let names = SORTS.iter().flat_map(|sort| [format!("{sort}.msh"), format!("{sort}-binary.msh")]);
-    let mut files: Vec<Vec<u8>> = names.map(|name| bytes(&name)).collect();
+    let count: usize = std::env::var("GMSH_MUTATIONS").ok().and_then(|own| own.parse().ok()).unwrap_or(40_000);
+    let mut files: Vec<Vec<u8>> = all_files().iter().map(|name| bytes(name)).collect();
     files.push(SQUARE.as_bytes().to_vec());
     const PIECES: &[&[u8]] = &[
         b"",
@@ -314,6 +437,9 @@ fn whatever_is_changed_in_a_file_it_is_read_or_refused() {
         b"$EndElements\n",
         b"$MeshFormat\n4.1 0 8\n",
         b"4.1 1 8\n",
+        b"4 0 8\n",
+        b"2.2 0 8\n",
+        b"2.2 1 8\n\x01\0\0\0",
         b"-1",
         b"0",
         b"1",

@@ -443,6 +443,14 @@ impl Scene for FileScene {
     fn output(&self) -> Output {
         self.output
     }
+    fn notes(&self) -> Vec<String> {
+        let meshes = self.contents.items.iter().filter_map(|item| item.mesh.as_ref());
+        let mut notes: Vec<String> =
+            meshes.flat_map(|data| data.notes.iter().map(|note| format!("{}: {note}", data.file))).collect();
+        let mut told = HashSet::new();
+        notes.retain(|note| told.insert(note.clone()));
+        notes
+    }
     fn place_of(&self, part: &str) -> Option<String> {
         let items = || self.contents.items.iter().filter(|item| !part.is_empty() && item.name == part);
         let item = PARTS.into_iter().find_map(|space| items().find(|item| name_space(item.section) == space))?;

@@ -14,18 +14,22 @@ pub(super) fn shown(text: &str) -> String {
     text.chars().take(40).flat_map(char::escape_debug).collect()
 }
 
-/// A mesh file while it is read: numbers as words of a text, or as they stand in memory with the least byte first.
+/// A mesh file while it is read: numbers as words of a text, or as they stand in memory.
 pub(super) struct Input<'b> {
     bytes: &'b [u8],
     at: usize,
     /// Lines that end before `at`, known while numbers are words.
     line: usize,
     pub binary: bool,
+    /// Numbers in memory have their most significant byte first.
+    pub big_endian: bool,
+    /// Numbers of nodes and elements have eight bytes in memory, or four.
+    pub long_numbers: bool,
 }
 
 impl<'b> Input<'b> {
     pub fn new(bytes: &'b [u8]) -> Self {
-        Input { bytes, at: 0, line: 0, binary: false }
+        Input { bytes, at: 0, line: 0, binary: false, big_endian: false, long_numbers: true }
     }
     /// Where the next word or number stands.
     pub fn place(&mut self) -> FilePlace {
@@ -85,7 +89,7 @@ impl<'b> Input<'b> {
             Err(_) => self.wrong(format!("there is no text where {what} is wanted")),
         }
     }
-    fn number<T: std::str::FromStr>(&mut self, what: &str, wanted: &str, is_right: fn(&T) -> bool) -> Found<T> {
+    fn parsed<T: std::str::FromStr>(&mut self, what: &str, wanted: &str, is_right: fn(&T) -> bool) -> Found<T> {
         self.skip_blanks();
         let (at, line) = (self.at, self.line);
         let word = self.word(what)?;
@@ -101,9 +105,12 @@ impl<'b> Input<'b> {
     }
     fn raw<const N: usize>(&mut self, what: &str) -> Found<[u8; N]> {
         match self.bytes[self.at..].first_chunk::<N>() {
-            Some(own) => {
+            Some(&(mut own)) => {
                 self.at += N;
-                Ok(*own)
+                if self.big_endian {
+                    own.reverse();
+                }
+                Ok(own)
             }
             None => self.wrong(format!("the file ends where {what} is wanted: it is cut off")),
         }
@@ -113,22 +120,39 @@ impl<'b> Input<'b> {
     pub fn size(&mut self, what: &str) -> Found<usize> {
         let own: u64 = match self.binary {
             true => u64::from_le_bytes(self.raw(what)?),
-            false => self.number(what, "a whole number, at least 0", |_| true)?,
+            false => self.parsed(what, "a whole number, at least 0", |_| true)?,
         };
         match usize::try_from(own) {
             Ok(own) => Ok(own),
             Err(_) => self.wrong(format!("{what} is {own}, which is too large for this machine")),
         }
     }
+    /// The number of a node or an element.
+    pub fn number(&mut self, what: &str) -> Found<usize> {
+        if self.long_numbers || !self.binary {
+            return self.size(what);
+        }
+        let own = self.int(what)?;
+        usize::try_from(own).or_else(|_| self.wrong(format!("{what} must be at least 0; it is {own}")))
+    }
+    /// A length that stands as a text on a line of its own, in binary files, too.
+    pub fn size_on_line(&mut self, what: &str) -> Found<usize> {
+        let place = Some(self.place());
+        let binary = std::mem::take(&mut self.binary);
+        let own = self.size(what).map_err(|wrong| Wrong { place, ..wrong })?;
+        self.line();
+        self.binary = binary;
+        Ok(own)
+    }
     pub fn int(&mut self, what: &str) -> Found<i32> {
         match self.binary {
             true => Ok(i32::from_le_bytes(self.raw(what)?)),
-            false => self.number(what, "a whole number", |_| true),
+            false => self.parsed(what, "a whole number", |_| true),
         }
     }
     pub fn double(&mut self, what: &str) -> Found<f64> {
         if !self.binary {
-            return self.number(what, "a finite number", |own: &f64| own.is_finite());
+            return self.parsed(what, "a finite number", |own: &f64| own.is_finite());
         }
         let own = f64::from_le_bytes(self.raw(what)?);
         if own.is_finite() { Ok(own) } else { self.wrong(format!("{what} is {own}; it must be finite")) }

@@ -1,44 +1,55 @@
 /// A kind of elements of Gmsh.
+#[derive(Clone, Copy)]
 pub(super) struct Kind {
     pub dimension: i32,
     pub nodes: usize,
     pub words: &'static str,
 }
 
-/// What makes elements of second order, which there are, of others.
+/// What makes elements of second order.
 const SECOND_ORDER: &str = "Mesh.ElementOrder = 2 makes quadrilaterals of nine nodes and triangles of six";
 
-/// Kinds by their numbers in the file that are read.
+/// Kinds by their numbers in the file that are read: faces, lines and points that become node sets, and solids that are left out.
 ///
 /// Source: Gmsh reference manual, "MSH file format", list of element types; those of higher order from Gmsh's `GmshDefines.h`.
 pub(super) fn kind(number: i32) -> Option<Kind> {
     let (dimension, nodes, words) = match number {
-        15 => (0, 1, "point"),
-        1 => (1, 2, "line of 2 nodes"),
-        8 => (1, 3, "line of 3 nodes"),
-        3 => (2, 4, "quadrilateral of 4 nodes"),
-        16 => (2, 8, "quadrilateral of 8 nodes"),
-        10 => (2, 9, "quadrilateral of 9 nodes"),
-        9 => (2, 6, "triangle of 6 nodes"),
+        15 => (0, 1, "points"),
+        1 => (1, 2, "lines of 2 nodes"),
+        8 => (1, 3, "lines of 3 nodes"),
+        2 => (2, 3, "triangles of 3 nodes"),
+        9 => (2, 6, "triangles of 6 nodes"),
+        3 => (2, 4, "quadrilaterals of 4 nodes"),
+        16 => (2, 8, "quadrilaterals of 8 nodes"),
+        10 => (2, 9, "quadrilaterals of 9 nodes"),
+        4 => (3, 4, "tetrahedra of 4 nodes"),
+        11 => (3, 10, "tetrahedra of 10 nodes"),
+        5 => (3, 8, "hexahedra of 8 nodes"),
+        17 => (3, 20, "hexahedra of 20 nodes"),
+        12 => (3, 27, "hexahedra of 27 nodes"),
+        6 => (3, 6, "prisms of 6 nodes"),
+        18 => (3, 15, "prisms of 15 nodes"),
+        13 => (3, 18, "prisms of 18 nodes"),
+        7 => (3, 5, "pyramids of 5 nodes"),
+        19 => (3, 13, "pyramids of 13 nodes"),
+        14 => (3, 14, "pyramids of 14 nodes"),
         _ => return None,
     };
     Some(Kind { dimension, nodes, words })
 }
 
-/// Kinds that are not read: what they are, and what to do.
-pub(super) fn refused(number: i32) -> (String, String) {
-    let of_first_order = "Mesh.RecombineAll = 1 makes quadrilaterals, and all of them with Mesh.SubdivisionAlgorithm = 1";
-    let surfaces = "only surfaces are read, which become shells: mesh with gmsh -2, and where there are physical groups, save no volumes";
-    let (words, remedy) = match number {
-        2 => ("triangle of 3 nodes".into(), format!("{of_first_order}; or {SECOND_ORDER}")),
-        20..=25 | 42..=46 | 52..=56 => ("triangle of third order or higher".into(), SECOND_ORDER.into()),
-        36..=41 | 47..=51 | 57..=61 => ("quadrilateral of third order or higher".into(), SECOND_ORDER.into()),
-        26..=28 | 62..=66 => ("line of third order or higher".into(), SECOND_ORDER.into()),
-        4..=7 | 11..=14 | 17..=19 | 29..=33 | 71..=125 => ("solid element".into(), surfaces.into()),
+/// Why kinds of another number are not read, and what to do.
+pub(super) fn refused(number: i32) -> String {
+    let words = match number {
+        20..=25 | 42..=46 | 52..=56 => "triangles of third order or higher",
+        36..=41 | 47..=51 | 57..=61 => "quadrilaterals of third order or higher",
+        26..=28 | 62..=66 => "lines of third order or higher",
+        29..=33 | 71..=83 | 90..=140 => "solids of third order or higher",
         _ => {
-            let known = "lines of 2 and 3 nodes, quadrilaterals of 4, 8 and 9 and triangles of 6 are read";
-            (format!("element of type {number}"), known.into())
+            return format!(
+                "elements of type {number} are not known: lines, triangles and quadrilaterals of first and second order are read"
+            );
         }
     };
-    (words, remedy)
+    format!("no element is made of {words}; {SECOND_ORDER}")
 }
