@@ -179,6 +179,34 @@ fn scale_turn_and_place_of_a_mesh_are_those_of_its_points() {
     }
 }
 
+#[test]
+fn groups_and_node_sets_by_place_are_those_by_numbers() {
+    let text = mesh("e-1");
+    let by_place = text
+        .replace("left = [0], right = [1]", "left = \"x < 0.2\", right = \"0.2 < x\"")
+        .replace("root = [0, 5, 10]", "root = \"x < 1e-9\"")
+        .replace("rim = [4, 9, 14]", "rim = \"x > 0.4 - 1e-9\"")
+        .replace("tip = [8]", "tip = \"norm([x - 0.3, y - 0.1, z]) < 1e-9 or x > 1 and y > 1\"");
+    assert!(!by_place.contains("[4, 9, 14]") && !by_place.contains("[8]"));
+    let per_face = "per_face = \"sheet.right\"";
+    let parts = "parts = [{ of = [\"left\"], thickness = 0.004 }]\n";
+    let [own, expected] = [by_place, text].map(|text| values_and_gradients(&sheet(per_face, &(text + parts), OF_MESH)));
+    assert_eq!(own, expected);
+}
+
+#[test]
+fn a_condition_wants_points_that_are_numbers() {
+    let text = mesh("e-1").replace("root = [0, 5, 10]", "root = \"x < 1e-9\"");
+    let formula = text.replace("[0e-1, 0e-1, 0]", "[\"0 * pi\", \"2 - 2\", 0]");
+    assert!(formula != text);
+    let [own, expected] = [formula, text.clone()].map(|text| values_and_gradients(&sheet("", &text, OF_MESH)));
+    assert_eq!(own, expected);
+    let moved = text.replace("[0e-1, 0e-1, 0]", "[\"h\", 0, 0]");
+    let found = std::panic::catch_unwind(|| sheet("", &moved, OF_MESH)).unwrap_err();
+    let why = found.downcast_ref::<String>().unwrap();
+    assert!(why.contains("the place of node 0 depends on names"), "{why}");
+}
+
 /// An acceleration that is solved anew where the drive stops is the small difference of the forces of stiff shells; so are its derivative
 /// parts, whose round-off is no reason to give up.
 #[test]

@@ -86,8 +86,8 @@ pub enum Type {
     OfMesh(&'static str, Range),
     /// Lists of whole numbers from 0 on.
     Lists,
-    /// Lists of whole numbers from 0 on by name.
-    NamedLists,
+    /// Nodes or faces by name: lists of their numbers, or conditions on their places.
+    Selections,
     /// A table.
     Table(&'static Forms),
     /// A list of tables.

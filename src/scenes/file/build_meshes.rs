@@ -48,16 +48,6 @@ fn check(fields: &Fields, data: &MeshData) -> Found<()> {
             return Err(Mistake::new(at, format!("there is no point {most} among {count}, counted from 0 on")));
         }
     }
-    for (key, count, what) in [("groups", data.faces.len(), "faces"), ("node_sets", count, "points")] {
-        let Some((_, Value::Lists(lists))) = fields.get(key) else { continue };
-        for (name, at, numbers) in lists {
-            if let Some(number) = numbers.iter().find(|&&number| number >= count) {
-                let text =
-                    format!("\"{name}\" of {key} names number {number} of {count} {what}, which are counted from 0 on");
-                return Err(Mistake::new(*at, text));
-            }
-        }
-    }
     Ok(())
 }
 
@@ -106,7 +96,7 @@ pub(super) fn mesh<S: Scalar>(known: &Known<S>, place: usize, m: &mut Builder<S>
     let Some(data) = &item.mesh else { return Err(Mistake::new(fields.at, format!("\"{name}\" has no mesh"))) };
     check(fields, data)?;
     // these were read with the mesh
-    ["file", "reverse"].iter().for_each(|key| _ = fields.get(key));
+    ["file", "reverse", "groups", "node_sets"].iter().for_each(|key| _ = fields.get(key));
     let mut mesh = FreeMesh::of_data_at(data, points(known, fields, data)?);
     if let Some(angle) = fixed(fields, "crease") {
         mesh = mesh.creased(angle);

@@ -1,5 +1,6 @@
 //! Meshes of a file: read before the entries that name their nodes and groups.
 
+use super::mesh_groups::fixed_point;
 use super::raw::{Raw, RawValue};
 use super::reader::{NodePlace, Reader};
 use crate::scenes::unknown;
@@ -41,7 +42,8 @@ impl Reader {
                 Some("faces") => Some(Arc::new(given_here(&raw))),
                 _ => None,
             };
-            if let Some(data) = data.and_then(|data| self.turned_round(&raw, data)) {
+            let grouped = data.and_then(|data| self.with_groups(&raw, data));
+            if let Some(data) = grouped.and_then(|data| self.turned_round(&raw, data)) {
                 self.meshes.insert(place, data);
             }
         }
@@ -242,7 +244,8 @@ fn given_here(raw: &Raw) -> MeshData {
         Some(RawValue::List(list)) => list.clone(),
         _ => Vec::new(),
     };
-    let count = list(raw.get("points")).len();
+    let points = list(raw.get("points"));
+    let count = points.len();
     let number = |raw: &Raw| match raw.value {
         RawValue::Number { value, whole: true } if (0.0..count.max(1) as f64).contains(&value) => value as usize,
         // refused where values are checked
@@ -250,22 +253,10 @@ fn given_here(raw: &Raw) -> MeshData {
     };
     let faces: Vec<Vec<usize>> =
         list(raw.get("faces")).iter().map(|face| list(Some(face)).iter().map(number).collect()).collect();
-    let whole = |raw: &Raw| match raw.value {
-        RawValue::Number { value, whole: true } if value >= 0.0 => Some(value as usize),
-        _ => None,
-    };
-    let named = |key: &str, most: usize| -> Vec<(String, Vec<usize>)> {
-        let own = raw.get(key).and_then(|own| own.entries()).unwrap_or_default();
-        let numbers =
-            |raw: &Raw| list(Some(raw)).iter().filter_map(whole).filter(|&number| number < most).collect::<Vec<_>>();
-        own.iter().map(|entry| (entry.key.clone(), numbers(&entry.value))).collect()
-    };
     MeshData {
-        points: vec![[0.0; 3]; count],
+        points: points.iter().map(fixed_point).collect(),
         point_numbers: (0..count).collect(),
         face_numbers: (0..faces.len()).collect(),
-        groups: named("groups", faces.len()),
-        node_sets: named("node_sets", count),
         faces,
         ..MeshData::default()
     }

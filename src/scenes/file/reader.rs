@@ -29,8 +29,6 @@ pub(super) enum Value {
     Item(usize),
     /// A group of the faces of a mesh.
     Group(usize, String),
-    /// Whole numbers by name, with their places.
-    Lists(Vec<(String, usize, Vec<usize>)>),
     Weights(Vec<(String, f64)>),
     /// Nodes by the names that formulas give them, with their places.
     NamedNodes(Vec<(String, usize, NodePlace)>),

@@ -134,7 +134,7 @@ fn words(key: &Key) -> String {
         Type::Items(sections) => format!("names of {}", sections.join(", ")),
         Type::OfMesh(unit, range) => with("number or formula, of faces and nodes too", unit, range),
         Type::Lists => "lists of whole numbers".into(),
-        Type::NamedLists => "table of names with lists of whole numbers".into(),
+        Type::Selections => "table of names with lists of whole numbers or conditions".into(),
         Type::Table(_) => format!("table {}", table_name(key)),
         Type::Tables(_) => format!("list of tables {}", table_name(key)),
         Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),

@@ -181,7 +181,10 @@ fn of_key(key: &Key) -> Value {
         Type::NodeSets => array(text(), 1, None),
         Type::Items(_) => json!({"anyOf": [text(), array(text(), 0, None)]}),
         Type::Lists => array(array(whole(0, usize::MAX >> 11), 0, None), 1, None),
-        Type::NamedLists => json!({"type": "object", "additionalProperties": array(whole(0, usize::MAX >> 11), 0, None)}),
+        Type::Selections => {
+            let selection = json!({"anyOf": [text(), array(whole(0, usize::MAX >> 11), 0, None)]});
+            json!({"type": "object", "additionalProperties": selection})
+        }
         Type::Table(forms) => inner(forms),
         Type::Tables(forms) => array(inner(forms), 0, None),
         Type::Function(of, forms) | Type::Law(of, forms) | Type::Energy(of, forms) => {

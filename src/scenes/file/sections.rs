@@ -10,8 +10,8 @@ use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, NamedLists, Node, NodeSet, NodeSets,
-    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Series, Table, Tables, Text, Texts, Vector, Weights,
+    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, Node, NodeSet, NodeSets, Number,
+    Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Table, Tables, Text, Texts, Vector, Weights,
 };
 
 /// The version of the format that this program reads.
@@ -501,6 +501,10 @@ pub(super) const SECTIONS: &[Section] = &[
             may("clamped", Texts, "node sets, or groups of faces, whose nodes never move; none"),
             may("joined", Items(SHELLS), "shells, meshes and walls whose nodes it takes over where its outer edges meet them, to a millionth of its diagonal: with each at least one; none"),
             may("nodes", Tables(&NODE_OF_MESH), "nodes that are there already; none"),
+            may("groups", Selections, "groups of faces by name, beside those of the file: numbers of the faces, or a condition such as \
+                 \"norm([x, y, 0]) > 0.5 and z < 1\" that holds at the mean of their corners, in coordinates before scale; none"),
+            may("node_sets", Selections, "node sets by name, beside those of the file: numbers of the nodes, or a condition such as \"abs(x) < 1e-6\", in \
+                 coordinates before scale; none"),
             may("reverse", Texts, "groups of faces that are turned round, so that their normals point to the other side; none"),
             may("crease", Fixed("rad", Positive), "faces at a larger angle meet in an edge, which keeps its angle; 45 deg"),
             may("scale", Number("-", Positive), "by which the points are multiplied, such as 0.001 for a mesh in millimetres; 1"),
@@ -508,15 +512,13 @@ pub(super) const SECTIONS: &[Section] = &[
             may("position", Vector("m"), "by which the points are moved, after orientation; 0"),
             COINCIDENT,
         ]
-        "gmsh" "from a file of Gmsh, version 4.1" [
+        "gmsh" "from a file of Gmsh, version 2 or 4, text or binary; triangles of three nodes are raised to six" [
             need("file", Text, "path of the file, from the folder of this file on"),
         ]
         "faces" "from points and faces here" [
             need("points", Points, "points, counted from 0 on"),
             need("faces", Lists, "points of each face: corners counterclockwise as seen from where the normal points to, then the middles of the edges \
                  from the first corner on, then the middle"),
-            may("groups", NamedLists, "groups of faces, counted from 0 on, by name; none"),
-            may("node_sets", NamedLists, "sets of points by name; none"),
         ]),
     },
     Section {

@@ -219,16 +219,16 @@ impl Reader {
                     None
                 }
             },
-            Type::NamedLists => match raw.entries() {
+            Type::Selections => match raw.entries() {
                 Some(entries) => {
-                    let own: Vec<_> = entries
-                        .iter()
-                        .map(|own| Some((own.key.clone(), own.at, self.whole_numbers(&own.value, &what)?)))
-                        .collect();
-                    own.into_iter().collect::<Option<_>>().map(Value::Lists)
+                    let listed = entries.iter().filter(|own| own.value.text().is_none());
+                    let own: Vec<_> = listed.map(|own| self.whole_numbers(&own.value, &what)).collect();
+                    // what they select was read with the mesh
+                    own.into_iter().collect::<Option<Vec<_>>>().map(|_| Value::List(Vec::new()))
                 }
                 None => {
-                    self.not(raw, key, owner, "a table of names with lists of whole numbers, as in { rim = [0, 1, 2] }");
+                    let wanted = "a table of names with lists of whole numbers or conditions, as in { rim = [0, 1, 2], root = \"x < 1e-6\" }";
+                    self.not(raw, key, owner, wanted);
                     None
                 }
             },
