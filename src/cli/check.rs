@@ -44,7 +44,7 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
         say(format_args!("{} left out", count(dropped, "redundant constraint equation")));
     }
     let notes = scene.notes();
-    notes.iter().for_each(|note| say(note));
+    notes.iter().for_each(say);
     let object = json!({
         "scene": scene.name(),
         "variables": parts[0].0,
