@@ -188,7 +188,8 @@ fn in_stages(
     // dF towards each number that moves
     let mut along: Vec<Option<Vec<Node>>> = vec![None; numbers.len()];
     let mut block = vec![zero; size * size];
-    for (column, target) in block.chunks_exact_mut(size).enumerate() {
+    // none where all nodes are clamped
+    for (column, target) in block.chunks_exact_mut(size.max(1)).enumerate() {
         let input = |kind: usize, dof: usize| inputs[kind * n + dof];
         let seeds = columns_of.seeds(graph, column, [rates[0], rates[1], rates[2]], moves, input);
         // the maps turn while F stays

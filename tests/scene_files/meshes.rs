@@ -195,6 +195,22 @@ fn groups_and_node_sets_by_place_are_those_by_numbers() {
 }
 
 #[test]
+fn faces_whose_nodes_are_all_clamped_change_nothing() {
+    let text = mesh("e-1");
+    let clamped = text.replace("[\"root\"]", "[\"left\"]");
+    let without = text
+        .replace("faces = [[0, 2, 12, 10, 1, 7, 11, 5, 6], ", "faces = [")
+        .replace("left = [0], right = [1]", "right = [0]")
+        .replace("root = [0, 5, 10]", "root = [2, 7, 12]");
+    let [own, expected] = [clamped, without].map(|text| values_and_gradients(&sheet("", &text, OF_MESH)));
+    // the energy and the height of the tip; masses differ, and the mean over all points of stress
+    for k in [1, 3] {
+        assert_near("value", own.0[k], expected.0[k], expected.0[k].abs());
+        assert_near("derivative", own.1[k][0], expected.1[k][0], expected.1[k][0].abs());
+    }
+}
+
+#[test]
 fn a_condition_wants_points_that_are_numbers() {
     let text = mesh("e-1").replace("root = [0, 5, 10]", "root = \"x < 1e-9\"");
     let formula = text.replace("[0e-1, 0e-1, 0]", "[\"0 * pi\", \"2 - 2\", 0]");
