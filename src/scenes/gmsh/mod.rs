@@ -7,7 +7,7 @@ mod raised;
 mod version2;
 mod version4;
 
-use super::mesh_data::MeshData;
+use super::mesh_data::{FilePlace, MeshData};
 use collected::Collected;
 use input::{Found, Input, Wrong, shown};
 use std::path::Path;
@@ -118,7 +118,7 @@ impl Reader<'_> {
                 return wrong(format!("there are two sections ${own}"));
             }
             done.push(own);
-            self.section(known).map_err(|what| Wrong { place, what })??;
+            self.section(known, place)?;
             self.input.end(known)?;
         }
         if is_empty {
@@ -133,23 +133,24 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a section, which may be one that is refused as a whole.
-    fn section(&mut self, name: &str) -> Result<Found<()>, String> {
+    /// Reads a section, whose header stands at a place.
+    fn section(&mut self, name: &str, place: Option<FilePlace>) -> Found<()> {
         let is_of_version_4 = self.version >= 4.0;
-        Ok(match name {
-            "MeshFormat" => self.format(),
-            "PhysicalNames" => self.physical_names(),
-            "Entities" if is_of_version_4 => self.entities(),
-            "Nodes" if is_of_version_4 => self.nodes_in_blocks(),
-            "Elements" if is_of_version_4 => self.elements_in_blocks(),
-            "Nodes" => self.nodes(false),
-            "ParametricNodes" => self.nodes(true),
-            "Elements" => self.elements(),
+        let what = match name {
+            "MeshFormat" => return self.format(),
+            "PhysicalNames" => return self.physical_names(),
+            "Entities" if is_of_version_4 => return self.entities(),
+            "Nodes" if is_of_version_4 => return self.nodes_in_blocks(),
+            "Elements" if is_of_version_4 => return self.elements_in_blocks(),
+            "Nodes" => return self.nodes(false),
+            "ParametricNodes" => return self.nodes(true),
+            "Elements" => return self.elements(),
             "PartitionedEntities" => {
-                return Err("the mesh is partitioned; save it in one piece: UnpartitionMesh, or gmsh without -part".into());
+                "the mesh is partitioned; save it in one piece: UnpartitionMesh, or gmsh without -part".into()
             }
-            other => return Err(format!("${other} does not belong to version {}", self.version)),
-        })
+            other => format!("${other} does not belong to version {}", self.version),
+        };
+        Err(Wrong { place, what })
     }
 
     fn format(&mut self) -> Found<()> {
