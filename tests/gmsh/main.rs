@@ -246,6 +246,8 @@ const WRONG: &[(&str, &str, &str, &str, &[&str])] = &[
     ("", "$PhysicalNames\n2\n", "$PhysicalNames\n1\n", ":7", &["$EndPhysicalNames is wanted here"]),
     ("", "$PhysicalNames\n2\n", "$PhysicalNames\n2000000\n", ":6", &["2000000 names are announced", "cut off"]),
     ("", "0 1 1 0\n4", "0 1 2 0\n4", ":13", &["$EndEntities where the number of an entity"]),
+    ("", "2 -5 -6", "2 -2147483648 -6", "", &[]),
+    ("mixed-2.2.msh", "5 2 2 1 1", "5 2 2 -2147483648 1", "", &[]),
     ("", "2 -5 -6", "2 -5 6", ":33", &["surface 9", "\"square \"of\" four\", \"surface 6\"", "minus sign"]),
     ("", "9 0 0 0 1 1 0", "8 0 0 0 1 1 0", ":33", &["no surface 9 in $Entities"]),
     ("", "$Nodes\n2 5 1 50", "$Nodes\n2 18446744073709551615 1 50", ":16", &["18446744073709551615 nodes are announced"]),

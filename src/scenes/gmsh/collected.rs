@@ -20,12 +20,12 @@ pub(super) struct Element {
 #[derive(Default)]
 pub(super) struct Collected {
     /// Names of physical groups by dimension and number; those of version 2.0 have no dimension.
-    pub names: HashMap<(Option<i32>, i32), String>,
+    pub names: HashMap<(Option<i32>, u32), String>,
     points: HashMap<usize, usize>,
     face_numbers: HashSet<usize>,
-    groups: BTreeMap<i32, BTreeSet<usize>>,
+    groups: BTreeMap<u32, BTreeSet<usize>>,
     /// Points of the elements of physical curves and points, by dimension and number of these.
-    sets: BTreeMap<(i32, i32), Vec<Vec<usize>>>,
+    sets: BTreeMap<(i32, u32), Vec<Vec<usize>>>,
     /// Elements that nothing is made of.
     left_out: BTreeMap<(i32, &'static str), usize>,
     mesh: MeshData,
@@ -54,7 +54,7 @@ impl Collected {
         let mut points = self.points_of(&element)?;
         if dimension < 2 {
             for group in groups {
-                self.sets.entry((dimension, group.abs())).or_default().push(points.clone());
+                self.sets.entry((dimension, group.unsigned_abs())).or_default().push(points.clone());
             }
             return Ok(None);
         }
@@ -74,7 +74,7 @@ impl Collected {
     }
     /// Puts a face into a physical group, and says whether it is new there.
     pub fn add_to_group(&mut self, face: usize, group: i32) -> bool {
-        self.groups.entry(group.abs()).or_default().insert(face)
+        self.groups.entry(group.unsigned_abs()).or_default().insert(face)
     }
 
     fn points_of(&self, element: &Element) -> Found<Vec<usize>> {
@@ -88,7 +88,7 @@ impl Collected {
     }
 
     /// Name of a physical group.
-    pub fn name(&self, (dimension, number): (i32, i32)) -> String {
+    pub fn name(&self, (dimension, number): (i32, u32)) -> String {
         let own = [Some(dimension), None].into_iter().find_map(|dimension| self.names.get(&(dimension, number)));
         own.cloned().unwrap_or_else(|| format!("{} {number}", ENTITIES[dimension as usize]))
     }
@@ -122,7 +122,7 @@ impl Collected {
     }
 
     /// Groups with their names, which must differ.
-    fn named(&self, all: impl Iterator<Item = ((i32, i32), Vec<usize>)>) -> Found<Vec<(String, Vec<usize>)>> {
+    fn named(&self, all: impl Iterator<Item = ((i32, u32), Vec<usize>)>) -> Found<Vec<(String, Vec<usize>)>> {
         let mut named: Vec<(String, Vec<usize>)> = Vec::new();
         let mut taken = HashSet::new();
         for (key, own) in all {

@@ -202,7 +202,7 @@ impl Reader<'_> {
                 let what = format!("the name of a physical group stands between quotes; there is {}", shown(&line));
                 return Err(Wrong { place, what });
             };
-            if self.mesh.names.insert((dimension, number), name.into()).is_some() {
+            if self.mesh.names.insert((dimension, number.unsigned_abs()), name.into()).is_some() {
                 let of = dimension.map_or(String::new(), |own| format!(" of dimension {own}"));
                 let what = format!("the physical group {number}{of} has two names");
                 return Err(Wrong { place, what });

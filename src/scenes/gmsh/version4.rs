@@ -156,7 +156,7 @@ impl Reader<'_> {
     fn called(&self, entity: (i32, i32)) -> String {
         let (dimension, number) = entity;
         let groups = self.entities.as_ref().and_then(|all| all.get(&entity)).cloned().unwrap_or_default();
-        let names: Vec<String> = groups.iter().map(|group| self.mesh.name((dimension, group.abs()))).collect();
+        let names: Vec<String> = groups.iter().map(|group| self.mesh.name((dimension, group.unsigned_abs()))).collect();
         let own = format!("{} {number}", ENTITIES[dimension as usize]);
         if names.is_empty() { own } else { format!("{own}, of the physical group \"{}\"", names.join("\", \"")) }
     }
