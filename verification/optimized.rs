@@ -25,7 +25,7 @@ pub fn optimize_from(
     iterations: usize,
 ) -> Result<Optimized, RunError> {
     let mut optimization = Optimization::of(scene)?;
-    optimization.settings.steps = steps;
+    optimization.cases[0].settings.steps = steps;
     optimization.gradient = gradient;
     optimization.stopping.iterations = iterations;
     optimization.run(&Sqp, start, &mut ())

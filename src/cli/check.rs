@@ -1,10 +1,11 @@
 use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
-use super::options::{located, named};
+use super::options::{chosen_scenarios, located, named};
 use crate::integrators::RunError;
-use crate::scenes::Prepared;
+use crate::optimize::Optimization;
 use crate::scenes::file::OwnParts;
+use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
 use serde_json::json;
 
@@ -21,14 +22,24 @@ pub struct CheckOptions {
 /// `costate check`: reads and builds a scene and checks its start, without running it.
 pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure> {
     let scene = program.find_scene(&options.scene)?;
-    // whatever keeps it from starting is a mistake of the scene
-    let told = |error: RunError| Failure::input(located(&*scene, &options.scene, error.into()).message);
-    let prepared = Prepared::new(&*scene).map_err(told)?;
-    if let Some(problem) = scene.optimization_problem() {
-        let functionals: Vec<&str> = prepared.functionals().iter().map(|own| own.name.as_str()).collect();
-        let checked = problem.check(&prepared.variables, &functionals);
-        checked.map_err(|why| named(&options.scene, Failure::input(format!("its optimization problem: {why}"))))?;
+    let scenarios = chosen_scenarios(&*scene, None)?;
+    check_problem(&*scene, options)?;
+    scenarios.into_iter().try_for_each(|(name, scene)| check(options, &name, scene))
+}
+
+/// Checks the optimization problem of a scene and the names in it.
+fn check_problem(scene: &dyn AnyScene, options: &CheckOptions) -> Result<(), Failure> {
+    if scene.optimization_problem().is_some() {
+        Optimization::of(scene).map_err(|why| named(&options.scene, Failure::from(why)))?;
     }
+    Ok(())
+}
+
+/// Builds a scene or a scenario and checks its start.
+fn check(options: &CheckOptions, name: &str, scene: &dyn AnyScene) -> Result<(), Failure> {
+    // whatever keeps it from starting is a mistake of the scene
+    let told = |error: RunError| Failure::input(located(scene, &options.scene, error.into()).message);
+    let prepared = Prepared::new(scene).map_err(told)?;
     let model = prepared.model();
     let parts = [
         (prepared.variables.len(), "design variable"),
@@ -38,7 +49,8 @@ pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure>
         (prepared.functionals().len(), "functional"),
     ];
     let words = parts.map(|(number, word)| count(number, word)).join(", ");
-    say(format_args!("{}: in order; {words}", options.scene));
+    let scenario = if name.is_empty() { String::new() } else { format!(", scenario \"{name}\"") };
+    say(format_args!("{}{scenario}: in order; {words}", options.scene));
     let dropped = prepared.plan.dropped.len();
     if dropped > 0 {
         say(format_args!("{} left out", count(dropped, "redundant constraint equation")));

@@ -1,7 +1,7 @@
 use super::CommandLine;
 use super::console::{json_number, say, say_json, warn};
 use super::failure::Failure;
-use super::histories::{check_history, keep, resumed};
+use super::histories::{check_history, check_one_history, keep, resumed};
 use super::interrupt::set_last_words;
 use super::meshes::write_gradients;
 use super::options::SceneOptions;
@@ -14,14 +14,14 @@ use crate::history::Keep;
 use crate::integrators::{Counters, RunError};
 use crate::io::{Cell, Progress, Table, number};
 use crate::program::making_time;
-use crate::scenes::Prepared;
+use crate::scenes::{AnyScene, Prepared};
 use crate::sensitivity::{Forward, Gradient};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use std::time::Instant;
 
 /// Options of `costate gradient`.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct GradientOptions {
     #[command(flatten)]
     scene: SceneOptions,
@@ -110,12 +110,22 @@ struct Check {
 /// `costate gradient`: simulates, writes, differentiates, checks, prints.
 pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failure> {
     let scene = options.scene.scene(program)?;
-    let mut prepared = options.scene.prepare(&*scene)?;
+    let scenarios = options.scene.scenarios(&*scene)?;
+    let count = scenarios.len();
+    check_one_history(&options.history, count)?;
+    scenarios.into_iter().try_for_each(|(name, scene)| {
+        run_one(&GradientOptions { scene: options.scene.of_scenario(&name, count), ..options.clone() }, scene)
+    })
+}
+
+/// The gradient of a scene or a scenario.
+fn run_one(options: &GradientOptions, scene: &dyn AnyScene) -> Result<(), Failure> {
+    let mut prepared = options.scene.prepare(scene)?;
     prepared.method = options.scene.differentiable(prepared.method)?;
     prepared.keep = resumed(options.history.clone(), options.resume)?;
-    check_history(&prepared.keep, &options.scene.folder(&*scene))?;
+    check_history(&prepared.keep, &options.scene.folder(scene))?;
     let mut simulation = simulate(&prepared, &options.scene)?;
-    let output = options.scene.output(&*scene);
+    let output = options.scene.output(scene);
     let reported = || Page::of_simulation(&prepared, &simulation, "simulation and gradient");
     let mut page = options.scene.reports().then(reported);
     if simulation.stopped.is_some() {
@@ -166,7 +176,7 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     check.iter().for_each(|check| check.say(&behind, &prepared));
     say("");
     if output.meshes {
-        let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(&*scene));
+        let written = write_gradients(&prepared, &by_parameters, &options.scene.folder(scene));
         match written {
             Ok(path) => simulation.files.extend(path),
             Err(error) => simulation.unwritten = simulation.unwritten.or(Some(error.into())),

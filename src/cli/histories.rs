@@ -37,6 +37,20 @@ pub fn keep(text: &str) -> Result<Keep, String> {
     Err("it must be auto, memory, file:PATH, or checkpoints:MEGABYTES with a number above 0".into())
 }
 
+/// Refuses to keep the steps of several runs in one file.
+///
+/// # Errors
+/// A file for the scenarios of a scene.
+pub fn check_one_history(keep: &Keep, runs: usize) -> Result<(), Failure> {
+    match keep {
+        Keep::File(path) | Keep::Resumed(path) if runs > 1 => Err(Failure::input(format!(
+            "--history file:{}: each of {runs} scenarios wants a file of its own: choose one with --scenario",
+            path.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Endings of the files that this program writes for people and other programs.
 const RESULTS: [&str; 6] = ["arrow", "csv", "html", "json", "png", "svg"];
 

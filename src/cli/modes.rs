@@ -2,7 +2,7 @@ use super::CommandLine;
 use super::console::{count, json_number, say, say_json};
 use super::failure::Failure;
 use super::motions::{mode_moments, mode_picture, motion};
-use super::options::{changed_design, located};
+use super::options::{changed_design, located, only_scenario};
 use super::report::{Clip, Page};
 use super::results::Snapshot;
 use super::simulation::{long_number, names};
@@ -29,6 +29,9 @@ pub struct ModesOptions {
     /// Folder for the pictures [default: out/SCENE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// One of the scenarios of the scene
+    #[arg(long, value_name = "NAME")]
+    scenario: Option<String>,
     /// Change a design variable; may be given once for each
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -53,7 +56,8 @@ fn mode_count(text: &str) -> Result<usize, String> {
 
 /// `costate modes`: frequencies and shapes of small undamped vibrations.
 pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure> {
-    let scene = program.find_scene(&options.scene)?;
+    let found = program.find_scene(&options.scene)?;
+    let scene = only_scenario(&*found, options.scenario.as_deref())?;
     let x = changed_design(&scene.variables(), &options.set)?;
     let settings = scene.settings();
     let settings = if options.statics { settings.with_method(STATIC_TABLE) } else { settings };
@@ -61,9 +65,9 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     let named = |error| {
         let failure = Failure::from(error);
         let message = failure.message.replace("by the method \"static\"", "(--static), or correct the start");
-        located(&*scene, &options.scene, Failure { message, ..failure })
+        located(scene, &options.scene, Failure { message, ..failure })
     };
-    let prepared = Prepared::with(&*scene, &x, method, settings.clone()).map_err(named)?;
+    let prepared = Prepared::with(scene, &x, method, settings.clone()).map_err(named)?;
     let folder = options.out.clone().unwrap_or_else(|| PathBuf::from("out").join(scene.name()));
     let (q, modes) = prepared.modes_with_state(options.count).map_err(named)?;
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };

@@ -19,7 +19,7 @@ use crate::history::Keep;
 use crate::integrators::{Crossing, RunError};
 use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
 use crate::optimize::{
-    DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
+    Case, DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
 use crate::scenes::unknown;
 use crate::scenes::{AnyScene, Prepared, Sense};
@@ -135,10 +135,9 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     let optimizer = optimizer(&options.optimizer)?;
     let problem = scene.optimization_problem().ok_or_else(|| program.no_problem(&*scene))?;
     options.scene.without_histories("an optimization")?;
-    let (method, settings) = options.scene.simulation(&*scene)?;
-    let method = options.scene.differentiable(method)?;
+    let cases = cases(&options.scene, &*scene)?;
     let located = |error| options.scene.located(&*scene, error);
-    let mut optimization = Optimization::new(&*scene, problem, method, settings).map_err(located)?;
+    let mut optimization = Optimization::new(&*scene, problem, cases).map_err(located)?;
     optimization.gradient = options.gradient;
     optimization.stopping.iterations = options.iterations;
     optimization.stopping.change = options.change;
@@ -181,6 +180,15 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
     files.iter().for_each(|file| say(format_args!("wrote {}", file.display())));
     say_json(options.scene.json, &json);
     report.verdict()
+}
+
+/// The scenarios of a scene, or the scene itself, as the options have them simulated.
+fn cases<'s>(options: &SceneOptions, scene: &'s dyn AnyScene) -> Result<Vec<Case<'s>>, Failure> {
+    let case = |(name, scene): (String, &'s dyn AnyScene)| {
+        let (method, settings) = options.simulation(scene)?;
+        Ok(Case { name, scene, method: options.differentiable(method)?, settings })
+    };
+    options.scenarios(scene)?.into_iter().map(case).collect()
 }
 
 /// The best that comes of one start or of some, and the files written on the way.
@@ -288,9 +296,8 @@ fn start(options: &OptimizeOptions, optimization: &Optimization) -> Result<Vec<f
 }
 
 fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
-    let Optimization { scene, problem, method, settings, .. } = optimization;
+    let Optimization { scene, problem, cases, .. } = optimization;
     say(format_args!("{}: {}", scene.name(), scene.summary()));
-    let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
     say(format_args!("{} {}", problem.sense.name(), problem.objective_name()));
     let constraints = count(problem.constraints.len(), "nonlinear constraint");
     let linear = count(problem.linear.len(), "linear constraint");
@@ -300,7 +307,12 @@ fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
         optimizer.name(),
         gradient_name(optimization.gradient)
     ));
-    say(format_args!("each design: {}, {steps} over {} s\n", method.table.name, shortest(settings.end)));
+    for Case { name, method, settings, .. } in cases {
+        let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
+        let which = if name.is_empty() { "each design".into() } else { format!("scenario \"{name}\"") };
+        say(format_args!("{which}: {}, {steps} over {} s", method.table.name, shortest(settings.end)));
+    }
+    say("");
 }
 
 /// The best design once more: its motion, and where formulas pass from one piece to another.
@@ -483,19 +495,24 @@ impl<'r> Report<'r> {
         page
     }
 
-    /// The best design once more.
+    /// The best design once more, in all scenarios; the motion is that of the first.
     fn best_motion(&self) -> Result<BestMotion<'r>, RunError> {
-        let Optimization { scene, method, settings, .. } = self.optimization;
-        let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), settings.clone())?;
-        prepared.keep = Keep::Nothing;
-        let mut kept = KeptMoments::default();
-        let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
-        stopped.map_or(Ok(()), Err)?;
-        if let Some(Statement::Warning(words)) = statement(&prepared, &forward) {
-            warn(&words);
+        let mut first: Option<BestMotion<'r>> = None;
+        for Case { name, scene, method, settings } in &self.optimization.cases {
+            let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), settings.clone())?;
+            prepared.keep = Keep::Nothing;
+            let mut kept = KeptMoments::default();
+            let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
+            stopped.map_or(Ok(()), Err)?;
+            if let Some(Statement::Warning(words)) = statement(&prepared, &forward) {
+                warn(&if name.is_empty() { words } else { format!("scenario \"{name}\": {words}") });
+            }
+            match &mut first {
+                None => first = Some((prepared, kept.finish(), forward.crossings)),
+                Some((_, _, crossings)) => crossings.extend(forward.crossings),
+            }
         }
-        let crossings = forward.crossings;
-        Ok((prepared, kept.finish(), crossings))
+        first.ok_or_else(|| RunError::Input("there is no scenario to run".into()))
     }
 
     /// `--set` options that repeat the best design.
@@ -533,7 +550,8 @@ impl<'r> Report<'r> {
         let design = optimization.variables().iter().zip(&best.design).map(|(v, &x)| (v.name.clone(), json_number(x)));
         json!({
             "scene": optimization.scene.name(),
-            "method": optimization.method.table.name,
+            "method": optimization.cases.first().map(|case| case.method.table.name.clone()),
+            "scenarios": optimization.cases.iter().map(|case| &*case.name).filter(|name| !name.is_empty()).collect::<Vec<_>>(),
             "optimizer": optimizer.name(),
             "gradient": gradient_name(optimization.gradient),
             "reason": ended.reason.name(),

@@ -14,7 +14,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 /// What is simulated, and how.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct SceneOptions {
     /// Name of a scene (see `list`), or path of a scene file (.toml)
     scene: String,
@@ -66,6 +66,9 @@ pub struct SceneOptions {
     /// How the programs of formulas are executed: as machine code, or by a loop over their operations (same results, bit by bit)
     #[arg(long, value_name = "WAY", value_parser = ["native", "loop"], default_value = "native")]
     programs: String,
+    /// One of the scenarios of the scene; without it all of them, one after the other
+    #[arg(long, value_name = "NAME")]
+    scenario: Option<String>,
     /// Change a design variable; may be given once for each
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
@@ -110,6 +113,38 @@ pub(super) fn is_path(name: &str) -> bool {
 pub(super) enum FoundScene<'p> {
     Own(&'p dyn AnyScene),
     File(Box<FileScene>),
+}
+
+/// What is run: the scene itself, or scenarios of it.
+///
+/// # Errors
+/// A scenario that the scene has not.
+pub(super) fn chosen_scenarios<'s>(
+    scene: &'s dyn AnyScene,
+    chosen: Option<&str>,
+) -> Result<Vec<(String, &'s dyn AnyScene)>, Failure> {
+    let all: Vec<(String, &dyn AnyScene)> = scene.scenarios().into_iter().map(|own| (own.name, own.scene)).collect();
+    let Some(name) = chosen else { return Ok(if all.is_empty() { vec![(String::new(), scene)] } else { all }) };
+    let known: Vec<String> = all.iter().map(|own| own.0.clone()).collect();
+    if known.is_empty() {
+        return Err(Failure::input(format!("--scenario {name}: the scene \"{}\" has no scenarios", scene.name())));
+    }
+    let found = all.into_iter().find(|own| own.0 == name);
+    found.map(|own| vec![own]).ok_or_else(|| Failure::input(unknown("--scenario", name, &known)))
+}
+
+/// The one scene or scenario that is run.
+///
+/// # Errors
+/// Several scenarios of which none is chosen, or one that the scene has not.
+pub(super) fn only_scenario<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<&'s dyn AnyScene, Failure> {
+    match &chosen_scenarios(scene, chosen)?[..] {
+        [(_, only)] => Ok(*only),
+        several => {
+            let names: Vec<&str> = several.iter().map(|own| own.0.as_str()).collect();
+            Err(Failure::input(format!("the scene has the scenarios {}: choose one with --scenario", names.join(", "))))
+        }
+    }
 }
 
 impl<'p> Deref for FoundScene<'p> {
@@ -227,6 +262,28 @@ impl SceneOptions {
     /// An unknown name.
     pub fn scene<'p>(&self, program: &CommandLine<'p>) -> Result<FoundScene<'p>, Failure> {
         program.find_scene(&self.scene)
+    }
+
+    /// What of it is run: itself, its scenarios, or the one that is chosen.
+    ///
+    /// # Errors
+    /// A scenario that it has not.
+    pub fn scenarios<'s>(&self, scene: &'s dyn AnyScene) -> Result<Vec<(String, &'s dyn AnyScene)>, Failure> {
+        chosen_scenarios(scene, self.scenario.as_deref())
+    }
+
+    /// The same options for one of several scenarios: results of each stand in a folder of its own.
+    pub fn of_scenario(&self, name: &str, count: usize) -> Self {
+        let own_folder = |folder: &PathBuf| if count > 1 { folder.join(name) } else { folder.clone() };
+        SceneOptions { out: self.out.as_ref().map(own_folder), ..self.clone() }
+    }
+
+    /// The one that is run, for a command that runs no more.
+    ///
+    /// # Errors
+    /// Several scenarios of which none is chosen, or one that the scene has not.
+    pub fn only_scenario<'s>(&self, scene: &'s dyn AnyScene) -> Result<&'s dyn AnyScene, Failure> {
+        only_scenario(scene, self.scenario.as_deref())
     }
 
     /// The scene at the chosen design with the chosen method and steps.

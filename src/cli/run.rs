@@ -1,12 +1,12 @@
 use super::CommandLine;
 use super::console::{say, say_json};
 use super::failure::Failure;
-use super::histories::{check_history, keep, resumed};
+use super::histories::{check_history, check_one_history, keep, resumed};
 use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::{Simulation, say_work, simulate};
 use crate::history::Keep;
-use crate::scenes::Prepared;
+use crate::scenes::{AnyScene, Prepared};
 use clap::Args;
 
 /// Options of `costate run`.
@@ -28,8 +28,16 @@ pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     let keep = resumed(options.history.clone().unwrap_or(Keep::Nothing), options.resume)?;
     let options = &options.scene;
     let scene = options.scene(program)?;
-    check_history(&keep, &options.folder(&*scene))?;
-    let mut prepared = options.prepare(&*scene)?;
+    let scenarios = options.scenarios(&*scene)?;
+    check_one_history(&keep, scenarios.len())?;
+    let count = scenarios.len();
+    scenarios.into_iter().try_for_each(|(name, scene)| run_one(&options.of_scenario(&name, count), scene, keep.clone()))
+}
+
+/// Simulates a scene or a scenario, writes, prints.
+fn run_one(options: &SceneOptions, scene: &dyn AnyScene, keep: Keep) -> Result<(), Failure> {
+    check_history(&keep, &options.folder(scene))?;
+    let mut prepared = options.prepare(scene)?;
     prepared.keep = keep;
     let mut simulation = simulate(&prepared, options)?;
     let page = options.reports().then(|| {

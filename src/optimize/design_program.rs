@@ -1,11 +1,10 @@
 use super::evaluations::violation;
-use super::optimization::{GradientBy, Optimization, Watcher};
+use super::optimization::{Optimization, Watcher};
 use super::scaling::Scaling;
+use super::simulated::{Differentiation, Simulated};
 use super::{ConstraintKind, DesignHistory, DesignPoint, Gradients, NoValue, NonlinearProgram, Values, Work};
-use crate::history::Watch;
-use crate::integrators::{RunError, StepRecord};
-use crate::scenes::{Limit, Prepared, Sense};
-use crate::sensitivity::Forward;
+use crate::integrators::RunError;
+use crate::scenes::{Limit, Sense};
 use std::collections::VecDeque;
 use std::time::Instant;
 
@@ -45,13 +44,8 @@ pub(super) fn sided(limit: Limit) -> (ConstraintKind, f64) {
     }
 }
 
-/// A simulated design, as its gradient needs it.
-struct Simulated<'s> {
-    prepared: Prepared<'s>,
-    forward: Forward,
-    /// Place in the history.
-    place: usize,
-}
+/// A simulated design, and its place in the history.
+type Latest<'s> = (Simulated<'s>, usize);
 
 /// The program of a scene's optimization problem: one simulation for the values at a point, one sweep for its gradients.
 pub(super) struct DesignProgram<'o, 'w> {
@@ -64,7 +58,7 @@ pub(super) struct DesignProgram<'o, 'w> {
     /// Of scaled variables.
     linear: Vec<Combination>,
     kinds: Vec<ConstraintKind>,
-    latest: Option<Simulated<'o>>,
+    latest: Option<Latest<'o>>,
     pub history: DesignHistory,
     /// Points of an earlier run of the same optimization that are still to come, in their order: they are not simulated again.
     recorded: VecDeque<DesignPoint>,
@@ -122,8 +116,8 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             stopped: false,
         };
         let begun = Instant::now();
-        let (prepared, forward) = program.simulate(start)?;
-        let values = &forward.values;
+        let simulated = program.simulate(start)?;
+        let values = &simulated.values;
         let size = |wanted: Option<f64>, natural: &[f64]| {
             wanted.or(natural.iter().map(|n| n.abs()).find(|&n| n > 0.0 && n.is_finite())).unwrap_or(1.0)
         };
@@ -134,10 +128,10 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         let y = program.scaling.scaled(start);
         program.check_begin(start, values)?;
         if program.replayed(&y, start).is_some() {
-            program.latest = Some(Simulated { prepared, forward, place: 0 });
+            program.latest = Some((simulated, 0));
             return Ok(program);
         }
-        program.keep(&y, start.to_vec(), Ok((prepared, forward)), begun.elapsed().as_secs_f64()).ok();
+        program.keep(&y, start.to_vec(), Ok(simulated), begun.elapsed().as_secs_f64()).ok();
         Ok(program)
     }
 
@@ -155,27 +149,9 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
     }
 
     /// Builds a design and simulates it.
-    fn simulate(&self, design: &[f64]) -> Result<(Prepared<'o>, Forward), RunError> {
-        let Optimization { scene, method, settings, functionals, keep, .. } = self.optimization;
-        let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
-        let known = |name: &str| functionals.iter().position(|functional| functional.0 == name);
-        prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
-        prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));
-        prepared.keep = keep.clone();
+    fn simulate(&self, design: &[f64]) -> Result<Simulated<'o>, RunError> {
         let watcher = &self.watcher;
-        let mut watch = Watch(|_: &StepRecord<f64>| !watcher.wants_to_stop());
-        let (forward, stopped) = prepared.analysis().observed(design, &mut watch)?;
-        if watcher.wants_to_stop() {
-            return Err(RunError::Interrupted { steps: forward.history.steps() });
-        }
-        stopped.map_or(Ok(()), Err)?;
-        match forward.values.iter().position(|value| !value.is_finite()) {
-            Some(k) => Err(RunError::Input(format!(
-                "functional \"{}\" is {}; a smooth maximum needs steps that resolve its peak: try a smaller step or sharpness",
-                functionals[k].0, forward.values[k]
-            ))),
-            None => Ok((prepared, forward)),
-        }
+        self.optimization.simulate(design, &|| watcher.wants_to_stop())
     }
 
     fn values_at(&self, y: &[f64], functionals: &[f64]) -> Values {
@@ -189,21 +165,22 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
         &mut self,
         y: &[f64],
         design: Vec<f64>,
-        run: Result<(Prepared<'o>, Forward), RunError>,
+        run: Result<Simulated<'o>, RunError>,
         seconds: f64,
     ) -> Result<Values, NoValue> {
-        let mut work = Work { simulations: 1, simulation_seconds: seconds, ..Work::default() };
+        let mut work = Work { simulation_seconds: seconds, ..Work::default() };
         let nothing = vec![f64::NAN; self.history.functionals.len()];
         let place = self.history.points.len();
         let (functionals, extremes, values) = match run {
-            Ok((prepared, forward)) => {
-                work.simulation = forward.counters;
-                let values = self.values_at(y, &forward.values);
-                let (functionals, extremes) = (forward.values.clone(), forward.extremes.clone());
-                self.latest = Some(Simulated { prepared, forward, place });
+            Ok(simulated) => {
+                simulated.add_counters(&mut work);
+                let values = self.values_at(y, &simulated.values);
+                let (functionals, extremes) = (simulated.values.clone(), simulated.extremes.clone());
+                self.latest = Some((simulated, place));
                 (functionals, extremes, Ok(values))
             }
             Err(error) => {
+                work.simulations = 1;
                 self.failure = Some(error);
                 (nothing, Vec::new(), Err(NoValue::Failed))
             }
@@ -266,52 +243,9 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
 
     /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
     fn rows(&self, simulated: &Simulated, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let wanted = self.wanted(&simulated.forward.values);
-        let mut rows = self.rows_of(simulated, &wanted, work)?;
-        rows.iter_mut().zip(wanted).filter(|(_, wanted)| !wanted).for_each(|(row, _)| row.fill(0.0));
-        Ok(rows)
-    }
-
-    fn rows_of(&self, simulated: &Simulated, wanted: &[bool], work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let Simulated { prepared, forward, .. } = simulated;
-        let (analysis, x) = (prepared.analysis(), &prepared.x);
-        let gradient = match self.optimization.gradient {
-            GradientBy::Adjoint => {
-                work.sweeps += 1;
-                analysis.adjoint_of(x, forward, wanted)?
-            }
-            GradientBy::ComplexStep => {
-                work.sweeps += x.len();
-                analysis.complex_step(x, forward)?
-            }
-            GradientBy::Difference { share } => return self.differences(simulated, share, work),
-        };
-        work.gradient += gradient.counters;
-        Ok(gradient.rows)
-    }
-
-    /// One simulation for each variable that varies, at a design that differs by a share of its value (of its scale where it is 0).
-    fn differences(&self, simulated: &Simulated, share: f64, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
-        let Simulated { prepared, forward, .. } = simulated;
-        let analysis = prepared.analysis().on_steps_of(forward);
-        let mut rows = vec![vec![0.0; prepared.x.len()]; forward.values.len()];
-        for (&variable, &(_, size)) in self.scaling.varying.iter().zip(&self.scaling.measures) {
-            let mut x = prepared.x.clone();
-            let step = share * if x[variable] == 0.0 { size } else { x[variable].abs() };
-            let inside = x[variable] + step <= prepared.variables[variable].upper;
-            x[variable] += if inside { step } else { -step };
-            let step = x[variable] - prepared.x[variable];
-            let Forward { values, counters, .. } = analysis.forward(&x)?;
-            work.sweeps += 1;
-            work.gradient += counters;
-            for ((row, value), here) in rows.iter_mut().zip(values).zip(&forward.values) {
-                row[variable] = (value - here) / step;
-            }
-            if self.watcher.wants_to_stop() {
-                return Err(RunError::Interrupted { steps: 0 });
-            }
-        }
-        Ok(rows)
+        let (wanted, watcher) = (self.wanted(&simulated.values), &self.watcher);
+        let how = Differentiation { scaling: &self.scaling, wanted: &wanted, wants_to_stop: &|| watcher.wants_to_stop() };
+        self.optimization.rows(simulated, &how, work)
     }
 
     /// Gradients of objective and constraints by `n` scaled variables from those of the functionals.
@@ -327,8 +261,8 @@ impl<'o, 'w> DesignProgram<'o, 'w> {
             return Err(NoValue::Stop);
         }
         let design = self.scaling.design(y);
-        if let Some(latest) = self.latest.as_ref().filter(|latest| latest.prepared.x == design) {
-            return Ok(self.values_at(y, &latest.forward.values));
+        if let Some((latest, _)) = self.latest.as_ref().filter(|latest| latest.0.design == design) {
+            return Ok(self.values_at(y, &latest.values));
         }
         if let Some(known) = self.history.points.iter().rev().find(|point| point.design == design && !point.failed()) {
             return Ok(self.values_at(y, &known.functionals));
@@ -366,11 +300,11 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         if let Some(rows) = known.and_then(|point| point.gradients.clone()) {
             return Ok(self.gradients_of(y.len(), &rows));
         }
-        if self.latest.as_ref().is_none_or(|latest| latest.prepared.x != design) {
+        if self.latest.as_ref().is_none_or(|latest| latest.0.design != design) {
             // recorded, but without its gradients: simulated once more
             let place = self.history.points.iter().rposition(|point| point.design == design).unwrap_or_default();
             match self.simulate(&design) {
-                Ok((prepared, forward)) => self.latest = Some(Simulated { prepared, forward, place }),
+                Ok(simulated) => self.latest = Some((simulated, place)),
                 Err(RunError::Interrupted { .. }) => return Err(NoValue::Stop),
                 Err(error) => {
                     self.failure = Some(error);
@@ -381,9 +315,9 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
         let Some(latest) = self.latest.take() else { return Err(NoValue::Failed) };
         let mut work = Work::default();
         let begun = Instant::now();
-        let rows = self.rows(&latest, &mut work);
+        let rows = self.rows(&latest.0, &mut work);
         work.gradient_seconds = begun.elapsed().as_secs_f64();
-        let point = &mut self.history.points[latest.place];
+        let point = &mut self.history.points[latest.1];
         point.work += work;
         let rows = match rows {
             Ok(rows) => rows,
@@ -394,7 +328,7 @@ impl NonlinearProgram for DesignProgram<'_, '_> {
                 return Err(NoValue::Failed);
             }
         };
-        self.history.points[latest.place].gradients = Some(rows.clone());
+        self.history.points[latest.1].gradients = Some(rows.clone());
         self.latest = Some(latest);
         self.tell();
         Ok(self.gradients_of(y.len(), &rows))

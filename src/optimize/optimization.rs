@@ -6,7 +6,7 @@ use crate::design::{DesignVariable, check_design};
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
 use crate::integrators::{Method, RunError};
-use crate::scenes::{AnyScene, LinearConstraint, OptimizationProblem, Prepared, Settings};
+use crate::scenes::{AnyScene, FunctionalConstraint, LinearConstraint, OptimizationProblem, Prepared, Settings};
 
 /// Where gradients come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub enum GradientBy {
 }
 
 /// Sees an optimization go on, and may end it.
-pub trait Watcher {
+pub trait Watcher: Sync {
     /// The history has a new point or a new iteration; `false` ends the optimization.
     fn changed(&mut self, _history: &DesignHistory) -> bool {
         true
@@ -49,12 +49,10 @@ impl Watcher for () {}
 pub struct Optimization<'s> {
     /// The scene.
     pub scene: &'s dyn AnyScene,
-    /// What is wanted.
+    /// What is wanted; functionals of scenarios are named as in "stress \[hover\]".
     pub problem: OptimizationProblem,
-    /// How designs are integrated.
-    pub method: Method,
-    /// Their duration and steps.
-    pub settings: Settings,
+    /// In which circumstances a design is simulated: its scenarios, or the scene itself.
+    pub cases: Vec<Case<'s>>,
     /// How their steps are kept for gradients.
     pub keep: Keep,
     /// Where gradients come from.
@@ -64,8 +62,38 @@ pub struct Optimization<'s> {
     pub(super) variables: Vec<DesignVariable>,
     /// Names and units of the functionals that the problem names.
     pub(super) functionals: Vec<(String, String)>,
+    /// The case of each of them, and its name there.
+    pub(super) places: Vec<(usize, String)>,
     /// Those of them that are aggregates.
     aggregates: Vec<(String, AggregateKind)>,
+}
+
+/// One simulation of a design.
+pub struct Case<'s> {
+    /// Name of the scenario; empty where there is none.
+    pub name: String,
+    /// What is simulated.
+    pub scene: &'s dyn AnyScene,
+    /// How it is integrated.
+    pub method: Method,
+    /// Duration and steps.
+    pub settings: Settings,
+}
+
+impl<'s> Case<'s> {
+    /// A scenario, or a scene by itself without a name, with its own method and settings.
+    ///
+    /// # Errors
+    /// A method that is not listed.
+    pub fn of(name: &str, scene: &'s dyn AnyScene) -> Result<Self, RunError> {
+        let settings = scene.settings();
+        Ok(Case { name: name.into(), scene, method: Prepared::method_of(&settings)?, settings })
+    }
+
+    /// What a functional of it is called.
+    fn full_name(&self, functional: &str) -> String {
+        if self.name.is_empty() { functional.into() } else { format!("{functional} [{}]", self.name) }
+    }
 }
 
 /// Where an optimization ended.
@@ -88,36 +116,47 @@ impl<'s> Optimization<'s> {
         let problem = scene.optimization_problem();
         let problem = problem
             .ok_or_else(|| RunError::Input(format!("the scene \"{}\" states no optimization problem", scene.name())))?;
-        let settings = scene.settings();
-        Self::new(scene, problem, Prepared::method_of(&settings)?, settings)
+        let scenarios = scene.scenarios();
+        let cases = match scenarios.is_empty() {
+            true => vec![Case::of("", scene)?],
+            false => scenarios.iter().map(|own| Case::of(&own.name, own.scene)).collect::<Result<_, _>>()?,
+        };
+        Self::new(scene, problem, cases)
     }
 
-    /// Checks a problem against a scene.
+    /// Checks a problem against a scene that is simulated in some circumstances. A limit of a functional that names no scenario holds in all that
+    /// have it.
     ///
     /// # Errors
     /// A name that the scene has not, or a number that makes no sense.
-    pub fn new(
-        scene: &'s dyn AnyScene,
-        problem: OptimizationProblem,
-        method: Method,
-        settings: Settings,
-    ) -> Result<Self, RunError> {
+    pub fn new(scene: &'s dyn AnyScene, problem: OptimizationProblem, cases: Vec<Case<'s>>) -> Result<Self, RunError> {
         let variables = scene.variables();
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
-        let mechanism = scene.build_real(&initial).map_err(RunError::Input)?;
+        let mut all = Vec::new();
+        for (place, case) in cases.iter().enumerate() {
+            let mechanism = case.scene.build_real(&initial).map_err(RunError::Input)?;
+            let own = mechanism.functionals.iter();
+            all.extend(own.map(|own| Measured {
+                case: place,
+                name: own.name.clone(),
+                full: case.full_name(&own.name),
+                unit: own.value_unit(),
+                aggregate: own.over.aggregate().map(|own| own.kind),
+            }));
+        }
+        let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.name()));
+        let problem = in_all_scenarios(problem, &all);
+        let names: Vec<&str> = all.iter().map(|own| own.full.as_str()).collect();
+        problem.check(&variables, &names).map_err(problem_of)?;
+        let aggregates = all.iter().filter_map(|own| Some((own.full.clone(), own.aggregate?))).collect();
         let named = |name: &str| {
             problem.objective.iter().any(|(own, _)| own == name)
                 || problem.constraints.iter().any(|constraint| constraint.functional == name)
         };
-        let all = mechanism.functionals.iter();
-        let names: Vec<&str> = all.clone().map(|functional| functional.name.as_str()).collect();
-        let problem_of = |message| RunError::Input(format!("optimization of \"{}\": {message}", scene.name()));
-        problem.check(&variables, &names).map_err(problem_of)?;
-        let kind = |f: &crate::functionals::Functional| Some((f.name.clone(), f.over.aggregate()?.kind));
-        let aggregates = all.clone().filter_map(kind).collect();
-        let functionals = all.filter(|f| named(&f.name)).map(|f| (f.name.clone(), f.value_unit())).collect();
+        all.retain(|own| named(&own.full));
+        let (functionals, places) = all.into_iter().map(|own| ((own.full, own.unit), (own.case, own.name))).unzip();
         let (keep, gradient, stopping) = (Keep::default(), GradientBy::Adjoint, Stopping::default());
-        Ok(Optimization { scene, problem, method, settings, keep, gradient, stopping, variables, functionals, aggregates })
+        Ok(Optimization { scene, problem, cases, keep, gradient, stopping, variables, functionals, places, aggregates })
     }
 
     /// The design variables.
@@ -257,4 +296,32 @@ impl<'s> Optimization<'s> {
         }
         Ok(Optimized { ended, history, failure })
     }
+}
+
+/// A functional of a case.
+struct Measured {
+    case: usize,
+    name: String,
+    full: String,
+    unit: String,
+    aggregate: Option<AggregateKind>,
+}
+
+/// The problem with a limit for each scenario where one names none, and an objective that only one scenario has by its full name.
+fn in_all_scenarios(mut problem: OptimizationProblem, all: &[Measured]) -> OptimizationProblem {
+    let known = |name: &str| all.iter().any(|own| own.full == name);
+    let of = |name: &str| -> Vec<String> { all.iter().filter(|own| own.name == name).map(|own| own.full.clone()).collect() };
+    problem.constraints = std::mem::take(&mut problem.constraints)
+        .into_iter()
+        .flat_map(|constraint| match of(&constraint.functional) {
+            full if known(&constraint.functional) || full.is_empty() => vec![constraint],
+            full => full.into_iter().map(|functional| FunctionalConstraint { functional, ..constraint.clone() }).collect(),
+        })
+        .collect();
+    for (name, _) in problem.objective.iter_mut().filter(|(name, _)| !known(name)) {
+        if let [only] = &of(name)[..] {
+            *name = only.clone();
+        }
+    }
+    problem
 }

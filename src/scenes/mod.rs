@@ -32,7 +32,7 @@ pub use mesh_data::{FilePlace, MeshData};
 pub use optimization_problem::{FunctionalConstraint, Limit, LinearConstraint, OptimizationProblem, Sense};
 pub use prepared::{Prepared, Settings};
 pub use run::{JointHistory, NodeHistory, Run, TimeSeries};
-pub use scene::{AnyScene, Output, Scene};
+pub use scene::{AnyScene, Output, Scenario, Scene};
 pub use signal::Signal;
 pub use sketch::{Drawn, NodePoint, Sketch};
 pub use solids::{Rod, Solids};

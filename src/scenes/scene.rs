@@ -35,11 +35,23 @@ pub trait Scene {
     fn place_of(&self, _part: &str) -> Option<String> {
         None
     }
+    /// The circumstances in which it is run, one by one, instead of by itself; none by default.
+    fn scenarios(&self) -> Vec<Scenario<'_>> {
+        Vec::new()
+    }
     /// Builds the mechanism for the design `x`.
     ///
     /// # Errors
     /// In words, with names and numbers.
     fn build<S: Scalar>(&self, x: &[S], mechanism: &mut MechanismBuilder<S>) -> Result<(), String>;
+}
+
+/// One of the circumstances in which a design is to be judged: a flight, a load case, a manoeuvre.
+pub struct Scenario<'s> {
+    /// Its name among the others.
+    pub name: String,
+    /// The scene under these circumstances, with the same design variables.
+    pub scene: &'s dyn AnyScene,
 }
 
 /// What a run writes beside its histories at the steps.
@@ -69,6 +81,8 @@ pub trait AnyScene: Sync {
     fn notes(&self) -> Vec<String>;
     /// Where a part of this name is described.
     fn place_of(&self, part: &str) -> Option<String>;
+    /// The circumstances in which it is run.
+    fn scenarios(&self) -> Vec<Scenario<'_>>;
     /// In real numbers.
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String>;
     /// Recorded, with values.
@@ -105,6 +119,9 @@ impl<T: Scene + Sync> AnyScene for T {
     }
     fn place_of(&self, part: &str) -> Option<String> {
         Scene::place_of(self, part)
+    }
+    fn scenarios(&self) -> Vec<Scenario<'_>> {
+        Scene::scenarios(self)
     }
     fn build_real(&self, x: &[f64]) -> Result<MechanismBuilder<f64>, String> {
         built(self, x)

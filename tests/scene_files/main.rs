@@ -8,6 +8,7 @@ mod meshes;
 mod mutations;
 mod own_parts;
 mod runge_kutta;
+mod scenarios;
 mod signals;
 mod states;
 mod wrong_files;

@@ -11,7 +11,7 @@ use costate::prelude::*;
 use costate::scalar::Tangents;
 use costate::scenes::built_in::{FiveBar, SliderCrank};
 use costate::scenes::{AnyScene, FileScene, Sense};
-use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// f and c of a problem, in real numbers and with derivatives along up to eight variables.
 struct Functions {
@@ -478,7 +478,7 @@ const CLOSE: f64 = 2e-3;
 /// A scene's own problem with fewer steps, to a relative change of 1e-9.
 fn short(scene: &dyn AnyScene, end: f64, steps: usize) -> Optimization<'_> {
     let mut optimization = Optimization::of(scene).unwrap();
-    (optimization.settings.end, optimization.settings.steps) = (end, steps);
+    (optimization.cases[0].settings.end, optimization.cases[0].settings.steps) = (end, steps);
     optimization.stopping = Stopping { change: 1e-9, iterations: 300, ..Stopping::default() };
     optimization
 }
@@ -567,7 +567,7 @@ fn designs_that_cannot_be_simulated_are_survived_and_counted() {
 /// Ends an optimization after some points, or within a simulation.
 struct Impatient {
     points: usize,
-    asked: Cell<usize>,
+    asked: AtomicUsize,
     questions: usize,
 }
 
@@ -576,8 +576,7 @@ impl Watcher for Impatient {
         history.points.len() < self.points
     }
     fn wants_to_stop(&self) -> bool {
-        self.asked.set(self.asked.get() + 1);
-        self.asked.get() > self.questions
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.questions
     }
 }
 
@@ -587,7 +586,7 @@ fn who_stops_keeps_the_best_design() {
     let optimization = Optimization::of(&scene).unwrap();
     for optimizer in optimizers() {
         for (points, questions) in [(3, usize::MAX), (usize::MAX, 20)] {
-            let mut watcher = Impatient { points, asked: Cell::new(0), questions };
+            let mut watcher = Impatient { points, asked: AtomicUsize::new(0), questions };
             let optimized = optimization.run(&*optimizer, &optimization.initial(), &mut watcher).unwrap();
             let (history, name) = (&optimized.history, optimizer.name());
             assert_eq!(optimized.ended.reason, Reason::Stopped, "{name}");
@@ -667,7 +666,7 @@ fn an_optimization_that_is_resumed_is_the_unbroken_one_bit_for_bit() {
     let all = whole.history.points.len();
     assert!(all > 5, "{all}");
     for points in 1..=all {
-        let mut watcher = Impatient { points, asked: Cell::new(0), questions: usize::MAX };
+        let mut watcher = Impatient { points, asked: AtomicUsize::new(0), questions: usize::MAX };
         let broken = optimization.run(&Sqp, &optimization.initial(), &mut watcher).unwrap();
         let (header, rows) = (broken.history.header(), broken.history.rows().collect::<Vec<_>>());
         let resumed = optimization.resume(&Sqp, (&header, &rows), &mut ()).unwrap();
@@ -677,7 +676,7 @@ fn an_optimization_that_is_resumed_is_the_unbroken_one_bit_for_bit() {
     let (header, rows) = (whole.history.header(), whole.history.rows().collect::<Vec<_>>());
     // another law, and another limit
     let mut other = Optimization::of(&scene).unwrap();
-    other.settings.end = 0.9;
+    other.cases[0].settings.end = 0.9;
     let error = other.resume(&Sqp, (&header, &rows), &mut ()).unwrap_err().to_string();
     assert!(error.contains("another scene, start, method or machine"), "{error}");
     let mut other = Optimization::of(&scene).unwrap();
@@ -730,8 +729,13 @@ fn mistakes_name_what_is_wrong_and_what_there_is() {
 /// Change of the objective, relative to its start, that a move of each variable over its whole range would bring, without moves
 /// that its bounds forbid.
 fn projected_gradient(optimization: &Optimization, design: &[f64], size: f64) -> Vec<f64> {
-    let prepared =
-        Prepared::with(optimization.scene, design, optimization.method.clone(), optimization.settings.clone()).unwrap();
+    let prepared = Prepared::with(
+        optimization.scene,
+        design,
+        optimization.cases[0].method.clone(),
+        optimization.cases[0].settings.clone(),
+    )
+    .unwrap();
     let analysis = prepared.analysis();
     let forward = analysis.forward(design).unwrap();
     let row = &analysis.adjoint(design, &forward).unwrap().rows[0];

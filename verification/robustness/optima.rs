@@ -111,7 +111,7 @@ fn bars(report: &mut Report) {
 fn slider_crank(report: &mut Report) -> Result<(), String> {
     let scene = SliderCrank;
     let mut optimization = Optimization::of(&scene).map_err(|error| error.to_string())?;
-    (optimization.settings.end, optimization.settings.steps) = (2.5, 100);
+    (optimization.cases[0].settings.end, optimization.cases[0].settings.steps) = (2.5, 100);
     let mut noise = Noise::new(11);
     let (mut ends, mut unseen) = (Ends::default(), 0);
     for _ in 0..STARTS {
@@ -138,7 +138,7 @@ fn slider_crank(report: &mut Report) -> Result<(), String> {
                 if optimization.linear_values(&design)[0] > 1.0 {
                     return 0.0;
                 }
-                let (method, settings) = (optimization.method.clone(), optimization.settings.clone());
+                let (method, settings) = (optimization.cases[0].method.clone(), optimization.cases[0].settings.clone());
                 let prepared = Prepared::with(optimization.scene, &design, method, settings);
                 let Ok(prepared) = prepared else { return 0.0 };
                 // by name: an optimization has functionals of its own, those that are named in its problem

@@ -87,10 +87,11 @@ struct Sweep<'s> {
 
 /// `costate sweep`: runs the designs, writes their rows, draws and prints what they show.
 pub fn run(options: &SweepOptions, program: &CommandLine) -> Result<(), Failure> {
-    let scene = options.scene.scene(program)?;
+    let found = options.scene.scene(program)?;
+    let scene = options.scene.only_scenario(&*found)?;
     options.scene.without_histories("a sweep")?;
-    let sweep = Sweep::new(options, &*scene)?;
-    let folder = options.scene.folder(&*scene);
+    let sweep = Sweep::new(options, scene)?;
+    let folder = options.scene.folder(scene);
     let (path, header) = (folder.join("sweep.csv"), sweep.header());
     let (mut rows, mut outcomes) = match options.resume {
         true => Rows::resume(&path, header, &sweep.variation)?,

@@ -21,6 +21,7 @@ mod raw;
 mod reader;
 mod reference;
 mod references;
+mod scenarios;
 mod scene;
 mod schema;
 mod section;

@@ -168,6 +168,13 @@ pub(super) fn read(root: &Raw, folder: &Path, own: &OwnParts) -> Result<Contents
     if reader.mistakes.is_empty() { Ok(contents) } else { Err(reader.mistakes) }
 }
 
+impl Contents {
+    /// Names of the functionals.
+    pub fn functionals(&self) -> impl Iterator<Item = &str> {
+        self.items.iter().filter(|item| item.section == "functional").map(|item| item.name.as_str())
+    }
+}
+
 impl Reader {
     pub(super) fn wrong(&mut self, at: usize, what: impl Into<String>) {
         self.mistakes.push(Mistake::new(at, what));

@@ -5,6 +5,7 @@ use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
 use super::reader::{Contents, Fields, Item, Value, Variable, name_space, read};
+use super::scenarios::take_scenarios;
 use crate::design::DesignVariable;
 use crate::integrators::{
     ConstraintLevel, MOST_STEPS, NewtonTolerance, STATIC_TABLE, StepControl, table_named, table_names,
@@ -13,7 +14,8 @@ use crate::linalg::Backend;
 use crate::scalar::{Scalar, Vector3};
 use crate::scenes::unknown;
 use crate::scenes::{
-    FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scene, Sense, Settings,
+    FunctionalConstraint, Limit, LinearConstraint, MechanismBuilder, OptimizationProblem, Output, Scenario, Scene, Sense,
+    Settings,
 };
 use std::cell::Cell;
 use std::collections::HashSet;
@@ -64,6 +66,7 @@ pub struct FileScene {
     settings: Settings,
     problem: Option<OptimizationProblem>,
     output: Output,
+    scenarios: Vec<(String, FileScene)>,
 }
 
 /// A text that stays for the life of the program: each is kept once.
@@ -133,11 +136,41 @@ impl FileScene {
         if let Some(kind) = other_format(text) {
             return Err(format!("{file}: this is {kind}"));
         }
-        let contents = match Raw::parse(text).map_err(|mistake| vec![mistake]).and_then(|root| read(&root, folder, parts)) {
-            Ok(contents) => contents,
-            Err(mistakes) => return Err(source.all_told(mistakes)),
+        let told = |mistakes| source.all_told(mistakes);
+        let mut root = Raw::parse(text).map_err(|mistake| told(vec![mistake]))?;
+        let scenarios = take_scenarios(&mut root).map_err(told)?;
+        let mut made = Vec::new();
+        for (name, root) in scenarios {
+            let own = Self::of_root(source.clone(), &root, (folder, parts), &[]);
+            made.push((own.map_err(|why| format!("scenario \"{name}\": {why}"))?, name));
+        }
+        let functionals = |(own, name): &(FileScene, String)| {
+            own.contents.functionals().flat_map(|own| [format!("{own} [{name}]"), own.into()]).collect::<Vec<_>>()
         };
-        let stem = Path::new(file).file_stem().map_or_else(|| file.into(), |stem| stem.to_string_lossy().into_owned());
+        let functionals: Vec<String> = made.iter().flat_map(functionals).collect();
+        let mut scene = Self::of_root(source, &root, (folder, parts), &functionals)?;
+        for (mut own, name) in made {
+            own.name = format!("{}, {name}", scene.name);
+            if !own.variables.iter().map(|own| &own.name).eq(scene.variables.iter().map(|own| &own.name)) {
+                return Err(format!(
+                    "{file}: scenario \"{name}\" has other design variables than the file: they are shared"
+                ));
+            }
+            scene.scenarios.push((name, own));
+        }
+        Ok(scene)
+    }
+
+    /// What the tree of a text says, whose problem may name other functionals, too.
+    fn of_root(
+        source: Source,
+        root: &Raw,
+        (folder, parts): (&Path, &OwnParts),
+        functionals: &[String],
+    ) -> Result<Self, String> {
+        let contents = read(root, folder, parts).map_err(|mistakes| source.all_told(mistakes))?;
+        let file = Path::new(&source.name);
+        let stem = file.file_stem().map_or_else(|| source.name.clone(), |stem| stem.to_string_lossy().into_owned());
         let mut mistakes = Vec::new();
         let name = super::known::text(&contents.top, "name").map_or(stem, String::from);
         if let Some((at, _)) = contents.top.get("name")
@@ -150,7 +183,7 @@ impl FileScene {
         }
         let variables = variables(&contents, &mut mistakes);
         let settings = settings(&contents, &mut mistakes);
-        let problem = problem(&contents, &variables, &mut mistakes);
+        let problem = problem(&contents, (&variables, functionals), &mut mistakes);
         let output = contents.single.iter().find(|own| own.0 == "output").map_or_else(Output::default, |(_, fields)| {
             Output { step: fixed(fields, "step"), meshes: flag(fields, "vtk", false) }
         });
@@ -172,7 +205,7 @@ impl FileScene {
         if !mistakes.is_empty() {
             return Err(source.all_told(mistakes));
         }
-        Ok(FileScene { source, contents, name, variables, settings, problem, output })
+        Ok(FileScene { source, contents, name, variables, settings, problem, output, scenarios: Vec::new() })
     }
 }
 
@@ -341,10 +374,18 @@ fn limit(fields: &Fields, mistakes: &mut Vec<Mistake>) -> Limit {
     }
 }
 
-fn problem(contents: &Contents, variables: &[DesignVariable], mistakes: &mut Vec<Mistake>) -> Option<OptimizationProblem> {
+fn problem(
+    contents: &Contents,
+    (variables, others): (&[DesignVariable], &[String]),
+    mistakes: &mut Vec<Mistake>,
+) -> Option<OptimizationProblem> {
     let fields = single(contents, "optimization")?;
-    let functionals: Vec<String> =
-        contents.items.iter().filter(|item| item.section == "functional").map(|item| item.name.clone()).collect();
+    let mut functionals: Vec<String> = contents.functionals().map(String::from).collect();
+    for other in others {
+        if !functionals.contains(other) {
+            functionals.push(other.clone());
+        }
+    }
     let names: Vec<String> = variables.iter().map(|variable| variable.name.clone()).collect();
     let at = |key: &str| fields.get(key).map_or(fields.at, |given| given.0);
     let mut check = |kind: &str, key_at: usize, name: &str, known: &[String]| {
@@ -442,6 +483,9 @@ impl Scene for FileScene {
     }
     fn output(&self) -> Output {
         self.output
+    }
+    fn scenarios(&self) -> Vec<Scenario<'_>> {
+        self.scenarios.iter().map(|(name, scene)| Scenario { name: name.clone(), scene }).collect()
     }
     fn notes(&self) -> Vec<String> {
         let meshes = self.contents.items.iter().filter_map(|item| item.mesh.as_ref());

@@ -1,6 +1,7 @@
 use super::own_parts::OwnParts;
 use super::reader::all_forms;
 use super::reference::{same, tables};
+use super::scenarios::SCENARIO;
 use super::section::Shape;
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
 use crate::elements::entries::{Forms, Key, Range, Type};
@@ -25,6 +26,12 @@ pub fn schema(parts: &OwnParts) -> Value {
         own["description"] = section.doc.into();
         properties.insert(section.name.into(), own);
     }
+    let scenario = json!({
+        "type": "array",
+        "description": "Circumstances in which the scene is run: its keys are what each changes of the file.",
+        "items": {"type": "object", "properties": {"name": {"type": "string"}}, "required": ["name"], "additionalProperties": true},
+    });
+    properties.insert(SCENARIO.into(), scenario);
     let mut parts = Map::new();
     parts.insert("formula".into(), json!({"anyOf": [number(Range::Any), {"type": "string"}]}));
     let component = formula(Range::Any);

@@ -1,0 +1,194 @@
+//! A design simulated in all its cases, several at once, and differentiated there.
+
+use super::Work;
+use super::optimization::{Case, GradientBy, Optimization};
+use super::runs_at_once::run_at_once;
+use super::scaling::Scaling;
+use crate::functionals::Extremes;
+use crate::history::Watch;
+use crate::integrators::{RunError, StepRecord};
+use crate::scenes::Prepared;
+use crate::sensitivity::Forward;
+use std::sync::Mutex;
+
+/// A simulated design, as its gradient needs it.
+pub(super) struct Simulated<'s> {
+    pub design: Vec<f64>,
+    /// Of the functionals that the problem names, in their order.
+    pub values: Vec<f64>,
+    /// What their aggregates are made of.
+    pub extremes: Vec<Option<Extremes>>,
+    runs: Vec<CaseRun<'s>>,
+}
+
+/// A case in which the problem measures something.
+struct CaseRun<'s> {
+    prepared: Prepared<'s>,
+    forward: Forward,
+    /// Numbers of its functionals among those of the problem.
+    places: Vec<usize>,
+}
+
+/// What a gradient is made with.
+pub(super) struct Differentiation<'p> {
+    pub scaling: &'p Scaling,
+    /// Functionals whose gradients count.
+    pub wanted: &'p [bool],
+    /// Asked between runs.
+    pub wants_to_stop: &'p (dyn Fn() -> bool + Sync),
+}
+
+/// Calls a function for each number below `count`, several at once where there are several; the first error counts.
+fn all_at_once<T: Send>(count: usize, run: impl Fn(usize) -> Result<T, RunError> + Sync) -> Result<Vec<T>, RunError> {
+    if count == 1 {
+        return Ok(vec![run(0)?]);
+    }
+    let results: Vec<Mutex<Option<Result<T, RunError>>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    run_at_once(count, rayon::current_num_threads(), |number| {
+        let result = run(number);
+        if let Ok(mut own) = results[number].lock() {
+            *own = Some(result);
+        }
+    });
+    let missing = || Err(RunError::Input("a case was not run".into()));
+    results.into_iter().map(|own| own.into_inner().ok().flatten().unwrap_or_else(missing)).collect()
+}
+
+impl<'o> Optimization<'o> {
+    /// Builds a design and simulates it in the cases of which the problem names a functional.
+    pub(super) fn simulate(
+        &'o self,
+        design: &[f64],
+        wants_to_stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Simulated<'o>, RunError> {
+        let measures = |case: &usize| self.places.iter().any(|place| place.0 == *case);
+        let cases: Vec<usize> = (0..self.cases.len()).filter(measures).collect();
+        let runs = all_at_once(cases.len(), |number| {
+            let case = &self.cases[cases[number]];
+            let run = self.case_run(cases[number], design, wants_to_stop);
+            run.map_err(|error| in_case(case, error))
+        })?;
+        let (mut values, mut extremes) = (vec![f64::NAN; self.places.len()], vec![None; self.places.len()]);
+        for CaseRun { forward, places, .. } in &runs {
+            for (own, &place) in places.iter().enumerate() {
+                values[place] = forward.values[own];
+                extremes[place] = forward.extremes[own].clone();
+            }
+        }
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(k) => Err(RunError::Input(format!(
+                "functional \"{}\" is {}; a smooth maximum needs steps that resolve its peak: try a smaller step or sharpness",
+                self.functionals[k].0, values[k]
+            ))),
+            None => Ok(Simulated { design: design.to_vec(), values, extremes, runs }),
+        }
+    }
+
+    fn case_run(
+        &'o self,
+        number: usize,
+        design: &[f64],
+        wants_to_stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<CaseRun<'o>, RunError> {
+        let Case { scene, method, settings, .. } = &self.cases[number];
+        let mut prepared = Prepared::with(*scene, design, method.clone(), settings.clone())?;
+        let known = |name: &str| self.places.iter().position(|place| place.0 == number && place.1 == name);
+        prepared.mechanism.functionals.retain(|functional| known(&functional.name).is_some());
+        prepared.mechanism.functionals.sort_by_key(|functional| known(&functional.name));
+        let places = prepared.functionals().iter().filter_map(|functional| known(&functional.name)).collect();
+        prepared.keep = self.keep.clone();
+        let mut watch = Watch(|_: &StepRecord<f64>| !wants_to_stop());
+        let (forward, stopped) = prepared.analysis().observed(design, &mut watch)?;
+        if wants_to_stop() {
+            return Err(RunError::Interrupted { steps: forward.history.steps() });
+        }
+        stopped.map_or(Ok(()), Err)?;
+        Ok(CaseRun { prepared, forward, places })
+    }
+
+    /// Gradients of the functionals with respect to all design variables; zero for those that do not count.
+    pub(super) fn rows(
+        &self,
+        simulated: &Simulated,
+        how: &Differentiation,
+        work: &mut Work,
+    ) -> Result<Vec<Vec<f64>>, RunError> {
+        let counts = |run: &&CaseRun| run.places.iter().any(|&place| how.wanted[place]);
+        let runs: Vec<&CaseRun> = simulated.runs.iter().filter(counts).collect();
+        let made = all_at_once(runs.len(), |number| {
+            let mut own = Work::default();
+            let rows = runs[number].rows(self.gradient, how, &mut own)?;
+            Ok((rows, own))
+        })?;
+        let mut all = vec![vec![0.0; simulated.design.len()]; simulated.values.len()];
+        for (run, (rows, own)) in runs.into_iter().zip(made) {
+            *work += own;
+            for (&place, row) in run.places.iter().zip(rows).filter(|(place, _)| how.wanted[**place]) {
+                all[place] = row;
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// An error with the name of the scenario; what was interrupted stays that.
+fn in_case(case: &Case, error: RunError) -> RunError {
+    match error {
+        RunError::Interrupted { .. } => error,
+        _ if case.name.is_empty() => error,
+        error => RunError::Input(format!("scenario \"{}\": {error}", case.name)),
+    }
+}
+
+impl Simulated<'_> {
+    /// The work of all its runs.
+    pub fn add_counters(&self, work: &mut Work) {
+        self.runs.iter().for_each(|run| work.simulation += run.forward.counters);
+        work.simulations += self.runs.len();
+    }
+}
+
+impl CaseRun<'_> {
+    fn rows(&self, by: GradientBy, how: &Differentiation, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
+        let CaseRun { prepared, forward, places } = self;
+        let (analysis, x) = (prepared.analysis(), &prepared.x);
+        let gradient = match by {
+            GradientBy::Adjoint => {
+                work.sweeps += 1;
+                let wanted: Vec<bool> = places.iter().map(|&place| how.wanted[place]).collect();
+                analysis.adjoint_of(x, forward, &wanted)?
+            }
+            GradientBy::ComplexStep => {
+                work.sweeps += x.len();
+                analysis.complex_step(x, forward)?
+            }
+            GradientBy::Difference { share } => return self.differences(share, how, work),
+        };
+        work.gradient += gradient.counters;
+        Ok(gradient.rows)
+    }
+
+    /// One simulation for each variable that varies, at a design that differs by a share of its value (of its scale where it is 0).
+    fn differences(&self, share: f64, how: &Differentiation, work: &mut Work) -> Result<Vec<Vec<f64>>, RunError> {
+        let CaseRun { prepared, forward, .. } = self;
+        let analysis = prepared.analysis().on_steps_of(forward);
+        let mut rows = vec![vec![0.0; prepared.x.len()]; forward.values.len()];
+        for (&variable, &(_, size)) in how.scaling.varying.iter().zip(&how.scaling.measures) {
+            let mut x = prepared.x.clone();
+            let step = share * if x[variable] == 0.0 { size } else { x[variable].abs() };
+            let inside = x[variable] + step <= prepared.variables[variable].upper;
+            x[variable] += if inside { step } else { -step };
+            let step = x[variable] - prepared.x[variable];
+            let Forward { values, counters, .. } = analysis.forward(&x)?;
+            work.sweeps += 1;
+            work.gradient += counters;
+            for ((row, value), here) in rows.iter_mut().zip(values).zip(&forward.values) {
+                row[variable] = (value - here) / step;
+            }
+            if (how.wants_to_stop)() {
+                return Err(RunError::Interrupted { steps: 0 });
+            }
+        }
+        Ok(rows)
+    }
+}

@@ -1,0 +1,97 @@
+//! Scenarios of a file: the same mechanism with other numbers, loads, drives, settings.
+
+use super::mistake::Mistake;
+use super::raw::{Entry, Raw, RawValue};
+use crate::scenes::unknown;
+
+/// The section of scenarios.
+pub(super) const SCENARIO: &str = "scenario";
+/// Sections that all scenarios share.
+const SHARED: [&str; 4] = ["version", "name", "variable", "optimization"];
+
+/// Takes the scenarios out of a file: their names, and the whole file as each makes it.
+///
+/// # Errors
+/// What no scenario can say.
+pub(super) fn take_scenarios(root: &mut Raw) -> Result<Vec<(String, Raw)>, Vec<Mistake>> {
+    let RawValue::Table(entries) = &mut root.value else { return Ok(Vec::new()) };
+    let Some(place) = entries.iter().position(|entry| entry.key == SCENARIO) else { return Ok(Vec::new()) };
+    let Entry { at, value, .. } = entries.remove(place);
+    let RawValue::List(list) = value.value else {
+        return Err(vec![Mistake::new(at, "scenario must be written as [[scenario]]")]);
+    };
+    let mut scenarios: Vec<(String, Raw)> = Vec::new();
+    let mut mistakes = Vec::new();
+    for own in list {
+        match scenario(root, &own) {
+            Ok((name, _)) if scenarios.iter().any(|other| other.0 == name) => {
+                mistakes.push(Mistake::new(own.at, format!("two scenarios are named \"{name}\"")));
+            }
+            Ok(made) => scenarios.push(made),
+            Err(mistake) => mistakes.push(mistake),
+        }
+    }
+    if mistakes.is_empty() { Ok(scenarios) } else { Err(mistakes) }
+}
+
+/// The name of a scenario and the file that it makes of the one without scenarios.
+fn scenario(root: &Raw, own: &Raw) -> Result<(String, Raw), Mistake> {
+    let entries = own.entries().ok_or_else(|| Mistake::new(own.at, "a scenario is a table"))?;
+    let name = own.get("name").and_then(Raw::text).filter(|name| !name.is_empty());
+    let name = name.ok_or_else(|| Mistake::new(own.at, "[[scenario]] needs the key name, a text"))?;
+    if name.contains(['/', '\\', '[', ']']) {
+        return Err(Mistake::new(own.at, format!("the name \"{name}\" of a scenario cannot have / \\ [ ] in it")));
+    }
+    let mut whole = root.clone();
+    if let RawValue::Table(entries) = &mut whole.value {
+        // it speaks of all of them
+        entries.retain(|entry| entry.key != "optimization");
+    }
+    for entry in entries.iter().filter(|entry| entry.key != "name") {
+        if SHARED.contains(&entry.key.as_str()) {
+            return Err(Mistake::new(entry.at, format!("{} is the same in all scenarios", entry.key)));
+        }
+        put(&mut whole, entry, &entry.key)?;
+    }
+    Ok((name.into(), whole))
+}
+
+/// Puts a key into a table: tables into tables key by key, tables into lists by the names of their entries, lists behind lists of tables; all
+/// else, and a table with another type, in the place of what was there.
+fn put(into: &mut Raw, entry: &Entry, path: &str) -> Result<(), Mistake> {
+    let RawValue::Table(entries) = &mut into.value else { return Ok(()) };
+    let Some(own) = entries.iter_mut().find(|own| own.key == entry.key) else {
+        entries.push(entry.clone());
+        return Ok(());
+    };
+    match (&mut own.value.value, &entry.value.value) {
+        (RawValue::Table(_), RawValue::Table(changes)) if entry.value.get("type").is_none() => {
+            changes.iter().try_for_each(|change| put(&mut own.value, change, &format!("{path}.{}", change.key)))
+        }
+        (RawValue::List(list), RawValue::Table(changes)) => {
+            changes.iter().try_for_each(|change| change_named(list, change, path))
+        }
+        (RawValue::List(list), RawValue::List(more)) if list.iter().all(|own| own.entries().is_some()) => {
+            list.extend(more.iter().cloned());
+            Ok(())
+        }
+        _ => {
+            *own = entry.clone();
+            Ok(())
+        }
+    }
+}
+
+/// Changes the entry of a list that has this name.
+fn change_named(list: &mut [Raw], change: &Entry, path: &str) -> Result<(), Mistake> {
+    let name_of = |own: &Raw| own.get("name").and_then(Raw::text).unwrap_or_default().to_string();
+    let known: Vec<String> = list.iter().map(name_of).collect();
+    let Some(place) = known.iter().position(|name| *name == change.key) else {
+        return Err(Mistake::new(change.at, unknown(path, &change.key, &known)));
+    };
+    let Some(changes) = change.value.entries() else {
+        let text = format!("what a scenario changes of {path} \"{}\" is a table of its keys", change.key);
+        return Err(Mistake::new(change.at, text));
+    };
+    changes.iter().try_for_each(|own| put(&mut list[place], own, &format!("{path} \"{}\", {}", change.key, own.key)))
+}
