@@ -73,6 +73,9 @@ pub fn run(options: &ModesOptions, program: &CommandLine) -> Result<(), Failure>
     let about = if prepared.method.table.is_static() { "equilibrium" } else { "start" };
     say(format_args!("{}: {}", scene.name(), scene.summary()));
     match about {
+        "start" if prepared.plan.equilibrium.is_some() => {
+            say("small undamped vibrations about the equilibrium at which the motion begins\n");
+        }
         "start" => say("small undamped vibrations about the start\n"),
         _ => say(format_args!("small undamped vibrations about the equilibrium at the load factor {}\n", settings.end)),
     }

@@ -2,6 +2,7 @@
 
 use costate::optimize::{Optimization, Sqp};
 use costate::scenes::{AnyScene, FileScene, Prepared};
+use costate::sensitivity::largest_difference;
 use std::process::Command;
 
 /// A cantilever whose width and height carry two loads.
@@ -29,7 +30,7 @@ clamped = ["start"]
 name = "load"
 on = "beam.end"
 direction = [0, 0, -1]
-size = { type = "constant_rate", rate = "push" }
+size = { type = "constant_rate", offset = 0, rate = "push" }
 [[functional]]
 name = "mass"
 type = "mass"
@@ -50,7 +51,7 @@ define.push = 300
 
 [[scenario]]
 name = "aside"
-force.load = { direction = [0, 1, 0], size = { type = "constant_rate", rate = "2 * push" } }
+force.load = { direction = [0, 1, 0], size = { type = "smooth_ramp", to = "2 * push", duration = 1 } }
 functional = [{ name = "tip", type = "position", on = "beam.end", direction = [0, 1, 0], over = "terminal" }]
 settings.steps = 2
 
@@ -79,7 +80,10 @@ fn by_hand(changes: &[(&str, &str)]) -> FileScene {
 
 const ASIDE: [(&str, &str); 4] = [
     ("direction = [0, 0, -1]", "direction = [0, 1, 0]"),
-    ("rate = \"push\"", "rate = \"2 * push\""),
+    (
+        "size = { type = \"constant_rate\", offset = 0, rate = \"push\" }",
+        "size = { type = \"smooth_ramp\", to = \"2 * push\", duration = 1 }",
+    ),
     ("steps = 1", "steps = 2"),
     (
         "[settings]",
@@ -138,8 +142,11 @@ fn an_optimum_holds_its_limits_in_all_scenarios() {
             scenario.scene.settings(),
         )
         .unwrap();
-        let forward = prepared.analysis().forward(&best.design).unwrap();
-        assert_eq!(forward.values[prepared.functional(local).unwrap()], best.functionals[k + 1], "{case}");
+        let (forward, place) = (prepared.analysis().forward(&best.design).unwrap(), prepared.functional(local).unwrap());
+        assert_eq!(forward.values[place], best.functionals[k + 1], "{case}");
+        let rows = prepared.analysis().adjoint(&best.design, &forward).unwrap().rows;
+        let known = best.gradients.as_ref().expect("the best point has gradients");
+        assert!(largest_difference(&rows[place], &known[k + 1]) < 1e-14, "{case}: {rows:?} {known:?}");
     }
 }
 
