@@ -88,7 +88,7 @@ pub mod prelude {
     };
     pub use crate::history::{Keep, Observer, Watch};
     pub use crate::integrators::{ConstraintLevel, Method, RunError, StartRecord, StepControl, StepRecord, table_by_name};
-    pub use crate::scalar::{Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
+    pub use crate::scalar::{Interpolant, Matrix3, Quaternion, Scalar, SpatialVector, Vector3};
     pub use crate::scenes::{
         BeamLine, BushingRates, CableLine, Force, Limit, MechanismBuilder, OptimizationProblem, Prepared, Scene, Settings,
         ShellMesh, Signal, SpringDamper, Torque,

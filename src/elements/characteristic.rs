@@ -1,6 +1,6 @@
-use super::Parameter;
+use super::{Parameter, Table};
 use crate::program::{ArgumentKind, Formula, ProgramWork};
-use crate::scalar::{CurveId, Interpolant, Scalar};
+use crate::scalar::{Curve, Interpolant, Scalar};
 use std::fmt;
 use std::sync::Arc;
 
@@ -52,16 +52,21 @@ impl fmt::Debug for Characteristic {
     }
 }
 
-/// Values at points of s.
-struct Table(CurveId);
-
 impl ForceLaw for Table {
     fn parameters(&self) -> Vec<Parameter> {
-        let count = self.0.curve().knots().len();
-        (1..=count).map(|point| Parameter::named(format!("value {point}"), "")).collect()
+        self.parameters("")
     }
     fn value<S: Scalar>(&self, [s, ..]: [S; 3], p: &[S]) -> S {
-        s.on_curve(self.0, p)
+        self.value(s, p)
+    }
+}
+
+impl ForceLaw for Arc<Curve> {
+    fn parameters(&self) -> Vec<Parameter> {
+        Vec::new()
+    }
+    fn value<S: Scalar>(&self, [s, ..]: [S; 3], _p: &[S]) -> S {
+        s.on_curve(self, 0)
     }
 }
 
@@ -77,13 +82,25 @@ impl Characteristic {
         Ok(Characteristic { formula: formula.map_err(|why| format!("a characteristic: {why}"))?, parameters })
     }
 
-    /// Values at points of s, which are its parameters: straight lines between them, constant outside, or a natural cubic spline of constant
-    /// slope outside.
+    /// A law by values at points of s that may depend on the design, and its parameters.
     ///
     /// # Errors
-    /// Fewer than two points, or points that are not finite or do not increase.
-    pub fn table(points: &[f64], interpolant: Interpolant) -> Result<Self, String> {
-        Self::of(Table(CurveId::new(points, interpolant)?))
+    /// Fewer than two points, points that are not finite or do not increase, or another number of values.
+    pub fn table<S: Scalar>(points: &[f64], values: &[S], way: Interpolant) -> Result<(Self, Vec<S>), String> {
+        let table = Table::new(points, way)?;
+        if points.len() != values.len() {
+            return Err(format!("there are {} points, but {} values; give one for each", points.len(), values.len()));
+        }
+        let numbers = table.numbers(values);
+        Ok((Self::of(table)?, numbers))
+    }
+
+    /// A law by values at points of s that are always the same: it has no parameters.
+    ///
+    /// # Errors
+    /// As for [`Characteristic::table`].
+    pub fn curve(points: &[f64], values: &[f64], way: Interpolant) -> Result<Self, String> {
+        Self::of(Curve::new(points, values, way)?)
     }
 
     /// Its parameters.

@@ -18,6 +18,7 @@ mod lagrangian;
 mod node_kind;
 mod nonholonomic;
 mod parameter;
+mod table;
 mod time_formula;
 mod time_function;
 
@@ -39,5 +40,6 @@ pub use frame::Frame;
 pub use node_kind::NodeKind;
 pub use nonholonomic::{Nonholonomic, NonholonomicConstraint};
 pub use parameter::{Admissible, Parameter};
+pub use table::Table;
 pub use time_formula::{RecordedFunction, TimeFormula};
-pub use time_function::TimeFunction;
+pub use time_function::{MOST_BREAKPOINTS, TimeFunction};

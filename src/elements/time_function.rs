@@ -1,6 +1,10 @@
-use super::{Parameter, RecordedFunction, TimeFormula};
-use crate::scalar::{COMPLEX_STEP, Complex64, CurveId, Interpolant, Scalar};
+use super::{Parameter, RecordedFunction, Table, TimeFormula};
+use crate::scalar::{COMPLEX_STEP, Complex64, Curve, Interpolant, Scalar};
 use std::sync::Arc;
+
+/// Knots of a monotone table that steps still end at: its second derivative jumps there, which costs methods above third order their order;
+/// ends of steps at each of many knots would cost more.
+pub const MOST_BREAKPOINTS: usize = 100;
 
 /// A function of time f(t) for motion drivers and loads; its numbers are parameters of the element that holds it.
 #[derive(Clone, Debug)]
@@ -24,29 +28,29 @@ pub enum TimeFunction {
     /// s = T (5/2 x^4 - 3 x^5 + x^6) until T, t - T/2 from there on, 0 before 0. Parameters: those of f, start duration T. If f jumps,
     /// T moves the jump, and the ends of steps with it.
     SmoothStart(Arc<TimeFunction>),
-    /// Straight lines through (t_i, f_i), constant outside; for loads only. Parameters: the values f_i; the times are topology.
-    Lines(CurveId),
-    /// Natural cubic spline through (t_i, f_i), constant slope outside. Parameters: the values f_i; the times are topology.
-    Table(CurveId),
+    /// Values at times, which both are topology: no parameters. Lines and steps are for loads only.
+    Curve(Arc<Curve>, Interpolant),
+    /// Values at times. Parameters: those of the [`Table`]; the times are topology. Lines and steps are for loads only.
+    Table(Table),
     /// One's own. Parameters: its own.
     Own(RecordedFunction),
 }
 
 impl TimeFunction {
-    /// A table over the given knots.
+    /// A table whose values are parameters.
     ///
     /// # Errors
-    /// Fewer than two knots, or times that are not finite or do not increase; the message shows which.
-    pub fn table(times: Vec<f64>) -> Result<TimeFunction, String> {
-        CurveId::new(&times, Interpolant::Cubic).map(TimeFunction::Table)
+    /// Fewer than two times, or times that are not finite or do not increase; the message shows which.
+    pub fn table(times: &[f64], interpolant: Interpolant) -> Result<TimeFunction, String> {
+        Table::new(times, interpolant).map(TimeFunction::Table)
     }
 
-    /// Straight lines between the given knots.
+    /// A table whose values are always the same.
     ///
     /// # Errors
-    /// As for [`TimeFunction::table`].
-    pub fn lines(times: Vec<f64>) -> Result<TimeFunction, String> {
-        CurveId::new(&times, Interpolant::Lines).map(TimeFunction::Lines)
+    /// As for [`TimeFunction::table`], and values that are not finite or not as many as times.
+    pub fn curve(times: &[f64], values: &[f64], interpolant: Interpolant) -> Result<TimeFunction, String> {
+        Ok(TimeFunction::Curve(Curve::new(times, values, interpolant)?, interpolant))
     }
 
     /// A function of one's own.
@@ -73,7 +77,8 @@ impl TimeFunction {
             TimeFunction::SmoothStart(inner) => {
                 inner.parameters(unit).into_iter().chain([Parameter::positive("start duration", "s")]).collect()
             }
-            TimeFunction::Table(curve) | TimeFunction::Lines(curve) => knot_values(curve.curve().knots().len(), unit),
+            TimeFunction::Curve(..) => Vec::new(),
+            TimeFunction::Table(table) => table.parameters(unit),
             TimeFunction::Own(own) => own.parameters().to_vec(),
         }
     }
@@ -93,17 +98,26 @@ impl TimeFunction {
                 [own @ .., duration] => inner.value(started_time(t, *duration), own),
                 [] => unreachable!("the start duration is the last parameter"),
             },
-            TimeFunction::Table(curve) | TimeFunction::Lines(curve) => t.on_curve(*curve, p),
+            TimeFunction::Curve(curve, _) => t.on_curve(curve, 0),
+            TimeFunction::Table(table) => table.value(t, p),
             TimeFunction::Own(own) => own.value(t, p),
         }
     }
 
-    /// Times at which f or one of its first two derivatives jumps.
+    /// Knots of a table, and the way between them.
+    fn knots(&self) -> Option<(&[f64], Interpolant)> {
+        match self {
+            TimeFunction::Curve(curve, interpolant) => Some((curve.knots(), *interpolant)),
+            TimeFunction::Table(table) => Some((table.knots(), table.interpolant())),
+            _ => None,
+        }
+    }
+
+    /// Times at which f or one of its first two derivatives jumps; of a monotone table of more than [`MOST_BREAKPOINTS`] knots none.
     pub fn breakpoints<S: Scalar>(&self, p: &[S]) -> Vec<S> {
         match self {
             TimeFunction::SmoothRamp => vec![p[2], p[2] + p[3]],
             TimeFunction::Step { switch } => vec![S::from(*switch)],
-            TimeFunction::Lines(curve) => curve.curve().knots().iter().map(|&knot| S::from(knot)).collect(),
             TimeFunction::SmoothStart(inner) => match p {
                 [own @ .., duration] => {
                     let mapped = inner.breakpoints(own).into_iter().filter(|breakpoint| breakpoint.value() > 0.0);
@@ -112,16 +126,21 @@ impl TimeFunction {
                 [] => unreachable!("the start duration is the last parameter"),
             },
             TimeFunction::Own(own) => own.breakpoints(p),
-            _ => Vec::new(),
+            _ => match self.knots() {
+                Some((_, Interpolant::Smooth)) | None => Vec::new(),
+                Some((knots, Interpolant::Monotone)) if knots.len() > MOST_BREAKPOINTS => Vec::new(),
+                Some((knots, _)) => knots.iter().map(|&knot| S::from(knot)).collect(),
+            },
         }
     }
 
-    /// Time of a jump of the value, if there is one; functions of one's own do not tell.
+    /// Time of the first jump of the value, if there is one; functions of one's own do not tell.
     pub fn jump(&self) -> Option<f64> {
         match self {
             TimeFunction::Step { switch } => Some(*switch),
             TimeFunction::SmoothStart(inner) => inner.jump(),
-            _ => None,
+            // the first knot is none: the value before it is its own
+            _ => self.knots().filter(|(_, interpolant)| *interpolant == Interpolant::Steps).map(|(knots, _)| knots[1]),
         }
     }
 
@@ -129,16 +148,11 @@ impl TimeFunction {
     pub fn rate_jump(&self, p: &[f64]) -> Option<f64> {
         match self {
             TimeFunction::Step { switch } => Some(*switch),
-            TimeFunction::Lines(curve) => Some(curve.curve().knots()[0]),
             TimeFunction::SmoothStart(inner) => inner.rate_jump(p.split_last().map_or(p, |(_, own)| own)),
             TimeFunction::Own(own) => own.rate_jump(p),
-            _ => None,
+            _ => self.knots().filter(|(_, interpolant)| interpolant.has_kinks()).map(|(knots, _)| knots[0]),
         }
     }
-}
-
-fn knot_values(count: usize, unit: &'static str) -> Vec<Parameter> {
-    (0..count).map(|i| Parameter::named(format!("value {i}"), unit)).collect()
 }
 
 /// s(t) of a smooth start \[s\].

@@ -9,7 +9,7 @@ impl Listing {
     /// The operations that some nodes of a recording with `inputs` arguments are made of.
     pub fn of(graph: &Graph, outputs: &[Node], inputs: usize) -> Self {
         let needed = graph.needed(outputs);
-        let mut listing = Listing { inputs, ..Listing::default() };
+        let mut listing = Listing { inputs, curves: graph.curves().to_vec(), ..Listing::default() };
         let mut constants: HashMap<u64, u32> = HashMap::new();
         let mut sources = vec![Source::Input(0); needed.len()];
         for (index, &operation) in graph.operations().iter().enumerate().take(needed.len()) {
@@ -36,9 +36,11 @@ impl Listing {
                 Operation::Select([mask, then, otherwise]) => {
                     Instruction::Select(source(mask), source(then), source(otherwise))
                 }
-                Operation::KnotWeight { curve, knot, order, at } => {
-                    Instruction::KnotWeight { curve, knot, order, at: source(at) }
-                }
+                Operation::Curve { curve, order, at } => Instruction::Curve { curve, order, at: source(at) },
+                Operation::Gather { first, count, at } => match source(first) {
+                    Source::Input(first) => Instruction::Gather { first, count, at: source(at) },
+                    other => unreachable!("{other:?} is gathered and no argument"),
+                },
             };
             sources[index] = Source::Value(listing.instructions.len() as u32);
             listing.instructions.push(instruction);

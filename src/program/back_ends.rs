@@ -4,7 +4,7 @@ use super::listing::{Instruction, Listing, Source};
 use super::loop_code::LoopCode;
 use super::native::{NativeCode, Width};
 use super::operation::{Binary, Unary};
-use crate::scalar::{CurveId, Interpolant, Scalar};
+use crate::scalar::{Curve, Interpolant, Scalar};
 
 /// Marsaglia's xorshift generator with a multiplication behind it.
 struct Random(u64);
@@ -63,7 +63,8 @@ fn random_listing(random: &mut Random, calls: usize) -> Listing {
     let constants: Vec<f64> = (0..random.pick(&[1, 4, 40])).map(|_| random.number()).collect();
     // operands near by keep few values alive, any operands many
     let reach = random.pick(&[3, 30, 1000]);
-    let curve = CurveId::new(&[-0.5, 0.2, 0.9], Interpolant::Cubic).expect("increasing knots");
+    let curve = |way| Curve::new(&[-0.5, 0.2, 0.9], &[0.3, -1.0, 2.0], way).expect("increasing knots");
+    let curves = [Interpolant::Smooth, Interpolant::Lines].map(curve).to_vec();
     let mut instructions = Vec::new();
     let source = |random: &mut Random, made: usize| loop {
         match random.below(8) {
@@ -78,14 +79,13 @@ fn random_listing(random: &mut Random, calls: usize) -> Listing {
         let y = if random.below(12) == 0 { x } else { source(random, made) };
         let z = if random.below(12) == 0 { x } else { source(random, made) };
         let instruction = if random.below(1000) < calls {
-            match random.below(5) {
+            match random.below(6) {
+                3 if inputs > 0 => {
+                    let first = random.below(inputs) as u32;
+                    Instruction::Gather { first, count: 1 + random.below(inputs - first as usize) as u32, at: x }
+                }
                 0 => Instruction::Power(x, random.pick(&[2.0, 0.5, -1.5, 3.0])),
-                1 => Instruction::KnotWeight {
-                    curve: curve.0,
-                    knot: random.below(3) as u32,
-                    order: random.below(3) as u32,
-                    at: x,
-                },
+                1 => Instruction::Curve { curve: random.below(2) as u32, order: random.below(3) as u32, at: x },
                 2 => Instruction::Binary(Binary::Atan2, x, y),
                 _ => Instruction::Unary(random.pick(&UNARY[2..13]), x),
             }
@@ -103,7 +103,7 @@ fn random_listing(random: &mut Random, calls: usize) -> Listing {
     if random.below(2) == 0 {
         outputs.extend((0..random.below(20)).map(|_| Source::Value(length as u32 - 1)));
     }
-    Listing { inputs, constants, instructions, outputs }
+    Listing { inputs, constants, curves, instructions, outputs }
 }
 
 /// What every way has to give.
@@ -120,8 +120,11 @@ fn evaluate(listing: &Listing, inputs: &[f64]) -> Vec<f64> {
             Instruction::Binary(function, x, y) => function.apply(read(x, &values), read(y, &values)),
             Instruction::Power(x, exponent) => Scalar::powf(read(x, &values), exponent),
             Instruction::Select(x, y, z) => Scalar::select(read(x, &values), read(y, &values), read(z, &values)),
-            Instruction::KnotWeight { curve, knot, order, at } => {
-                read(at, &values).knot_weight(CurveId(curve), knot as usize, order as usize)
+            Instruction::Curve { curve, order, at } => {
+                read(at, &values).on_curve(&listing.curves[curve as usize], order as usize)
+            }
+            Instruction::Gather { first, count, at } => {
+                read(at, &values).gather(&inputs[first as usize..][..count as usize])
             }
         };
         values.push(value);
@@ -232,7 +235,7 @@ fn long_listings_reach_the_far_addresses() {
         instructions.push(Instruction::Binary(random.pick(&BINARY), Source::Value(number), before));
     }
     let outputs = (0..length).rev().step_by(5).map(Source::Value).collect();
-    let listing = Listing { inputs, constants, instructions, outputs };
+    let listing = Listing { inputs, constants, curves: Vec::new(), instructions, outputs };
     let short = |(way, _): &(String, NativeCode)| way.ends_with("sections of 400 bytes");
     assert!(native_codes(&listing).iter().filter(|code| short(code)).all(|(_, code)| code.sections() > 50));
     check(&listing, &mut random);
@@ -243,7 +246,7 @@ fn empty_listings_run() {
     let mut random = Random::new(4);
     check(&Listing::default(), &mut random);
     let outputs = vec![Source::Input(1), Source::Constant(0), Source::Input(1)];
-    check(&Listing { inputs: 2, constants: vec![-0.0], instructions: Vec::new(), outputs }, &mut random);
+    check(&Listing { inputs: 2, constants: vec![-0.0], outputs, ..Listing::default() }, &mut random);
 }
 
 #[test]
@@ -251,10 +254,7 @@ fn empty_listings_run() {
 #[cfg(all(target_arch = "x86_64", not(miri)))]
 fn an_operand_that_does_not_exist_is_refused() {
     let instructions = vec![Instruction::Unary(Unary::Neg, Source::Value(0))];
-    NativeCode::compile(
-        &Listing { inputs: 0, constants: Vec::new(), instructions, outputs: vec![Source::Value(0)] },
-        Width::One,
-    );
+    NativeCode::compile(&Listing { instructions, outputs: vec![Source::Value(0)], ..Listing::default() }, Width::One);
 }
 
 #[test]

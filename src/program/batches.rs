@@ -16,7 +16,8 @@ pub enum Kind {
     Binary(Binary),
     Select,
     Power(f64),
-    KnotWeight { curve: u32, knot: u32, order: u32 },
+    Curve { curve: u32, order: u32 },
+    Gather { first: u32, count: u32 },
 }
 
 impl Kind {
@@ -26,7 +27,8 @@ impl Kind {
             Instruction::Binary(function, _, _) => Kind::Binary(function),
             Instruction::Power(_, exponent) => Kind::Power(exponent),
             Instruction::Select(..) => Kind::Select,
-            Instruction::KnotWeight { curve, knot, order, .. } => Kind::KnotWeight { curve, knot, order },
+            Instruction::Curve { curve, order, .. } => Kind::Curve { curve, order },
+            Instruction::Gather { first, count, .. } => Kind::Gather { first, count },
         }
     }
 
@@ -37,7 +39,8 @@ impl Kind {
             Kind::Binary(function) => 14 + function as usize,
             Kind::Select => 21,
             Kind::Power(_) => 22,
-            Kind::KnotWeight { .. } => 23,
+            Kind::Curve { .. } => 23,
+            Kind::Gather { .. } => 24,
         }
     }
 }
@@ -97,7 +100,7 @@ pub fn batched_order(listing: &Listing) -> Vec<usize> {
 
     let mut order = Vec::new();
     let mut done = vec![false; count];
-    let mut queues: [Vec<usize>; 24] = Default::default();
+    let mut queues: [Vec<usize>; 25] = Default::default();
     // instructions from `window_end` on wait until the first unfinished one comes near
     let (mut first_open, mut window_end) = (0, 0);
     loop {

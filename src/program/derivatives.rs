@@ -2,7 +2,6 @@
 
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
-use crate::scalar::CurveId;
 use smallvec::{SmallVec, smallvec};
 
 /// A partial derivative of an operation towards an operand.
@@ -17,6 +16,8 @@ enum Partial {
     Guarded(Node),
     /// Only where the mask is not 0 (or, with false, where it is).
     Where(Node, bool),
+    /// Only where the node is this whole number.
+    At(Node, u32),
 }
 
 impl Graph {
@@ -99,9 +100,11 @@ impl Graph {
             Operation::Select([mask, then, otherwise]) => {
                 smallvec![(then, Where(mask, true)), (otherwise, Where(mask, false))]
             }
-            Operation::KnotWeight { curve, knot, order, at } => {
-                let slope = self.knot_weight(CurveId(curve), knot as usize, order as usize + 1, at);
-                smallvec![(at, Factor(slope))]
+            Operation::Curve { curve, order, at } => {
+                smallvec![(at, Factor(self.on_own_curve(curve, order + 1, at)))]
+            }
+            Operation::Gather { first, count, at } => {
+                (0..count).map(|place| (Node(first.0 + place), Partial::At(at, place))).collect()
             }
         }
     }
@@ -117,6 +120,10 @@ impl Graph {
             Partial::Where(mask, taken) => {
                 let zero = self.zero();
                 if taken { self.select(mask, x, zero) } else { self.select(mask, zero, x) }
+            }
+            Partial::At(at, place) => {
+                let elsewhere = self.differs(at, place);
+                self.along(Partial::Where(elsewhere, false), x)
             }
         }
     }
@@ -143,6 +150,11 @@ impl Graph {
             if let Operation::Select([mask, then, otherwise]) = self.operation(node) {
                 let [then, otherwise] = [then, otherwise].map(|side| tangents[side.0 as usize]);
                 tangents[index] = self.select(mask, then, otherwise);
+                continue;
+            }
+            if let Operation::Gather { first, count, at } = self.operation(node) {
+                let parts = tangents[first.0 as usize..][..count as usize].to_vec();
+                tangents[index] = self.gather(&parts, at);
                 continue;
             }
             let mut sum = zero;

@@ -5,13 +5,12 @@ use super::listing::Listing;
 use super::operation::{Node, Operation};
 use super::recorded::{Recorded, Recording, extend, record};
 use super::running::{Making, Program};
-use crate::scalar::CurveId;
 use smallvec::{SmallVec, smallvec};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, Weak};
 
 /// What a program computes: a kind, and the numbers on which its operations depend (sizes, which inputs move, which are asked for).
 pub type ProgramKey = (ProgramKind, Codes);
@@ -141,8 +140,15 @@ impl ProgramCache {
 /// Formulas that are kept for models to come, whether one of today uses them or not.
 const KEPT: usize = 1000;
 
-/// A formula with its recorded operations.
-type Listed = (Vec<Operation>, Arc<Formula>);
+/// A formula with its recorded operations and what tells its curves.
+#[derive(Debug)]
+struct Listed {
+    operations: Vec<Operation>,
+    curves: Digest,
+    formula: Weak<Formula>,
+    /// It is kept while nobody uses it, but for one with tables, which may be long.
+    kept: Option<Arc<Formula>>,
+}
 
 /// The formulas of the process, by the hash of their operations.
 #[derive(Default)]
@@ -160,7 +166,7 @@ impl Formulas {
             return;
         }
         self.known.retain(|_, same| {
-            same.retain(|(_, formula)| Arc::strong_count(formula) > 1);
+            same.retain(|own| own.formula.strong_count() > usize::from(own.kept.is_some()));
             !same.is_empty()
         });
         self.count = self.known.values().map(Vec::len).sum();
@@ -248,21 +254,24 @@ impl Formula {
 
     fn shared(arguments: Arguments, outputs: Vec<Node>, stages: Option<Stages<Node>>, graph: Graph) -> Arc<Formula> {
         let mut hasher = DefaultHasher::new();
-        (&arguments, &outputs, &stages, graph.operations()).hash(&mut hasher);
+        let curves = Digest::of(graph.curves());
+        (&arguments, &outputs, &stages, graph.operations(), curves).hash(&mut hasher);
         let mut all = lock(formulas());
         let hash = hasher.finish();
-        for (operations, formula) in all.known.get(&hash).into_iter().flatten() {
+        for own in all.known.get(&hash).into_iter().flatten() {
+            let Some(formula) = own.formula.upgrade() else { continue };
             let same = (&formula.arguments, &formula.outputs, &formula.stages) == (&arguments, &outputs, &stages);
-            if same && operations == graph.operations() {
-                return Arc::clone(formula);
+            if same && own.curves == curves && own.operations == graph.operations() {
+                return formula;
             }
         }
         all.forget_unused();
-        let operations = graph.operations().to_vec();
+        let (operations, has_curves) = (graph.operations().to_vec(), !graph.curves().is_empty());
         let (graph, programs, values) = (Mutex::new(graph), RwLock::default(), OnceLock::new());
         let (inputs, gradients, digest) = (arguments.count(), ProgramCache::default(), OnceLock::new());
         let formula = Arc::new(Formula { inputs, arguments, outputs, stages, graph, programs, values, gradients, digest });
-        all.known.entry(hash).or_default().push((operations, Arc::clone(&formula)));
+        let kept = (!has_curves).then(|| Arc::clone(&formula));
+        all.known.entry(hash).or_default().push(Listed { operations, curves, formula: Arc::downgrade(&formula), kept });
         all.count += 1;
         formula
     }
@@ -349,9 +358,8 @@ impl Formula {
             let count = self.outputs.iter().map(|output| output.0 as usize + 1).max().unwrap_or(0);
             for operation in &graph.operations()[..count] {
                 match *operation {
-                    // numbers of curves are those of a process
-                    Operation::KnotWeight { curve, knot, order, at } => {
-                        (CurveId(curve).curve().knot_bits(), knot, order, at).hash(&mut digest);
+                    Operation::Curve { curve, order, at } => {
+                        (&graph.curves()[curve as usize], order, at).hash(&mut digest);
                     }
                     operation => operation.hash(&mut digest),
                 }

@@ -1,6 +1,7 @@
 use super::operation::{Binary, Node, Operation, Unary};
-use crate::scalar::{CurveId, Scalar};
+use crate::scalar::{Curve, Scalar, gathered_place};
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 /// Operations of a recorded formula and of what is derived from it: equal ones are shared, constants folded, zeros and ones removed.
 ///
@@ -11,6 +12,7 @@ pub struct Graph {
     /// Numbers of operations, each where its hash says or behind; [`NONE`] where there is none. At most half full, a power of two long.
     places: Vec<u32>,
     choices: bool,
+    curves: Vec<Arc<Curve>>,
 }
 
 /// No operation.
@@ -59,6 +61,11 @@ impl Graph {
     /// The operation of a node.
     pub fn operation(&self, node: Node) -> Operation {
         self.operations[node.0 as usize]
+    }
+
+    /// The curves that operations take.
+    pub fn curves(&self) -> &[Arc<Curve>] {
+        &self.curves
     }
 
     fn push(&mut self, operation: Operation) -> Node {
@@ -333,15 +340,54 @@ impl Graph {
         self.choices
     }
 
-    /// Derivative of some order of the weight of a knot.
-    pub fn knot_weight(&mut self, curve: CurveId, knot: usize, order: usize, at: Node) -> Node {
+    /// Derivative of some order of a curve.
+    pub fn on_curve(&mut self, curve: &Arc<Curve>, order: usize, at: Node) -> Node {
+        let same = |own: &Arc<Curve>| Arc::ptr_eq(own, curve) || own == curve;
+        let place = self.curves.iter().position(same).unwrap_or_else(|| {
+            self.curves.push(Arc::clone(curve));
+            self.curves.len() - 1
+        });
+        self.on_own_curve(place as u32, order as u32, at)
+    }
+
+    /// The same of one that the recording has.
+    pub fn on_own_curve(&mut self, curve: u32, order: u32, at: Node) -> Node {
         match self.constant_of(at) {
-            Some(at) => self.constant(curve.curve().weight(knot, order, at)),
-            None => {
-                let [knot, order] = [knot, order].map(|number| number as u32);
-                self.push(Operation::KnotWeight { curve: curve.0, knot, order, at })
+            Some(at) => self.constant(self.curves[curve as usize].value(order as usize, at)),
+            None if order > self.curves[curve as usize].degree() => self.zero(),
+            None => self.push(Operation::Curve { curve, order, at }),
+        }
+    }
+
+    /// The node at place `at` of a list, counted from 0: one look-up of arguments that follow each other, otherwise a choice for each node
+    /// that is not zero.
+    pub fn gather(&mut self, nodes: &[Node], at: Node) -> Node {
+        if let Some(at) = self.constant_of(at) {
+            return nodes[gathered_place(at, nodes.len())];
+        }
+        let first = nodes[0];
+        if nodes.iter().all(|&node| node == first) {
+            return first;
+        }
+        if let Operation::Input(input) = self.operation(first) {
+            let mut following = (0u32..).zip(nodes);
+            if following.all(|(k, &node)| node.0 == first.0 + k && self.operation(node) == Operation::Input(input + k)) {
+                return self.push(Operation::Gather { first, count: nodes.len() as u32, at });
             }
         }
+        let zero = self.zero();
+        let mut chosen = zero;
+        for (place, &node) in (0..).zip(nodes).filter(|(_, node)| **node != zero) {
+            let elsewhere = self.differs(at, place);
+            chosen = self.select(elsewhere, chosen, node);
+        }
+        chosen
+    }
+
+    /// Not 0 where a node is another whole number.
+    pub fn differs(&mut self, at: Node, place: u32) -> Node {
+        let place = self.constant(f64::from(place));
+        self.sub(at, place)
     }
 
     /// Results with other nodes in place of some of their arguments.
@@ -367,8 +413,10 @@ impl Graph {
             Operation::Binary(function, x, y) => self.binary(function, operand(x), operand(y)),
             Operation::Power(x, bits) => self.power(operand(x), f64::from_bits(bits)),
             Operation::Select([mask, then, otherwise]) => self.select(operand(mask), operand(then), operand(otherwise)),
-            Operation::KnotWeight { curve, knot, order, at } => {
-                self.knot_weight(CurveId(curve), knot as usize, order as usize, operand(at))
+            Operation::Curve { curve, order, at } => self.on_own_curve(curve, order, operand(at)),
+            Operation::Gather { first, count, at } => {
+                let nodes: Vec<Node> = (first.0..first.0 + count).map(|place| operand(Node(place))).collect();
+                self.gather(&nodes, operand(at))
             }
         }
     }
@@ -399,9 +447,8 @@ impl Graph {
                 Operation::Binary(function, x, y) => function.apply(of(x), of(y)),
                 Operation::Power(x, bits) => of(x).powf(f64::from_bits(bits)),
                 Operation::Select([mask, then, otherwise]) => of(mask).select(of(then), of(otherwise)),
-                Operation::KnotWeight { curve, knot, order, at } => {
-                    of(at).knot_weight(CurveId(curve), knot as usize, order as usize)
-                }
+                Operation::Curve { curve, order, at } => of(at).on_curve(&self.curves[curve as usize], order as usize),
+                Operation::Gather { first, count, at } => of(at).gather(&values[first.0 as usize..][..count as usize]),
             };
             values.push(value);
         }

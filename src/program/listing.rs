@@ -1,6 +1,8 @@
 //! A straight line of instructions: what a recording is executed from.
 
 use super::operation::{Binary, Unary};
+use crate::scalar::Curve;
+use std::sync::Arc;
 
 /// Where an operand comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,15 +26,22 @@ pub enum Instruction {
     Power(Source, f64),
     /// The second operand where the first is not 0, otherwise the third.
     Select(Source, Source, Source),
-    /// Derivative of some order of the weight of a knot of a curve.
-    KnotWeight {
-        /// Number of the curve.
+    /// Derivative of some order of a curve.
+    Curve {
+        /// Its place in the list of curves.
         curve: u32,
-        /// Number of the knot.
-        knot: u32,
         /// Order of the derivative.
         order: u32,
         /// Where it is taken.
+        at: Source,
+    },
+    /// One of some arguments.
+    Gather {
+        /// The first of them.
+        first: u32,
+        /// How many there are.
+        count: u32,
+        /// Which one, counted from 0.
         at: Source,
     },
 }
@@ -44,6 +53,8 @@ pub struct Listing {
     pub inputs: usize,
     /// Constants.
     pub constants: Vec<f64>,
+    /// Curves.
+    pub curves: Vec<Arc<Curve>>,
     /// Instructions; operands come before them.
     pub instructions: Vec<Instruction>,
     /// Where each result is read.
@@ -51,10 +62,11 @@ pub struct Listing {
 }
 
 impl Instruction {
-    /// Calls `f` for each operand.
+    /// Calls `f` for each operand but those that are gathered.
     pub fn for_each_source(self, mut f: impl FnMut(Source)) {
         match self {
-            Instruction::Unary(_, x) | Instruction::Power(x, _) | Instruction::KnotWeight { at: x, .. } => f(x),
+            Instruction::Unary(_, x) | Instruction::Power(x, _) => f(x),
+            Instruction::Curve { at, .. } | Instruction::Gather { at, .. } => f(at),
             Instruction::Binary(_, x, y) => {
                 f(x);
                 f(y);

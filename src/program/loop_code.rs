@@ -4,9 +4,10 @@
 //! loop over single instructions would mispredict a jump at each of them.
 
 use super::batches::{Kind, batched_order};
-use super::listing::{Listing, Source};
+use super::listing::{Instruction, Listing, Source};
 use super::operation::{Binary, Unary};
-use crate::scalar::{CurveId, Scalar};
+use crate::scalar::{Curve, Scalar, gathered_place};
+use std::sync::Arc;
 
 /// Eight numbers side by side: one of each of eight elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +34,7 @@ struct Step {
 pub struct LoopCode {
     inputs: usize,
     constants: Vec<f64>,
+    curves: Vec<Arc<Curve>>,
     batches: Vec<Batch>,
     steps: Vec<Step>,
     outputs: Vec<u32>,
@@ -104,7 +106,13 @@ impl LoopCode {
         assert!(outputs.iter().all(|&place| in_range(place)), "outputs within the work array");
         assert!(steps.iter().all(|step| in_range(step.result)), "results within the work array");
         assert!(steps.iter().all(|step| places == 0 || step.operands.into_iter().all(in_range)), "operands within it");
-        LoopCode { inputs, constants: listing.constants.clone(), batches, steps, outputs, places }
+        let is_inside = |instruction: &Instruction| match *instruction {
+            Instruction::Gather { first, count, .. } => count > 0 && (first + count) as usize <= inputs,
+            _ => true,
+        };
+        assert!(listing.instructions.iter().all(is_inside), "what is gathered is among the inputs");
+        let curves = listing.curves.clone();
+        LoopCode { inputs, constants: listing.constants.clone(), curves, batches, steps, outputs, places }
     }
 
     /// Evaluates one element with any number.
@@ -195,7 +203,17 @@ impl LoopCode {
                 Kind::Binary(function) => each!(|[x, y, _]| N::binary(function, x, y)),
                 Kind::Unary(function) => each!(|[x, _, _]| N::unary(function, x)),
                 Kind::Power(exponent) => each!(|[x, _, _]| x.power(exponent)),
-                Kind::KnotWeight { curve, knot, order } => each!(|[x, _, _]| x.weight(curve, knot, order)),
+                Kind::Curve { curve, order } => {
+                    let curve = &self.curves[curve as usize];
+                    each!(|[x, _, _]| x.on(curve, order as usize));
+                }
+                Kind::Gather { first, count } => {
+                    let first = self.constants.len() + first as usize;
+                    for step in steps {
+                        let at = work[step.operands[0] as usize];
+                        work[step.result as usize] = at.gathered(&work[first..][..count as usize]);
+                    }
+                }
             }
         }
     }
@@ -222,7 +240,8 @@ trait Number: Copy {
     fn binary(function: Binary, x: Self, y: Self) -> Self;
     fn choose(mask: Self, then: Self, otherwise: Self) -> Self;
     fn power(self, exponent: f64) -> Self;
-    fn weight(self, curve: u32, knot: u32, order: u32) -> Self;
+    fn on(self, curve: &Arc<Curve>, order: usize) -> Self;
+    fn gathered(self, from: &[Self]) -> Self;
 }
 
 impl<S: Scalar> Number for S {
@@ -243,8 +262,12 @@ impl<S: Scalar> Number for S {
         self.powf(exponent)
     }
     #[inline(always)]
-    fn weight(self, curve: u32, knot: u32, order: u32) -> S {
-        self.knot_weight(CurveId(curve), knot as usize, order as usize)
+    fn on(self, curve: &Arc<Curve>, order: usize) -> S {
+        self.on_curve(curve, order)
+    }
+    #[inline(always)]
+    fn gathered(self, from: &[S]) -> S {
+        self.gather(from)
     }
 }
 
@@ -266,7 +289,11 @@ impl Number for F64x8 {
         F64x8(self.0.map(|x| Scalar::powf(x, exponent)))
     }
     #[inline(always)]
-    fn weight(self, curve: u32, knot: u32, order: u32) -> F64x8 {
-        F64x8(self.0.map(|x| x.knot_weight(CurveId(curve), knot as usize, order as usize)))
+    fn on(self, curve: &Arc<Curve>, order: usize) -> F64x8 {
+        F64x8(self.0.map(|x| x.on_curve(curve, order)))
+    }
+    #[inline(always)]
+    fn gathered(self, from: &[F64x8]) -> F64x8 {
+        F64x8(std::array::from_fn(|lane| from[gathered_place(self.0[lane], from.len())].0[lane]))
     }
 }

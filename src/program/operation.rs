@@ -73,15 +73,22 @@ pub enum Operation {
     Power(Node, u64),
     /// The second operand where the first is not 0, otherwise the third.
     Select([Node; 3]),
-    /// Weight of a knot of a curve, or a derivative of it, at the operand.
-    KnotWeight {
-        /// Number of the curve among all that were made.
+    /// A curve, or a derivative of it, at the operand.
+    Curve {
+        /// Its place among the curves of the recording.
         curve: u32,
-        /// Number of the knot.
-        knot: u32,
         /// Order of the derivative.
         order: u32,
         /// Where it is taken.
+        at: Node,
+    },
+    /// One of some arguments, whose nodes follow each other.
+    Gather {
+        /// The first of them.
+        first: Node,
+        /// How many there are.
+        count: u32,
+        /// Which one, counted from 0.
         at: Node,
     },
 }
@@ -91,7 +98,11 @@ impl Operation {
     pub fn for_each_operand(self, mut f: impl FnMut(Node)) {
         match self {
             Operation::Input(_) | Operation::Constant(_) => {}
-            Operation::Unary(_, x) | Operation::Power(x, _) | Operation::KnotWeight { at: x, .. } => f(x),
+            Operation::Unary(_, x) | Operation::Power(x, _) | Operation::Curve { at: x, .. } => f(x),
+            Operation::Gather { first, count, at } => {
+                (first.0..first.0 + count).for_each(|place| f(Node(place)));
+                f(at);
+            }
             Operation::Binary(_, x, y) => {
                 f(x);
                 f(y);

@@ -1,9 +1,10 @@
 use super::graph::Graph;
 use super::operation::{Binary, Node, Unary};
 use super::undefined::Undefined;
-use crate::scalar::{CurveId, Scalar, assign_operators};
+use crate::scalar::{Curve, Scalar, assign_operators, gathered_place};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// A number of a formula that is being recorded: its place in the recording, and its value where the recording has values.
 ///
@@ -265,12 +266,22 @@ impl Scalar for Recorded {
             }
         });
     }
-    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
-        let value = curve.curve().weight(knot, order, self.value);
+    fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
+        let value = curve.value(order, self.value);
         if self.place == CONSTANT {
             return Recorded::from(value);
         }
-        Self::made(value, |graph| graph.knot_weight(curve, knot, order, Node(self.place)))
+        Self::made(value, |graph| graph.on_curve(curve, order, Node(self.place)))
+    }
+    fn gather(self, values: &[Self]) -> Self {
+        let chosen = values[gathered_place(self.value, values.len())];
+        if self.place == CONSTANT {
+            return chosen;
+        }
+        Self::made(chosen.value, |graph| {
+            let nodes: Vec<Node> = values.iter().map(|own| own.node(graph)).collect();
+            graph.gather(&nodes, Node(self.place))
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-use super::listing::{Listing, Source};
+use super::listing::{Instruction, Listing, Source};
 use super::loop_code::{F64x8, LoopCode};
 use super::native::{NativeCode, Width};
 use crate::scalar::Scalar;
@@ -123,7 +123,12 @@ impl Program {
             }
         };
         self.listing.outputs.iter().for_each(|&source| mark(source));
-        self.listing.instructions.iter().for_each(|instruction| instruction.for_each_source(&mut mark));
+        for instruction in &self.listing.instructions {
+            instruction.for_each_source(&mut mark);
+            if let Instruction::Gather { first, count, .. } = *instruction {
+                (first..first + count).for_each(|input| mark(Source::Input(input)));
+            }
+        }
         reads
     }
     /// Number of arguments.

@@ -4,7 +4,7 @@ use super::formula::{Formula, ProgramKind};
 use super::graph::Graph;
 use super::operation::{Binary, Node, Operation, Unary};
 use super::running::{Program, ProgramWork};
-use crate::scalar::CurveId;
+use crate::scalar::Curve;
 use smallvec::smallvec;
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ enum Side {
     Number,
     /// An angle, which leaps between -pi and pi.
     Angle,
-    /// The piece of a table of straight lines.
-    Piece(CurveId),
+    /// The piece of a table that jumps or bends at its knots.
+    Piece(Arc<Curve>),
     /// Components of a vector whose length is taken: it passes through zero where its direction is reversed.
     Direction(usize),
 }
@@ -93,8 +93,8 @@ fn conditions(graph: &Graph, outputs: &[Node], of_state: &[bool], lengths: bool)
                 sides.push(Side::Angle);
                 nodes.push(node);
             }
-            Operation::KnotWeight { curve, at, .. } if CurveId(curve).curve().is_of_lines() => {
-                let side = Side::Piece(CurveId(curve));
+            Operation::Curve { curve, at, .. } if graph.curves()[curve as usize].has_kinks() => {
+                let side = Side::Piece(Arc::clone(&graph.curves()[curve as usize]));
                 if !sides.iter().zip(last_nodes(&sides, &nodes)).any(|(own, own_node)| *own == side && own_node == at) {
                     sides.push(side);
                     nodes.push(at);
@@ -145,7 +145,7 @@ impl Side {
         match self {
             Side::Number => before[0] != after[0],
             Side::Angle => (after[0] - before[0]).abs() > LEAP,
-            Side::Piece(curve) => curve.curve().piece(before[0]) != curve.curve().piece(after[0]),
+            Side::Piece(curve) => curve.piece(before[0]) != curve.piece(after[0]),
             Side::Direction(_) => cosine(before, after) < REVERSED,
         }
     }

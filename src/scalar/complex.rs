@@ -1,5 +1,6 @@
-use super::{CurveId, Scalar};
+use super::{Curve, Scalar};
 use num_complex::Complex64;
+use std::sync::Arc;
 
 /// Step of complex-step derivatives, f(x + i h) = f(x) + i h f'(x) + O(h^2).
 ///
@@ -87,8 +88,7 @@ impl Scalar for Complex64 {
     fn vanishing_times(self, other: Self) -> Self {
         if self == Complex64::ZERO { self } else { self * other }
     }
-    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
-        let curve = curve.curve();
-        self.chain([curve.weight(knot, order, self.re), curve.weight(knot, order + 1, self.re)])
+    fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
+        self.chain([order, order + 1].map(|order| curve.value(order, self.re)))
     }
 }

@@ -1,147 +1,151 @@
-//! Functions of one number given by values at knots: each is a sum of values times weights of the knots.
-
-use std::sync::{OnceLock, RwLock};
+use super::Scalar;
+use super::slopes::{monotone_slopes, natural_slopes};
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 /// How values are joined between knots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolant {
+    /// Cubic pieces that stay between the values of their two knots: the slope goes on at a knot, the second derivative jumps. Of constant
+    /// slope beyond the ends.
+    Monotone,
+    /// A natural cubic spline: two derivatives go on, but it may leave the range of its values between knots. Of constant slope beyond the
+    /// ends.
+    Smooth,
     /// Straight lines, constant beyond the ends.
     Lines,
-    /// A natural cubic spline, of constant slope beyond the ends.
-    Cubic,
+    /// The value of the last knot that was passed, before the first one its value.
+    Steps,
 }
 
-/// Knots and the way between them: f(t) = sum over the knots of f_i w_i(t).
-#[derive(Debug, PartialEq)]
-pub struct Curve {
-    knots: Vec<f64>,
-    /// Of a spline the matrix from values to second derivatives, row-major; empty for lines.
-    second: Vec<f64>,
-}
-
-/// A curve among all that were made, the same for the same knots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CurveId(pub(crate) u32);
-
-fn curves() -> &'static RwLock<Vec<&'static Curve>> {
-    static CURVES: OnceLock<RwLock<Vec<&'static Curve>>> = OnceLock::new();
-    CURVES.get_or_init(RwLock::default)
-}
-
-impl CurveId {
-    /// A curve over the given knots.
-    ///
-    /// # Errors
-    /// Fewer than two knots, or knots that are not finite or do not increase; the message shows which.
-    pub fn new(knots: &[f64], interpolant: Interpolant) -> Result<Self, String> {
-        if knots.len() < 2 {
-            return Err(format!("a table over time needs at least 2 knots, not {}", knots.len()));
+impl Interpolant {
+    /// Slopes at the knots, of which pieces are made beside the values; none where the values alone do.
+    pub fn slopes<S: Scalar>(self, knots: &[f64], values: &[S]) -> Vec<S> {
+        match self {
+            Interpolant::Monotone => monotone_slopes(knots, values),
+            Interpolant::Smooth => natural_slopes(knots, values),
+            Interpolant::Lines | Interpolant::Steps => Vec::new(),
         }
-        if let Some(i) = knots.iter().position(|t| !t.is_finite()) {
-            return Err(format!("table times must be finite: knot {i} is {}", knots[i]));
-        }
-        if let Some(i) = (1..knots.len()).find(|&i| knots[i] <= knots[i - 1]) {
-            return Err(format!("table times must increase: knot {i} is {} after {}", knots[i], knots[i - 1]));
-        }
-        let second = if interpolant == Interpolant::Cubic { second_derivatives(knots) } else { Vec::new() };
-        let own = Curve { knots: knots.to_vec(), second };
-        let mut all = curves().write().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some(place) = all.iter().position(|curve| **curve == own) {
-            return Ok(CurveId(place as u32));
-        }
-        // as many as there are different tables in a process
-        all.push(Box::leak(Box::new(own)));
-        Ok(CurveId(all.len() as u32 - 1))
     }
 
-    /// The curve.
-    pub fn curve(self) -> &'static Curve {
-        curves().read().unwrap_or_else(std::sync::PoisonError::into_inner)[self.0 as usize]
+    /// Whether the value or the slope jumps at the knots.
+    pub fn has_kinks(self) -> bool {
+        matches!(self, Interpolant::Lines | Interpolant::Steps)
+    }
+}
+
+/// A function of one number in cubic pieces, one before the first knot, one between each two, one behind the last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    knots: Vec<f64>,
+    /// Coefficients of each piece: c0 + c1 u + c2 u^2 + c3 u^3, u = t less the knot on its left, that of the first piece less the first knot.
+    pieces: Vec<[f64; 4]>,
+    /// The last knot belongs to the piece on its left.
+    is_closed: bool,
+    has_kinks: bool,
+}
+
+impl Hash for Curve {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let numbers = self.knots.iter().chain(self.pieces.as_flattened());
+        numbers.for_each(|number| number.to_bits().hash(state));
+        (self.is_closed, self.has_kinks).hash(state);
+    }
+}
+
+/// That knots are at least two, finite, and increase.
+///
+/// # Errors
+/// Otherwise; the message shows which knot.
+pub fn check_knots(knots: &[f64]) -> Result<(), String> {
+    if knots.len() < 2 {
+        return Err(format!("a table needs at least 2 knots, not {}", knots.len()));
+    }
+    if let Some(i) = knots.iter().position(|t| !t.is_finite()) {
+        return Err(format!("the knots of a table must be finite: knot {i} is {}", knots[i]));
+    }
+    match (1..knots.len()).find(|&i| knots[i] <= knots[i - 1]) {
+        Some(i) => Err(format!("the knots of a table must increase: knot {i} is {} after {}", knots[i], knots[i - 1])),
+        None => Ok(()),
     }
 }
 
 impl Curve {
+    /// The curve through values at knots.
+    ///
+    /// # Errors
+    /// Fewer than two knots, knots that do not increase, another number of values, or numbers that are not finite; the message shows which.
+    pub fn new(knots: &[f64], values: &[f64], interpolant: Interpolant) -> Result<Arc<Self>, String> {
+        check_knots(knots)?;
+        if knots.len() != values.len() {
+            return Err(format!("there are {} knots, but {} values; give one for each", knots.len(), values.len()));
+        }
+        if let Some(i) = values.iter().position(|value| !value.is_finite()) {
+            return Err(format!("the values of a table must be finite: value {i} is {}", values[i]));
+        }
+        let (slopes, last) = (interpolant.slopes(knots, values), knots.len() - 1);
+        let slope = |k: usize| slopes.get(k).copied().unwrap_or(0.0);
+        let inner = (0..last).map(|k| {
+            let (y, h) = (values[k], knots[k + 1] - knots[k]);
+            let secant = (values[k + 1] - y) / h;
+            match interpolant {
+                Interpolant::Steps => [y, 0.0, 0.0, 0.0],
+                Interpolant::Lines => [y, secant, 0.0, 0.0],
+                Interpolant::Monotone | Interpolant::Smooth => {
+                    let [left, right] = [slope(k) - secant, slope(k + 1) - secant];
+                    [y, slope(k), -(left + left + right) / h, (left + right) / (h * h)]
+                }
+            }
+        });
+        let end = |k: usize| [values[k], slope(k), 0.0, 0.0];
+        let pieces = std::iter::once(end(0)).chain(inner).chain([end(last)]).collect();
+        let has_kinks = interpolant.has_kinks();
+        Ok(Arc::new(Self::of_pieces(knots, pieces, !has_kinks).with_kinks(has_kinks)))
+    }
+
+    /// Of its pieces, one more than knots.
+    pub(crate) fn of_pieces(knots: &[f64], pieces: Vec<[f64; 4]>, is_closed: bool) -> Self {
+        Curve { knots: knots.to_vec(), pieces, is_closed, has_kinks: false }
+    }
+
+    /// Says whether what is made of it jumps or bends at its knots.
+    pub(crate) fn with_kinks(self, has_kinks: bool) -> Self {
+        Curve { has_kinks, ..self }
+    }
+
     /// The knots.
     pub fn knots(&self) -> &[f64] {
         &self.knots
     }
 
-    /// Whether it consists of straight lines, whose slope jumps at the knots.
-    pub(crate) fn is_of_lines(&self) -> bool {
-        self.second.is_empty()
+    /// The highest power that a piece has.
+    pub(crate) fn degree(&self) -> u32 {
+        (1..4).rev().find(|&power| self.pieces.iter().any(|piece| piece[power as usize] != 0.0)).unwrap_or(0)
     }
 
-    /// Number of the piece at `t`.
+    /// Whether value or slope jump at the knots.
+    pub(crate) fn has_kinks(&self) -> bool {
+        self.has_kinks
+    }
+
+    /// Number of the piece at `t`, from 0 before the first knot on.
     pub(crate) fn piece(&self, t: f64) -> usize {
-        self.knots.partition_point(|&own| own <= t)
-    }
-
-    /// Bits of all that it is made of: lines have knots alone.
-    pub(crate) fn knot_bits(&self) -> (Vec<u64>, bool) {
-        (self.knots.iter().map(|knot| knot.to_bits()).collect(), self.second.is_empty())
-    }
-
-    /// Derivative of order `order` of the weight w_i of knot `knot` at `t`: for orders 0 to 3, beyond which it is zero.
-    ///
-    /// At a knot the piece to the right counts; before the first knot and from the last one on, the piece beyond.
-    pub fn weight(&self, knot: usize, order: usize, t: f64) -> f64 {
         let last = self.knots.len() - 1;
-        let value = |k: usize| f64::from(u8::from(k == knot));
-        let curvature = |k: usize| self.second.get(k * (last + 1) + knot).copied().unwrap_or(0.0);
-        let k = self.knots.partition_point(|&own| own <= t).clamp(1, last) - 1;
-        let h = self.knots[k + 1] - self.knots[k];
-        let slope = (value(k + 1) - value(k)) / h;
-        let beyond = if t < self.knots[0] {
-            Some((0, slope - (curvature(0) * 2.0 + curvature(1)) * (h / 6.0)))
-        } else if t > self.knots[last] || (self.second.is_empty() && t == self.knots[last]) {
-            Some((last, slope + (curvature(last - 1) + curvature(last) * 2.0) * (h / 6.0)))
-        } else {
-            None
-        };
-        if let Some((end, slope)) = beyond {
-            // lines are constant there
-            let slope = if self.second.is_empty() { 0.0 } else { slope };
-            return match order {
-                0 => value(end) + slope * (t - self.knots[end]),
-                1 => slope,
-                _ => 0.0,
-            };
-        }
-        let (right, left) = ((t - self.knots[k]) / h, (self.knots[k + 1] - t) / h);
-        let (m0, m1) = (curvature(k), curvature(k + 1));
+        if self.is_closed && t == self.knots[last] { last } else { self.knots.partition_point(|&own| own <= t) }
+    }
+
+    /// The derivative of order `order` at `t`, the value itself for 0.
+    ///
+    /// At a knot the piece to the right counts, at the last one that to the left if it is closed.
+    pub fn value(&self, order: usize, t: f64) -> f64 {
+        let piece = self.piece(t);
+        let ([c0, c1, c2, c3], u) = (self.pieces[piece], t - self.knots[piece.saturating_sub(1)]);
         match order {
-            0 => {
-                let bend = (left * left * left - left) * m0 + (right * right * right - right) * m1;
-                value(k) * left + value(k + 1) * right + bend * (h * h / 6.0)
-            }
-            1 => slope + ((1.0 - 3.0 * left * left) * m0 + (3.0 * right * right - 1.0) * m1) * (h / 6.0),
-            2 => left * m0 + right * m1,
-            3 => (m1 - m0) / h,
+            0 => ((c3 * u + c2) * u + c1) * u + c0,
+            1 => (3.0 * c3 * u + 2.0 * c2) * u + c1,
+            2 => 6.0 * c3 * u + 2.0 * c2,
+            3 => 6.0 * c3,
             _ => 0.0,
         }
     }
-}
-
-/// Matrix from knot values to second derivatives of the natural spline: the tridiagonal system solved for each unit value.
-fn second_derivatives(knots: &[f64]) -> Vec<f64> {
-    let n = knots.len();
-    let mut matrix = vec![0.0; n * n];
-    let h = |i: usize| knots[i + 1] - knots[i];
-    for unit in 0..n {
-        let f = |i: usize| f64::from(u8::from(i == unit));
-        // forward elimination of h_{i-1} m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_i m_{i+1} = 6 (slope_i - slope_{i-1})
-        let (mut upper, mut rhs) = (vec![0.0; n], vec![0.0; n]);
-        for i in 1..n - 1 {
-            let jump = 6.0 * ((f(i + 1) - f(i)) / h(i) - (f(i) - f(i - 1)) / h(i - 1));
-            let pivot = 2.0 * (h(i - 1) + h(i)) - h(i - 1) * upper[i - 1];
-            upper[i] = h(i) / pivot;
-            rhs[i] = (jump - h(i - 1) * rhs[i - 1]) / pivot;
-        }
-        let mut above = 0.0;
-        for i in (1..n.saturating_sub(1)).rev() {
-            above = rhs[i] - upper[i] * above;
-            matrix[i * n + unit] = above;
-        }
-    }
-    matrix
 }

@@ -5,8 +5,9 @@
 //! powers and angles, whose derivatives at zero are not numbers there.
 
 use super::jet::{Jet, functions_by_chain};
-use super::{CurveId, Scalar};
+use super::{Curve, Scalar};
 use num_dual::{Derivative, Dual2_64, Dual3_64, Dual64, DualNum, DualSVec64, HyperDual64};
+use std::sync::Arc;
 
 /// Derivatives that are carried together in a tangent run.
 pub const TANGENTS: usize = 8;
@@ -101,9 +102,8 @@ macro_rules! first_order {
                 let slopes = [other.re / norm / norm, -(self.re / norm / norm)];
                 Self::combined(self.re.atan2(other.re), [(slopes[0], self), (slopes[1], other)])
             }
-            fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
-                let curve = curve.curve();
-                self.chain([curve.weight(knot, order, self.re), curve.weight(knot, order + 1, self.re)])
+            fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
+                self.chain([order, order + 1].map(|order| curve.value(order, self.re)))
             }
         }
     };
@@ -118,7 +118,7 @@ macro_rules! of_num_dual {
 
 /// Types that carry derivatives of higher order.
 macro_rules! higher_order {
-    ($($type:ty, $x:ident => $constant:expr, $weight:expr);*) => {$(
+    ($($type:ty, $x:ident => $constant:expr, $chain:expr);*) => {$(
         impl Scalar for $type {
             choices!();
             fn is_constant(self) -> bool {
@@ -131,10 +131,10 @@ macro_rules! higher_order {
             }
             fn sqrt(self) -> Self {
                 let derivatives = super::jet::derivatives_of_power(self.re, 0.5);
-                $weight(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
+                $chain(self, [self.re.sqrt(), derivatives[1], derivatives[2], derivatives[3]])
             }
             fn powf(self, exponent: f64) -> Self {
-                $weight(self, super::jet::derivatives_of_power(self.re, exponent))
+                $chain(self, super::jet::derivatives_of_power(self.re, exponent))
             }
             fn atan2(self, other: Self) -> Self {
                 let angle = self.re.atan2(other.re);
@@ -149,9 +149,8 @@ macro_rules! higher_order {
                 turned.re = angle;
                 turned
             }
-            fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
-                let derivatives = [0, 1, 2, 3].map(|more| curve.curve().weight(knot, order + more, self.re));
-                $weight(self, derivatives)
+            fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
+                $chain(self, [0, 1, 2, 3].map(|more| curve.value(order + more, self.re)))
             }
         }
     )*};

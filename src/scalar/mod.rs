@@ -22,10 +22,12 @@ mod jet;
 mod moving;
 mod real;
 mod rotation;
+mod slopes;
 mod vector;
 
 pub use complex::COMPLEX_STEP;
-pub use curve::{Curve, CurveId, Interpolant};
+pub(crate) use curve::check_knots;
+pub use curve::{Curve, Interpolant};
 pub use duals::{TANGENTS, Tangents};
 pub use moving::Moving;
 pub(crate) use real::larger;
@@ -40,6 +42,7 @@ use num_traits::{One, Zero};
 use std::fmt::Debug;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::sync::Arc;
 
 /// A number with which elements, constraints and functionals are evaluated.
 ///
@@ -111,8 +114,12 @@ pub trait Scalar:
     /// self times other, but 0 where self is 0, whatever the other is.
     #[doc(hidden)]
     fn vanishing_times(self, other: Self) -> Self;
-    /// Derivative of order `order` of the weight of a knot of a curve.
-    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self;
+    /// The derivative of order `order` of a curve at x, its value for 0.
+    fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self;
+    /// The number at place x of a list, counted from 0; x, a whole number as a curve gives it, has no derivative.
+    fn gather(self, values: &[Self]) -> Self {
+        values[gathered_place(self.value(), values.len())]
+    }
 
     /// |x|; the derivative follows the sign of the value, +1 at zero.
     fn abs(self) -> Self {
@@ -134,19 +141,18 @@ pub trait Scalar:
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
-    /// The value of a curve with these values at its knots.
-    fn on_curve(self, curve: CurveId, values: &[Self]) -> Self {
-        let mut sum = Self::zero();
-        for (knot, &value) in values.iter().enumerate() {
-            sum += value * self.knot_weight(curve, knot, 0);
-        }
-        sum
-    }
     /// Marks a residual that is not written out, but follows from energies.
     #[doc(hidden)]
     fn from_energies() {
         panic!("a residual that follows from energies is evaluated by its program: see `costate::testing`");
     }
+}
+
+/// Which of `count` numbers stands at place `x`.
+#[inline(always)]
+pub(crate) fn gathered_place(x: f64, count: usize) -> usize {
+    // what is no number counts as 0
+    (x as usize).min(count - 1)
 }
 
 /// Assignment operators, `Sum`, zero and one, from the binary operators of a scalar type.

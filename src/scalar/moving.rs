@@ -1,5 +1,6 @@
-use super::{CurveId, Scalar, assign_operators};
+use super::{Curve, Scalar, assign_operators};
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// A number of any type with its rate along a motion: what turns the map x = m(q) of a formula into dx/dt = dm/dq dq/dt.
 ///
@@ -178,8 +179,12 @@ impl<S: Scalar> Scalar for Moving<S> {
             rate: self.rate.vanishing_times(other.value) + self.value.vanishing_times(other.rate),
         }
     }
-    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
-        self.chain(self.value.knot_weight(curve, knot, order), self.value.knot_weight(curve, knot, order + 1))
+    fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
+        self.chain(self.value.on_curve(curve, order), self.value.on_curve(curve, order + 1))
+    }
+    fn gather(self, values: &[Self]) -> Self {
+        let of = |part: fn(&Self) -> S| self.value.gather(&values.iter().map(part).collect::<Vec<S>>());
+        Moving { value: of(|own| own.value), rate: of(|own| own.rate) }
     }
     fn from_energies() {
         S::from_energies();

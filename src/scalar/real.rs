@@ -1,4 +1,5 @@
-use super::{CurveId, Scalar};
+use super::{Curve, Scalar};
+use std::sync::Arc;
 
 /// Forwards the functions of one argument to the inherent ones of `f64`.
 macro_rules! forward {
@@ -27,8 +28,8 @@ impl Scalar for f64 {
     fn vanishing_times(self, other: Self) -> Self {
         if self == 0.0 { 0.0 } else { self * other }
     }
-    fn knot_weight(self, curve: CurveId, knot: usize, order: usize) -> Self {
-        curve.curve().weight(knot, order, self)
+    fn on_curve(self, curve: &Arc<Curve>, order: usize) -> Self {
+        curve.value(order, self)
     }
     #[inline]
     fn powi(self, exponent: i32) -> Self {

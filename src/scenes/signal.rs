@@ -1,5 +1,5 @@
-use crate::elements::{TimeFormula, TimeFunction};
-use crate::scalar::Scalar;
+use crate::elements::{Table, TimeFormula, TimeFunction};
+use crate::scalar::{Interpolant, Scalar};
 use std::sync::Arc;
 
 /// A function of time with its numbers, for loads and drivers: see [`TimeFunction`] for the formulas.
@@ -47,19 +47,14 @@ pub enum Signal<S> {
         /// Time of the jump \[s\].
         switch: f64,
     },
-    /// Straight lines through points, constant outside; for loads only.
-    Lines {
-        /// Times, increasing \[s\].
-        times: Vec<f64>,
-        /// A value for each time.
-        values: Vec<S>,
-    },
-    /// A natural cubic spline through points, with constant slope outside.
+    /// Values at times; lines and steps are for loads only.
     Table {
         /// Times, increasing \[s\].
         times: Vec<f64>,
-        /// A value for each time.
+        /// A value for each time. Those that are always the same are cheaper as [`TimeFunction::curve`] with [`Signal::of`].
         values: Vec<S>,
+        /// The way between them.
+        interpolant: Interpolant,
     },
     /// Another one started from rest: see [`TimeFunction::SmoothStart`].
     SmoothStart {
@@ -96,12 +91,6 @@ impl<S: Scalar> Signal<S> {
     /// # Errors
     /// Times that do not increase, or of another number than the values.
     pub fn parts(self) -> Result<(TimeFunction, Vec<S>), String> {
-        let curve = |make: fn(Vec<f64>) -> Result<TimeFunction, String>, times: Vec<f64>, values: Vec<S>| {
-            if times.len() != values.len() {
-                return Err(format!("there are {} times, but {} values; give one for each", times.len(), values.len()));
-            }
-            Ok((make(times)?, values))
-        };
         Ok(match self {
             Signal::Constant(value) => (TimeFunction::Constant, vec![value]),
             Signal::ConstantRate { offset, rate } => (TimeFunction::ConstantRate, vec![offset, rate]),
@@ -110,8 +99,14 @@ impl<S: Scalar> Signal<S> {
             }
             Signal::SmoothRamp { from, to, start, duration } => (TimeFunction::SmoothRamp, vec![from, to, start, duration]),
             Signal::Step { before, after, switch } => (TimeFunction::Step { switch }, vec![before, after]),
-            Signal::Lines { times, values } => curve(TimeFunction::lines, times, values)?,
-            Signal::Table { times, values } => curve(TimeFunction::table, times, values)?,
+            Signal::Table { times, values, interpolant } => {
+                if times.len() != values.len() {
+                    return Err(format!("there are {} times, but {} values; give one for each", times.len(), values.len()));
+                }
+                let table = Table::new(&times, interpolant)?;
+                let numbers = table.numbers(&values);
+                (TimeFunction::Table(table), numbers)
+            }
             Signal::SmoothStart { of, duration } => {
                 let (function, mut parameters) = of.parts()?;
                 parameters.push(duration);

@@ -89,7 +89,7 @@ impl Scene for Bar {
         let direction = at([0.0, 1.0, 0.0]);
         m.force("jump", Force { on: bar, point: Vector3::zeros(), direction, frame: LoadFrame::World, size: jump });
         let times = vec![0.0, self.knot, 1.0];
-        let size = Signal::Table { times, values: vec![S::zero(), x[0], S::zero()] };
+        let size = Signal::Table { times, values: vec![S::zero(), x[0], S::zero()], interpolant: Interpolant::Smooth };
         m.force("table", Force { on: bar, point: Vector3::zeros(), direction, frame: LoadFrame::World, size });
         for (k, direction) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].into_iter().enumerate().take(self.functionals) {
             m.position_functional(&format!("end {k}"), self.over, bar, at([0.5, 0.0, 0.0]), at(direction));

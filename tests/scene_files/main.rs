@@ -11,6 +11,7 @@ mod runge_kutta;
 mod scenarios;
 mod signals;
 mod states;
+mod tables;
 mod wrong_files;
 mod wrong_meshes;
 

@@ -1,7 +1,7 @@
 //! Every function of time, for the contract tests of all that holds one.
 
-use costate::elements::{Parameter, TimeFormula, TimeFunction};
-use costate::scalar::Scalar;
+use costate::elements::{Parameter, Table, TimeFormula, TimeFunction};
+use costate::scalar::{Interpolant, Scalar};
 use std::sync::Arc;
 
 use TimeFunction::SmoothStart;
@@ -17,6 +17,18 @@ impl TimeFormula for Chirp {
     }
 }
 
+/// A table with values as parameters.
+fn table(name: &'static str, times: &[f64], values: &[f64], way: Interpolant) -> (&'static str, TimeFunction, Vec<f64>) {
+    let table = Table::new(times, way).expect("increasing");
+    let numbers = table.numbers(values);
+    (name, TimeFunction::Table(table), numbers)
+}
+
+/// A table whose values stay.
+fn curve(way: Interpolant) -> TimeFunction {
+    TimeFunction::curve(&[-0.8, -0.3, 0.1, 0.6], &[0.2, 0.7, 0.4, -0.5], way).expect("increasing")
+}
+
 /// Name, function and sample parameters; nothing happens outside of times in [-1, 1].
 pub fn time_functions() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
     vec![
@@ -27,13 +39,18 @@ pub fn time_functions() -> Vec<(&'static str, TimeFunction, Vec<f64>)> {
         ("step", TimeFunction::Step { switch: 0.1 }, vec![0.8, -0.6]),
         ("smooth start of a sine", SmoothStart(Arc::new(TimeFunction::Sine)), vec![0.2, 1.4, 2.3, 0.6, 0.7]),
         ("smooth start of a ramp", SmoothStart(Arc::new(TimeFunction::SmoothRamp)), vec![0.3, 1.7, 0.1, 0.7, 0.3]),
-        ("lines", TimeFunction::lines(vec![-0.6, 0.2, 0.7]).expect("increasing"), vec![0.5, -0.3, 0.9]),
+        table("lines", &[-0.6, 0.2, 0.7], &[0.5, -0.3, 0.9], Interpolant::Lines),
         ("own", TimeFunction::own(Chirp).expect("no branch"), vec![1.2, 1.9, 0.7]),
         (
             "smooth start of one's own",
             SmoothStart(Arc::new(TimeFunction::own(Chirp).expect("no branch"))),
             vec![1.2, 1.9, 0.7, 0.4],
         ),
-        ("table", TimeFunction::table(vec![-0.7, -0.2, 0.1, 0.8]).expect("increasing"), vec![0.5, -0.3, 0.9, 0.2]),
+        table("smooth table", &[-0.7, -0.2, 0.1, 0.8], &[0.5, -0.3, 0.9, 0.2], Interpolant::Smooth),
+        table("monotone table", &[-0.6, -0.1, 0.2, 0.7], &[0.5, -0.3, -0.1, 0.8], Interpolant::Monotone),
+        table("steps", &[-0.6, 0.3], &[0.5, -0.3], Interpolant::Steps),
+        ("monotone curve", curve(Interpolant::Monotone), Vec::new()),
+        ("smooth curve", curve(Interpolant::Smooth), Vec::new()),
+        ("curve of lines", curve(Interpolant::Lines), Vec::new()),
     ]
 }

@@ -227,7 +227,11 @@ fn mistake(add: impl FnOnce(&mut MechanismBuilder<f64>, [NodeId; 3]) -> Result<(
 
 #[test]
 fn wrong_loads_and_functions_are_told_by_name() {
-    let table = |times: &[f64], values: &[f64]| Signal::Table { times: times.to_vec(), values: values.to_vec() };
+    let table = |times: &[f64], values: &[f64]| Signal::Table {
+        times: times.to_vec(),
+        values: values.to_vec(),
+        interpolant: Interpolant::Monotone,
+    };
     let torque = |on, size| Torque { on, axis: Vector3::z(), frame: LoadFrame::World, size };
     let drive = |signal: Signal<f64>| {
         mistake(|m, [ground, body, _]| {

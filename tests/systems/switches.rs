@@ -3,19 +3,19 @@
 use costate::integrators::Crossing;
 use costate::prelude::*;
 use costate::program::SwitchKind;
-use costate::scalar::{CurveId, Interpolant};
+use costate::scalar::Curve;
 use costate::scenes::built_in;
+use std::sync::Arc;
 
 /// m a + f(q) = 0 with one of several laws f.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Law {
     Wrapped,
     Sign,
     Floor,
     Length,
     OneSided,
-    Lines(CurveId),
-    Cubic(CurveId),
+    Curve(Arc<Curve>),
     SineOfAngle,
     WithoutTurns,
     Series,
@@ -27,7 +27,7 @@ enum Law {
 }
 
 impl Law {
-    fn force<S: Scalar>(self, q: S) -> S {
+    fn force<S: Scalar>(&self, q: S) -> S {
         let (sin, cos) = q.sin_cos();
         let wrapped = sin.atan2(cos);
         let length = Vector3::new(q, S::zero(), S::zero()).length();
@@ -38,7 +38,7 @@ impl Law {
             Law::Floor => q.floor() + 2.0,
             Law::Length => (length - 0.2) * 9.0 * q / length,
             Law::OneSided => q.max(S::zero()) * 9.0,
-            Law::Lines(curve) | Law::Cubic(curve) => q.on_curve(curve, &[-3.0, 0.1, 1.0].map(S::from)),
+            Law::Curve(curve) => q.on_curve(curve, 0),
             Law::SineOfAngle => wrapped.sin() * 9.0,
             Law::WithoutTurns => {
                 let beyond = wrapped - 1.0;
@@ -79,20 +79,20 @@ impl Scene for Mass {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let node = m.coordinates("mass", &[S::from(-0.5)], &[x[0]]);
-        m.element("law", &[node], self.0, &[S::one()]);
+        m.element("law", &[node], self.0.clone(), &[S::one()]);
         m.coordinate_functional("end", Over::Terminal, node, 0);
         Ok(())
     }
 }
 
-fn crossings(law: Law, velocity: f64) -> Vec<Crossing> {
-    let scene = Mass(law, velocity);
+fn crossings(law: &Law, velocity: f64) -> Vec<Crossing> {
+    let scene = Mass(law.clone(), velocity);
     let prepared = Prepared::new(&scene).expect("sound");
     prepared.analysis().forward(&prepared.x).expect("runs").crossings
 }
 
-fn table(interpolant: Interpolant) -> CurveId {
-    CurveId::new(&[-2.0, 0.003, 2.0], interpolant).expect("sound")
+fn table(interpolant: Interpolant) -> Law {
+    Law::Curve(Curve::new(&[-2.0, 0.003, 2.0], &[-3.0, 0.1, 1.0], interpolant).expect("sound"))
 }
 
 #[test]
@@ -104,15 +104,16 @@ fn jumps_and_kinks_are_told_by_part_and_time() {
         (Law::Floor, 2.0, Jump),
         (Law::Length, 2.0, Jump),
         (Law::OneSided, 2.0, Kink),
-        (Law::Lines(table(Interpolant::Lines)), 2.0, Kink),
+        (table(Interpolant::Lines), 2.0, Kink),
+        (table(Interpolant::Steps), 2.0, Jump),
     ];
     for (law, velocity, kind) in cases {
-        let found = crossings(law, velocity);
+        let found = crossings(&law, velocity);
         assert!(!found.is_empty(), "{law:?} is not told");
         assert_eq!((found[0].part.as_str(), found[0].kind), ("law", kind), "{law:?}: {found:?}");
     }
     // without force the mass is at 0 after 0.2475 s: in step 25
-    let found = crossings(Law::OneSided, 2.02);
+    let found = crossings(&Law::OneSided, 2.02);
     assert_eq!((found[0].step, found[0].count), (25, 1), "{found:?}");
     assert!(found[0].t > 0.2475 && found[0].t <= 0.25 + 1e-12, "{found:?}");
 }
@@ -124,13 +125,14 @@ fn what_goes_on_smoothly_is_not_told() {
         (Law::WithoutTurns, 4.0),
         (Law::Series, 2.0),
         (Law::FreeLength, 2.0),
-        (Law::Cubic(table(Interpolant::Cubic)), 2.0),
+        (table(Interpolant::Smooth), 2.0),
+        (table(Interpolant::Monotone), 2.0),
         // on one side
         (Law::OneSided, -2.0),
         (Law::Wrapped, 0.5),
     ];
     for (law, velocity) in smooth {
-        let found = crossings(law, velocity);
+        let found = crossings(&law, velocity);
         assert!(found.is_empty(), "{law:?}: {found:?}");
     }
 }
@@ -149,7 +151,7 @@ fn drives_through_half_a_turn_do_not_jump() {
 #[test]
 fn a_formula_that_looks_at_a_number_is_refused_by_the_name_of_its_part() {
     for law in [Law::Equal, Law::IsZero, Law::IsConstant, Law::Text] {
-        let scene = Mass(law, 1.0);
+        let scene = Mass(law.clone(), 1.0);
         let refused = Prepared::new(&scene).map(|_| ()).expect_err("refused").to_string();
         assert!(refused.contains("\"law\"") && refused.contains("looks at the value of a number"), "{law:?}: {refused}");
     }

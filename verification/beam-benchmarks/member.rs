@@ -148,7 +148,7 @@ impl Scene for Member {
         let beam = m.beam("beam", line, &section);
         let zero = S::zero();
         for (index, load) in self.loads.iter().enumerate() {
-            let size = TimeFunction::lines(vec![0.0, 0.5, 1.0])?;
+            let size = TimeFunction::table(&[0.0, 0.5, 1.0], Interpolant::Lines)?;
             let name = format!("load {}", index + 1);
             match *load {
                 TipLoad::Force(direction, course) => {

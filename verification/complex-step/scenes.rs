@@ -9,7 +9,7 @@ use costate::elements::flexible::faces::FaceKind;
 use costate::elements::forces::LoadFrame;
 use costate::elements::joints::HeldSlope;
 use costate::elements::{NodeKind, TimeFunction};
-use costate::scalar::Scalar;
+use costate::scalar::{Interpolant, Scalar};
 use costate::scenes::{MechanismBuilder, Scene, Settings};
 use std::sync::Arc;
 
@@ -104,10 +104,10 @@ pub fn list() -> Vec<Case> {
     let cable = |name, subject| constraint(name, Cable(subject), &[]);
     let beam = |name, subject, function: &[f64]| constraint(name, Beam(subject), function);
     let soft = |joint: Subject| Soft(Box::new(joint));
-    let table = TimeFunction::table(vec![-0.1, 0.12, 0.31, 0.6]).expect("the knots increase");
-    let early = TimeFunction::lines(vec![-0.025, 0.0775, 0.15]).expect("the knots increase");
+    let table = TimeFunction::table(&[-0.1, 0.12, 0.31, 0.6], Interpolant::Smooth).expect("the knots increase");
+    let early = TimeFunction::table(&[-0.025, 0.0775, 0.15], Interpolant::Lines).expect("the knots increase");
     // before the end of a shell's motion
-    let soon = TimeFunction::lines(vec![-0.01, 0.031, 0.06]).expect("the knots increase");
+    let soon = TimeFunction::table(&[-0.01, 0.031, 0.06], Interpolant::Lines).expect("the knots increase");
     let (world, body) = (LoadFrame::World, LoadFrame::Body);
     let started = SmoothStart(Arc::new(Sine));
     let started = constraint("prescribed-translation-started", Translation(started), &[0.02, 0.1, 5.0, 0.2, 0.6]);
@@ -140,7 +140,7 @@ pub fn list() -> Vec<Case> {
         element("soft-prescribed-rotation", soft(Rotation(Sine)), &[0.02, 0.4, 5.0, 0.2]),
         element("soft-prescribed-translation", soft(Translation(Sine)), &[0.02, 0.1, 5.0, 0.2]),
         element("force-world-step", Force(NodeKind::Body, world, Step { switch: 0.205 }), &[4.0, -6.0]),
-        element("force-body-table", Force(NodeKind::Body, body, table), &[2.0, 7.0, -3.0, 5.0]),
+        element("force-body-table", Force(NodeKind::Body, body, table), &[2.0, 7.0, -3.0, 5.0, 30.0, -9.0, -8.0, 40.0]),
         element("force-point-sine", Force(NodeKind::Point, world, Sine), &[1.0, 4.0, 9.0, 0.4]),
         element("torque-world-rate", Torque(world, ConstantRate), &[0.3, 2.0]),
         element("torque-body-constant", Torque(body, Constant), &[0.7]),

@@ -102,7 +102,8 @@ impl Scene for Laws {
         };
         let point = at([0.5, 0.0, 0.0]);
         m.force("push", Force { on: bar, point, direction: at([0.0, 1.0, 0.0]), frame: self.frame, size });
-        let size = Signal::Table { times: vec![0.0, self.times[0], 0.15], values: vec![S::zero(), x[0], S::zero()] };
+        let (times, values) = (vec![0.0, self.times[0], 0.15], vec![S::zero(), x[0], S::zero()]);
+        let size = Signal::Table { times, values, interpolant: Interpolant::Smooth };
         let frame = LoadFrame::World;
         m.force("table", Force { on: bar, point, direction: at([0.0, 1.0, 0.0]), frame, size });
         let jump = Signal::Step { before: x[0], after: x[0] * 0.5, switch: self.times[1] };

@@ -3,7 +3,8 @@
 use crate::verification::{Noise, Report};
 use costate::prelude::*;
 use costate::program::SwitchKind;
-use costate::scalar::{CurveId, Interpolant};
+use costate::scalar::Curve;
+use std::sync::Arc;
 
 /// Kinds of laws.
 const KINDS: usize = 10;
@@ -11,12 +12,12 @@ const KINDS: usize = 10;
 const APART: f64 = 1e-5;
 
 /// A force on a mass at a place: pieces that meet at a place.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Law {
     kind: usize,
     at: f64,
     size: f64,
-    curve: [CurveId; 2],
+    curve: [Arc<Curve>; 2],
 }
 
 impl Law {
@@ -38,8 +39,8 @@ impl Law {
             3 => S::zero().less(x).select(S::one() - x * 0.1, x),
             4 => x.max(S::zero()) * 3.0,
             5 => x.abs(),
-            6 => place.on_curve(self.curve[0], &[-3.0, 0.1, 1.0].map(S::from)),
-            7 => place.on_curve(self.curve[1], &[-3.0, 0.1, 1.0].map(S::from)),
+            6 => place.on_curve(&self.curve[0], 0),
+            7 => place.on_curve(&self.curve[1], 0),
             8 => turned.sin(),
             // one series takes over from the function that it is of
             _ => x.abs().less(S::from(1e-3)).select(x - x * x * x / 6.0, x.sin()),
@@ -77,7 +78,7 @@ impl Scene for Mass {
     }
     fn build<S: Scalar>(&self, x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
         let node = m.coordinates("mass", &[S::from(self.from)], &[x[0]]);
-        m.element("law", &[node], self.law, &[S::one()]);
+        m.element("law", &[node], self.law.clone(), &[S::one()]);
         m.coordinate_functional("end", Over::Terminal, node, 0);
         Ok(())
     }
@@ -126,7 +127,7 @@ pub fn count(report: &mut Report, cases: usize) -> Result<(), String> {
     for case in 0..cases {
         let (at, size) = (between(-1.0, 1.0), between(0.5, 6.0));
         let knots = [at - 2.5, at, at + 2.5];
-        let curve = [Interpolant::Lines, Interpolant::Cubic].map(|interpolant| CurveId::new(&knots, interpolant));
+        let curve = [Interpolant::Lines, Interpolant::Smooth].map(|way| Curve::new(&knots, &[-3.0, 0.1, 1.0], way));
         let [Ok(lines), Ok(cubic)] = curve else { return Err("knots that increase make a curve".into()) };
         let law = Law { kind: case % KINDS, at, size, curve: [lines, cubic] };
         let mass = Mass { law, from: between(-1.0, 1.0), velocity: between(-2.0, 2.0) };

@@ -75,7 +75,7 @@ fn load<S: Scalar>(
     node: NodeId,
     full: [f64; 3],
 ) -> Result<(), String> {
-    let size = TimeFunction::lines(vec![0.0, 0.5, 1.0])?;
+    let size = TimeFunction::table(&[0.0, 0.5, 1.0], Interpolant::Lines)?;
     let (on, frame) = (NodeKind::Body, LoadFrame::World);
     let growing = [0.0, 0.5, 1.0];
     if moment {

@@ -50,8 +50,10 @@ impl ExampleValue {
             ExampleValue::Points(own) => GivenValue::Vectors(own.iter().map(|&own| point(own)).collect()),
             ExampleValue::Direction(own) => GivenValue::Vector(turn.rotate(Vector3::from_f64(own))),
             ExampleValue::Table(points, values) => {
-                let law = Characteristic::table(points, Interpolant::Cubic).unwrap_or_else(|why| unreachable!("{why}"));
-                GivenValue::Law(law, values.iter().map(|&own| own.into()).collect())
+                let values: Vec<S> = values.iter().map(|&own| own.into()).collect();
+                let law = Characteristic::table(points, &values, Interpolant::Smooth);
+                let (law, numbers) = law.unwrap_or_else(|why| unreachable!("{why}"));
+                GivenValue::Law(law, numbers)
             }
             ExampleValue::Sine(own) => GivenValue::Function(TimeFunction::Sine, own.map(S::from).to_vec()),
         }

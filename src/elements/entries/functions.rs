@@ -1,8 +1,23 @@
 //! How functions of time and orientations are written.
 
-use super::keys::{Forms, Range, Type, forms, may, need};
+use super::keys::{Forms, Key, Range, Type, forms, may, need};
 use Range::{Any, Positive};
-use Type::{Count, Fixed, Fixeds, Number, Numbers, OfTime, Series, Vector};
+use Type::{Choice, Columns, Count, Fixed, Fixeds, Number, Numbers, OfTime, Series, Text, Vector};
+
+const TIMES: Key = may("times", Fixeds(0, "s"), "times of the points, increasing; those of the file");
+const VALUES: Key = may("values", Series(""), "values there; those of the file");
+const FILE: Key = may("file", Text, "a text file with a line for each point (CSV), beside the scene file; none");
+const COLUMNS: Key = may(
+    "columns",
+    Columns,
+    "which columns of the file have the points and the values, by the names in its first line or by numbers from 1 on; the first two",
+);
+const INTERPOLATION: Key = may(
+    "interpolation",
+    Choice(&["monotone", "smooth", "lines", "steps"]),
+    "between points: cubics that stay between neighbouring values, a natural spline, straight lines, or the value of the point before; \
+     the first two go on with constant slope outside, the others are constant there; monotone",
+);
 
 /// The forms of a [`TimeFunction`](crate::elements::TimeFunction).
 pub const FUNCTION: Forms = forms!([
@@ -31,12 +46,17 @@ pub const FUNCTION: Forms = forms!([
     need("at", Fixed("s", Any), "time of the jump"),
 ]
 "lines" "straight lines between points, constant outside, for loads only" [
-    need("times", Fixeds(0, "s"), "times of the points, increasing"),
-    need("values", Series(""), "values there"),
+    TIMES,
+    VALUES,
+    FILE,
+    COLUMNS,
 ]
-"table" "natural cubic spline through points, constant slope outside" [
-    need("times", Fixeds(0, "s"), "times of the points, increasing"),
-    need("values", Series(""), "values there"),
+"table" "values at times; interpolated by lines or steps for loads only" [
+    TIMES,
+    VALUES,
+    FILE,
+    COLUMNS,
+    INTERPOLATION,
 ]
 "formula" "a formula of the time t, exact at all times with all its derivatives" [
     need("value", OfTime, "formula with t, the time in s, as in \"0.2 * sin(5 * t) * exp(-t)\""),
@@ -49,11 +69,13 @@ pub const FUNCTION: Forms = forms!([
 
 /// The forms of a table of s.
 pub const CHARACTERISTIC: Forms = forms!([
-    need("points", Fixeds(0, "m, rad"), "values of s, increasing"),
-    need("values", Series(""), "what it is there"),
+    may("points", Fixeds(0, "m, rad"), "values of s, increasing; those of the file"),
+    VALUES,
+    FILE,
+    COLUMNS,
 ]
 "lines" "straight lines between the points, constant outside" []
-"table" "natural cubic spline through the points, constant slope outside" []
+"table" "values at the points" [INTERPOLATION]
 );
 
 /// The forms of the axes of a frame.

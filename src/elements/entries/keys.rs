@@ -65,6 +65,8 @@ pub enum Type {
     Text,
     /// Names of anything.
     Texts,
+    /// Two columns of a file, by their names or numbers.
+    Columns,
     /// Numbers without design variables by name.
     Weights,
     Choice(&'static [&'static str]),

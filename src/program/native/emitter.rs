@@ -39,7 +39,7 @@ pub fn emit(listing: &Listing, width: Width, level: Level, section: usize) -> Op
     i32::try_from(longest.checked_mul(8 * width.lanes())?).ok()?;
 
     let calls: Box<[Call]> = (listing.instructions.iter().zip(&uses.needed))
-        .filter_map(|(&instruction, &needed)| Call::of(instruction, width).filter(|_| needed))
+        .filter_map(|(&instruction, &needed)| Call::of(instruction, width, &listing.curves).filter(|_| needed))
         .collect();
     let mut emitter = Emitter::new(listing, &uses, Storage::new(listing, width, level, &uses));
     if !calls.is_empty() {
@@ -110,7 +110,11 @@ impl<'a> Emitter<'a> {
             Instruction::Binary(Binary::Less, ..) => self.less(x, y),
             Instruction::Binary(Binary::Vanishing, ..) => self.vanishing(x, y),
             Instruction::Select(..) => self.select(x, y, z),
-            Instruction::Unary(..) | Instruction::Power(..) | Instruction::KnotWeight { .. } => {
+            Instruction::Gather { first, .. } => {
+                let first = self.uses.number(Source::Input(first));
+                return self.call(number, calls.next().expect("a record for each call"), first, x);
+            }
+            Instruction::Unary(..) | Instruction::Power(..) | Instruction::Curve { .. } => {
                 return self.call(number, calls.next().expect("a record for each call"), x, x);
             }
             Instruction::Binary(Binary::Atan2, ..) => {

@@ -1,6 +1,6 @@
 //! When each number of a listing is read next: by this, registers are assigned.
 
-use crate::program::listing::{Listing, Source};
+use crate::program::listing::{Instruction, Listing, Source};
 
 /// A number that is never read (again).
 pub const NEVER: u32 = u32::MAX;
@@ -41,6 +41,9 @@ impl NextUses {
         for (number, instruction) in listing.instructions.iter().enumerate().rev() {
             if !uses.needed[number] {
                 continue;
+            }
+            if let Instruction::Gather { first, count, .. } = *instruction {
+                uses.check(Source::Input(first + count - 1), number);
             }
             let mut operand = 0;
             instruction.for_each_source(|source| {

@@ -3,7 +3,7 @@ use crate::elements::flexible::Section;
 use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Interpolant, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, Force, MechanismBuilder, Scene, Settings, Signal, Torque};
 
 /// The flying flexible rod of Simo & Vu-Quoc (1988): a free rod of 10 m, pushed and turned at its lower end in space.
@@ -40,7 +40,11 @@ impl Scene for FlyingRod {
         let point = |x: f64, y: f64, z: f64| Vector3::<S>::from_f64([x, y, z]);
         let (lower, upper) = (point(6.0, 0.0, 0.0), point(0.0, 8.0, 0.0));
         let rod = m.beam("rod", BeamLine::straight([lower, upper], 10, point(0.0, 0.0, 1.0)), &section);
-        let pulse = |size: S| Signal::Lines { times: vec![0.0, 2.5, 5.0], values: vec![S::zero(), size, S::zero()] };
+        let pulse = |size: S| Signal::Table {
+            times: vec![0.0, 2.5, 5.0],
+            values: vec![S::zero(), size, S::zero()],
+            interpolant: Interpolant::Lines,
+        };
         let (on, place, frame) = (rod.start(), m.position(rod.start()), LoadFrame::World);
         let direction = point(1.0, 0.0, 0.0);
         m.force("push", Force { on, point: place, direction, frame, size: pulse(*force) });

@@ -3,7 +3,7 @@ use crate::elements::flexible::Section;
 use crate::elements::forces::LoadFrame;
 use crate::functionals::Over;
 use crate::functionals::quantities::SectionMeasure;
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::scalar::{Interpolant, Scalar, SpatialVector, Vector3};
 use crate::scenes::{BeamLine, Force, MechanismBuilder, Scene, Settings, Signal};
 
 /// The right-angle cantilever of Simo & Vu-Quoc (1988): two arms of 10 m, clamped at one end, pushed out of their plane at the elbow.
@@ -53,7 +53,11 @@ impl Scene for RightAngleCantilever {
         let first = m.beam("first arm", line, &section);
         let line = BeamLine::straight([elbow, tip], self.elements, out).from_node(first.end());
         let second = m.beam("second arm", line, &section);
-        let size = Signal::Lines { times: vec![0.0, 1.0, 2.0], values: vec![S::zero(), *force, S::zero()] };
+        let size = Signal::Table {
+            times: vec![0.0, 1.0, 2.0],
+            values: vec![S::zero(), *force, S::zero()],
+            interpolant: Interpolant::Lines,
+        };
         let (on, point, frame) = (first.end(), m.position(first.end()), LoadFrame::World);
         m.force("push", Force { on, point, direction: out, frame, size });
         m.position_functional("z of the tip", Over::Terminal, second.end(), tip, out);

@@ -229,6 +229,14 @@ impl Expression {
         Expression { operations: vec![Operation::Literal(value)], is_vector: false }
     }
 
+    /// The number that it is, if it was made as one.
+    pub fn as_literal(&self) -> Option<f64> {
+        match self.operations[..] {
+            [Operation::Literal(value)] => Some(value),
+            _ => None,
+        }
+    }
+
     /// A vector of three formulas for its components.
     pub fn vector(components: [Expression; 3]) -> Self {
         let operations = components.into_iter().flat_map(|own| own.operations).chain([Operation::Vector]).collect();

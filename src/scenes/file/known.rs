@@ -38,6 +38,13 @@ pub(super) enum Made<S> {
     Laminate(Laminate<S>, Vec<PlyStrength<S>>),
 }
 
+/// Values at the points of a table.
+enum TableValues<S> {
+    /// No design variable changes them.
+    Fixed(Vec<f64>),
+    OfDesign(Vec<S>),
+}
+
 /// Values of names, and what was made so far.
 pub(super) struct Known<'f, S> {
     /// Parts beside those of the library.
@@ -342,6 +349,29 @@ impl<S: Scalar> Known<'_, S> {
         Signal::own(function, &parameters).map_err(|why| Mistake::new(own.at, why))
     }
 
+    /// Points of a table and the values there.
+    fn points_and_values(&self, own: &Fields, points: &str) -> Found<(Vec<f64>, TableValues<S>)> {
+        if let Some((_, Value::Columns(columns))) = own.get("file") {
+            own.get("columns");
+            return Ok((columns[0].clone(), TableValues::Fixed(columns[1].clone())));
+        }
+        let needed = |key| own.get(key).map_or_else(|| missing(own, key).map(|()| 0), |_| Ok(list(own, key).count()));
+        let counts = [needed(points)?, needed("values")?];
+        if counts[0] != counts[1] {
+            let text = format!("there are {} {points}, but {} values; give one for each", counts[0], counts[1]);
+            return Err(Mistake::new(own.at, text));
+        }
+        let fixed = |(_, value): (usize, &Value)| match value {
+            Value::Formula(formula, _) => formula.as_literal(),
+            _ => None,
+        };
+        let values = match list(own, "values").map(fixed).collect() {
+            Some(fixed) => TableValues::Fixed(fixed),
+            None => TableValues::OfDesign(self.series(own, "values")?),
+        };
+        Ok((fixed_list(own, points), values))
+    }
+
     /// A law of s, its rate and the time.
     pub fn law(&self, fields: &Fields, key: &str) -> Found<(Characteristic, Vec<S>)> {
         match fields.get(key) {
@@ -350,14 +380,13 @@ impl<S: Scalar> Known<'_, S> {
                 Ok((Characteristic::of(law).map_err(|why| Mistake::new(at, why))?, numbers))
             }
             Some((_, Value::Fields(own))) => {
-                let (points, values) = (fixed_list(own, "points"), self.series(own, "values")?);
-                if points.len() != values.len() {
-                    let text = format!("there are {} points, but {} values; give one for each", points.len(), values.len());
-                    return Err(Mistake::new(own.at, text));
-                }
-                let interpolant = if own.form == "lines" { Interpolant::Lines } else { Interpolant::Cubic };
-                let law = Characteristic::table(&points, interpolant).map_err(|why| Mistake::new(own.at, why))?;
-                Ok((law, values))
+                let law = match self.points_and_values(own, "points")? {
+                    (points, TableValues::Fixed(fixed)) => {
+                        Characteristic::curve(&points, &fixed, way(own)).map(|law| (law, Vec::new()))
+                    }
+                    (points, TableValues::OfDesign(values)) => Characteristic::table(&points, &values, way(own)),
+                };
+                law.map_err(|why| Mistake::new(own.at, why))
             }
             _ => missing(fields, key),
         }
@@ -372,15 +401,6 @@ impl<S: Scalar> Known<'_, S> {
         };
         let zero_or = |key| self.number_or(own, key, 0.0);
         let needed = |key| self.number(own, key);
-        let curve = |make: fn(Vec<f64>) -> Result<TimeFunction, String>| {
-            let times = fixed_list(own, "times");
-            let values = self.series(own, "values")?;
-            if times.len() != values.len() {
-                let text = format!("there are {} times, but {} values; give one for each", times.len(), values.len());
-                return Err(Mistake::new(own.at, text));
-            }
-            Ok(Signal::of(make(times).map_err(|why| Mistake::new(own.at, why))?, &values))
-        };
         let signal = match own.form {
             "constant" => Signal::Constant(needed("value")?),
             "constant_rate" => Signal::ConstantRate { offset: zero_or("offset")?, rate: needed("rate")? },
@@ -402,13 +422,29 @@ impl<S: Scalar> Known<'_, S> {
                 own.get("intervals");
                 self.formula_of_time(own)?
             }
-            "lines" => curve(TimeFunction::lines)?,
-            _ => curve(TimeFunction::table)?,
+            _ => match self.points_and_values(own, "times")? {
+                (times, TableValues::Fixed(fixed)) => {
+                    let curve = TimeFunction::curve(&times, &fixed, way(own)).map_err(|why| Mistake::new(own.at, why))?;
+                    Signal::of(curve, &[])
+                }
+                (times, TableValues::OfDesign(values)) => Signal::Table { times, values, interpolant: way(own) },
+            },
         };
         if own.get("smooth_start").is_none() {
             return Ok(signal);
         }
         Ok(Signal::SmoothStart { of: Box::new(signal), duration: needed("smooth_start")? })
+    }
+}
+
+/// The way between the points of a table.
+fn way(own: &Fields) -> Interpolant {
+    match text(own, "interpolation") {
+        Some("smooth") => Interpolant::Smooth,
+        Some("lines") => Interpolant::Lines,
+        Some("steps") => Interpolant::Steps,
+        _ if own.form == "lines" => Interpolant::Lines,
+        _ => Interpolant::Monotone,
     }
 }
 

@@ -6,6 +6,7 @@ mod build_functionals;
 mod build_members;
 mod build_meshes;
 mod build_parts;
+mod columns;
 mod condition;
 mod expression;
 mod formula_of;

@@ -1,5 +1,6 @@
 //! From the tree of a TOML text, by the tables of keys, to entries with checked values.
 
+use super::columns::Columns;
 use super::expression::{Expression, Scope, TIME, is_name, meaning, names_in};
 use super::formula_parts::of_section;
 use super::meshes::Each;
@@ -29,6 +30,8 @@ pub(super) enum Value {
     Item(usize),
     /// A group of the faces of a mesh.
     Group(usize, String),
+    /// Numbers of a file.
+    Columns(Columns),
     Weights(Vec<(String, f64)>),
     /// Nodes by the names that formulas give them, with their places.
     NamedNodes(Vec<(String, usize, NodePlace)>),

@@ -123,6 +123,7 @@ fn words(key: &Key) -> String {
         Type::Flag => "true or false".into(),
         Type::Text => "text".into(),
         Type::Texts => "texts".into(),
+        Type::Columns => "2 names or numbers of columns".into(),
         Type::Weights => "table of names with numbers".into(),
         Type::Choice(words) => one_of(words),
         Type::Choices(words) => format!("some of {}", one_of(words)),

@@ -181,6 +181,7 @@ fn of_key(key: &Key) -> Value {
         }
         Type::Text | Type::OfTime | Type::Node | Type::NodeSet | Type::Item(_) => text(),
         Type::Texts => array(text(), 0, None),
+        Type::Columns => array(json!({"anyOf": [text(), whole(1, usize::MAX >> 11)]}), 2, Some(2)),
         Type::Weights => json!({"type": "object", "additionalProperties": formula(Range::Any), "minProperties": 1}),
         Type::Choice(words) => json!({"enum": words}),
         Type::Choices(words) => json!({"anyOf": [{"enum": words}, array(json!({"enum": words}), 0, None)]}),

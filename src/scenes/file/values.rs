@@ -3,7 +3,7 @@
 use super::expression::{Expression, OF_LAW, Quantity, TIME, names_in};
 use super::raw::{Entry, Raw, RawValue};
 use super::reader::{Reader, Value};
-use crate::elements::entries::{Key, Range, Type};
+use crate::elements::entries::{Forms, Key, Range, Type};
 use crate::scenes::unknown;
 
 /// Whether a text mentions a name.
@@ -40,7 +40,7 @@ impl Reader {
                 }
             }
             Type::Series(_) => match list().filter(|list| !list.is_empty()) {
-                Some(list) => self.numbers(list, &what, Range::Any),
+                Some(list) => self.numbers(list, &what, Range::Any).map(|own| self.with_known(own)),
                 None => {
                     self.not(raw, key, owner, "a list of numbers or formulas");
                     None
@@ -148,6 +148,18 @@ impl Reader {
                     None
                 }
             },
+            Type::Columns => {
+                let of = |own: &Raw| match &own.value {
+                    RawValue::Number { value, whole: true } if *value >= 1.0 => Some(Value::Count(*value as usize)),
+                    _ => own.text().map(|name| Value::Text(name.into())),
+                };
+                let columns = list().filter(|list| list.len() == 2);
+                let columns = columns.and_then(|list| list.iter().map(|own| Some((own.at, of(own)?))).collect());
+                if columns.is_none() {
+                    self.not(raw, key, owner, "two names or numbers of columns, as in [\"time\", \"height\"] or [1, 3]");
+                }
+                columns.map(Value::List)
+            }
             Type::Weights => match raw.entries().filter(|entries| !entries.is_empty()) {
                 Some(entries) => {
                     let own: Vec<_> = entries
@@ -243,7 +255,7 @@ impl Reader {
                 }
             },
             Type::Function(_, forms) => match raw.value {
-                RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
+                RawValue::Table(_) => Some(self.function_fields(raw, forms, &what)),
                 _ => Some(Value::Formula(self.formula(raw, &what, Some(Range::Any))?, Range::Any)),
             },
             Type::OfTime => self.formula_of(raw, &what, &[TIME]),
@@ -295,7 +307,7 @@ impl Reader {
                 }
             },
             Type::Law(_, forms) | Type::Energy(_, forms) => match raw.value {
-                RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
+                RawValue::Table(_) => Some(self.function_fields(raw, forms, &what)),
                 _ if matches!(takes, Type::Law(..)) => self.formula_of(raw, &what, &OF_LAW),
                 _ => self.formula_of(raw, &what, &OF_LAW[..1]),
             },
@@ -303,6 +315,27 @@ impl Reader {
                 RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
                 _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
             },
+        }
+    }
+
+    /// A function or law by its form.
+    fn function_fields(&mut self, raw: &Raw, forms: &'static Forms, owner: &str) -> Value {
+        let fields = self.fields(raw, forms, owner);
+        Value::Fields(self.with_columns(fields))
+    }
+
+    /// Formulas that no design variable changes as numbers.
+    fn with_known(&self, value: Value) -> Value {
+        let known = |(at, own): (usize, Value)| match own {
+            Value::Formula(formula, range) => match formula.constant(&self.scope) {
+                Some(Quantity::Number(number)) => (at, Value::Formula(Expression::literal(number), range)),
+                _ => (at, Value::Formula(formula, range)),
+            },
+            other => (at, other),
+        };
+        match value {
+            Value::List(list) => Value::List(list.into_iter().map(known).collect()),
+            other => other,
         }
     }
 

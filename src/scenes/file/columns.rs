@@ -1,0 +1,132 @@
+//! Tables from files: two columns of numbers in a text (CSV).
+
+use super::reader::{Fields, Reader, Value};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Largest file in bytes.
+const LARGEST: u64 = 100_000_000;
+
+/// A column, by the name that the first line gives it, or by its number from 1 on.
+#[derive(Clone, Debug)]
+pub(super) enum Column {
+    Named(String),
+    Number(usize),
+}
+
+/// The numbers of two columns; those of the first one increase.
+pub(super) type Columns = Arc<[Vec<f64>; 2]>;
+
+impl Reader {
+    /// Puts the numbers of a file in its place, and says what is missing where there is none.
+    pub(super) fn with_columns(&mut self, mut fields: Fields) -> Fields {
+        if !matches!(fields.form, "table" | "lines") {
+            return fields;
+        }
+        let own_place = |key: &str| fields.values.iter().find(|own| own.0 == key).map(|own| own.1);
+        let (file, given) = (own_place("file"), own_place("times").or(own_place("points")));
+        if file.is_none() {
+            if let Some(at) = own_place("columns") {
+                self.wrong(at, "columns are those of a file: give the key file, too");
+            }
+            return fields;
+        }
+        if let Some(at) = given.or(own_place("values")) {
+            self.wrong(at, "a file gives the points and the values: leave either these or the file out");
+            return fields;
+        }
+        let columns: Vec<Column> = super::known::list(&fields, "columns").filter_map(|own| column(own.1)).collect();
+        let columns = columns.try_into().unwrap_or([Column::Number(1), Column::Number(2)]);
+        if let Some((_, at, value)) = fields.values.iter_mut().find(|own| own.0 == "file")
+            && let Value::Text(file) = value
+        {
+            match read(&self.folder.join(&file), columns) {
+                Ok(columns) => *value = Value::Columns(Arc::new(columns)),
+                Err(why) => {
+                    let text = format!("file, \"{file}\": {why}");
+                    self.wrong(*at, text);
+                }
+            }
+        }
+        fields
+    }
+}
+
+fn column(value: &Value) -> Option<Column> {
+    match value {
+        Value::Text(name) => Some(Column::Named(name.clone())),
+        Value::Count(number) => Some(Column::Number(*number)),
+        _ => None,
+    }
+}
+
+fn read(path: &Path, columns: [Column; 2]) -> Result<[Vec<f64>; 2], String> {
+    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
+    let size = std::fs::metadata(path).map_err(cannot)?.len();
+    if size > LARGEST {
+        return Err(format!("it has {size} bytes, and a table has at most {LARGEST}"));
+    }
+    parse(&std::fs::read_to_string(path).map_err(cannot)?, columns)
+}
+
+/// What stands between numbers: what the first line has of these.
+fn separator(line: &str) -> Option<char> {
+    [';', '\t', ','].into_iter().find(|&own| line.contains(own))
+}
+
+/// The cells of a line, without blanks and quotation marks around them.
+fn cells(line: &str, separator: Option<char>) -> Vec<&str> {
+    match separator {
+        Some(separator) => line.split(separator).map(|cell| cell.trim().trim_matches('"')).collect(),
+        None => line.split_whitespace().map(|cell| cell.trim_matches('"')).collect(),
+    }
+}
+
+fn parse(text: &str, columns: [Column; 2]) -> Result<[Vec<f64>; 2], String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let is_filled = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.starts_with('#');
+    let mut lines = (1..).zip(text.lines()).filter(is_filled).peekable();
+    let Some(&(_, first)) = lines.peek() else { return Err("it has no lines with numbers".into()) };
+    let separator = separator(first);
+    let head = cells(first, separator);
+    let has_names = head.iter().all(|cell| cell.parse::<f64>().is_err());
+    if has_names {
+        lines.next();
+    }
+    let place = |column: &Column| match column {
+        Column::Number(number) if (1..=head.len()).contains(number) => Ok(number - 1),
+        Column::Number(number) => Err(format!("there is no column {number}: its first line has {}", head.len())),
+        Column::Named(name) if !has_names => Err(format!(
+            "its first line, \"{first}\", does not name columns, so that none is \"{name}\": give their numbers"
+        )),
+        Column::Named(name) => head
+            .iter()
+            .position(|own| own == name)
+            .ok_or_else(|| format!("its first line names no column \"{name}\"; there are {}", head.join(", "))),
+    };
+    let places = [place(&columns[0])?, place(&columns[1])?];
+    let called =
+        |place: usize| if has_names { format!("column \"{}\"", head[place]) } else { format!("column {}", place + 1) };
+    let mut numbers = [Vec::new(), Vec::new()];
+    for (line, own) in lines {
+        let cells = cells(own, separator);
+        for (list, place) in numbers.iter_mut().zip(places) {
+            let Some(cell) = cells.get(place) else {
+                return Err(format!("line {line} ends before {}", called(place)));
+            };
+            match cell.parse::<f64>() {
+                Ok(number) if number.is_finite() => list.push(number),
+                _ => return Err(format!("line {line}, {}: \"{cell}\" is no finite number", called(place))),
+            }
+        }
+        if let [.., before, last] = numbers[0][..]
+            && last <= before
+        {
+            return Err(format!("line {line}, {}: {last} does not increase after {before}", called(places[0])));
+        }
+    }
+    match numbers[0].len() {
+        0 | 1 => Err(format!("it has {} lines of numbers, and a table needs 2 or more", numbers[0].len())),
+        _ => Ok(numbers),
+    }
+}
