@@ -44,7 +44,7 @@ const WORDS: [&str; 12] = [
 ];
 
 /// Functions with such a name that are no derivative of a formula that somebody wrote, and why.
-const OTHERS: [(&str, &str, &str); 41] = [
+const OTHERS: [(&str, &str, &str); 40] = [
     ("elements/lagrangian.rs", "gradient", "of what was recorded"),
     ("elements/dyn_layer.rs", "motion_derivatives reaction_gradient", "of what was recorded"),
     ("program/recorded.rs", "derived gradient_of", "of what was recorded"),
@@ -56,7 +56,6 @@ const OTHERS: [(&str, &str, &str); 41] = [
         "g_transposed_times rotation_gradient_transposed",
         "G(e)^T m and the generalized force of a force on a body, as formulas have them",
     ),
-    ("scalar/curve.rs", "second_derivatives", "of a spline at its knots, by its linear equations"),
     ("elements/flexible/small_strain_cable.rs", "second_derivative", "d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/cable.rs", "derivatives", "dr/dx and d2r/dx2 along the cable, from its shape functions"),
     ("elements/flexible/hermite.rs", "derivative_rows", "of shape functions, as tables of numbers"),

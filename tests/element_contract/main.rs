@@ -205,10 +205,16 @@ fn every_parameter_is_read_unless_the_topology_ignores_it() {
                 *moves |= largest(column) > 0.0;
             }
         }
-        for (parameter, moves) in case.physics.parameter_list().iter().zip(moves) {
+        // of a law by a table each sample reads one piece
+        let of_table = |name: &str| [", value ", ", slope "].iter().any(|own| name.contains(own));
+        let parameters = case.physics.parameter_list();
+        for (parameter, moves) in parameters.iter().zip(&moves).filter(|own| !of_table(&own.0.name)) {
             let ignored = case.ignored.iter().any(|start| parameter.name.starts_with(start));
-            assert_eq!(moves, !ignored, "{}: does {} enter the residual?", case.name, parameter.name);
+            assert_eq!(*moves, !ignored, "{}: does {} enter the residual?", case.name, parameter.name);
         }
+        let read = parameters.iter().zip(&moves).filter(|own| of_table(&own.0.name)).map(|own| *own.1);
+        let [count, read] = [read.clone().count(), read.filter(|moves| *moves).count()];
+        assert!(2 * read >= count, "{}: {read} of {count} numbers of tables are read", case.name);
     }
 }
 
