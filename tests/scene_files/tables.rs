@@ -3,7 +3,7 @@
 use super::wrong_files::refusal;
 use costate::elements::{Table, TimeFunction};
 use costate::prelude::*;
-use costate::program::{ArgumentKind, Formula, Recorded};
+use costate::program::{ArgumentKind, Formula, ProgramWork, Recorded};
 use costate::scalar::Curve;
 use costate::scenes::FileScene;
 use costate::sensitivity::largest_difference;
@@ -211,6 +211,11 @@ fn a_table_goes_with_what_used_it() {
     let (times, values) = wave(50);
     let curve = Curve::new(&times, &values, Interpolant::Monotone).expect("sound");
     let watched: Weak<Curve> = Arc::downgrade(&curve);
+    // formulas without tables are kept for models to come
+    let formula = Formula::record([(ArgumentKind::Time, 1)], |x: &[Recorded]| vec![x[0].on_curve(&curve, 0)]).unwrap();
+    formula.values().run(&[0.1], &mut [0.0], &mut ProgramWork::default());
+    drop(formula);
+    assert_eq!(watched.strong_count(), 1, "a table outlives its formula");
     let mut m = MechanismBuilder::<f64>::default();
     let mass = m.point("mass", Vector3::x());
     m.point_mass("mass", mass, 1.0);
