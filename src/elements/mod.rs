@@ -35,6 +35,7 @@ pub use dyn_layer::{
 };
 pub(crate) use dyn_layer::{dofs_of, instantiate_here};
 pub use element::{Element, State};
+pub(crate) use field::interpolate;
 pub use field::{Field, Flexible, Interpolation};
 pub use frame::Frame;
 pub use node_kind::NodeKind;

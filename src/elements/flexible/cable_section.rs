@@ -40,6 +40,8 @@ pub struct CableSection<S> {
     pub strain: CableStrain,
     /// What it looks like, where it is made of a shape.
     pub shown: Option<Outline>,
+    /// Young's modulus [N/m2] and the distance of the outer fibres from the axis \[m\], where it is made of a shape.
+    pub outer_fibres: Option<[S; 2]>,
     /// A size that its shape cannot have.
     pub impossible: Option<ImpossibleSize>,
 }
@@ -48,14 +50,17 @@ impl<S: Scalar> CableSection<S> {
     /// A section by its stiffnesses EA \[N\] and EI [N m2] and its mass for each length [kg/m].
     pub fn new(axial: S, bending: S, mass: S) -> Self {
         let (damping, strain) = (S::zero(), CableStrain::Exact);
-        CableSection { axial, bending, mass, damping, damped: false, strain, shown: None, impossible: None }
+        let damped = false;
+        CableSection { axial, bending, mass, damping, damped, strain, shown: None, outer_fibres: None, impossible: None }
     }
 
     /// A section of a material and a shape, which bends about axis 2 of the shape or is as stiff about every axis.
     pub fn of(material: Material<S>, shape: Shape<S>) -> Self {
         let Material { young, density, .. } = material;
         let section = CableSection::new(young * shape.area, young * shape.second_moments[0], density * shape.area);
-        CableSection { shown: Some(shape.outline(young)), impossible: shape.impossible, ..section }
+        let ([_, height], _) = shape.outer;
+        let outer_fibres = Some([young, height * 0.5]);
+        CableSection { shown: Some(shape.outline(young)), outer_fibres, impossible: shape.impossible, ..section }
     }
 
     /// With damping proportional to stiffness, eta \[s\].

@@ -3,7 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-use super::{Outline, STRAINS};
+use super::{Outline, OutlineStress, STRAINS};
 use crate::design::shortest;
 use crate::scalar::Scalar;
 use nalgebra::SMatrix;
@@ -47,6 +47,8 @@ pub struct Section<S> {
     pub kind: SectionKind,
     /// What it looks like, where it is made of a shape.
     pub shown: Option<Outline>,
+    /// Stresses on its outline, where it is made of a shape that tells them.
+    pub stress: Option<OutlineStress<S>>,
     /// A size that its shape cannot have.
     pub impossible: Option<ImpossibleSize>,
 }
@@ -75,6 +77,8 @@ pub struct Shape<S> {
     pub shear: [S; 2],
     /// Outer sizes along axes 2 and 3 \[m\], and whether it is round.
     pub outer: ([S; 2], bool),
+    /// Stresses on its outline, if it is known.
+    pub stress: Option<OutlineStress<S>>,
     /// A size that no shape has, told when a beam or a cable is made of it.
     pub impossible: Option<ImpossibleSize>,
 }
@@ -120,12 +124,15 @@ impl<S: Scalar> Shape<S> {
     /// Shear factors 10 (1 + nu) / (12 + 11 nu): Cowper (1966). Torsion: series of Saint-Venant, Timoshenko & Goodier, section 109.
     pub fn rectangle(width: S, height: S, poisson: S) -> Self {
         let factor = (poisson + 1.0) * 10.0 / (poisson * 11.0 + 12.0);
+        let (area, torsion) = (width * height, rectangle_torsion(width, height));
+        let second_moments = [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0];
         Shape {
-            area: width * height,
-            second_moments: [width * height.powi(3) / 12.0, height * width.powi(3) / 12.0],
-            torsion: rectangle_torsion(width, height),
+            area,
+            second_moments,
+            torsion,
             shear: [factor; 2],
             outer: ([width, height], false),
+            stress: Some(OutlineStress::rectangle([width, height], area, second_moments, torsion)),
             impossible: ImpossibleSize::among(&[("width", width), ("height", height)]),
         }
     }
@@ -137,15 +144,18 @@ impl<S: Scalar> Shape<S> {
         let (inner_width, inner_height) = (width - wall * 2.0, height - wall * 2.0);
         let moment = |b: S, h: S| b * h.powi(3) / 12.0;
         let (b, h) = (width - wall, height - wall);
+        let area = width * height - inner_width * inner_height;
+        let second_moments = [
+            moment(width, height) - moment(inner_width, inner_height),
+            moment(height, width) - moment(inner_height, inner_width),
+        ];
         Shape {
-            area: width * height - inner_width * inner_height,
-            second_moments: [
-                moment(width, height) - moment(inner_width, inner_height),
-                moment(height, width) - moment(inner_height, inner_width),
-            ],
+            area,
+            second_moments,
             torsion: b * b * h * h * wall * 2.0 / (b + h),
             shear: [box_shear_factor(h, b, poisson), box_shear_factor(b, h, poisson)],
             outer: ([width, height], false),
+            stress: Some(OutlineStress::hollow([width, height], wall, area, second_moments)),
             impossible: ImpossibleSize::of_hollow(&[("width", width), ("height", height)], wall),
         }
     }
@@ -154,12 +164,14 @@ impl<S: Scalar> Shape<S> {
     pub fn circle(diameter: S, poisson: S) -> Self {
         let fourth = diameter.powi(4) * (PI / 64.0);
         let factor = (poisson + 1.0) * 6.0 / (poisson * 6.0 + 7.0);
+        let area = diameter * diameter * (PI / 4.0);
         Shape {
-            area: diameter * diameter * (PI / 4.0),
+            area,
             second_moments: [fourth; 2],
             torsion: fourth * 2.0,
             shear: [factor; 2],
             outer: ([diameter; 2], true),
+            stress: Some(OutlineStress::round([diameter, S::zero()], area, fourth)),
             impossible: ImpossibleSize::among(&[("diameter", diameter)]),
         }
     }
@@ -172,12 +184,14 @@ impl<S: Scalar> Shape<S> {
         let square = ratio * ratio;
         let sum = (square + 1.0) * (square + 1.0);
         let factor = (poisson + 1.0) * sum * 6.0 / ((poisson * 6.0 + 7.0) * sum + (poisson * 12.0 + 20.0) * square);
+        let area = (diameter * diameter - inner * inner) * (PI / 4.0);
         Shape {
-            area: (diameter * diameter - inner * inner) * (PI / 4.0),
+            area,
             second_moments: [fourth; 2],
             torsion: fourth * 2.0,
             shear: [factor; 2],
             outer: ([diameter; 2], true),
+            stress: Some(OutlineStress::round([diameter, inner], area, fourth)),
             impossible: ImpossibleSize::of_hollow(&[("diameter", diameter)], wall),
         }
     }
@@ -229,7 +243,7 @@ impl<S: Scalar> Section<S> {
         let (mass, damping) = (S::zero(), S::zero());
         let (centre, inertia) = ([S::zero(); 2], [S::zero(); 3]);
         let kind = SectionKind::default();
-        Section { stiffness, mass, centre, inertia, damping, kind, shown: None, impossible: None }
+        Section { stiffness, mass, centre, inertia, damping, kind, shown: None, stress: None, impossible: None }
     }
 
     /// A section of a material and a shape.
@@ -247,7 +261,7 @@ impl<S: Scalar> Section<S> {
             young * third,
         ])
         .with_inertia(density * area, [density * second, density * third]);
-        Section { shown: Some(shape.outline(young)), impossible: shape.impossible, ..section }
+        Section { shown: Some(shape.outline(young)), stress: shape.stress, impossible: shape.impossible, ..section }
     }
 
     /// What it looks like: the shape it is made of, or a rectangle as stiff.
@@ -299,10 +313,11 @@ impl<S: Scalar> Section<S> {
         self
     }
 
-    /// With stiffness off the diagonal: any symmetric matrix.
+    /// With stiffness off the diagonal: any symmetric matrix, which is that of no shape any more.
     #[must_use]
     pub fn with_stiffness(mut self, stiffness: [[S; STRAINS]; STRAINS]) -> Self {
         self.stiffness = stiffness;
+        self.stress = None;
         self.kind.coupled = true;
         self
     }
@@ -343,6 +358,9 @@ impl<S: Scalar> Section<S> {
         ];
         self.centre = [c2 + x2, c3 + x3];
         self.shown = Some(moved_outline);
+        if let Some(OutlineStress { offset: [o2, o3], .. }) = &mut self.stress {
+            (*o2, *o3) = (*o2 + x2, *o3 + x3);
+        }
         self.kind.coupled = true;
         self.kind.eccentric = true;
         self
