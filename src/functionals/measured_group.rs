@@ -24,6 +24,8 @@ pub enum Argument {
     Parameter(usize),
     /// Parameter of the quantity.
     Own(usize),
+    /// Parameter of the quantity that each element has for itself.
+    OfElement(usize),
     /// Time.
     Time,
 }
@@ -41,12 +43,20 @@ pub struct GroupFormula {
     pub weights: Vec<usize>,
 }
 
+/// Elements of a group with what is measured in them.
+pub struct GroupPart {
+    /// The elements; all of the model where there is no list.
+    pub elements: Option<Vec<ElementId>>,
+    /// What is measured.
+    pub quantity: Box<dyn AnyPointQuantity>,
+    /// Place in p of those of its parameters that each element has for itself, behind those that all share, element by element.
+    pub of_elements: Range<usize>,
+}
+
 /// A quantity of the elements of a group: values at points, with weights.
 pub struct MeasuredGroup {
-    /// The elements; all of the model where there is no list.
-    elements: Option<Vec<ElementId>>,
-    quantity: Box<dyn AnyPointQuantity>,
-    /// Place in p of the quantity's own parameters.
+    parts: Vec<GroupPart>,
+    /// Place in p of the parameters that all elements share.
     parameters: Range<usize>,
     /// With the model in which they were recorded.
     batches: OnceLock<(ModelIdentity, Result<Vec<GroupBatch>, String>)>,
@@ -75,12 +85,14 @@ struct GroupMember {
     nodes: SmallVec<[Range<usize>; 3]>,
     /// Its parameters.
     parameters: Range<usize>,
+    /// The quantity's parameters of this element.
+    own: Range<usize>,
 }
 
 /// Where the numbers of the members of a batch begin.
 #[derive(Debug, Default)]
 struct MemberPlaces {
-    /// Coordinates of each node, parameters, and those of the quantity, which are the same for all.
+    /// Coordinates of each node, parameters, and those of the quantity: the same for all, and of each element.
     lists: Vec<Starts>,
 }
 
@@ -90,7 +102,8 @@ impl MemberPlaces {
         let of_node = |node: usize| Starts::of_parts(members.iter().map(|member| member.nodes[node].clone()));
         let of_parameters = Starts::of_parts(members.iter().map(|member| member.parameters.clone()));
         let of_quantity = Starts::of_parts(members.iter().map(|_| quantity.clone()));
-        MemberPlaces { lists: (0..nodes).map(of_node).chain([of_parameters, of_quantity]).collect() }
+        let own = Starts::of_parts(members.iter().map(|member| member.own.clone()));
+        MemberPlaces { lists: (0..nodes).map(of_node).chain([of_parameters, of_quantity, own]).collect() }
     }
 
     /// The node with a coordinate of the element, and which of its own that is.
@@ -117,7 +130,7 @@ struct Numbers {
 
 impl Numbers {
     fn of(arguments: impl Iterator<Item = (usize, Argument)>, places: &MemberPlaces) -> Self {
-        let (parameters, quantity) = (places.lists.len() - 2, places.lists.len() - 1);
+        let [parameters, quantity, own] = [3, 2, 1].map(|last| places.lists.len() - last);
         let mut numbers = Numbers::default();
         for (number, argument) in arguments {
             let (runs, (list, offset)) = match argument {
@@ -126,6 +139,7 @@ impl Numbers {
                 Argument::Q(dof) => (&mut numbers.q, places.coordinate(dof)),
                 Argument::Parameter(place) => (&mut numbers.p, (parameters, place)),
                 Argument::Own(place) => (&mut numbers.p, (quantity, place)),
+                Argument::OfElement(place) => (&mut numbers.p, (own, place)),
                 Argument::Time => {
                     numbers.time = Some(number);
                     continue;
@@ -175,6 +189,31 @@ impl<S> Default for GroupWork<S> {
     }
 }
 
+impl GroupPart {
+    /// How many parameters each element has for itself.
+    fn own_count(&self) -> usize {
+        self.of_elements.len() / self.elements.as_ref().map_or(1, |elements| elements.len().max(1))
+    }
+    /// Those of an element by its number in the list.
+    fn of_element(&self, number: usize) -> Range<usize> {
+        let (first, count) = (self.of_elements.start, self.own_count());
+        first + number * count..first + (number + 1) * count
+    }
+}
+
+impl GroupFormula {
+    /// Only the first parameters of the quantity are shared, the others are those of each element.
+    fn share_arguments(&mut self, shared: usize) {
+        for argument in &mut self.arguments {
+            if let Argument::Own(place) = *argument
+                && place >= shared
+            {
+                *argument = Argument::OfElement(place - shared);
+            }
+        }
+    }
+}
+
 impl MeasuredGroup {
     /// Whether what it measures depends on parameters alone.
     pub fn is_still(&self, model: &Model) -> bool {
@@ -184,7 +223,8 @@ impl MeasuredGroup {
                 let read: Vec<_> = values.iter().chain(weights).map(|&place| outputs[place]).collect();
                 let reads = graph.reads(&read, arguments.len());
                 arguments.iter().zip(reads).all(|(argument, read)| {
-                    !read || matches!(argument, Argument::Parameter(_) | Argument::Own(_) | Argument::Time)
+                    use Argument::{OfElement, Own, Parameter, Time};
+                    !read || matches!(argument, Parameter(_) | Own(_) | OfElement(_) | Time)
                 })
             })
         };
@@ -193,7 +233,12 @@ impl MeasuredGroup {
 
     /// A quantity of some elements, or of all that the model has in the end.
     pub fn new(elements: Option<Vec<ElementId>>, quantity: Box<dyn AnyPointQuantity>, parameters: Range<usize>) -> Self {
-        MeasuredGroup { elements, quantity, parameters, batches: OnceLock::new() }
+        Self::of_parts(vec![GroupPart { elements, quantity, of_elements: 0..0 }], parameters)
+    }
+
+    /// Quantities of several lists of elements, with the parameters that all of them share.
+    pub fn of_parts(parts: Vec<GroupPart>, parameters: Range<usize>) -> Self {
+        MeasuredGroup { parts, parameters, batches: OnceLock::new() }
     }
 
     /// Gives the formula of each element to `add`, with the places of its arguments.
@@ -207,6 +252,7 @@ impl MeasuredGroup {
                     Argument::Q(dof) => Place::Q(dofs[dof]),
                     Argument::Parameter(place) => Place::P(member.parameters.start + place),
                     Argument::Own(place) => Place::P(self.parameters.start + place),
+                    Argument::OfElement(place) => Place::P(member.own.start + place),
                     Argument::Time => Place::Time,
                 };
                 add(&batch.own.formula, &|| batch.own.arguments.iter().map(place).collect());
@@ -216,7 +262,8 @@ impl MeasuredGroup {
 
     /// Why it cannot be measured in a model, if so.
     pub(super) fn refused(&self, model: &Model) -> Option<String> {
-        if self.elements.iter().flatten().any(|&element| model.find_element(element).is_none()) {
+        let mut elements = self.parts.iter().flat_map(|part| part.elements.iter().flatten());
+        if elements.any(|&element| model.find_element(element).is_none()) {
             return Some("it measures elements of another model; make it anew for this one".into());
         }
         match self.recorded(model) {
@@ -227,12 +274,18 @@ impl MeasuredGroup {
         }
     }
 
-    pub(super) fn parameters(&self) -> &Range<usize> {
-        &self.parameters
-    }
-
-    pub(super) fn parameter_count(&self) -> usize {
-        self.quantity.parameter_list().len()
+    /// Why its numbers of parameters cannot be those of a model, if so.
+    pub(super) fn parameters_refused(&self, model: &Model) -> Option<String> {
+        self.parts.iter().find_map(|part| {
+            let (shared, own) = (self.parameters.len(), part.own_count());
+            let (wanted, all) = (part.quantity.parameter_list().len(), model.parameters);
+            let fits = shared + own == wanted && part.of_elements.len() == own * part.elements.as_ref().map_or(0, Vec::len);
+            let last = part.of_elements.end.max(self.parameters.end);
+            (!fits || last > all).then(|| {
+                let Range { start, end } = self.parameters;
+                format!("its {wanted} parameters cannot be numbers {start}..{end} of a model with {all} parameters; make it anew for this one")
+            })
+        })
     }
 
     /// Whether it changes with the state.
@@ -245,19 +298,29 @@ impl MeasuredGroup {
     }
 
     fn record(&self, model: &Model) -> Result<Vec<GroupBatch>, String> {
-        let mut batches: Vec<GroupBatch> = Vec::new();
+        let mut batches = Vec::new();
+        for part in &self.parts {
+            self.record_part(part, model, &mut batches)?;
+        }
+        batches.iter_mut().for_each(|batch| batch.places = MemberPlaces::of(&batch.members, &self.parameters));
+        Ok(batches)
+    }
+
+    fn record_part(&self, part: &GroupPart, model: &Model, batches: &mut Vec<GroupBatch>) -> Result<(), String> {
         // elements of one type and options share their recordings
         let mut places: Vec<(&ElementPhysics, Option<usize>)> = Vec::new();
-        let all = self.elements.is_none().then(|| model.element_ids());
-        let listed = self.elements.iter().flatten().copied();
-        for (id, element) in all.into_iter().flatten().chain(listed).filter_map(|id| Some((id, model.find_element(id)?))) {
+        let all = part.elements.is_none().then(|| model.element_ids());
+        let listed = part.elements.iter().flatten().copied();
+        let known = |(number, id)| Some((number, id, model.find_element(id)?));
+        for (number, id, element) in all.into_iter().flatten().chain(listed).enumerate().filter_map(known) {
             let known = places.iter().rev().find(|(physics, _)| physics.is_same(&element.physics));
             let place = match known {
                 Some(&(_, place)) => place,
                 None => {
                     let mut place = None;
-                    if self.quantity.is_on(&element.physics) {
-                        let own = self.quantity.record(&element.physics)?;
+                    if part.quantity.is_on(&element.physics) {
+                        let mut own = part.quantity.record(&element.physics)?;
+                        own.share_arguments(self.parameters.len());
                         let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.len());
                         // equal recordings of unlike elements are one formula
                         let is_like = |batch: &GroupBatch| {
@@ -277,11 +340,11 @@ impl MeasuredGroup {
             };
             if let Some(place) = place {
                 let nodes = element.nodes.iter().map(|&node| model.node(node).dofs.clone()).collect();
-                batches[place].members.push(GroupMember { element: id, nodes, parameters: element.parameters.clone() });
+                let (parameters, own) = (element.parameters.clone(), part.of_element(number));
+                batches[place].members.push(GroupMember { element: id, nodes, parameters, own });
             }
         }
-        batches.iter_mut().for_each(|batch| batch.places = MemberPlaces::of(&batch.members, &self.parameters));
-        Ok(batches)
+        Ok(())
     }
 
     fn batches(&self, model: &Model) -> &[GroupBatch] {
@@ -300,6 +363,7 @@ impl MeasuredGroup {
             let members: Vec<usize> = batch.members.iter().map(|member| member.element.0).collect();
             let GroupFormula { formula, values, weights, .. } = &batch.own;
             (members, formula.digest(), values, weights).hash(&mut digest);
+            batch.members.iter().filter(|member| !member.own.is_empty()).for_each(|member| member.own.hash(&mut digest));
         }
         digest
     }
@@ -375,9 +439,9 @@ impl MeasuredGroup {
         let (mut selections, mut chosen): (Vec<Selection>, Vec<Vec<GroupMember>>) = Default::default();
         let of_quantity = &active[self.parameters.clone()];
         for batch in self.batches(model) {
-            let mut places: HashMap<&[bool], usize> = HashMap::new();
+            let mut places: HashMap<[&[bool]; 2], usize> = HashMap::new();
             for member in &batch.members {
-                let asked = &active[member.parameters.clone()];
+                let asked = [&active[member.parameters.clone()], &active[member.own.clone()]];
                 let place = *places.entry(asked).or_insert_with(|| {
                     let program = batch.gradient(over, asked, of_quantity);
                     let arguments = read_arguments(&program, &batch.own.arguments, &batch.places);
@@ -413,9 +477,9 @@ impl GroupBatch {
         })
     }
 
-    /// Gradient of bar . (N, D, M) of one element, towards its state, those of its parameters that are `asked` for, and those `of_quantity`.
-    /// Behind the arguments: bar, and the offset.
-    fn gradient(&self, over: &Over, asked: &[bool], of_quantity: &[bool]) -> Arc<Program> {
+    /// Gradient of bar . (N, D, M) of one element, towards its state, those of its parameters and of the quantity's for it that are `asked`
+    /// for, and those `of_quantity`. Behind the arguments: bar, and the offset.
+    fn gradient(&self, over: &Over, [asked, of_element]: [&[bool]; 2], of_quantity: &[bool]) -> Arc<Program> {
         let GroupFormula { formula, arguments, values, weights } = &self.own;
         let flags = |flags: &[bool]| -> Vec<u32> {
             let word = |own: &[bool]| own.iter().fold(1, |word: u32, &flag| 2 * word + u32::from(flag));
@@ -430,7 +494,8 @@ impl GroupBatch {
             [kind, u32::from(aggregate.points == PointWeights::Own), bits as u32, (bits >> 32) as u32]
         });
         let results = values.iter().chain(weights).map(|&result| result as u32);
-        let code: Codes = flags(asked).into_iter().chain(flags(of_quantity)).chain(aggregate).chain(results).collect();
+        let all_flags = [asked, of_quantity, of_element].into_iter().flat_map(flags);
+        let code: Codes = all_flags.chain(aggregate).chain(results).collect();
         let weights = if over.points() == PointWeights::Own { &weights[..] } else { &[] };
         formula.sparse_program((ProgramKind::PointGradient, code), SUMS + 1, |graph, inputs, outputs| {
             let chosen = values.iter().chain(weights).map(|&result| outputs[result]);
@@ -451,6 +516,7 @@ impl GroupBatch {
                 Argument::A(_) | Argument::V(_) | Argument::Q(_) => true,
                 Argument::Parameter(place) => asked[place],
                 Argument::Own(place) => of_quantity[place],
+                Argument::OfElement(place) => of_element[place],
                 Argument::Time => false,
             };
             let (one, zero) = (graph.constant(1.0), graph.zero());

@@ -1,6 +1,7 @@
 //! Numbers that a motion is judged by: quantities at a time, and what is made of them over time.
 
 mod aggregate;
+mod beam_quantity;
 mod element_group;
 mod element_sum;
 mod extremes;
@@ -22,13 +23,14 @@ mod weights;
 pub mod quantities;
 
 pub use aggregate::{Aggregate, AggregateKind, PointWeights, Totals};
+pub use beam_quantity::{BeamQuantity, OfBeams};
 pub use element_group::ElementGroup;
 pub use element_sum::ElementSum;
 pub use extremes::{Extreme, Extremes};
 pub use functional::{Functional, Measured, Sample};
 pub use gradient::{FunctionalGradient, SampleBars};
 pub use load::{JointLoad, LoadKind, joint_force_and_moment};
-pub use measured_group::{Argument, GroupFormula, MeasuredGroup};
+pub use measured_group::{Argument, GroupFormula, GroupPart, MeasuredGroup};
 pub use over::{Over, Times};
 pub use point_quantity::{AnyPointQuantity, PointParameters, PointQuantity, PointValue};
 pub use quantity::{AnyQuantity, MeasuredQuantity, Quantity, QuantityPart, QuantityVisitor};

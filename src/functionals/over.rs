@@ -73,7 +73,7 @@ impl Over {
     }
 
     /// How points count: in sums and integrals by what they stand for.
-    pub(super) fn points(&self) -> PointWeights {
+    pub(crate) fn points(&self) -> PointWeights {
         self.aggregate().map_or(PointWeights::Own, |aggregate| aggregate.points)
     }
 

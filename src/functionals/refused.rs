@@ -31,8 +31,7 @@ impl Measured {
                     .or_else(|| quantity.refused().map(str::to_string))
             }
             Measured::Group(group) | Measured::Energy(group) => {
-                let own = group.parameter_count();
-                parameters_refused(model, group.parameters(), own).or_else(|| group.refused(model))
+                group.parameters_refused(model).or_else(|| group.refused(model))
             }
             Measured::Load { joint, parameters, load } => match model.find_constraint(*joint) {
                 None => Some(STRANGER.into()),

@@ -8,6 +8,7 @@ mod functionals;
 mod groups;
 mod holds;
 mod joints;
+mod line_stress;
 mod loads;
 mod mesh_gaps;
 mod mortar;
@@ -28,6 +29,7 @@ pub use cables::{CableLine, CableMember};
 pub(in crate::scenes) use entries::Wrong;
 pub use forces::{BushingRates, Force, SpringDamper, Torque};
 pub use free_mesh::FreeMesh;
+pub use line_stress::LineElement;
 pub use outlined::{LineField, OutlinedLine, Ring};
 pub use shell_mesh::{Edge, ShellMesh};
 pub use shell_parts::ShellPart;
@@ -86,6 +88,8 @@ pub struct MechanismBuilder<S> {
     heavy_cables: Vec<cables::HeavyCable<S>>,
     /// Beams and cables, for what is shown of them.
     pub(crate) outlined: Vec<OutlinedLine>,
+    /// Elements of beams and cables, with what gives their stresses.
+    line_stresses: HashMap<ElementId, line_stress::LineStress<S>>,
     /// Shells, for what is shown of them.
     pub(super) shells: Vec<MeshedShell>,
     /// Nodes that follow faces.
@@ -118,6 +122,7 @@ crate::assembly::empty_fields!(MechanismBuilder {
     heavy_beams,
     heavy_cables,
     outlined,
+    line_stresses,
     shells,
     ties,
     heavy_shells,

@@ -22,7 +22,8 @@ pub mod built_in;
 
 pub use builder::{
     BeamLine, BeamMember, BushingRates, CableLine, CableMember, DRILLING, Drawing, Edge, Extrusion, Force, FreeMesh,
-    MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh, ThinWalls, Torque,
+    LineElement, MechanismBuilder, MeshedShell, Profile, ShellMember, ShellMesh, ShellPart, SpringDamper, SurfaceMesh,
+    ThinWalls, Torque,
 };
 #[cfg(feature = "files")]
 pub use file::FileScene;

@@ -1,6 +1,7 @@
 //! Cables, shells and what is measured in them.
 
 mod ancf;
+mod beam_stress;
 mod free_meshes;
 mod functionals;
 mod joins;

@@ -1,8 +1,11 @@
 //! Quantities of points, joints, sections of beams and cables, and shells.
 
+mod beam_section_force;
+mod beam_von_mises;
 mod cable_deflection;
 mod cable_largest_stress;
 mod cable_section;
+mod cable_von_mises;
 mod coordinate;
 mod distance;
 mod joint_angle;
@@ -17,9 +20,12 @@ mod tsai_wu;
 mod velocity;
 mod von_mises;
 
+pub use beam_section_force::BeamSectionForce;
+pub use beam_von_mises::BeamVonMises;
 pub use cable_deflection::CableDeflection;
 pub use cable_largest_stress::CableLargestStress;
 pub use cable_section::{CableMeasure, CableQuantity};
+pub use cable_von_mises::CableVonMises;
 pub use coordinate::Coordinate;
 pub use distance::Distance;
 pub use joint_angle::JointAngle;
@@ -34,7 +40,7 @@ pub use tsai_wu::TsaiWu;
 pub use velocity::Velocity;
 pub use von_mises::VonMises;
 
-use super::{AnyPointQuantity, AnyQuantity, ElementSum, OfShells, QuantityPart, QuantityVisitor};
+use super::{AnyPointQuantity, AnyQuantity, ElementSum, OfBeams, OfShells, QuantityPart, QuantityVisitor};
 use crate::elements::entries::entries;
 use crate::elements::{Parameter, instantiate_here};
 
@@ -47,6 +53,7 @@ entries! {
 
 instantiate_here!(dyn AnyQuantity: CableLargestStress, CableQuantity, Reaction, ReactionNorm, SectionQuantity);
 instantiate_here!(dyn AnyPointQuantity: ElementSum, OfShells<TsaiWu>, OfShells<VonMises>);
+instantiate_here!(dyn AnyPointQuantity: CableVonMises, OfBeams<BeamSectionForce>, OfBeams<BeamVonMises>);
 
 /// A point of a body and a direction in the world: the parameters of projected point quantities.
 const POINT_AND_DIRECTION: [Parameter; 6] = [

@@ -3,6 +3,7 @@
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::shape::{THREE, THREE_WEIGHTS, TWO, slopes, values};
@@ -208,7 +209,10 @@ impl<S: Scalar> MechanismBuilder<S> {
             p.extend_from_slice(&inertia);
             let nodes = member.nodes_of(element);
             let own = format!("{name}, element {}", element + 1);
-            member.elements.push(self.add_element(&own, &nodes, Flexible(field).into(), &p));
+            let id = self.add_element(&own, &nodes, Flexible(field).into(), &p);
+            let [start, end] = [-1.0, 1.0].map(|xi| section(share(xi)));
+            self.line_stresses.insert(id, LineStress::of_beam([&start, &end]));
+            member.elements.push(id);
             self.heavy_beams.push((own, nodes, inertia, field.eccentric));
         }
         let ring = |(i, &node): (usize, &NodeId)| {

@@ -1,6 +1,7 @@
 //! Cables in absolute nodal coordinates: lines with sections, their weight, their ends, and what is read in their sections.
 
 use super::functionals::entry;
+use super::line_stress::LineStress;
 use super::{Drawing, LineField, MechanismBuilder, OutlinedLine, Ring};
 use crate::assembly::{ElementId, NodeId};
 use crate::elements::flexible::{
@@ -155,6 +156,8 @@ impl<S: Scalar> MechanismBuilder<S> {
                 }
             };
             member.elements.push(id);
+            let stress = section.outer_fibres.map_or_else(LineStress::by_stiffness, LineStress::Cable);
+            self.line_stresses.insert(id, stress);
             self.heavy_cables.push(match section.strain {
                 CableStrain::Exact => HeavyCable::Own(id),
                 CableStrain::Small => HeavyCable::Apart(own, [nodes[0], nodes[1]], inertia),

@@ -3,9 +3,12 @@
 use super::MechanismBuilder;
 use crate::assembly::ElementId;
 use crate::elements::flexible::{Laminate, PlyStrength};
-use crate::functionals::quantities::{TsaiWu, VonMises};
-use crate::functionals::{AnyPointQuantity, ElementGroup, ElementSum, Functional, Measured, MeasuredGroup, OfShells, Over};
+use crate::functionals::quantities::TsaiWu;
+use crate::functionals::{
+    AnyPointQuantity, ElementGroup, ElementSum, Functional, GroupPart, Measured, MeasuredGroup, OfShells, Over,
+};
 use crate::scalar::{Scalar, SpatialVector, Vector3};
+use std::ops::Range;
 
 impl<S: Scalar> MechanismBuilder<S> {
     /// The elements that were added so far.
@@ -26,7 +29,7 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.add_group_functional(name, unit, over, group, Box::new(quantity), p);
     }
 
-    fn add_group_functional(
+    pub(super) fn add_group_functional(
         &mut self,
         name: &str,
         unit: &'static str,
@@ -38,13 +41,11 @@ impl<S: Scalar> MechanismBuilder<S> {
         if !self.check_over(name, over) || !self.check_parameters(name, quantity.parameter_list().len(), p.len()) {
             return;
         }
-        // an element that was refused has been reported already
-        let refused = self.model.refused_element();
-        let elements: Vec<ElementId> = group.elements.iter().copied().filter(|&element| element != refused).collect();
-        if elements.iter().any(|&element| self.model.find_element(element).is_none()) {
-            self.refuse_stranger(name, "an element");
+        if !self.check_elements(name, &group.elements) {
             return;
         }
+        let is_there = |element: &ElementId| self.model.find_element(*element).is_some();
+        let elements: Vec<ElementId> = group.elements.iter().copied().filter(is_there).collect();
         let mut all = elements.iter().filter_map(|&element| self.model.find_element(element));
         let complete = elements.len() == group.elements.len();
         if complete && !all.any(|element| quantity.is_on(&element.physics)) {
@@ -67,10 +68,37 @@ impl<S: Scalar> MechanismBuilder<S> {
         quantity: Box<dyn AnyPointQuantity>,
         p: &[S],
     ) {
-        let parameters = self.model.add_parameters(p.len());
+        let parameters = self.add_numbers(p);
+        self.measure_parts(name, unit, over, vec![GroupPart { elements, quantity, of_elements: 0..0 }], parameters);
+    }
+
+    /// Adds parameters to the model.
+    pub(super) fn add_numbers(&mut self, p: &[S]) -> Range<usize> {
         self.numbers.p.extend_from_slice(p);
-        let measured = Measured::Group(MeasuredGroup::new(elements, quantity, parameters));
+        self.model.add_parameters(p.len())
+    }
+
+    pub(super) fn measure_parts(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        over: Over,
+        parts: Vec<GroupPart>,
+        parameters: Range<usize>,
+    ) {
+        let measured = Measured::Group(MeasuredGroup::of_parts(parts, parameters));
         self.functionals.push(Functional { name: name.into(), unit, measured, over });
+    }
+
+    /// Whether elements are those of this mechanism; one that was refused has been reported already.
+    pub(super) fn check_elements(&mut self, name: &str, elements: &[ElementId]) -> bool {
+        let refused = self.model.refused_element();
+        let mut strangers = elements.iter().filter(|&&own| own != refused && self.model.find_element(own).is_none());
+        let sound = strangers.next().is_none();
+        if !sound {
+            self.refuse_stranger(name, "an element");
+        }
+        sound
     }
 
     /// Whether what is made over time has a value.
@@ -107,11 +135,6 @@ impl<S: Scalar> MechanismBuilder<S> {
         let axis = self.unit(name, axis);
         let p = [point.components(), axis.components()].concat();
         self.add_group_functional(name, "kg m2", over, group, ElementSum::InertiaMoment.into(), &p);
-    }
-
-    /// A functional of the von Mises stress by the yield stress [N/m2] on both surfaces of shells of one material [-]: see [`VonMises`].
-    pub fn von_mises_functional(&mut self, name: &str, over: Over, group: &ElementGroup, yield_stress: S) {
-        self.add_group_functional(name, "-", over, group, OfShells(VonMises).into(), &[yield_stress]);
     }
 
     /// A functional of the failure ratio of Tsai and Wu in layered shells with these plies and their strengths [-]: see [`TsaiWu`].

@@ -46,6 +46,27 @@ impl LineField {
         }
     }
 
+    /// N1, N2, N3 \[N\], M1, M2, M3 [N m] in a section at a place of an element, without damping; of a cable EA eps and, as M2, EI kappa.
+    pub fn section_forces(self, place: f64, q: &[f64], p: &[f64]) -> [f64; STRAINS] {
+        match self {
+            LineField::Beam(beam) => {
+                let at = |measure| SectionQuantity { measure, beam, places: vec![place] };
+                let mut strains = [0.0; TYING_POINTS * STRAINS];
+                at(SectionMeasure::Strain(0)).rated(q, p, 0.0, &mut strains);
+                let rates = [0.0; TYING_POINTS * STRAINS];
+                std::array::from_fn(|i| at(SectionMeasure::Force(i)).value_with_rates(&strains, &rates, p))
+            }
+            LineField::Cable(strain) => {
+                let still = vec![0.0; q.len()];
+                let value = |measure| {
+                    let quantity = CableQuantity { measure, strain, places: vec![place] };
+                    quantity.value(State { a: &still, v: &still, q }, &[], &p[..1], 0.0)
+                };
+                [p[1] * value(CableMeasure::Strain), 0.0, 0.0, 0.0, p[2] * value(CableMeasure::Curvature), 0.0]
+            }
+        }
+    }
+
     /// Largest axial stress of a fibre on the outline of a section, tension or compression, at a place of an element \[N/m2\], from the
     /// coordinates and parameters of the element; `None` without a material.
     pub fn largest_stress(self, outline: &Outline, place: f64, q: &[f64], p: &[f64]) -> Option<f64> {

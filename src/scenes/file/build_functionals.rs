@@ -62,6 +62,7 @@ pub(super) fn functional<S: Scalar>(known: &Known<S>, name: &str, fields: &Field
             let yield_stress = known.number(fields, "yield_stress")?;
             m.von_mises_functional(name, over, &known.group(fields, "of")?, yield_stress);
         }
+        "section_forces" => m.section_forces_functional(name, over, &known.group(fields, "of")?, component(fields)),
         "tsai_wu" => {
             let Made::Laminate(laminate, strengths) = known.made(fields, "laminate")? else {
                 return Err(Mistake::new(fields.at, "laminate must name a laminate"));

@@ -242,7 +242,8 @@ const MEASURED: Forms = forms!([]
                 may("point", Vector("m"), "point of the axis; the origin"),
                 AXIS,
             ]
-            "von_mises" "von Mises stress on both surfaces of shells by the yield stress [-]" [
+            "von_mises" "von Mises stress by the yield stress [-]: on both surfaces of shells, on the outline of beams of a material and a shape, in the \
+                         outer fibres of such cables" [
                 GROUP,
                 need("yield_stress", Number("N/m2", Positive), "yield stress"),
             ]
@@ -252,6 +253,10 @@ const MEASURED: Forms = forms!([]
             ]
             "section_force" "force or moment in a section of a beam [N, N m]" [
                 OF_BEAM, AT_SHARE,
+                need("component", Choice(SECTION_COMPONENTS), COMPONENT),
+            ]
+            "section_forces" "force or moment in all sections of beams [N, N m]" [
+                GROUP,
                 need("component", Choice(SECTION_COMPONENTS), COMPONENT),
             ]
             "section_strain" "strain or curvature of a section of a beam [-, 1/m]" [
