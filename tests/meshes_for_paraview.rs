@@ -206,3 +206,57 @@ fn a_gradient_writes_how_each_element_of_a_shell_changes_it_by_its_thickness() {
         );
     }
 }
+
+#[test]
+fn a_run_writes_section_forces_and_stresses_of_each_element_of_a_beam_and_a_cable() {
+    let folder = Folder::new("beams");
+    std::fs::create_dir_all(&folder.0).expect("a folder");
+    let scene = folder.0.join("beams.toml");
+    let text = r#"
+        version = 1
+        settings = { method = "static", steps = 1 }
+        variable = { d = { initial = 0.04, bounds = [0.01, 0.1], unit = "m" } }
+        material = { steel = { young = 210e9, poisson = 0.3, density = 7850 } }
+        section.round = { type = "circle", material = "steel", diameter = "d" }
+        section.stiff = { type = "beam", axial = 1e8, shear = [1e8, 1e8], torsion = 1e5, bending = [1e5, 1e5] }
+        beam = [
+            { name = "round", from = [0, 0, 0], to = [1, 0, 0], second_axis = [0, 1, 0], elements = 2, section = "round", clamped = "start" },
+            { name = "stiff", from = [1, 0, 0], to = [2, 0, 0], second_axis = [0, 1, 0], elements = 1, section = "stiff", start_node = "round.end" },
+        ]
+        cable = [{ name = "rope", from = [0, 1, 0], to = [1, 1, 0], elements = 1, section = "round", clamped = "start" }]
+        force = [
+            { name = "tip", on = "stiff.end", direction = [0, 0, 1], size = { type = "constant", value = -20 } },
+            { name = "pull", on = "rope.end", direction = [1, 0, 0], size = { type = "constant", value = 3e4 } },
+        ]
+        functional = [
+            { name = "ratio", type = "von_mises", of = ["round", "rope"], yield_stress = 1e6, over = { aggregate = "upper_maximum", sharpness = 100 } },
+        ]
+    "#;
+    std::fs::write(&scene, text).expect("written");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_costate"));
+    let output = command.arg("run").arg(&scene).args(["--vtk", "--out"]).arg(folder.0.join("out")).output().expect("runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let arrays = Arrays::read(&folder.0.join("out/fields-000001.vtu"));
+    // each element of a beam and the cable is a cell, and no line is drawn twice
+    let types = arrays.of("Cells", "types", "UInt8");
+    assert_eq!(types.iter().filter(|own| **own == POLY_LINE).count(), 4, "{types:?}");
+    let (forces, moments) =
+        (arrays.numbers("CellData", "section force [N]"), arrays.numbers("CellData", "section moment [N m]"));
+    // what is turned by a few 1e-4 rad
+    let near = |own: f64, expected: f64| (own - expected).abs() <= 1e-5 * expected.abs();
+    for (element, arm) in [1.75, 1.25, 0.5].into_iter().enumerate() {
+        assert!(near(forces[3 * element + 2], -20.0), "{forces:?}");
+        assert!(near(moments[3 * element + 1], 20.0 * arm), "{moments:?}");
+    }
+    assert!(near(forces[9], 3e4), "{forces:?}");
+    let stress = arrays.numbers("CellData", "von Mises stress [N/m2]");
+    let modulus = std::f64::consts::PI * f64::powi(0.04, 3) / 32.0;
+    assert!(near(stress[0], 40.0 / modulus) && near(stress[1], 30.0 / modulus) && stress[2].is_nan(), "{stress:?}");
+    // Green's strain of the element, 3e4 N / EA = 1.1e-4 to first order
+    assert!((stress[3] / (3e4 / (8.0 * modulus / 0.04)) - 1.0).abs() < 1e-3, "{stress:?}");
+    let ratios = arrays.numbers("CellData", "measured for ratio [-]");
+    for element in [0, 1, 3] {
+        assert!((ratios[element] * 1e6 / stress[element] - 1.0).abs() < 1e-12, "{ratios:?} of {stress:?}");
+    }
+    assert!(ratios[2].is_nan(), "{ratios:?}");
+}

@@ -1,10 +1,11 @@
-//! What a mechanism is made of as meshes for ParaView: shells as surfaces with their stress, beams and bodies as lines, the rest as points.
+//! What a mechanism is made of as meshes for ParaView: shells as surfaces with their stress, beams and cables as lines
+//! with their section forces and stress, bodies as lines, the rest as points.
 
 use crate::assembly::ElementId;
 use crate::functionals::{Functional, Measured, Sample};
 use crate::io::{Attribute, IoError, MeshCell, MeshSeries, UnstructuredMesh};
-use crate::scenes::{Drawn, NodePoint, Prepared, Surface};
-use std::collections::HashMap;
+use crate::scenes::{Drawn, LineElement, NodePoint, Prepared, Surface};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Name of the file of the series.
@@ -20,6 +21,8 @@ pub struct Meshes<'p> {
     cells: Vec<MeshCell>,
     /// The first cells are theirs.
     surfaces: Vec<Surface>,
+    /// The next ones are elements of beams and cables.
+    lines: Vec<LineElement>,
 }
 
 /// Where points with an identity stand.
@@ -43,8 +46,17 @@ impl<'p> Meshes<'p> {
             let nodes = surface.nodes.iter().map(|node| place(&mut points, &mut known, node)).collect();
             cells.push(MeshCell::Face(surface.kind.face, nodes));
         }
-        // edges of shells are seen on their surfaces
-        for (_, line) in sketch.lines.iter().filter(|(drawn, _)| *drawn != Drawn::Shell) {
+        let lines = mechanism.line_elements();
+        let mut of_lines = HashSet::new();
+        for line in &lines {
+            let nodes: Vec<NodePoint> = line.nodes.iter().filter_map(|&node| mechanism.node_point(node, [0.0; 3])).collect();
+            of_lines.extend(nodes.windows(2).map(|pair| [pair[0].identity(), pair[1].identity()]));
+            cells.push(MeshCell::PolyLine(nodes.iter().map(|node| place(&mut points, &mut known, node)).collect()));
+        }
+        // edges of shells are seen on their surfaces, beams and cables by their elements
+        let is_seen =
+            |line: &[NodePoint]| line.windows(2).all(|pair| of_lines.contains(&[pair[0].identity(), pair[1].identity()]));
+        for (_, line) in sketch.lines.iter().filter(|(drawn, line)| *drawn != Drawn::Shell && !is_seen(line)) {
             cells.push(MeshCell::PolyLine(line.iter().map(|point| place(&mut points, &mut known, point)).collect()));
         }
         for (_, followed) in &sketch.followed {
@@ -55,7 +67,7 @@ impl<'p> Meshes<'p> {
             }
         }
         let name = SERIES.trim_end_matches(".pvd");
-        Meshes { prepared, series: MeshSeries::new(folder, name), points, cells, surfaces }
+        Meshes { prepared, series: MeshSeries::new(folder, name), points, cells, surfaces, lines }
     }
 
     /// Writes the mesh at a sample.
@@ -87,36 +99,56 @@ impl<'p> Meshes<'p> {
             Attribute { name: "displacement [m]".into(), components: 3, values: moved.collect() },
             Attribute { name: "rotation [rad]".into(), components: 3, values: turned.collect() },
         ];
-        let cell_data = if self.surfaces.is_empty() {
-            Vec::new()
-        } else {
-            let mut all = vec![
-                self.of_surfaces("von Mises stress [N/m2]".into(), |surface| surface.stress(q, &numbers.p)),
-                self.of_surfaces("thickness [m]".into(), |surface| surface.thickness(&numbers.p)),
-            ];
-            all.extend(self.prepared.functionals().iter().filter_map(|functional| self.measured(functional, sample)));
-            all
-        };
-        UnstructuredMesh { points, cells: self.cells.clone(), point_data, cell_data }
+        UnstructuredMesh { points, cells: self.cells.clone(), point_data, cell_data: self.cell_data(sample) }
+    }
+
+    fn cell_data(&self, sample: &Sample<f64>) -> Vec<Attribute> {
+        let (mechanism, q) = (&self.prepared.mechanism, &sample.at.q[..]);
+        let p = &mechanism.numbers.p;
+        let states: Vec<_> = self.lines.iter().map(|line| mechanism.line_state(line, q)).collect();
+        let mut all = Vec::new();
+        if !self.surfaces.is_empty() || !self.lines.is_empty() {
+            let stresses = self.surfaces.iter().map(|surface| surface.stress(q, p));
+            let stresses = stresses.chain(states.iter().map(|(_, stress)| *stress));
+            all.push(self.of_first_cells("von Mises stress [N/m2]".into(), stresses));
+        }
+        if !self.surfaces.is_empty() {
+            all.push(self.of_surfaces("thickness [m]".into(), |surface| surface.thickness(p)));
+        }
+        if !self.lines.is_empty() {
+            for (name, first) in [("section force [N]", 0), ("section moment [N m]", 3)] {
+                let mut values = vec![f64::NAN; 3 * self.surfaces.len()];
+                states.iter().for_each(|(forces, _)| values.extend_from_slice(&forces[first..first + 3]));
+                values.resize(3 * self.cells.len(), f64::NAN);
+                all.push(Attribute { name: name.into(), components: 3, values });
+            }
+        }
+        all.extend(self.prepared.functionals().iter().filter_map(|functional| self.measured(functional, sample)));
+        all
     }
 
     /// A number of each surface; of other cells and surfaces without it none.
     fn of_surfaces(&self, name: String, value: impl Fn(&Surface) -> Option<f64>) -> Attribute {
-        let mut values: Vec<f64> = self.surfaces.iter().map(|surface| value(surface).unwrap_or(f64::NAN)).collect();
+        self.of_first_cells(name, self.surfaces.iter().map(value))
+    }
+
+    /// Numbers of the first cells; the others have none.
+    fn of_first_cells(&self, name: String, values: impl Iterator<Item = Option<f64>>) -> Attribute {
+        let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::NAN)).collect();
         values.resize(self.cells.len(), f64::NAN);
         Attribute { name, components: 1, values }
     }
 
-    /// What a functional of a group measures in each of its surfaces, at the point where it is largest.
+    /// What a functional of a group measures in each of its surfaces, beams and cables, at the point where it is largest.
     fn measured(&self, functional: &Functional, sample: &Sample<f64>) -> Option<Attribute> {
         let Measured::Group(group) = &functional.measured else { return None };
         let (model, p) = (self.prepared.model(), &self.prepared.mechanism.numbers.p);
         let values: HashMap<ElementId, f64> = group.element_values(model, sample, p).into_iter().collect();
-        let of_surface = |surface: &Surface| values.get(&surface.element).copied();
-        self.surfaces.iter().any(|surface| of_surface(surface).is_some()).then(|| {
-            let name = format!("measured for {} [{}]", functional.name, functional.unit);
-            self.of_surfaces(name, of_surface)
-        })
+        let surfaces = self.surfaces.iter().map(|surface| surface.element);
+        let cells: Vec<_> = surfaces.chain(self.lines.iter().map(|line| line.element)).collect();
+        let own = cells.iter().map(|element| values.get(element).copied());
+        let name = format!("measured for {} [{}]", functional.name, functional.unit);
+        own.clone().any(|value| value.is_some()).then(|| self.of_first_cells(name, own))
     }
 }
 
