@@ -7,11 +7,12 @@ use crate::elements::{ElementPhysics, Parameter, State, interpolate};
 use crate::program::{Recorded, along_motion};
 use crate::scalar::Scalar;
 
-/// A number, or several, of the section forces at both ends of each element of the beams of a group: one formula, and nothing else.
-/// [`OfBeams`] makes it a quantity.
+/// A number, or several, of the section forces at both ends of each element of the beams of a group: one formula, and
+/// nothing else. [`OfBeams`] makes it a quantity.
 ///
-/// Section forces are linear in an element, from those at its tying points: with the same section from end to end a norm of them is largest
-/// at an end. Each value stands for its share of the length: half of that of the element, divided by the number of values of the section.
+/// Section forces are linear in an element, from those at its tying points: with the same section from end to end a
+/// norm of them is largest at an end. Each value stands for its share of the length: half of that of the element,
+/// divided by the number of values of the section.
 pub trait BeamQuantity: Send + Sync + 'static {
     /// What it is, in a message.
     const NAME: &'static str;
@@ -19,7 +20,8 @@ pub trait BeamQuantity: Send + Sync + 'static {
     fn parameters(&self) -> Vec<Parameter> {
         Vec::new()
     }
-    /// Values in the section at the start (0) or the end (1) of an element, from N1, N2, N3 \[N\], M1, M2, M3 [N m], damping included.
+    /// Values in the section at the start (0) or the end (1) of an element, from N1, N2, N3 \[N\], M1, M2, M3 [N m],
+    /// damping included.
     fn in_section<S: Scalar>(&self, end: usize, forces: [S; STRAINS], own: &[S]) -> Vec<S>;
 }
 

@@ -141,6 +141,40 @@ fn torsion_has_the_stress_of_saint_venant_and_of_bredt() {
 }
 
 #[test]
+fn torsion_in_the_middles_of_a_rectangle_is_that_of_the_tables() {
+    // shear stress for each G dtheta/dx in the middles of an edge along axis 3 and of one along axis 2
+    let edges = |width: f64, height: f64| {
+        let shape = Shape::rectangle(width, height, POISSON);
+        let [_, along_3, along_2] = shape.stress.expect("a shape").torsion;
+        [along_3 * shape.torsion, along_2 * shape.torsion]
+    };
+    // the longer side: k of Timoshenko & Goodier, section 109, three digits
+    for (ratio, k) in [(1.0, 0.675), (2.0, 0.930), (10.0, 1.0)] {
+        let [longer, shorter] = edges(1.0, ratio);
+        assert!((longer - k).abs() < 6e-4 && shorter <= longer + 1e-12, "{longer} {shorter}");
+        assert!((edges(ratio, 1.0)[1] - longer).abs() < 1e-15);
+    }
+    // the shorter side of a strip: 0.743 of the largest; both series of a square are one function
+    assert!((edges(1.0, 1e4)[1] - 0.743).abs() < 1e-3);
+    assert!((edges(1.0, 1.0 + 1e-12)[0] - edges(1.0, 1.0 - 1e-12)[0]).abs() < 1e-11);
+}
+
+#[test]
+fn shear_of_walls_adds_up_to_the_force() {
+    // a parabola from corner to corner in both webs, by Simpson's rule
+    let (sizes, wall) = ([0.1, 0.2], 1e-4);
+    let own = Shape::<f64>::box_section(sizes[0], sizes[1], wall, POISSON).stress.expect("a shape");
+    for k in 0..2 {
+        let (corner, middle) = (own.shear_in_corners[k], own.shear_in_middles[k]);
+        let force = 2.0 * wall * (sizes[k] - wall) * (2.0 * corner + 4.0 * middle) / 6.0;
+        assert!((force - 1.0).abs() < 1e-5, "{force}");
+    }
+    let tube = Shape::<f64>::tube(1.0, 1e-6, POISSON);
+    let thin = tube.stress.expect("a shape").shear_in_corners[0] * tube.area;
+    assert!((thin - 2.0).abs() < 1e-5, "{thin}");
+}
+
+#[test]
 fn a_short_bar_fails_by_shear() {
     let short = |of, length, force| stress(&Bar { of, length, offset: None, force, moment: [0.0; 3] });
     let (root, force) = (3.0_f64.sqrt(), 1e4);

@@ -6,21 +6,25 @@ use std::f64::consts::{PI, TAU};
 
 /// How section forces become stresses at points on the outline of a section, about axes of symmetry:
 ///
-/// sigma = N1 / A + x3 M2 / I2 - x2 M3 / I3,   tau = t M1 + (s2 k3 N3 - s3 k2 N2),   sigma_vm = sqrt(sigma^2 + 3 tau^2),
+/// sigma = N1 / A + x3 M2 / I2 - x2 M3 / I3,   tau = t M1 + (s2 k3 N3 - s3 k2 N2),   sigma_vm = sqrt(sigma^2 + 3
+/// tau^2),
 ///
-/// (x2, x3) = (s2 a2, s3 a3) for outer half sizes a, and tau along the outline, counterclockwise seen against axis 1. Forces and moments are
-/// those about the centroid, moments M1 + o3 N2 - o2 N3, M2 - o3 N1, M3 + o2 N1 of a section that lies at (o2, o3) beside the line.
+/// (x2, x3) = (s2 a2, s3 a3) for outer half sizes a, and tau along the outline, counterclockwise seen against axis 1.
+/// Forces and moments are those about the centroid, moments M1 + o3 N2 - o2 N3, M2 - o3 N1, M3 + o2 N1 of a section
+/// that lies at (o2, o3) beside the line.
 ///
-/// * rectangle and box: (s2, s3) are the four corners and the four middles of the edges; circle and tube: 16 points all around, between which a
-///   bending stress is at most 1.9 % above those of the points
-/// * torsion: t of a circle and a tube is exact; of a rectangle by the series of Saint-Venant, 0 in the corners; of a box Bredt's for thin walls
-/// * shear, Jourawski's: k = 3/2 / A of a rectangle in the middles, 0 in the corners; of thin walls by their shear flow; of a tube
-///   4/3 (R^2 + R r + r^2) / (R^2 + r^2) / A, of a circle 4/3 / A
+/// * rectangle and box: (s2, s3) are the four corners and the four middles of the edges; circle and tube: 16 points all
+///   around, between which a bending stress is at most 1.9 % above those of the points
+/// * torsion: t of a circle and a tube is exact; of a rectangle by the series of Saint-Venant, 0 in the corners; of a
+///   box Bredt's for thin walls
+/// * shear, Jourawski's: k = 3/2 / A of a rectangle in the middles, 0 in the corners; of thin walls by their shear
+///   flow; of a tube 4/3 (R^2 + R r + r^2) / (R^2 + r^2) / A, of a circle 4/3 / A
 ///
-/// Shear by Jourawski is constant across a section: of a wide rectangle, and of a circle with Poisson's ratio, the exact one is not. There are no
-/// stresses of restrained warping, nor where loads enter.
+/// Shear by Jourawski is constant across a section: of a wide rectangle, and of a circle with Poisson's ratio, the
+/// exact one is not. There are no stresses of restrained warping, nor where loads enter.
 ///
-/// Source: Timoshenko & Goodier, Theory of Elasticity, sections 109 (rectangle), 115 (thin walls); Timoshenko, Strength of Materials I, sections 26, 28.
+/// Source: Timoshenko & Goodier, Theory of Elasticity, sections 109 (rectangle), 115 (thin walls); Timoshenko, Strength
+/// of Materials I, sections 26, 28.
 #[derive(Clone, Copy, Debug)]
 pub struct OutlineStress<S> {
     /// Points all around instead of corners and middles of edges.
@@ -164,10 +168,11 @@ impl<S: Scalar> OutlineStress<S> {
     }
 }
 
-/// Shear stress in the middle of an edge of a rectangle for each G dtheta/dx \[m\]: `across` from edge to edge, `along` it.
+/// Shear stress in the middle of an edge of a rectangle for each G dtheta/dx \[m\]: `across` from edge to edge, `along`
+/// it.
 ///
-/// With the longer side a, the shorter b and x_n = n pi a / (2 b): b (1 - 8/pi^2 sum 1 / (n^2 cosh x_n)) in the middle of the longer side,
-/// b 8/pi^2 sum +-tanh x_n / n^2 in that of the shorter one, n odd with alternating signs.
+/// With the longer side a, the shorter b and x_n = n pi a / (2 b): b (1 - 8/pi^2 sum 1 / (n^2 cosh x_n)) in the middle
+/// of the longer side, b 8/pi^2 sum +-tanh x_n / n^2 in that of the shorter one, n odd with alternating signs.
 fn edge_torsion<S: Scalar>(across: S, along: S) -> S {
     let is_short = along.less(across);
     let (long, short) = (is_short.select(across, along), is_short.select(along, across));
@@ -186,38 +191,3 @@ fn edge_torsion<S: Scalar>(across: S, along: S) -> S {
 
 /// Catalan's constant: the sum of +-1 / n^2 over odd n.
 const CATALAN: f64 = 0.915_965_594_177_219;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::elements::flexible::section::Shape;
-
-    #[test]
-    fn torsion_of_a_rectangle_is_that_of_the_tables() {
-        // largest stress k G dtheta/dx b and k2 = M1 / (tau a b^2): Timoshenko & Goodier, section 109, table, three digits
-        for (ratio, largest, modulus) in [(1.0, 0.675, 0.208), (2.0, 0.930, 0.246), (10.0, 1.0, 0.312)] {
-            let sides = [edge_torsion(1.0, ratio), edge_torsion(ratio, 1.0)];
-            assert!((sides[0] - largest).abs() < 6e-4 && sides[1] <= sides[0] + 1e-12, "{sides:?}");
-            let stress = Shape::rectangle(ratio, 1.0, 0.3).stress.expect("a shape").torsion[2];
-            assert!((1.0 / (stress * ratio) - modulus).abs() < 1.1e-3, "{stress}");
-        }
-        // the middle of the short side of a strip: 0.743 of the largest (Roark)
-        assert!((edge_torsion::<f64>(1e4, 1.0) - 0.743).abs() < 1e-3);
-        assert!((edge_torsion::<f64>(1.0 + 1e-12, 1.0) - edge_torsion::<f64>(1.0 - 1e-12, 1.0)).abs() < 1e-11);
-    }
-
-    #[test]
-    fn shear_of_walls_adds_up_to_the_force() {
-        // a parabola between corner and corner in both webs, by Simpson's rule
-        let (sizes, wall) = ([0.1, 0.2], 1e-4);
-        let own = Shape::<f64>::box_section(sizes[0], sizes[1], wall, 0.3).stress.expect("a shape");
-        for k in 0..2 {
-            let (corner, middle) = (own.shear_in_corners[k], own.shear_in_middles[k]);
-            let force = 2.0 * wall * (sizes[k] - wall) * (2.0 * corner + 4.0 * middle) / 6.0;
-            assert!((force - 1.0).abs() < 1e-5, "{force}");
-        }
-        let tube = Shape::<f64>::tube(1.0, 1e-6, 0.3);
-        let thin = tube.stress.expect("a shape").shear_in_corners[0];
-        assert!((thin * tube.area - 2.0).abs() < 1e-5, "{thin}");
-    }
-}

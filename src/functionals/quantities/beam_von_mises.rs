@@ -3,7 +3,8 @@ use crate::elements::flexible::{OutlineStress, STRAINS};
 use crate::functionals::BeamQuantity;
 use crate::scalar::Scalar;
 
-/// The von Mises stress by the yield stress [-] at points on the [outline](OutlineStress) of beams, at both ends of each element.
+/// The von Mises stress by the yield stress [-] at points on the [outline](OutlineStress) of beams, at both ends of
+/// each element.
 ///
 /// Parameters: the yield stress [N/m2], and the numbers of the outline at the start and at the end of the element.
 pub struct BeamVonMises {

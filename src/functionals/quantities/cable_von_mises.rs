@@ -5,8 +5,8 @@ use crate::functionals::point_quantity::record_points;
 use crate::functionals::{AnyPointQuantity, GroupFormula, PointParameters, PointValue};
 use crate::scalar::Scalar;
 
-/// The von Mises stress by the yield stress [-] of the outer fibres of cables, |E (eps +- z kappa)| / yield stress, at both ends of each
-/// element. Each value stands for a quarter of the length.
+/// The von Mises stress by the yield stress [-] of the outer fibres of cables, |E (eps +- z kappa)| / yield stress, at
+/// both ends of each element. Each value stands for a quarter of the length.
 ///
 /// Parameters: the yield stress [N/m2], E [N/m2], and the distance z of the outer fibres from the axis \[m\].
 pub struct CableVonMises;

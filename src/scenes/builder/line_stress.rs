@@ -49,7 +49,8 @@ impl<S: Scalar> LineStress<S> {
         }
     }
 
-    /// Largest von Mises stress [N/m2] at both ends of an element with these section forces; of a cable EA and EI tell its strains.
+    /// Largest von Mises stress [N/m2] at both ends of an element with these section forces; of a cable EA and EI tell
+    /// its strains.
     fn largest(&self, forces: [[S; STRAINS]; 2], p: &[S]) -> Option<S> {
         let stresses: Vec<S> = match self {
             LineStress::Beam(ends) => {
@@ -73,8 +74,9 @@ impl<S: Scalar> LineStress<S> {
 }
 
 impl<S: Scalar> MechanismBuilder<S> {
-    /// A functional of the von Mises stress by the yield stress [-] of shells of one material, on both surfaces (see [`VonMises`]), of beams, at
-    /// points on the outlines of their sections ([`OutlineStress`]), and of cables, in their outer fibres ([`CableVonMises`]).
+    /// A functional of the von Mises stress by the yield stress [-] of shells of one material, on both surfaces (see
+    /// [`VonMises`]), of beams, at points on the outlines of their sections ([`OutlineStress`]), and of cables, in
+    /// their outer fibres ([`CableVonMises`]).
     pub fn von_mises_functional(&mut self, name: &str, over: Over, group: &ElementGroup, yield_stress: S) {
         let is_line = |&element: &ElementId| self.is_line(element);
         let (lines, others): (Vec<ElementId>, Vec<ElementId>) = group.elements.iter().copied().partition(is_line);
@@ -110,8 +112,8 @@ impl<S: Scalar> MechanismBuilder<S> {
         self.measure_parts(name, "-", over, all, parameters);
     }
 
-    /// A functional of a section force N1, N2, N3 \[N\] or moment M1, M2, M3 [N m], by its number from 0 to 5, over the beams of a group: at
-    /// both ends of each element.
+    /// A functional of a section force N1, N2, N3 \[N\] or moment M1, M2, M3 [N m], by its number from 0 to 5, over the
+    /// beams of a group: at both ends of each element.
     pub fn section_forces_functional(&mut self, name: &str, over: Over, group: &ElementGroup, component: usize) {
         if component >= STRAINS {
             self.mistakes
@@ -176,8 +178,8 @@ impl MechanismBuilder<f64> {
         self.outlined.iter().flat_map(of_line).collect()
     }
 
-    /// N1, N2, N3 \[N\], M1, M2, M3 [N m] in the middle of an element, and the largest von Mises stress [N/m2] at its ends if its section tells
-    /// it, both without damping, at the coordinates of the whole mechanism.
+    /// N1, N2, N3 \[N\], M1, M2, M3 [N m] in the middle of an element, and the largest von Mises stress [N/m2] at its
+    /// ends if its section tells it, both without damping, at the coordinates of the whole mechanism.
     pub fn line_state(&self, line: &LineElement, q: &[f64]) -> ([f64; STRAINS], Option<f64>) {
         let dofs = line.nodes.iter().flat_map(|&node| self.model.node(node).dofs.clone());
         let q: Vec<f64> = dofs.map(|dof| q[dof]).collect();
