@@ -164,9 +164,9 @@ fn shear_of_walls_adds_up_to_the_force() {
     // a parabola from corner to corner in both webs, by Simpson's rule
     let (sizes, wall) = ([0.1, 0.2], 1e-4);
     let own = Shape::<f64>::box_section(sizes[0], sizes[1], wall, POISSON).stress.expect("a shape");
-    for k in 0..2 {
+    for (k, size) in sizes.into_iter().enumerate() {
         let (corner, middle) = (own.shear_in_corners[k], own.shear_in_middles[k]);
-        let force = 2.0 * wall * (sizes[k] - wall) * (2.0 * corner + 4.0 * middle) / 6.0;
+        let force = 2.0 * wall * (size - wall) * (2.0 * corner + 4.0 * middle) / 6.0;
         assert!((force - 1.0).abs() < 1e-5, "{force}");
     }
     let tube = Shape::<f64>::tube(1.0, 1e-6, POISSON);
