@@ -12,17 +12,19 @@ const LISTS: [&str; 4] = [
 ];
 
 /// Public names of options and of entries there, which have no formula of their own.
-const OPTIONS: [&str; 19] = [
+const OPTIONS: [&str; 21] = [
     "AngleLaw",
     "CableSection",
     "CableHinge",
     "CableStrain",
     "CableWeld",
+    "Freedom",
     "HeldSlope",
     "Laminate",
     "LineLaw",
     "Material",
     "Outline",
+    "OutlineStress",
     "Ply",
     "PlyStrength",
     "Section",
@@ -33,6 +35,10 @@ const OPTIONS: [&str; 19] = [
     "Stretch",
     "TorsionLaw",
 ];
+
+/// What acts in the equilibrium alone at which a motion begins: no scene of this study begins at one, files of the tests do, and have their gradients
+/// held to complex steps (`tests/scene_files/coverage/equilibrium.toml`).
+const AT_REST: [&str; 1] = ["HeldNode"];
 
 /// The names in the `pub use` lines of a file.
 fn public_names(file: &str) -> impl Iterator<Item = &str> {
@@ -52,7 +58,7 @@ fn names_in(type_name: &str) -> impl Iterator<Item = &str> {
 pub fn missing(cases: &[Case]) -> (usize, Vec<&'static str>) {
     let subjects: Vec<&'static str> = cases.iter().flat_map(Case::types).collect();
     let seen: BTreeSet<&str> = subjects.iter().flat_map(|name| names_in(name)).collect();
-    let is_type = |name: &&str| name.contains(char::is_lowercase) && !OPTIONS.contains(name);
+    let is_type = |name: &&str| name.contains(char::is_lowercase) && !OPTIONS.contains(name) && !AT_REST.contains(name);
     let all: Vec<&str> = LISTS.iter().flat_map(|file| public_names(file)).filter(is_type).collect();
     // a flexible element is an alias for its field at points of interpolation
     let covered = |name: &&&str| seen.contains(**name) || seen.contains(format!("{name}Field").as_str());

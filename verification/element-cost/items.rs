@@ -108,6 +108,7 @@ fn joints() -> Vec<Item> {
             b: NATURAL_END,
         }),
         constraint("tied node", &[Body; 4], move || TiedNode { carriers: 3, b }),
+        constraint("held node", &[Body], move || HeldNode { kind: a, held: Freedom::ALL.to_vec() }),
         constraint("angle coordinate", &[Body, Body, Coordinates(1)], move || AngleCoordinate { a, b }),
         constraint("disc on plane", BODIES, move || DiscOnPlane { a, b }),
         constraint("rolling disc", BODIES, move || Nonholonomic(RollingDisc { a, b })),
