@@ -20,6 +20,10 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
     let StabilityCourse { end: Stability { negative, determinant, .. }, lost } = forward.stability?;
     let is_start = prepared.plan.equilibrium.is_some();
     let which = match is_start {
+        // nothing is said of it once it is let go
+        true if !prepared.model().holds.is_empty() => {
+            "the equilibrium at which the motion begins, while it is held,".to_string()
+        }
         true => "the equilibrium at which the motion begins".to_string(),
         false => format!("the equilibrium at the load factor {}", forward.grid.times[forward.grid.steps()]),
     };
