@@ -136,7 +136,9 @@ pub enum Reach {
     Force,
     /// Nothing before some time after the start.
     Later,
-    /// The same, and where steps end: what a functional that cannot depend on it changes by with each of them, all together cancel.
+    /// A number of a table, of which a motion reads the pieces that it comes to: zero or not, nothing is claimed.
+    Piece,
+    /// As [`Reach::Later`], and where steps end: what a functional that cannot depend on it changes by with each of them, all together cancel.
     LaterAndSteps,
     /// A constraint's number: it moves a projected start.
     Geometry,

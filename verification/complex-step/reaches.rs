@@ -12,6 +12,7 @@ impl Case {
         let load = |function: &TimeFunction| match function {
             TimeFunction::Sine => vec![Force, Force, Later, Force],
             TimeFunction::Step { .. } | TimeFunction::ConstantRate => vec![Force, Later],
+            TimeFunction::Table(_) => vec![Piece; self.function.len()],
             _ => vec![Force; self.function.len()],
         };
         let drive = |function: &TimeFunction| match function {
@@ -44,8 +45,9 @@ impl Case {
             Subject::Spring("slide") => [vec![Stored, Force], own(10, Stored)].concat(),
             Subject::Spring("angle") => vec![Stored, Force, Stored],
             Subject::Spring("bushing") => [own(6, Stored), own(6, Force), own(14, Stored)].concat(),
-            Subject::Spring("line_law") => [own(7, Stored), own(4, Force), own(4, Stored)].concat(),
-            Subject::Spring("torsion_law") => [own(9, Stored), own(4, Force), own(4, Stored)].concat(),
+            // two tables of four values with four slopes each
+            Subject::Spring("line_law") => [own(7, Stored), own(16, Piece)].concat(),
+            Subject::Spring("torsion_law") => [own(9, Stored), own(16, Piece)].concat(),
             Subject::Spring(name) | Subject::Damper(name) => unreachable!("no reaches are known of {name}"),
             Subject::Soft(_) => unreachable!("its kind is that of a joint"),
             Subject::Force(NodeKind::Body | NodeKind::Natural, _, f) => [own(6, Force), load(f)].concat(),
