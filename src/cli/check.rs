@@ -1,11 +1,11 @@
 use super::CommandLine;
 use super::console::{count, say, say_json};
 use super::failure::Failure;
-use super::options::{chosen_scenarios, located, named};
+use super::options::{located, named};
 use crate::integrators::RunError;
 use crate::optimize::Optimization;
 use crate::scenes::file::OwnParts;
-use crate::scenes::{AnyScene, Prepared};
+use crate::scenes::{AnyScene, Prepared, Scenario};
 use clap::Args;
 use serde_json::json;
 
@@ -22,9 +22,8 @@ pub struct CheckOptions {
 /// `costate check`: reads and builds a scene and checks its start, without running it.
 pub fn run(options: &CheckOptions, program: &CommandLine) -> Result<(), Failure> {
     let scene = program.find_scene(&options.scene)?;
-    let scenarios = chosen_scenarios(&*scene, None)?;
     check_problem(&*scene, options)?;
-    scenarios.into_iter().try_for_each(|(name, scene)| check(options, &name, scene))
+    Scenario::all_of(&*scene).into_iter().try_for_each(|own| check(options, &own.name, own.scene))
 }
 
 /// Checks the optimization problem of a scene and the names in it.

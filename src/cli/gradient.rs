@@ -14,7 +14,7 @@ use crate::history::Keep;
 use crate::integrators::{Counters, RunError};
 use crate::io::{Cell, Progress, Table, number};
 use crate::program::making_time;
-use crate::scenes::{AnyScene, Prepared};
+use crate::scenes::{AnyScene, Prepared, Scenario};
 use crate::sensitivity::{Forward, Gradient};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
@@ -113,7 +113,7 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     let scenarios = options.scene.scenarios(&*scene)?;
     let count = scenarios.len();
     check_one_history(&options.history, count)?;
-    scenarios.into_iter().try_for_each(|(name, scene)| {
+    scenarios.into_iter().try_for_each(|Scenario { name, scene }| {
         run_one(&GradientOptions { scene: options.scene.of_scenario(&name, count), ..options.clone() }, scene)
     })
 }

@@ -12,9 +12,9 @@ use super::optimum::{conditions_json, largest_json, say_conditions, smooth_only}
 use super::options::SceneOptions;
 use super::report::Page;
 use super::results::{Snapshot, check_folder};
-use super::simulation::{crossings_in_words, crossings_json};
+use super::simulation::{crossings_in_words, crossings_json, steps_in_words};
 use super::stability::{Statement, statement};
-use crate::design::{DesignVariable, shortest};
+use crate::design::DesignVariable;
 use crate::history::Keep;
 use crate::integrators::{Crossing, RunError};
 use crate::io::{Cell, Chart, IoError, Progress, Table, read_csv, write_csv, write_file};
@@ -22,7 +22,7 @@ use crate::optimize::{
     Case, DesignHistory, DesignPoint, GradientBy, Optimization, Optimized, Optimizer, Reason, Watcher, optimizers,
 };
 use crate::scenes::unknown;
-use crate::scenes::{AnyScene, Prepared, Sense};
+use crate::scenes::{AnyScene, Prepared, Scenario, Sense};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -184,7 +184,7 @@ pub fn run(options: &OptimizeOptions, program: &CommandLine) -> Result<(), Failu
 
 /// The scenarios of a scene, or the scene itself, as the options have them simulated.
 fn cases<'s>(options: &SceneOptions, scene: &'s dyn AnyScene) -> Result<Vec<Case<'s>>, Failure> {
-    let case = |(name, scene): (String, &'s dyn AnyScene)| {
+    let case = |Scenario { name, scene }: Scenario<'s>| {
         let (method, settings) = options.simulation(scene)?;
         Ok(Case { name, scene, method: options.differentiable(method)?, settings })
     };
@@ -308,9 +308,8 @@ fn announce(optimization: &Optimization, optimizer: &dyn Optimizer) {
         gradient_name(optimization.gradient)
     ));
     for Case { name, method, settings, .. } in cases {
-        let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
         let which = if name.is_empty() { "each design".into() } else { format!("scenario \"{name}\"") };
-        say(format_args!("{which}: {}, {steps} over {} s", method.table.name, shortest(settings.end)));
+        say(format_args!("{which}: {}", steps_in_words(method, settings)));
     }
     say("");
 }
@@ -498,14 +497,15 @@ impl<'r> Report<'r> {
     /// The best design once more, in all scenarios; the motion is that of the first.
     fn best_motion(&self) -> Result<BestMotion<'r>, RunError> {
         let mut first: Option<BestMotion<'r>> = None;
-        for Case { name, scene, method, settings } in &self.optimization.cases {
+        for case in &self.optimization.cases {
+            let Case { scene, method, settings, .. } = case;
             let mut prepared = Prepared::with(*scene, &self.best.design, method.clone(), settings.clone())?;
             prepared.keep = Keep::Nothing;
             let mut kept = KeptMoments::default();
             let (forward, stopped) = prepared.analysis().observed(&prepared.x, &mut kept)?;
             stopped.map_or(Ok(()), Err)?;
             if let Some(Statement::Warning(words)) = statement(&prepared, &forward) {
-                warn(&if name.is_empty() { words } else { format!("scenario \"{name}\": {words}") });
+                warn(&case.told(words));
             }
             match &mut first {
                 None => first = Some((prepared, kept.finish(), forward.crossings)),

@@ -8,7 +8,7 @@ use crate::integrators::{
 use crate::linalg::Backend;
 use crate::program::{Execution, set_execution};
 use crate::scenes::unknown;
-use crate::scenes::{AnyScene, FileScene, Output, Prepared, Settings};
+use crate::scenes::{AnyScene, FileScene, Output, Prepared, Scenario, Settings};
 use clap::Args;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -119,17 +119,14 @@ pub(super) enum FoundScene<'p> {
 ///
 /// # Errors
 /// A scenario that the scene has not.
-pub(super) fn chosen_scenarios<'s>(
-    scene: &'s dyn AnyScene,
-    chosen: Option<&str>,
-) -> Result<Vec<(String, &'s dyn AnyScene)>, Failure> {
-    let all: Vec<(String, &dyn AnyScene)> = scene.scenarios().into_iter().map(|own| (own.name, own.scene)).collect();
-    let Some(name) = chosen else { return Ok(if all.is_empty() { vec![(String::new(), scene)] } else { all }) };
-    let known: Vec<String> = all.iter().map(|own| own.0.clone()).collect();
+fn chosen_scenarios<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<Vec<Scenario<'s>>, Failure> {
+    let Some(name) = chosen else { return Ok(Scenario::all_of(scene)) };
+    let all = scene.scenarios();
+    let known: Vec<String> = all.iter().map(|own| own.name.clone()).collect();
     if known.is_empty() {
         return Err(Failure::input(format!("--scenario {name}: the scene \"{}\" has no scenarios", scene.name())));
     }
-    let found = all.into_iter().find(|own| own.0 == name);
+    let found = all.into_iter().find(|own| own.name == name);
     found.map(|own| vec![own]).ok_or_else(|| Failure::input(unknown("--scenario", name, &known)))
 }
 
@@ -139,9 +136,9 @@ pub(super) fn chosen_scenarios<'s>(
 /// Several scenarios of which none is chosen, or one that the scene has not.
 pub(super) fn only_scenario<'s>(scene: &'s dyn AnyScene, chosen: Option<&str>) -> Result<&'s dyn AnyScene, Failure> {
     match &chosen_scenarios(scene, chosen)?[..] {
-        [(_, only)] => Ok(*only),
+        [only] => Ok(only.scene),
         several => {
-            let names: Vec<&str> = several.iter().map(|own| own.0.as_str()).collect();
+            let names: Vec<&str> = several.iter().map(|own| own.name.as_str()).collect();
             Err(Failure::input(format!("the scene has the scenarios {}: choose one with --scenario", names.join(", "))))
         }
     }
@@ -268,7 +265,7 @@ impl SceneOptions {
     ///
     /// # Errors
     /// A scenario that it has not.
-    pub fn scenarios<'s>(&self, scene: &'s dyn AnyScene) -> Result<Vec<(String, &'s dyn AnyScene)>, Failure> {
+    pub fn scenarios<'s>(&self, scene: &'s dyn AnyScene) -> Result<Vec<Scenario<'s>>, Failure> {
         chosen_scenarios(scene, self.scenario.as_deref())
     }
 

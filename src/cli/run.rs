@@ -6,7 +6,7 @@ use super::options::SceneOptions;
 use super::report::Page;
 use super::simulation::{Simulation, say_work, simulate};
 use crate::history::Keep;
-use crate::scenes::{AnyScene, Prepared};
+use crate::scenes::{AnyScene, Prepared, Scenario};
 use clap::Args;
 
 /// Options of `costate run`.
@@ -31,7 +31,9 @@ pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     let scenarios = options.scenarios(&*scene)?;
     check_one_history(&keep, scenarios.len())?;
     let count = scenarios.len();
-    scenarios.into_iter().try_for_each(|(name, scene)| run_one(&options.of_scenario(&name, count), scene, keep.clone()))
+    scenarios
+        .into_iter()
+        .try_for_each(|Scenario { name, scene }| run_one(&options.of_scenario(&name, count), scene, keep.clone()))
 }
 
 /// Simulates a scene or a scenario, writes, prints.

@@ -8,11 +8,13 @@ use super::stability::{self, Statement};
 use crate::design::shortest;
 use crate::functionals::{Extreme, Extremes, Measured, Times};
 use crate::history::{Observer, Usage};
-use crate::integrators::{Counters, Crossing, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord};
+use crate::integrators::{
+    Counters, Crossing, Method, NewtonTolerance, RunError, StartRecord, StepControl, StepError, StepRecord,
+};
 use crate::io::{Cell, Chart, Progress, Table, write_file};
 use crate::linalg::SolverPlan;
 use crate::program::{SwitchKind, making_time, refuses_machine_code};
-use crate::scenes::Prepared;
+use crate::scenes::{Prepared, Settings};
 use crate::sensitivity::Forward;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -165,6 +167,12 @@ fn announce(prepared: &Prepared) -> Result<(), RunError> {
     say(format_args!("linear systems of {}: {} LU{work}", count(unknowns, "unknown"), backend.name()));
     say("");
     Ok(())
+}
+
+/// How each of many designs is simulated.
+pub fn steps_in_words(method: &Method, settings: &Settings) -> String {
+    let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
+    format!("{}, {steps} over {} s", method.table.name, shortest(settings.end))
 }
 
 /// The failure, with the options that its advice is about.

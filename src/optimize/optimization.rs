@@ -6,7 +6,7 @@ use crate::design::{DesignVariable, check_design};
 use crate::functionals::AggregateKind;
 use crate::history::Keep;
 use crate::integrators::{Method, RunError};
-use crate::scenes::{AnyScene, FunctionalConstraint, LinearConstraint, OptimizationProblem, Prepared, Settings};
+use crate::scenes::{AnyScene, FunctionalConstraint, LinearConstraint, OptimizationProblem, Prepared, Scenario, Settings};
 
 /// Where gradients come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,9 +85,14 @@ impl<'s> Case<'s> {
     ///
     /// # Errors
     /// A method that is not listed.
-    pub fn of(name: &str, scene: &'s dyn AnyScene) -> Result<Self, RunError> {
+    pub fn of(Scenario { name, scene }: Scenario<'s>) -> Result<Self, RunError> {
         let settings = scene.settings();
-        Ok(Case { name: name.into(), scene, method: Prepared::method_of(&settings)?, settings })
+        Ok(Case { name, scene, method: Prepared::method_of(&settings)?, settings })
+    }
+
+    /// Words about it, with its name where it has one.
+    pub fn told(&self, words: String) -> String {
+        if self.name.is_empty() { words } else { format!("scenario \"{}\": {words}", self.name) }
     }
 
     /// What a functional of it is called.
@@ -116,11 +121,7 @@ impl<'s> Optimization<'s> {
         let problem = scene.optimization_problem();
         let problem = problem
             .ok_or_else(|| RunError::Input(format!("the scene \"{}\" states no optimization problem", scene.name())))?;
-        let scenarios = scene.scenarios();
-        let cases = match scenarios.is_empty() {
-            true => vec![Case::of("", scene)?],
-            false => scenarios.iter().map(|own| Case::of(&own.name, own.scene)).collect::<Result<_, _>>()?,
-        };
+        let cases = Scenario::all_of(scene).into_iter().map(Case::of).collect::<Result<_, _>>()?;
         Self::new(scene, problem, cases)
     }
 
@@ -136,7 +137,7 @@ impl<'s> Optimization<'s> {
         for (place, case) in cases.iter().enumerate() {
             let mechanism = case.scene.build_real(&initial).map_err(RunError::Input)?;
             let own = mechanism.functionals.iter();
-            all.extend(own.map(|own| Measured {
+            all.extend(own.map(|own| CaseFunctional {
                 case: place,
                 name: own.name.clone(),
                 full: case.full_name(&own.name),
@@ -299,7 +300,7 @@ impl<'s> Optimization<'s> {
 }
 
 /// A functional of a case.
-struct Measured {
+struct CaseFunctional {
     case: usize,
     name: String,
     full: String,
@@ -308,7 +309,7 @@ struct Measured {
 }
 
 /// The problem with a limit for each scenario where one names none, and an objective that only one scenario has by its full name.
-fn in_all_scenarios(mut problem: OptimizationProblem, all: &[Measured]) -> OptimizationProblem {
+fn in_all_scenarios(mut problem: OptimizationProblem, all: &[CaseFunctional]) -> OptimizationProblem {
     let known = |name: &str| all.iter().any(|own| own.full == name);
     let of = |name: &str| -> Vec<String> { all.iter().filter(|own| own.name == name).map(|own| own.full.clone()).collect() };
     problem.constraints = std::mem::take(&mut problem.constraints)

@@ -136,7 +136,7 @@ fn in_case(case: &Case, error: RunError) -> RunError {
     match error {
         RunError::Interrupted { .. } => error,
         _ if case.name.is_empty() => error,
-        error => RunError::Input(format!("scenario \"{}\": {error}", case.name)),
+        error => RunError::Input(case.told(error.to_string())),
     }
 }
 

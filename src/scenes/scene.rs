@@ -54,6 +54,16 @@ pub struct Scenario<'s> {
     pub scene: &'s dyn AnyScene,
 }
 
+impl<'s> Scenario<'s> {
+    /// What of a scene is run: its scenarios, or the scene itself, without a name.
+    pub fn all_of(scene: &'s dyn AnyScene) -> Vec<Self> {
+        match scene.scenarios() {
+            all if all.is_empty() => vec![Scenario { name: String::new(), scene }],
+            all => all,
+        }
+    }
+}
+
 /// What a run writes beside its histories at the steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output {

@@ -12,7 +12,7 @@ use super::failure::{Failure, INTERRUPTED};
 use super::interrupt::Guard;
 use super::options::SceneOptions;
 use super::results::check_folder;
-use super::simulation::{warnings, with_hint};
+use super::simulation::{steps_in_words, warnings, with_hint};
 use super::stability::{Statement, statement};
 use crate::history::{Keep, Watch};
 use crate::integrators::{Method, StepRecord};
@@ -159,8 +159,7 @@ impl<'s> Sweep<'s> {
         let [designs, variables, threads] =
             [(points.len(), "design"), (axes.len(), "variable"), (self.threads, "thread")].map(|(n, word)| count(n, word));
         say(format_args!("{designs} {words} in {variables}, on {threads}{kept}"));
-        let steps = if settings.control.is_some() { "chosen steps".into() } else { count(settings.steps, "step") };
-        say(format_args!("each design: {}, {steps} over {} s\n", self.method.table.name, settings.end));
+        say(format_args!("each design: {}\n", steps_in_words(&self.method, settings)));
     }
 
     /// Runs a design as `costate run` does, but keeps no step; `None` if it was stopped.
