@@ -135,6 +135,10 @@ impl<'s> Optimization<'s> {
         let initial: Vec<f64> = variables.iter().map(|variable| variable.initial).collect();
         let mut all = Vec::new();
         for (place, case) in cases.iter().enumerate() {
+            if case.scene.variables().iter().map(|own| &own.name).ne(variables.iter().map(|own| &own.name)) {
+                let words = case.told("its design variables are not those of the scene, which all share".into());
+                return Err(RunError::Input(words));
+            }
             let mechanism = case.scene.build_real(&initial).map_err(RunError::Input)?;
             let own = mechanism.functionals.iter();
             all.extend(own.map(|own| CaseFunctional {

@@ -1,7 +1,7 @@
 //! Scenarios: one mechanism in several circumstances, alone and together.
 
-use costate::optimize::{Optimization, Sqp};
-use costate::scenes::{AnyScene, FileScene, Prepared};
+use costate::optimize::{Case, Optimization, Sqp};
+use costate::scenes::{AnyScene, FileScene, Prepared, Scenario};
 use costate::sensitivity::largest_difference;
 use std::process::Command;
 
@@ -148,6 +148,18 @@ fn an_optimum_holds_its_limits_in_all_scenarios() {
         let known = best.gradients.as_ref().expect("the best point has gradients");
         assert!(largest_difference(&rows[place], &known[k + 1]) < 1e-14, "{case}: {rows:?} {known:?}");
     }
+}
+
+#[test]
+fn a_case_with_other_variables_is_refused() {
+    let (whole, other) = (
+        parsed(BEAM),
+        parsed(&BEAM.replace("height = {", "depth = {").replace("height = \"height\"", "height = \"depth\"")),
+    );
+    let case = Case::of(Scenario { name: "other".into(), scene: &other }).unwrap();
+    let problem = AnyScene::optimization_problem(&whole).unwrap();
+    let told = Optimization::new(&whole, problem, vec![case]).err().unwrap().to_string();
+    assert!(told.contains("scenario \"other\": its design variables are not those of the scene"), "{told}");
 }
 
 #[test]
