@@ -107,8 +107,11 @@ impl<S: RunScalar> Newton<'_, S> {
             self.evaluate(stage, unknowns);
             let left = self.step(Some(part), &mut unknowns.clone());
             let round_off = self.round_off_of(Some(part), stage, unknowns);
+            // accelerations of given coordinates and velocities are a sum of forces: where something stays at rest it cancels, and has no size
+            let coefficients = stage.equations.residual;
+            let is_sum_of_forces = coefficients.alpha == 0.0 && coefficients.beta == 0.0;
             let size = self.size_of_part(part, stage, unknowns);
-            left <= (2.0 * round_off).min(ROUNDED_PARTS * size)
+            left <= 2.0 * round_off && (is_sum_of_forces || left <= ROUNDED_PARTS * size)
         })
     }
 
