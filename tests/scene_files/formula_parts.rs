@@ -91,6 +91,25 @@ fn energies_and_loads_are_those_of_the_library() {
 }
 
 #[test]
+fn points_of_nodes_have_their_own_place_velocity_and_force() {
+    let nodes = "nodes = { a = { on = \"body\", point = [0.5, \"0.1 * l\", \"l\"] }, b = \"mass\" }";
+    let points = "points = [[0.5, \"0.1 * l\", \"l\"], [\"0.3 + l\", 0, 0]]";
+    let spring = format!(
+        "[[spring]]\nname = \"spring\"\ntype = \"line\"\nbetween = [\"body\", \"mass\"]\n{points}\nstiffness = \"k\"\nrest_length = 0.5"
+    );
+    let damper = format!(
+        "[[damper]]\nname = \"damper\"\ntype = \"vector\"\nbetween = [\"body\", \"mass\"]\n{points}\ndamping = \"0.1 * k\""
+    );
+    same(&format!("{HEADER}{nodes}\npotential = \"0.5 * k * (norm(b.position - a.position) - 0.5)^2\""), &spring, 1e-11);
+    // what is named is what it stands for, also in what is named after it
+    let named = "define = { way = \"b.position - a.position\", pull = \"k * (norm(way) - 0.5) * unit(way)\" }\n\
+                 force = { a = \"pull\", b = \"-pull\" }";
+    same(&format!("{HEADER}{nodes}\n{named}"), &spring, 1e-11);
+    let force = "force = { a = \"0.1 * k * (b.velocity - a.velocity)\", b = \"0.1 * k * (a.velocity - b.velocity)\" }";
+    same(&format!("{HEADER}{nodes}\n{force}"), &damper, 1e-11);
+}
+
+#[test]
 fn a_choice_that_is_none_of_the_time_has_no_breakpoints() {
     let force = "a = \"k * max(a.position.z - 0.5, 0) * cos(3 * t) * a.x_axis\"";
     let own = format!("{HEADER}nodes = {{ a = \"body\" }}\nforce = {{ {force} }}\nbreakpoints = []");
@@ -172,6 +191,30 @@ fn what_is_wrong_with_formulas_is_told() {
         (element("nodes = { a = \"body\" }\npotential = \"t * a.position.z\""), "this cannot depend on the time t"),
         (element("nodes = { a = \"body\" }\npotential = \"a.position\""), "must be a number"),
         (element("nodes = { a = \"body\" }\nforce = { b = \"a.position\" }"), "there is no \"b\" among the nodes"),
+        (
+            element("nodes = { a = { on = \"mass\", point = [0, 0, 0] } }\npotential = \"a.position.z\""),
+            "this is a point, which has no points but itself",
+        ),
+        (
+            element("nodes = { a = { on = \"body\", point = \"a.x_axis\" } }\npotential = \"a.position.z\""),
+            "a point is one of the start, which depends on the design alone",
+        ),
+        (element("nodes = { a = { on = \"body\" } }\npotential = \"a.position.z\""), "needs the key point"),
+        (
+            element("nodes = { a = { on = \"body\", at = 1, point = [0, 0, 0] } }\npotential = \"a.position.z\""),
+            "key \"at\" is not known",
+        ),
+        (element("nodes = { a = \"body\" }\ndefine = { k = \"2\" }\npotential = \"k\""), "\"k\" is a name here already"),
+        (element("nodes = { a = \"body\" }\ndefine = { a = \"2\" }\npotential = \"a\""), "\"a\" is a name here already"),
+        (
+            element("nodes = { a = \"body\" }\ndefine = { u = \"v + 1\", v = \"2\" }\npotential = \"u\""),
+            "name \"v\" is not known",
+        ),
+        (element("nodes = { a = \"body\" }\ndefine = 2\npotential = \"a.position.z\""), "define must be a table of names"),
+        (
+            element("nodes = { a = \"body\" }\ndefine = { u = \"a.velocity.z\" }\npotential = \"u\""),
+            "this depends on places alone: a.velocity cannot stand here",
+        ),
         (
             element("nodes = { a = \"body\" }\nforce = { a = \"norm(a.position)\" }"),
             "\"a\" is a body, which takes a vector here",

@@ -21,7 +21,7 @@ const INTERPOLATION: Key = may(
 
 /// The forms of a [`TimeFunction`](crate::elements::TimeFunction).
 pub const FUNCTION: Forms = forms!([
-    may("smooth_start", Number("s", Positive), "the function starts from rest within this time; at once"),
+    may("smooth_start", Number("s", Positive), "the function starts from rest within this time, and is late by half of it from then on; at once"),
 ]
 "constant" "f = value" [need("value", Number("", Any), "value")]
 "constant_rate" "f = offset + rate t" [

@@ -96,8 +96,14 @@ pub enum Type {
     Tables(&'static Forms),
     /// A number or formula, which stands for a constant, or a table; unit.
     Function(&'static str, &'static Forms),
-    /// Nodes by the names that formulas give them.
-    NamedNodes,
+    /// A number of the file, or several; unit.
+    FixedOrMore(&'static str),
+    /// One or more numbers or formulas, those of strips: one may use the place `share`; unit and range.
+    Strips(&'static str, Range),
+    /// Nodes by the names that formulas give them, or tables that say which point of a node.
+    NamedNodes(&'static Forms),
+    /// Names for formulas of what is known of nodes, which the other formulas of the entry may use.
+    Definitions,
     /// A formula of what is known of these nodes, a number; unit.
     OfNodes(&'static str),
     /// Several of them; unit.

@@ -342,7 +342,7 @@ pub(super) fn shell<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, m:
         };
         return Ok(Made::Shell(Box::new(m.laminate_shell(name, mesh, laminate, vector("direction")?))));
     }
-    let (material, thickness) = (known.material(fields)?, known.series(fields, "thickness")?);
+    let (material, thickness) = (known.material(fields)?, known.strips(fields, "thickness", elements[0])?);
     let (strips, along) = (thickness.len(), elements[0]);
     if strips == 0 || along % strips != 0 {
         let text = format!(

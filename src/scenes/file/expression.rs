@@ -1,8 +1,10 @@
 //! Formulas in texts: numbers and vectors of named numbers and vectors.
 
 use super::formula_text::FormulaText;
-use crate::scalar::{Scalar, SpatialVector, Vector3};
+use crate::elements::Table;
+use crate::scalar::{Interpolant, Scalar, SpatialVector, Vector3};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// A number or a vector of three.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +40,11 @@ pub(super) const TIME: &str = "t";
 /// What laws of springs depend on: s, its rate, the time.
 pub(super) const OF_LAW: [&str; 3] = ["s", "v", TIME];
 
-/// The share of the length of a beam in formulas of its section, from 0 to 1; the first of all names of a file.
+/// The function between the numbers of a design variable that has several.
+pub(super) const SPLINE: &str = "spline";
+
+/// The share of the length of a beam in formulas of its section, or of a shell's first direction in its thickness, from 0 to 1; the first of
+/// all names of a file.
 pub(super) const SHARE: &str = "share";
 /// Its place among the names.
 pub(super) const SHARE_PLACE: usize = 0;
@@ -51,6 +57,10 @@ pub(super) struct Scope {
     pub of_mesh: Option<usize>,
     /// Formulas may use [`SHARE`].
     pub of_section: bool,
+    /// Formulas by names that stand in others for what they say.
+    definitions: Vec<(String, Expression)>,
+    /// Design variables of several numbers, with their places among the names.
+    arrays: Vec<(String, Range<usize>)>,
 }
 
 impl Scope {
@@ -73,6 +83,20 @@ impl Scope {
     pub fn add_variable(&mut self, name: &str) {
         self.names.push(Named { name: name.into(), is_vector: false, each: None, constant: None });
     }
+    /// Numbers that change with the design, NAME[0] and so on.
+    pub fn add_array(&mut self, name: &str, count: usize) {
+        let first = self.names.len();
+        (0..count).for_each(|number| self.add_variable(&format!("{name}[{number}]")));
+        self.arrays.push((name.into(), first..first + count));
+    }
+    /// Places of its numbers among the names.
+    pub fn array(&self, name: &str) -> Option<Range<usize>> {
+        self.arrays.iter().find(|own| own.0 == name).map(|own| own.1.clone())
+    }
+    /// Whether a name means something already.
+    pub fn knows(&self, name: &str) -> bool {
+        self.find(name).is_some() || self.array(name).is_some() || self.definition(name).is_some()
+    }
     /// What is known of a node: a number or vector that changes with the motion.
     pub fn add_of_node(&mut self, name: String, is_vector: bool) {
         self.names.push(Named { name, is_vector, each: None, constant: None });
@@ -93,6 +117,18 @@ impl Scope {
     pub fn add_formula(&mut self, name: &str, formula: &Expression) {
         let constant = formula.constant(self);
         self.names.push(Named { name: name.into(), is_vector: formula.is_vector, each: None, constant });
+    }
+    /// A formula that stands where others use its name.
+    pub fn add_definition(&mut self, name: &str, formula: Expression) {
+        self.definitions.push((name.into(), formula));
+    }
+    /// Their names.
+    pub fn named_formulas(&self) -> impl Iterator<Item = String> {
+        self.definitions.iter().map(|own| own.0.clone())
+    }
+    /// What stands for a name.
+    pub fn definition(&self, name: &str) -> Option<&Expression> {
+        self.definitions.iter().find(|own| own.0 == name).map(|own| &own.1)
     }
     /// The same names, and others behind them on which a formula depends.
     pub fn with(&self, names: &[&str]) -> Scope {
@@ -168,7 +204,8 @@ pub(super) const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("deg", PI / 180.0)]
 pub(super) fn meaning(name: &str) -> Option<&'static str> {
     match name {
         TIME => Some("the time in formulas of type \"formula\" and in laws of springs"),
-        SHARE => Some("the place along a beam in formulas of a [section]"),
+        SHARE => Some("the place along a beam in formulas of a [section], or along a shell in its thickness"),
+        SPLINE => Some("a function in formulas"),
         _ if CONSTANTS.iter().any(|own| own.0 == name) => Some("a constant in formulas"),
         _ => FUNCTIONS.iter().any(|own| own.0 == name).then_some("a function in formulas"),
     }
@@ -210,13 +247,15 @@ pub(super) enum Operation {
     Call(Function),
     /// Of three numbers.
     Vector,
+    /// Of so many numbers and the place between them.
+    Spline(usize),
     Component(usize),
 }
 
 /// A formula: operations on a stack.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Expression {
-    operations: Vec<Operation>,
+    pub operations: Vec<Operation>,
     pub is_vector: bool,
 }
 
@@ -227,6 +266,11 @@ impl Expression {
     /// A number as it stands.
     pub fn literal(value: f64) -> Self {
         Expression { operations: vec![Operation::Literal(value)], is_vector: false }
+    }
+
+    /// A name as it stands.
+    pub fn name(place: usize) -> Self {
+        Expression { operations: vec![Operation::Name(place)], is_vector: false }
     }
 
     /// The number that it is, if it was made as one.
@@ -300,6 +344,12 @@ pub(super) fn constant(operations: &[Operation], scope: &Scope) -> Option<Quanti
     operations.iter().all(is_fixed).then(|| evaluate(operations, &values))
 }
 
+/// The natural cubic spline through values at equal distances, the first at 0 and the last at 1.
+fn spline<S: Scalar>(values: &[S], share: S) -> S {
+    let knots: Vec<f64> = (0..values.len()).map(|k| k as f64 / (values.len() - 1) as f64).collect();
+    Table::new(&knots, Interpolant::Smooth).map_or(S::from(f64::NAN), |table| table.value(share, &table.numbers(values)))
+}
+
 /// The operations as read: their types have been checked, so that other combinations do not occur.
 fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quantity<S> {
     use Quantity::{Number, Vector};
@@ -319,6 +369,12 @@ fn evaluate<S: Scalar>(operations: &[Operation], names: &[Quantity<S>]) -> Quant
                 Vector(own) => Number(own[*index]),
                 own => own,
             },
+            Operation::Spline(count) => {
+                let share = number(pop());
+                let mut values: Vec<S> = (0..*count).map(|_| number(pop())).collect();
+                values.reverse();
+                Number(spline(&values, share))
+            }
             Operation::Vector => {
                 let [z, y, x] = std::array::from_fn(|_| number(pop()));
                 Vector(Vector3::new(x, y, z))

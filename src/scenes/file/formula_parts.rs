@@ -6,13 +6,13 @@ use super::expression::{Expression, Quantity};
 use super::formula_of::FormulaOf;
 use super::known::{Found, Known, Made, fixed_list, list, over, text};
 use super::mistake::Mistake;
-use super::reader::{Fields, Value};
+use super::reader::{Fields, NamedNode, Value};
 use super::scene::kept;
 use crate::assembly::NodeId;
 use crate::elements::forces::Soft;
 use crate::elements::{Constraint, Element, Frame, NodeKind, Parameter, State};
 use crate::functionals;
-use crate::scalar::{Scalar, Vector3};
+use crate::scalar::{Scalar, SpatialVector, Vector3};
 use std::ops::Range;
 
 /// What formulas know of a node: a name, whether it is a vector, whether it is a rate.
@@ -46,6 +46,8 @@ struct KnownNode {
     kind: NodeKind,
     /// Its rates are states.
     is_state: bool,
+    /// Place, velocity and force are those of a point of it.
+    has_point: bool,
 }
 
 impl KnownNode {
@@ -61,31 +63,7 @@ impl KnownNode {
     }
 }
 
-/// Their values, of all nodes, and the time behind them.
-fn arguments<S: Scalar>(nodes: &[KnownNode], [v, q]: [&[S]; 2], t: S) -> Vec<Quantity<S>> {
-    let (mut all, mut first) = (Vec::new(), 0);
-    for &KnownNode { kind, is_state } in nodes {
-        let (v, q) = (&v[first..], &q[first..]);
-        first += kind.dofs();
-        if let NodeKind::Coordinates(count) = kind {
-            match is_state {
-                true => all.extend(v[..count].iter().map(|&state| Quantity::Number(state))),
-                false => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
-            }
-            continue;
-        }
-        let origin = Vector3::zeros();
-        all.extend([kind.position(q, origin), kind.velocity(v, q, origin)].map(Quantity::Vector));
-        if kind.has_axes() {
-            all.extend(Frame::of(kind, q).axes.map(Quantity::Vector));
-            all.push(Quantity::Vector(kind.angular_velocity(v, q)));
-        }
-    }
-    all.push(Quantity::Number(t));
-    all
-}
-
-/// Formulas of nodes, with the parameters of each.
+/// Formulas of nodes. Parameters: the points of nodes in their frames, where they have one, then those of each formula.
 struct Formulas {
     nodes: Vec<KnownNode>,
     all: Vec<FormulaOf>,
@@ -94,8 +72,43 @@ struct Formulas {
 
 impl Formulas {
     fn parameters(&self) -> Vec<Parameter> {
+        let axes = ["x", "y", "z"];
+        let points = (1..=self.points()).flat_map(|i| axes.map(|axis| Parameter::named(format!("point {i} {axis}"), "m")));
         let numbered = (1..).zip(&self.all);
-        numbered.flat_map(|(number, own)| own.numbers(&format!("formula {number}"))).collect()
+        points.chain(numbered.flat_map(|(number, own)| own.numbers(&format!("formula {number}")))).collect()
+    }
+    /// How many nodes have a point.
+    fn points(&self) -> usize {
+        self.nodes.iter().filter(|node| node.has_point).count()
+    }
+    /// The point of a node in its frame.
+    fn point<S: Scalar>(&self, node: usize, p: &[S]) -> Vector3<S> {
+        match self.nodes[node].has_point {
+            true => Vector3::first_three(&p[3 * self.nodes[..node].iter().filter(|node| node.has_point).count()..]),
+            false => Vector3::zeros(),
+        }
+    }
+    /// What formulas know of all nodes, and the time behind it.
+    fn arguments<S: Scalar>(&self, [v, q]: [&[S]; 2], t: S, p: &[S]) -> Vec<Quantity<S>> {
+        let mut all = Vec::new();
+        for (node, &KnownNode { kind, is_state, .. }) in self.nodes.iter().enumerate() {
+            let (v, q) = (&v[self.place(node)], &q[self.place(node)]);
+            if let NodeKind::Coordinates(_) = kind {
+                match is_state {
+                    true => all.extend(v.iter().map(|&state| Quantity::Number(state))),
+                    false => all.extend([Quantity::Number(q[0]), Quantity::Number(v[0])]),
+                }
+                continue;
+            }
+            let point = self.point(node, p);
+            all.extend([kind.position(q, point), kind.velocity(v, q, point)].map(Quantity::Vector));
+            if kind.has_axes() {
+                all.extend(Frame::of(kind, q).axes.map(Quantity::Vector));
+                all.push(Quantity::Vector(kind.angular_velocity(v, q)));
+            }
+        }
+        all.push(Quantity::Number(t));
+        all
     }
     fn kinds(&self) -> Vec<NodeKind> {
         self.nodes.iter().map(|node| node.kind).collect()
@@ -105,7 +118,7 @@ impl Formulas {
     }
     fn value<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> Quantity<S> {
         let before: usize = self.all[..which].iter().map(FormulaOf::count).sum();
-        self.all[which].at(arguments, &p[before..])
+        self.all[which].at(arguments, &p[3 * self.points() + before..])
     }
     fn number<S: Scalar>(&self, which: usize, arguments: &[Quantity<S>], p: &[S]) -> S {
         match self.value(which, arguments, p) {
@@ -141,25 +154,25 @@ impl Element for FormulaElement {
     }
     fn kinetic<S: Scalar>(&self, v: &[S], q: &[S], p: &[S]) -> S {
         let Some(which) = self.kinetic else { return S::zero() };
-        self.formulas.number(which, &arguments(&self.formulas.nodes, [v, q], S::zero()), p)
+        self.formulas.number(which, &self.formulas.arguments([v, q], S::zero(), p), p)
     }
     fn potential<S: Scalar>(&self, q: &[S], p: &[S]) -> S {
         let Some(which) = self.potential else { return S::zero() };
         let still = vec![S::zero(); q.len()];
-        self.formulas.number(which, &arguments(&self.formulas.nodes, [&still, q], S::zero()), p)
+        self.formulas.number(which, &self.formulas.arguments([&still, q], S::zero(), p), p)
     }
     fn add_force<S: Scalar>(&self, v: &[S], q: &[S], p: &[S], t: S, force: &mut [S]) {
         if self.loads.is_empty() {
             return;
         }
-        let known = arguments(&self.formulas.nodes, [v, q], t);
+        let known = self.formulas.arguments([v, q], t, p);
         for &(node, is_moment, which) in &self.loads {
             let (kind, place) = (self.formulas.nodes[node].kind, self.formulas.place(node));
             let (q, force) = (&q[place.clone()], &mut force[place]);
             match self.formulas.value(which, &known, p) {
                 Quantity::Number(own) => force[0] += own,
                 Quantity::Vector(own) if is_moment => kind.add_moment(q, own, force),
-                Quantity::Vector(own) => kind.add_force(q, Vector3::zeros(), own, force),
+                Quantity::Vector(own) => kind.add_force(q, self.formulas.point(node, p), own, force),
             }
         }
     }
@@ -179,7 +192,7 @@ impl Element for FormulaState {
         self.0.parameters()
     }
     fn residual<S: Scalar>(&self, s: State<S>, p: &[S], t: S, r: &mut [S]) {
-        let known = arguments(&self.0.nodes, [s.v, s.q], t);
+        let known = self.0.arguments([s.v, s.q], t, p);
         for (which, place) in self.0.place(self.0.nodes.len() - 1).enumerate() {
             r[place] += s.a[place] - self.0.number(which, &known, p);
         }
@@ -209,7 +222,7 @@ impl Constraint for FormulaJoint {
     }
     fn g<S: Scalar>(&self, q: &[S], p: &[S], t: S, g: &mut [S]) {
         let still = vec![S::zero(); q.len()];
-        let known = arguments(&self.0.nodes, [&still, q], t);
+        let known = self.0.arguments([&still, q], t, p);
         g.iter_mut().enumerate().for_each(|(which, own)| *own = self.0.number(which, &known, p));
     }
     fn breakpoints<S: Scalar>(&self, _p: &[S]) -> Vec<S> {
@@ -231,7 +244,7 @@ impl functionals::Quantity for FormulaQuantity {
         self.0.parameters()
     }
     fn value<S: Scalar>(&self, s: State<S>, _mu: &[S], p: &[S], t: S) -> S {
-        self.0.number(0, &arguments(&self.0.nodes, [s.v, s.q], t), p)
+        self.0.number(0, &self.0.arguments([s.v, s.q], t, p), p)
     }
 }
 
@@ -243,7 +256,7 @@ struct Reading<'f, S> {
     formulas: Formulas,
     /// Breakpoints are given, and be it none.
     tells_breakpoints: bool,
-    /// Parameters of the formulas.
+    /// Parameters of points and formulas.
     p: Vec<S>,
 }
 
@@ -253,27 +266,45 @@ impl<'f, S: Scalar> Reading<'f, S> {
             Some((_, Value::NamedNodes(given))) => given,
             _ => &[],
         };
-        let mut own = Self::without_nodes(known, fields);
-        for (name, at, place) in given {
+        let _names_of_formulas = fields.get("define");
+        let formulas = Formulas { nodes: Vec::new(), all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
+        let tells_breakpoints = fields.get("breakpoints").is_some();
+        let mut own = Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, tells_breakpoints, p: Vec::new() };
+        for NamedNode { name, at, place, point } in given {
             let [node] = known.nodes_at(*at, place, m)?[..] else {
                 return Err(Mistake::new(*at, "one node is wanted"));
             };
             let kind = m.model.find_node(node).map(|own| own.kind);
             own.add(name, node, kind.ok_or_else(|| Mistake::new(*at, "this is no node"))?, m);
+            if let Some(point) = point {
+                own.add_point(*at, point, m)?;
+            }
         }
         Ok(own)
-    }
-
-    fn without_nodes(known: &'f Known<'f, S>, fields: &'f Fields) -> Self {
-        let formulas = Formulas { nodes: Vec::new(), all: Vec::new(), breakpoints: fixed_list(fields, "breakpoints") };
-        let tells_breakpoints = fields.get("breakpoints").is_some();
-        Reading { known, names: Vec::new(), nodes: Vec::new(), formulas, tells_breakpoints, p: Vec::new() }
     }
 
     fn add(&mut self, name: &'f str, node: NodeId, kind: NodeKind, m: &Builder<S>) {
         self.names.push(name);
         self.nodes.push(node);
-        self.formulas.nodes.push(KnownNode { kind, is_state: m.model.states.contains(&node) });
+        self.formulas.nodes.push(KnownNode { kind, is_state: m.model.states.contains(&node), has_point: false });
+    }
+
+    /// Takes a point of the last node.
+    fn add_point(&mut self, at: usize, point: &Expression, m: &Builder<S>) -> Found<()> {
+        if point.uses_from(self.known.names.len()) {
+            return Err(Mistake::new(at, "a point is one of the start, which depends on the design alone"));
+        }
+        let (Some(node), Some(&id), Quantity::Vector(place)) =
+            (self.formulas.nodes.last_mut(), self.nodes.last(), point.value(&self.known.names))
+        else {
+            return Ok(());
+        };
+        if !node.kind.has_axes() {
+            return Err(Mistake::new(at, format!("this is {}, which has no points but itself", node.kind.words())));
+        }
+        node.has_point = true;
+        self.p.extend(m.local_point(id, place).components());
+        Ok(())
     }
 
     /// Takes a formula, which may depend on rates and on the time or not, and returns its number.
@@ -321,7 +352,7 @@ pub(super) fn element<S: Scalar>(known: &Known<S>, name: &str, fields: &Fields, 
             let Some(node) = reading.names.iter().position(|name| name == of) else {
                 return Err(Mistake::new(*at, format!("there is no \"{of}\" among the nodes")));
             };
-            let KnownNode { kind, is_state } = reading.formulas.nodes[node];
+            let KnownNode { kind, is_state, .. } = reading.formulas.nodes[node];
             if is_state {
                 return Err(Mistake::new(*at, format!("\"{of}\" is a state: its own section says how it changes")));
             }

@@ -1,14 +1,18 @@
 //! The grammar of formulas: sums of products of signed powers of components of operands.
 
 use super::expression::{
-    CONSTANTS, FUNCTIONS, Operation, Quantity, Scope, SyntaxError, constant, continues_name, starts_name,
+    CONSTANTS, FUNCTIONS, Operation, Quantity, SPLINE, Scope, SyntaxError, constant, continues_name, starts_name,
 };
 use crate::scenes::unknown;
+use std::ops::Range;
 
 const OPERATORS: &str = "formulas know + - * / ^ ( ), functions such as sqrt(x), and vectors [x, y, z]";
 
 /// How deep brackets, signs and exponents may lie in each other.
 const MOST_DEPTH: usize = 60;
+
+/// How many operations a formula may have with what its names stand for.
+const MOST_OPERATIONS: usize = 10_000;
 
 /// A formula as it is read from its start.
 pub(super) struct FormulaText<'r> {
@@ -230,12 +234,69 @@ impl<'r> FormulaText<'r> {
         Ok(Some(named.is_vector))
     }
 
+    /// One of the numbers of a design variable whose name was read: `thickness[3]`.
+    fn of_array(&mut self, at: usize, name: &str, places: &Range<usize>) -> Result<bool, SyntaxError> {
+        let inside = self.rest().strip_prefix('[').and_then(|rest| Some(rest.split_once(']')?.0));
+        let last = places.len() - 1;
+        let Some((inside, index)) = inside.and_then(|inside| Some((inside, inside.trim().parse::<usize>().ok()?))) else {
+            let text = format!(
+                "\"{name}\" has {} values, {name}[0] to {name}[{last}]; spline({name}, s) is one between them, s from 0 to 1",
+                places.len()
+            );
+            return Err((at, text));
+        };
+        if index > last {
+            return Err((at, format!("there is no {name}[{index}]: the last one is {name}[{last}]")));
+        }
+        self.at += inside.len() + 2;
+        self.operations.push(Operation::Name(places.start + index));
+        Ok(false)
+    }
+
+    /// `spline(NAME, s)`, its name read.
+    fn spline(&mut self) -> Result<bool, SyntaxError> {
+        self.expect('(')?;
+        self.skip_blanks();
+        let (at, rest) = (self.at, self.rest());
+        let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
+        let Some(places) = self.scope.array(name) else {
+            return Err((at, format!("{SPLINE} wants the name of a design variable with count, and \"{name}\" is none")));
+        };
+        self.at += name.len();
+        self.expect(',')?;
+        self.skip_blanks();
+        let (at, count) = (self.at, places.len());
+        self.operations.extend(places.map(Operation::Name));
+        if self.deeper(Self::sum)? {
+            return Err((at, format!("the place of {SPLINE} is a number, and this is a vector")));
+        }
+        self.expect(')')?;
+        self.operations.push(Operation::Spline(count));
+        Ok(false)
+    }
+
     fn name(&mut self) -> Result<bool, SyntaxError> {
         let (at, rest) = (self.at, self.rest());
         let name = &rest[..rest.find(|letter| !continues_name(letter)).unwrap_or(rest.len())];
         self.at += name.len();
         if let Some(of_node) = self.of_node(name)? {
             return Ok(of_node);
+        }
+        if name == SPLINE {
+            return self.spline();
+        }
+        if let Some(places) = self.scope.array(name) {
+            return self.of_array(at, name, &places);
+        }
+        if let Some(own) = self.scope.definition(name) {
+            self.operations.extend_from_slice(&own.operations);
+            return match self.operations.len() {
+                0..=MOST_OPERATIONS => Ok(own.is_vector),
+                _ => Err((
+                    at,
+                    format!("with what its names stand for the formula is longer than {MOST_OPERATIONS} operations"),
+                )),
+            };
         }
         if let Some((_, function, arguments, is_vector)) = FUNCTIONS.iter().find(|own| own.0 == name) {
             self.expect('(')?;
@@ -263,7 +324,7 @@ impl<'r> FormulaText<'r> {
             return Ok(false);
         }
         let Some((index, named)) = self.scope.find(name) else {
-            let known = self.scope.known().map(|own| own.name.clone());
+            let known = self.scope.known().map(|own| own.name.clone()).chain(self.scope.named_formulas());
             let known: Vec<String> = known.chain(CONSTANTS.map(|own| own.0.into())).collect();
             return Err((at, unknown("name", name, &known)));
         };

@@ -151,6 +151,28 @@ impl<S: Scalar> Known<'_, S> {
         list(fields, key).map(|given| self.scalar(key, given)).collect()
     }
 
+    /// The numbers of strips: where one formula uses [`SHARE_PLACE`], those at the middles of so many.
+    pub fn strips(&self, fields: &Fields, key: &str, count: usize) -> Found<Vec<S>> {
+        let uses_share = |(_, own): (usize, &Value)| matches!(own, Value::Formula(own, _) if own.uses(SHARE_PLACE));
+        let given: Vec<_> = list(fields, key).collect();
+        let [one] = given[..] else {
+            return match given.iter().copied().find(|own| uses_share(*own)) {
+                Some((at, _)) => Err(Mistake::new(at, "share is the place along all strips: give one formula of it")),
+                None => self.series(fields, key),
+            };
+        };
+        if !uses_share(one) {
+            return self.series(fields, key);
+        }
+        let at_middle = |strip: usize| {
+            self.share.set(S::from((strip as f64 + 0.5) / count as f64));
+            self.scalar(key, one)
+        };
+        let all = (0..count).map(at_middle).collect();
+        self.share.set(S::zero());
+        all
+    }
+
     pub fn numbers<const N: usize>(&self, fields: &Fields, key: &str) -> Found<[S; N]> {
         self.series(fields, key)?.try_into().or_else(|_| missing(fields, key))
     }

@@ -38,7 +38,7 @@ fn collect_items(value: &Value, items: &mut Vec<usize>) {
         Value::Item(item) | Value::Group(item, _) => items.push(*item),
         Value::Node(NodePlace { item: Some(item), .. }) => items.push(*item),
         Value::Fields(fields) => fields.values.iter().for_each(|(_, _, own)| collect_items(own, items)),
-        Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|(_, _, own)| own.item)),
+        Value::NamedNodes(nodes) => items.extend(nodes.iter().filter_map(|own| own.place.item)),
         Value::List(list) => list.iter().for_each(|(_, own)| collect_items(own, items)),
         _ => {}
     }

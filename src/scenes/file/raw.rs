@@ -78,7 +78,7 @@ impl Raw {
         }
     }
 
-    fn whole(&self) -> Option<i64> {
+    pub fn whole(&self) -> Option<i64> {
         match self.value {
             RawValue::Number { value, whole: true } => Some(value as i64),
             _ => None,
@@ -177,13 +177,23 @@ fn listed(raw: &Raw) -> Option<Vec<Step>> {
 ///
 /// In all its texts `{i}`, `{i+1}` and the like are replaced by their values.
 pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
-    let Some(loops) = entry.get("for") else { return Ok(vec![entry.clone()]) };
+    repeated(entry, &[])
+}
+
+/// The same within loops around it.
+fn repeated(entry: &Raw, around: &[Turn]) -> Result<Vec<Raw>, Mistake> {
+    let Some(loops) = entry.get("for") else {
+        return Ok(vec![if around.is_empty() { entry.clone() } else { replaced(entry, around)? }]);
+    };
     let named = loops.entries().filter(|named| !named.is_empty());
     let named = named.ok_or_else(|| Mistake::new(loops.at, format!("for must be a table of names; {FOR_WANTED}")))?;
-    let mut turns: Vec<Vec<Turn>> = vec![Vec::new()];
+    let mut turns: Vec<Vec<Turn>> = vec![around.to_vec()];
     for own in named {
         if let Some(meaning) = meaning(&own.key) {
             return Err(Mistake::new(own.at, format!("\"{}\" means {meaning}; take another name", own.key)));
+        }
+        if around.iter().any(|turn| turn.0 == own.key) {
+            return Err(Mistake::new(own.at, format!("for: {} is a name of the loop around this one", own.key)));
         }
         let steps = steps_of(own)?;
         if turns.len() * steps.len() > MOST_ENTRIES {
@@ -195,7 +205,14 @@ pub(super) fn repeated_entries(entry: &Raw) -> Result<Vec<Raw>, Mistake> {
         };
         turns = turns.iter().flat_map(longer).collect();
     }
-    turns.iter().map(|turn| replaced(entry, turn)).collect()
+    let once = without_for(entry);
+    turns.iter().map(|turn| replaced(&once, turn)).collect()
+}
+
+/// What is repeated.
+fn without_for(entry: &Raw) -> Raw {
+    let kept = entry.entries().unwrap_or_default().iter().filter(|own| own.key != "for").cloned();
+    Raw { at: entry.at, value: RawValue::Table(kept.collect()) }
 }
 
 /// The same for an entry with a key of its own, which is replaced, too.
@@ -203,7 +220,8 @@ pub(super) fn repeated_named(entry: &Entry) -> Result<Vec<Entry>, Mistake> {
     let Some(loops) = entry.value.entries().and_then(|own| own.iter().find(|own| own.key == "for")) else {
         return Ok(vec![entry.clone()]);
     };
-    let both = RawValue::Table(vec![loops.clone(), entry.clone()]);
+    let once = Entry { key: entry.key.clone(), at: entry.at, value: without_for(&entry.value) };
+    let both = RawValue::Table(vec![loops.clone(), once]);
     let all = repeated_entries(&Raw { at: entry.at, value: both })?;
     Ok(all
         .into_iter()
@@ -217,10 +235,12 @@ fn replaced(raw: &Raw, turn: &[Turn]) -> Result<Raw, Mistake> {
             let _ = place;
             RawValue::Text(replaced_text(text, turn).map_err(|what| Mistake::new(raw.at, what))?, None)
         }
-        RawValue::List(list) => RawValue::List(list.iter().map(|own| replaced(own, turn)).collect::<Result<_, _>>()?),
+        RawValue::List(list) => {
+            let all: Vec<Vec<Raw>> = list.iter().map(|own| repeated(own, turn)).collect::<Result<_, _>>()?;
+            RawValue::List(all.into_iter().flatten().collect())
+        }
         RawValue::Table(entries) => {
-            let kept = entries.iter().filter(|entry| entry.key != "for");
-            let own = kept.map(|entry| {
+            let own = entries.iter().map(|entry| {
                 let key = replaced_text(&entry.key, turn).map_err(|what| Mistake::new(entry.at, what))?;
                 Ok(Entry { key, at: entry.at, value: replaced(&entry.value, turn)? })
             });

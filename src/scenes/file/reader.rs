@@ -33,12 +33,20 @@ pub(super) enum Value {
     /// Numbers of a file.
     Columns(Columns),
     Weights(Vec<(String, f64)>),
-    /// Nodes by the names that formulas give them, with their places.
-    NamedNodes(Vec<(String, usize, NodePlace)>),
+    NamedNodes(Vec<NamedNode>),
     /// Formulas by names, with their places.
     Formulas(Vec<(String, usize, Expression)>),
     Fields(Fields),
     List(Vec<(usize, Value)>),
+}
+
+/// A node by the name that formulas give it, or a point of it in the world at the start, where one is given.
+#[derive(Clone, Debug)]
+pub(super) struct NamedNode {
+    pub name: String,
+    pub at: usize,
+    pub place: NodePlace,
+    pub point: Option<Expression>,
 }
 
 /// Where a node is to be found: `crank`, `beam.end`, `plate[2, 3]`, `tube.start[0]`.
@@ -103,8 +111,16 @@ pub(super) struct Item {
 pub(super) struct Variable {
     pub fields: Fields,
     pub name: String,
-    /// What it has a value for, if it is not one number.
-    pub each: Option<Each>,
+    pub extent: Extent,
+}
+
+/// How many numbers of the design a variable has.
+#[derive(Clone, Debug)]
+pub(super) enum Extent {
+    One,
+    Array(usize),
+    /// One for each face or node of a mesh.
+    OfMesh(Each),
 }
 
 /// A file that was read.
@@ -240,7 +256,7 @@ impl Reader {
         }
         let variables = variables
             .into_iter()
-            .map(|(index, name, each)| Variable { fields: items[index].fields.clone(), name, each })
+            .map(|(index, name, extent)| Variable { fields: items[index].fields.clone(), name, extent })
             .collect();
         let order = self.order(&items);
         Contents { top, variables, definitions, items, single, order, own: self.own.clone() }
@@ -255,7 +271,8 @@ impl Reader {
         };
         let before = (self.scope.clone(), self.mistakes.len());
         for own in nodes {
-            let place = self.node(&own.value, "", false);
+            let node = own.value.get("on").unwrap_or(&own.value);
+            let place = self.node(node, "", false);
             // of one that is not there, as of a body: that is told, and not what follows
             let item = place.and_then(|place| place.item);
             let section = item.map_or("body", |item| self.declared[item].section.name);
@@ -271,13 +288,32 @@ impl Reader {
         self.mistakes.truncate(before.1);
         for state in own {
             self.check_name(&state.key, state.at);
-            if self.scope.find(&state.key).is_some() {
+            if self.scope.knows(&state.key) {
                 self.wrong(state.at, format!("\"{}\" is a name of this file, too: take another one", state.key));
             }
             self.scope.add_variable(&state.key);
         }
         self.scope.add_variable(TIME);
+        self.take_definitions(raw);
         Some(before.0)
+    }
+
+    /// Adds the names that an entry gives to formulas of its nodes.
+    fn take_definitions(&mut self, raw: &Raw) {
+        let Some(given) = raw.get("define") else { return };
+        let Some(entries) = given.entries().filter(|entries| !entries.is_empty()) else {
+            let text = "define must be a table of names with formulas, as in { speed = \"norm(tip.velocity)\" }";
+            return self.wrong(given.at, format!("{text}; it is {}", given.words()));
+        };
+        for own in entries {
+            self.check_name(&own.key, own.at);
+            if self.scope.knows(&own.key) || self.scope.of_node(&own.key).next().is_some() {
+                self.wrong(own.at, format!("\"{}\" is a name here already: take another one", own.key));
+            }
+            if let Some(formula) = self.number_or_vector(&own.value, &format!("define: {}", own.key)) {
+                self.scope.add_definition(&own.key, formula);
+            }
+        }
     }
 
     /// Takes down the entries of a section with their names.
@@ -331,25 +367,37 @@ impl Reader {
     }
 
     /// Design variables: their places among the entries, and their names for users.
-    fn variables(&mut self) -> Vec<(usize, String, Option<Each>)> {
-        let mut list: Vec<(usize, String, Option<Each>)> = Vec::new();
+    fn variables(&mut self) -> Vec<(usize, String, Extent)> {
+        let mut list: Vec<(usize, String, Extent)> = Vec::new();
         for place in 0..self.declared.len() {
             let Declared { section, name, at, raw, .. } = &self.declared[place];
             if section.name != "variable" {
                 continue;
             }
-            let (own, at, raw_each) = (name.clone(), *at, raw.clone());
+            let (own, at, raw) = (name.clone(), *at, raw.clone());
             let shown = raw.get("name").and_then(|name| name.text()).unwrap_or(name).to_string();
             self.check_name(&own, at);
             if list.iter().any(|(_, other, _)| *other == shown) {
                 self.wrong(at, format!("two design variables are named \"{shown}\""));
             }
-            let each = self.each(&raw_each);
-            match &each {
-                Some(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
-                None => self.scope.add_variable(&own),
+            let count = raw.get("count");
+            let extent = match (self.each(&raw), count) {
+                (Some(_), Some(count)) => {
+                    self.wrong(count.at, "a design variable has count, or per_face, or per_node");
+                    Extent::One
+                }
+                (Some(each), _) => Extent::OfMesh(each),
+                // what is no such number is told where values are checked
+                (None, count) => {
+                    count.and_then(Raw::whole).and_then(|own| own.try_into().ok()).map_or(Extent::One, Extent::Array)
+                }
+            };
+            match &extent {
+                Extent::OfMesh(each) => self.scope.add_each(&own, each.mesh, &self.declared[each.mesh].name),
+                Extent::Array(count) => self.scope.add_array(&own, *count),
+                Extent::One => self.scope.add_variable(&own),
             }
-            list.push((place, shown, each));
+            list.push((place, shown, extent));
         }
         list
     }

@@ -39,6 +39,12 @@ pub(super) fn tables() -> Vec<(String, &'static Forms)> {
     found
 }
 
+/// Whether a table is one of a list, where one may stand for many.
+pub(super) fn is_listed(forms: &'static Forms) -> bool {
+    let all = SECTIONS.iter().flat_map(|section| all_keys(&section.forms));
+    all.filter_map(|key| if let Type::Tables(own) = key.takes { Some(own) } else { None }).any(|own| same(own, forms))
+}
+
 /// Whether two tables are one.
 pub(super) fn same(a: &'static Forms, b: &'static Forms) -> bool {
     let names = |forms: &'static Forms| all_keys(forms).map(|key| key.name).collect::<Vec<_>>();
@@ -50,6 +56,7 @@ fn table_name(key: &Key) -> String {
         Type::Function(..) => "a function of time".into(),
         Type::Law(..) | Type::Energy(..) => "a table of s".into(),
         Type::Over(..) => "an aggregate".into(),
+        Type::NamedNodes(_) => "a point of a node".into(),
         _ => key.name.into(),
     }
 }
@@ -61,6 +68,7 @@ fn table_of(takes: &Type) -> Option<&'static Forms> {
         | Type::Function(_, forms)
         | Type::Law(_, forms)
         | Type::Energy(_, forms)
+        | Type::NamedNodes(forms)
         | Type::Over(_, forms) => Some(*forms),
         _ => None,
     }
@@ -115,6 +123,8 @@ fn words(key: &Key) -> String {
         Type::Fixeds(count, unit) => with(&format!("{count} numbers"), unit, Range::Any),
         Type::Series(unit) => with("numbers or formulas", unit, Range::Any),
         Type::OneOrMore(unit, range) => with("one or more numbers or formulas", unit, range),
+        Type::FixedOrMore(unit) => with("number, or several", unit, Range::Any),
+        Type::Strips(unit, range) => with("one or more numbers or formulas", unit, range),
         Type::Points => "vectors \\[m\\]".into(),
         Type::Pairs(unit) => with("pairs of numbers or formulas", unit, Range::Any),
         Type::Count(least, most) if least == most => format!("{least}"),
@@ -139,7 +149,8 @@ fn words(key: &Key) -> String {
         Type::Table(_) => format!("table {}", table_name(key)),
         Type::Tables(_) => format!("list of tables {}", table_name(key)),
         Type::Function(unit, _) => with("number, formula or function of time", unit, Range::Any),
-        Type::NamedNodes => "table of names with nodes".into(),
+        Type::NamedNodes(_) => "table of names with nodes or points of them".into(),
+        Type::Definitions => "table of names with formulas of the nodes".into(),
         Type::OfNodes(unit) => with("formula of the nodes", unit, Range::Any),
         Type::SeriesOfNodes(unit) => with("formulas of the nodes", unit, Range::Any),
         Type::NamedFormulas(unit) => with("table of names with formulas", unit, Range::Any),

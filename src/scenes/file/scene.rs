@@ -4,7 +4,7 @@ use super::known::{Known, Made, fixed, fixed_list, flag, list, text, texts};
 use super::mistake::{Mistake, Source};
 use super::own_parts::OwnParts;
 use super::raw::Raw;
-use super::reader::{Contents, Fields, Item, Value, Variable, name_space, read};
+use super::reader::{Contents, Extent, Fields, Item, Value, Variable, name_space, read};
 use super::scenarios::take_scenarios;
 use crate::design::DesignVariable;
 use crate::integrators::{
@@ -226,13 +226,18 @@ fn other_format(text: &str) -> Option<&'static str> {
 impl Variable {
     /// Its numbers of the design: one, or one for each face or node.
     fn count(&self) -> usize {
-        self.each.as_ref().map_or(1, |each| each.numbers.len())
+        match &self.extent {
+            Extent::One => 1,
+            Extent::Array(count) => *count,
+            Extent::OfMesh(each) => each.numbers.len(),
+        }
     }
     /// What they are called.
     fn names(&self) -> Vec<String> {
-        match &self.each {
-            None => vec![self.name.clone()],
-            Some(each) => each.numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
+        match &self.extent {
+            Extent::One => vec![self.name.clone()],
+            Extent::Array(count) => (0..*count).map(|number| format!("{}[{number}]", self.name)).collect(),
+            Extent::OfMesh(each) => each.numbers.iter().map(|number| format!("{}[{number}]", self.name)).collect(),
         }
     }
 }
@@ -263,7 +268,7 @@ fn check_spans(contents: &Contents, end: f64, mistakes: &mut Vec<Mistake>) {
 fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVariable> {
     let mut variables = Vec::new();
     for own in &contents.variables {
-        let initial = fixed(&own.fields, "initial").unwrap_or(f64::NAN);
+        let mut initial = fixed_list(&own.fields, "initial");
         let bounds = fixed_list(&own.fields, "bounds");
         let &[lower, upper] = bounds.as_slice() else { continue };
         let at = |key: &str| own.fields.get(key).map_or(own.fields.at, |given| given.0);
@@ -272,13 +277,21 @@ fn variables(contents: &Contents, mistakes: &mut Vec<Mistake>) -> Vec<DesignVari
                 at("bounds"),
                 format!("the bounds of \"{}\" are {lower} and {upper}; give the smaller one first", own.name),
             ));
-        } else if !(lower..=upper).contains(&initial) {
+        } else if let Some(initial) = initial.iter().find(|own| !(lower..=upper).contains(*own)) {
             let text =
                 format!("initial of \"{}\" is {initial}; it must lie between its bounds {lower} and {upper}", own.name);
             mistakes.push(Mistake::new(at("initial"), text));
         }
+        if let &[one] = &initial[..] {
+            initial.resize(own.count(), one);
+        }
+        if initial.len() != own.count() {
+            let text = format!("\"{}\" has {} values, and these are {}", own.name, own.count(), initial.len());
+            mistakes.push(Mistake::new(at("initial"), text));
+        }
         let unit = kept(text(&own.fields, "unit").unwrap_or("-"));
-        variables.extend(own.names().into_iter().map(|name| DesignVariable::new(name, initial, (lower, upper), unit)));
+        let numbered = own.names().into_iter().zip(initial);
+        variables.extend(numbered.map(|(name, initial)| DesignVariable::new(name, initial, (lower, upper), unit)));
     }
     variables
 }
@@ -510,10 +523,11 @@ impl Scene for FileScene {
         for own in variables {
             let (values, others) = rest.split_at(own.count());
             rest = others;
-            if let Some(of) = &own.each {
+            if let Extent::OfMesh(of) = &own.extent {
                 each.push((names.len(), of, values.to_vec()));
             }
-            names.push(Quantity::Number(values[0]));
+            let named = if let Extent::Array(_) = own.extent { values } else { &values[..1] };
+            names.extend(named.iter().map(|&own| Quantity::Number(own)));
         }
         for (at, name, formula) in definitions {
             let value = formula.value(&names);

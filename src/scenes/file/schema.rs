@@ -1,6 +1,6 @@
 use super::own_parts::OwnParts;
 use super::reader::all_forms;
-use super::reference::{same, tables};
+use super::reference::{is_listed, same, tables};
 use super::scenarios::SCENARIO;
 use super::section::Shape;
 use super::sections::{DEFINE, FOR, SECTIONS, TOP};
@@ -49,7 +49,7 @@ pub fn schema(parts: &OwnParts) -> Value {
     let own = json!({"type": "object", "description": FOR.doc, "additionalProperties": values, "minProperties": 1});
     parts.insert("for".into(), own);
     for (name, forms) in tables() {
-        parts.insert(name, table(forms, false, &OwnParts::default()));
+        parts.insert(name, table(forms, is_listed(forms), &OwnParts::default()));
     }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -148,9 +148,13 @@ fn of_key(key: &Key) -> Value {
         }
         Type::Series(of) => {
             unit = of;
-            array(formula(Range::Any), 1, None)
+            json!({"anyOf": [text(), array(formula(Range::Any), 1, None)]})
         }
-        Type::OneOrMore(of, range) => {
+        Type::FixedOrMore(of) => {
+            unit = of;
+            json!({"anyOf": [number(Range::Any), {"type": "string"}, array(formula(Range::Any), 1, None)]})
+        }
+        Type::OneOrMore(of, range) | Type::Strips(of, range) => {
             unit = of;
             json!({"anyOf": [number(range), {"type": "string"}, array(formula(range), 1, None)]})
         }
@@ -169,7 +173,14 @@ fn of_key(key: &Key) -> Value {
             unit = of;
             array(formula(Range::Any), 1, None)
         }
-        Type::NamedNodes => json!({"type": "object", "additionalProperties": text(), "minProperties": 1}),
+        Type::NamedNodes(forms) => {
+            let node = json!({"anyOf": [text(), inner(forms)]});
+            json!({"type": "object", "additionalProperties": node, "minProperties": 1})
+        }
+        Type::Definitions => {
+            let own = json!({"anyOf": [formula(Range::Any), part("vector")]});
+            json!({"type": "object", "additionalProperties": own, "minProperties": 1})
+        }
         Type::OfNodes(of) => {
             unit = of;
             formula(Range::Any)

@@ -10,8 +10,9 @@ use crate::functionals::quantities::QUANTITIES;
 use crate::integrators::NewtonTolerance;
 use Range::{Any, AtLeastZero, Positive, Share};
 use Type::{
-    Choice, Choices, Count, Counts, Fixed, Fixeds, Flag, Function, Item, Items, Lists, Node, NodeSet, NodeSets, Number,
-    Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Table, Tables, Text, Texts, Vector, Weights,
+    Choice, Choices, Count, Counts, Fixed, FixedOrMore, Fixeds, Flag, Function, Item, Items, Lists, Node, NodeSet, NodeSets,
+    Number, Numbers, OfMesh, OneOrMore, Over, Pairs, Points, Selections, Series, Strips, Table, Tables, Text, Texts, Vector,
+    Weights,
 };
 
 /// The version of the format that this program reads.
@@ -187,7 +188,17 @@ const GROUP: Key = need(
     "names of beams, cables, shells, meshes, walls or groups, PLATE.GROUP of a mesh among them",
 );
 
-const NODES: Key = need("nodes", Type::NamedNodes, "nodes by the names that the formulas give them");
+const NAMED_NODES: Type = Type::NamedNodes(&POINT_OF_NODE);
+const POINT_OF_NODE: Forms = one_form![
+    need("on", Node, "node"),
+    need("point", Vector("m"), "point of the node, in the world at the start: place, velocity and force are those there"),
+];
+const NODES: Key = need("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them");
+const DEFINITIONS: Key = may(
+    "define",
+    Type::Definitions,
+    "names for formulas that the other formulas here use, later ones those before them; none",
+);
 const BREAKPOINTS: Key = may(
     "breakpoints",
     Fixeds(0, "s"),
@@ -198,6 +209,7 @@ const BREAKPOINTS: Key = may(
 const OTHER_JOINTS: Forms = forms!([]
 "formula" "formulas of the places of its nodes, and of the time, that are zero" [
     NODES,
+    DEFINITIONS,
     need("equations", Type::SeriesOfNodes("m, rad"), "what is zero, as in [\"norm(b.position - a.position) - 0.5\"]"),
     BREAKPOINTS,
 ]
@@ -221,6 +233,7 @@ const JOINT_FORMS: [Form; JOINTS.len() + OTHER_JOINTS.forms.len()] = forms_of(JO
 const MEASURED: Forms = forms!([]
             "formula" "a formula of its nodes and of the time" [
                 NODES,
+                DEFINITIONS,
                 need("value", Type::OfNodes("unit"), "the quantity, as in \"dot(tip.velocity, [0, 0, 1])\""),
                 may("unit", Text, "its unit, for tables and charts; -"),
             ]
@@ -294,9 +307,15 @@ pub(super) const SECTIONS: &[Section] = &[
         shape: Shape::Named,
         doc: "A design variable. NAME is how formulas call it.",
         forms: one_form![
-            need("initial", Fixed("unit", Any), "value of the initial design"),
+            need("initial", FixedOrMore("unit"), "value of the initial design; with count one for all, or as many"),
             need("bounds", Fixeds(2, "unit"), "least and largest value"),
             may("unit", Text, "unit, for tables and charts; -"),
+            may(
+                "count",
+                Count(2, 10_000),
+                "how many there are: NAME[0], NAME[1] and so on are numbers in formulas, spline(NAME, s) is a value between them, and where a \
+                 list of numbers is wanted NAME stands for all; one"
+            ),
             may(
                 "per_face",
                 Text,
@@ -452,8 +471,9 @@ pub(super) const SECTIONS: &[Section] = &[
             NAME,
             ELEMENTS,
             may("material", Item(&["material"]), "name of a material; needed but with laminate"),
-            may("thickness", OneOrMore("m", Positive),
-                "thickness, or those of strips of equal width across the first direction; needed with material"),
+            may("thickness", Strips("m", Positive),
+                "thickness, or those of strips of equal width across the first direction, or a formula of the share of that direction, from 0 to 1, \
+                 which is taken at the middle of each element; needed with material"),
             may("laminate", Item(&["laminate"]), "name of a laminate"),
             may("direction", Vector("-"), "of laminates: axis 1, projected on the surface; needed with laminate"),
             may("damping", Number("s", AtLeastZero), "damping proportional to stiffness; none"),
@@ -595,7 +615,8 @@ pub(super) const SECTIONS: &[Section] = &[
             NAME,
             need("initial", Type::NamedFormulas("-"), "values at the start by their names"),
             need("rate", Type::NamedFormulas("1/s"), "rates of all of them by the same names"),
-            may("nodes", Type::NamedNodes, "nodes by the names that the formulas give them; none"),
+            may("nodes", NAMED_NODES, "nodes, or points of them, by the names that the formulas give them; none"),
+            DEFINITIONS,
             BREAKPOINTS,
         ],
     },
@@ -673,6 +694,7 @@ pub(super) const SECTIONS: &[Section] = &[
         forms: one_form![
             NAME,
             NODES,
+            DEFINITIONS,
             may("kinetic", Type::OfNodes("J"), "kinetic energy, of places and rates; none"),
             may("potential", Type::OfNodes("J"), "potential energy, of places; none"),
             may(

@@ -1,8 +1,8 @@
 //! Values by what their keys take.
 
 use super::expression::{Expression, OF_LAW, Quantity, TIME, names_in};
-use super::raw::{Entry, Raw, RawValue};
-use super::reader::{Reader, Value};
+use super::raw::{Entry, Raw, RawValue, repeated_entries};
+use super::reader::{NamedNode, Reader, Value};
 use crate::elements::entries::{Forms, Key, Range, Type};
 use crate::scenes::unknown;
 
@@ -39,6 +39,7 @@ impl Reader {
                     }
                 }
             }
+            _ if self.array(raw, takes).is_some() => self.array(raw, takes),
             Type::Series(_) => match list().filter(|list| !list.is_empty()) {
                 Some(list) => self.numbers(list, &what, Range::Any).map(|own| self.with_known(own)),
                 None => {
@@ -46,6 +47,19 @@ impl Reader {
                     None
                 }
             },
+            Type::Strips(unit, range) => {
+                let of_section = std::mem::replace(&mut self.scope.of_section, true);
+                let own = self.value(raw, key, &Type::OneOrMore(unit, range), owner);
+                self.scope.of_section = of_section;
+                own
+            }
+            Type::FixedOrMore(_) => {
+                let one = [raw.clone()];
+                let own: Vec<_> =
+                    list().unwrap_or(&one).iter().map(|raw| (raw.at, self.fixed(raw, &what, Range::Any))).collect();
+                let value = |(at, value): (usize, Option<f64>)| Some((at, Value::Fixed(value?)));
+                own.into_iter().map(value).collect::<Option<_>>().map(Value::List)
+            }
             Type::OneOrMore(_, range) => match list() {
                 Some([]) => {
                     self.not(raw, key, owner, "a number or a list of numbers");
@@ -246,9 +260,17 @@ impl Reader {
             },
             Type::Table(forms) => Some(Value::Fields(self.fields(raw, forms, &what))),
             Type::Tables(forms) => match list() {
-                Some(list) => Some(Value::List(
-                    list.iter().map(|own| (own.at, Value::Fields(self.fields(own, forms, &what)))).collect(),
-                )),
+                Some(list) => {
+                    let mut all = Vec::new();
+                    for own in list {
+                        match repeated_entries(own) {
+                            Ok(own) => all.extend(own),
+                            Err(mistake) => self.mistakes.push(mistake),
+                        }
+                    }
+                    let fields = |own: &Raw| (own.at, Value::Fields(self.fields(own, forms, &what)));
+                    Some(Value::List(all.iter().map(fields).collect()))
+                }
                 None => {
                     self.not(raw, key, owner, "a list of tables");
                     None
@@ -267,16 +289,17 @@ impl Reader {
                     None
                 }
             },
-            Type::NamedNodes => match raw.entries().filter(|entries| !entries.is_empty()) {
+            // read with the names that formulas of the entry know
+            Type::Definitions => Some(Value::List(Vec::new())),
+            Type::NamedNodes(forms) => match raw.entries().filter(|entries| !entries.is_empty()) {
                 Some(entries) => {
                     entries.iter().for_each(|own| self.check_name(&own.key, own.at));
-                    let hidden = entries.iter().find(|own| self.scope.find(&own.key).is_some());
+                    let hidden = entries.iter().find(|own| self.scope.knows(&own.key));
                     if let Some(own) = hidden {
                         let text = format!("{what}: \"{}\" is a name of this file, too: take another one", own.key);
                         self.wrong(own.at, text);
                     }
-                    let node = |own: &Entry| Some((own.key.clone(), own.at, self.node(&own.value, &what, false)?));
-                    let nodes: Vec<_> = entries.iter().map(node).collect();
+                    let nodes: Vec<_> = entries.iter().map(|own| self.named_node(own, &what, forms)).collect();
                     nodes.into_iter().collect::<Option<_>>().map(Value::NamedNodes)
                 }
                 None => {
@@ -291,13 +314,7 @@ impl Reader {
             },
             Type::NamedFormulas(_) => match raw.entries().filter(|entries| !entries.is_empty()) {
                 Some(entries) => {
-                    let formula = |own: &Entry| {
-                        let formula = match own.value.value {
-                            RawValue::List(_) => self.vector(&own.value, &what),
-                            _ => self.formula(&own.value, &what, None),
-                        };
-                        Some((own.key.clone(), own.at, formula?))
-                    };
+                    let formula = |own: &Entry| Some((own.key.clone(), own.at, self.number_or_vector(&own.value, &what)?));
                     let formulas: Vec<_> = entries.iter().map(formula).collect();
                     formulas.into_iter().collect::<Option<_>>().map(Value::Formulas)
                 }
@@ -315,6 +332,40 @@ impl Reader {
                 RawValue::Table(_) => Some(Value::Fields(self.fields(raw, forms, &what))),
                 _ => self.choice(raw, &what, words).map(|word| Value::Text(word.into())),
             },
+        }
+    }
+
+    /// All numbers of a design variable that has several, where a list is wanted and its name stands.
+    fn array(&self, raw: &Raw, takes: &Type) -> Option<Value> {
+        let range = match *takes {
+            Type::Series(_) => Range::Any,
+            Type::OneOrMore(_, range) => range,
+            _ => return None,
+        };
+        let places = self.scope.array(raw.text()?.trim())?;
+        Some(Value::List(places.map(|place| (raw.at, Value::Formula(Expression::name(place), range))).collect()))
+    }
+
+    /// A node by the name that formulas give it, or a point of one.
+    fn named_node(&mut self, own: &Entry, what: &str, forms: &'static Forms) -> Option<NamedNode> {
+        let (name, at) = (own.key.clone(), own.at);
+        if own.value.entries().is_none() {
+            return Some(NamedNode { name, at, place: self.node(&own.value, what, false)?, point: None });
+        }
+        let fields = self.fields(&own.value, forms, &format!("{what}, {name}"));
+        match (fields.get("on"), fields.get("point")) {
+            (Some((_, Value::Node(place))), Some((_, Value::Formula(point, _)))) => {
+                Some(NamedNode { name, at, place: place.clone(), point: Some(point.clone()) })
+            }
+            _ => None,
+        }
+    }
+
+    /// A formula of a number or of a vector, which may be a list of three.
+    pub(super) fn number_or_vector(&mut self, raw: &Raw, what: &str) -> Option<Expression> {
+        match raw.value {
+            RawValue::List(_) => self.vector(raw, what),
+            _ => self.formula(raw, what, None),
         }
     }
 
