@@ -1,4 +1,5 @@
 use super::CommandLine;
+use super::comparison::Comparison;
 use super::console::{json_number, say, say_json, warn};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
@@ -113,13 +114,20 @@ pub fn run(options: &GradientOptions, program: &CommandLine) -> Result<(), Failu
     let scenarios = options.scene.scenarios(&*scene)?;
     let count = scenarios.len();
     check_one_history(&options.history, count)?;
+    let mut comparison = Comparison::default();
     scenarios.into_iter().try_for_each(|Scenario { name, scene }| {
-        run_one(&GradientOptions { scene: options.scene.of_scenario(&name, count), ..options.clone() }, scene)
-    })
+        let own = GradientOptions { scene: options.scene.of_scenario(&name, count), ..options.clone() };
+        run_one(&own, scene, |prepared, simulation| comparison.add(&name, prepared, simulation))
+    })?;
+    comparison.conclude(&*scene, &options.scene)
 }
 
-/// The gradient of a scene or a scenario.
-fn run_one(options: &GradientOptions, scene: &dyn AnyScene) -> Result<(), Failure> {
+/// The gradient of a scene or a scenario; shows what the simulation gave.
+fn run_one(
+    options: &GradientOptions,
+    scene: &dyn AnyScene,
+    show: impl FnOnce(&Prepared, &Simulation),
+) -> Result<(), Failure> {
     let mut prepared = options.scene.prepare(scene)?;
     prepared.method = options.scene.differentiable(prepared.method)?;
     prepared.keep = resumed(options.history.clone(), options.resume)?;
@@ -135,6 +143,7 @@ fn run_one(options: &GradientOptions, scene: &dyn AnyScene) -> Result<(), Failur
         return simulation.stopped.map_or(Ok(()), Err);
     }
     let (analysis, x, forward) = (prepared.analysis(), &prepared.x, &simulation.forward);
+    show(&prepared, &simulation);
     // what is there is said before what may fail
     simulation.say_functionals(&prepared);
     simulation.say_resolution(&prepared);

@@ -34,6 +34,7 @@
 
 mod check;
 mod columns;
+mod comparison;
 mod console;
 mod earlier;
 mod examples;

@@ -1,4 +1,5 @@
 use super::CommandLine;
+use super::comparison::Comparison;
 use super::console::{say, say_json};
 use super::failure::Failure;
 use super::histories::{check_history, check_one_history, keep, resumed};
@@ -31,13 +32,22 @@ pub fn run(options: &RunOptions, program: &CommandLine) -> Result<(), Failure> {
     let scenarios = options.scenarios(&*scene)?;
     check_one_history(&keep, scenarios.len())?;
     let count = scenarios.len();
-    scenarios
-        .into_iter()
-        .try_for_each(|Scenario { name, scene }| run_one(&options.of_scenario(&name, count), scene, keep.clone()))
+    let mut comparison = Comparison::default();
+    scenarios.into_iter().try_for_each(|Scenario { name, scene }| {
+        run_one(&options.of_scenario(&name, count), scene, keep.clone(), |prepared, simulation| {
+            comparison.add(&name, prepared, simulation)
+        })
+    })?;
+    comparison.conclude(&*scene, options)
 }
 
-/// Simulates a scene or a scenario, writes, prints.
-fn run_one(options: &SceneOptions, scene: &dyn AnyScene, keep: Keep) -> Result<(), Failure> {
+/// Simulates a scene or a scenario, writes, prints, and shows what it gave.
+fn run_one(
+    options: &SceneOptions,
+    scene: &dyn AnyScene,
+    keep: Keep,
+    show: impl FnOnce(&Prepared, &Simulation),
+) -> Result<(), Failure> {
     check_history(&keep, &options.folder(scene))?;
     let mut prepared = options.prepare(scene)?;
     prepared.keep = keep;
@@ -49,6 +59,7 @@ fn run_one(options: &SceneOptions, scene: &dyn AnyScene, keep: Keep) -> Result<(
     });
     simulation.conclude(page, simulation.json(&prepared).into());
     report(&simulation, &prepared);
+    show(&prepared, &simulation);
     say_json(options.json, &simulation.json(&prepared).into());
     simulation.stopped.or(simulation.unwritten).map_or(Ok(()), Err)
 }
