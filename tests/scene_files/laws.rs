@@ -112,18 +112,47 @@ fn what_is_wrong_with_a_law_is_told() {
     assert!(told.contains("s is what it depends on, and a name of this file, too"), "{told}");
 }
 
+/// The monotone cubics of Steffen (1990) through points: a value between them.
+fn monotone(points: &[(f64, f64)], t: f64) -> f64 {
+    let piece = points.partition_point(|point| point.0 <= t).clamp(1, points.len() - 1) - 1;
+    let secant = |k: usize| (points[k + 1].1 - points[k].1) / (points[k + 1].0 - points[k].0);
+    // all pieces are of one length
+    let slope = |k: usize| match k {
+        // level at both ends
+        0 => 0.0,
+        k if k + 1 == points.len() => {
+            let (near, far) = (secant(k - 1), secant(k - 2));
+            let slope = near * 1.5 - far * 0.5;
+            if slope * near <= 0.0 { 0.0 } else { near.signum() * slope.abs().min(2.0 * near.abs()) }
+        }
+        k => {
+            let (before, after) = (secant(k - 1), secant(k));
+            if before * after <= 0.0 {
+                0.0
+            } else {
+                2.0 * before.signum() * before.abs().min(after.abs()).min((before + after).abs() / 4.0)
+            }
+        }
+    };
+    let ((start, y), (end, next)) = (points[piece], points[piece + 1]);
+    let (h, s) = (end - start, (t - start) / (end - start));
+    let bend = h * s * (1.0 - s) * ((1.0 - s) * slope(piece) - s * slope(piece + 1));
+    y + s * s * (3.0 - 2.0 * s) * (next - y) + bend
+}
+
 /// Where the body of the quarter of a car among the example scenes ends.
 fn height_of_the_car() -> f64 {
     let (rate, force, knee, stop, tyre) = (2.2e4, 900.0, 0.3, 2e5, 1.9e5);
     let (body, wheel, room, g) = (300.0, 40.0, 0.08, 9.81);
     let sag = (body + wheel) * g / tyre;
+    let file = include_str!("../../examples/scenes/road.csv");
+    let numbers = |line: &str| line.split_once(',').map(|(t, z)| (t.parse().unwrap(), z.parse().unwrap()));
+    let road: Vec<(f64, f64)> = file.lines().skip(2).filter_map(numbers).collect();
     let accelerations = |t: f64, [z, top, v, top_v]: [f64; 4]| {
         let (s, rate_s) = (top - z - 0.5, top_v - v);
         let spring = rate * s - g * body + stop * ((s - room).max(0.0) - (-room - s).max(0.0));
         let pull = spring + force * (rate_s / knee).tanh();
-        let away = t - 0.125;
-        let bump = if away.abs() < 0.125 { 0.12 * (4.0 * std::f64::consts::PI * away).cos().powi(2) } else { 0.0 };
-        [(pull + tyre * (0.3 - z + bump).max(0.0)) / wheel - g, -pull / body - g]
+        [(pull + tyre * (0.3 - z + monotone(&road, t)).max(0.0)) / wheel - g, -pull / body - g]
     };
     let slope = |t: f64, y: [f64; 4]| {
         let [a, top_a] = accelerations(t, y);

@@ -1,9 +1,11 @@
 //! Scenes from files: those of `examples/scenes` against their twins in Rust, wrong files, and files changed at random.
 
+mod arrays;
 mod coverage;
 mod equilibrium_start;
 mod formula_parts;
 mod laws;
+mod mechanisms;
 mod meshes;
 mod mutations;
 mod own_parts;
@@ -12,6 +14,7 @@ mod scenarios;
 mod signals;
 mod states;
 mod tables;
+mod twins;
 mod wrong_files;
 mod wrong_meshes;
 
