@@ -36,6 +36,8 @@ mod robustness;
 mod rounding;
 #[path = "shell-benchmarks/study.rs"]
 mod shell_benchmarks;
+#[path = "signals/study.rs"]
+mod signals;
 #[path = "stability/study.rs"]
 mod stability;
 #[path = "suspension/study.rs"]
@@ -75,6 +77,7 @@ pub fn all() -> Vec<Box<dyn Study>> {
         Box::new(beam_benchmarks::BeamBenchmarks),
         Box::new(shell_benchmarks::ShellBenchmarks),
         Box::new(functionals::Functionals),
+        Box::new(signals::Signals),
         Box::new(four_bar::FourBar),
         Box::new(element_cost::ElementCost),
         Box::new(linear_solvers::LinearSolvers),
