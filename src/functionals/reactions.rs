@@ -13,7 +13,7 @@
 
 use crate::assembly::Model;
 use crate::elements::{NodeKind, RunScalar};
-use crate::linalg::{Backend, Factorization, Singular, SparsePattern};
+use crate::linalg::{Backend, Factorization, SparsePattern};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
 use std::cell::RefCell;
 use std::ops::Range;
@@ -48,17 +48,42 @@ thread_local! {
     static ANALYSED: RefCell<Vec<(Arc<SparsePattern>, Factorization)>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Solves a sparse system with derivative parts, by the factors of its values; not a number where it is singular.
-fn solve<S: RunScalar>(entries: &[(usize, usize, S)], rhs: &[S]) -> Vec<S> {
-    let size = rhs.len();
+/// Solves a sparse system for some right-hand sides with derivative parts, by the factors of its values; not a number where it is singular.
+fn solve<S: RunScalar>(size: usize, entries: &[(usize, usize, S)], right: &[Vec<S>]) -> Vec<Vec<S>> {
     let pattern = SparsePattern::from_entries(size, entries.iter().map(|&(row, column, _)| (column, row)).collect());
     let mut values = vec![0.0; pattern.rows.len()];
     for &(row, column, value) in entries {
         values[pattern.position(row, column).expect("an entry of the pattern")] = value.value();
     }
-    let factors = analysed(pattern).and_then(|mut factors| factors.factor(&values).map(|()| factors));
-    let Ok(mut factors) = factors else { return vec![S::from(f64::NAN); size] };
-    let (mut x, mut own) = (vec![S::zero(); size], vec![0.0; size]);
+    let singular = || right.iter().map(|_| vec![S::from(f64::NAN); size]).collect();
+    // taken out: while it works this thread may come by again
+    let known = ANALYSED.with_borrow_mut(|all| {
+        let place = all.iter().position(|(known, _)| **known == pattern)?;
+        Some(all.remove(place))
+    });
+    let (pattern, mut factors) = match known {
+        Some(known) => known,
+        None => {
+            let pattern = Arc::new(pattern);
+            let Ok(factors) = Factorization::new(&pattern, Backend::Automatic) else { return singular() };
+            (pattern, factors)
+        }
+    };
+    factors.start_afresh(false);
+    let solved = match factors.factor(&values) {
+        Ok(()) => right.iter().map(|rhs| corrected(&mut factors, entries, rhs)).collect(),
+        Err(_) => singular(),
+    };
+    ANALYSED.with_borrow_mut(|all| {
+        all.insert(0, (pattern, factors));
+        all.truncate(PATTERNS);
+    });
+    solved
+}
+
+/// The solution of one right-hand side, corrected from zero.
+fn corrected<S: RunScalar>(factors: &mut Factorization, entries: &[(usize, usize, S)], rhs: &[S]) -> Vec<S> {
+    let (mut x, mut own) = (vec![S::zero(); rhs.len()], vec![0.0; rhs.len()]);
     for _ in 0..CORRECTIONS {
         let mut left = rhs.to_vec();
         entries.iter().for_each(|&(row, column, value)| left[row] -= value * x[column]);
@@ -72,21 +97,6 @@ fn solve<S: RunScalar>(entries: &[(usize, usize, S)], rhs: &[S]) -> Vec<S> {
         }
     }
     x
-}
-
-/// A factorization of a pattern that has factored nothing yet.
-fn analysed(pattern: SparsePattern) -> Result<Factorization, Singular> {
-    ANALYSED.with_borrow_mut(|analysed| {
-        if let Some(place) = analysed.iter().position(|(known, _)| **known == pattern) {
-            analysed[..=place].rotate_right(1);
-        } else {
-            let pattern = Arc::new(pattern);
-            let factors = Factorization::new(&pattern, Backend::Automatic)?;
-            analysed.insert(0, (pattern, factors));
-            analysed.truncate(PATTERNS);
-        }
-        analysed[0].1.another()
-    })
 }
 
 /// Columns of the generalized forces on the moving nodes: force and moment of a body, the coordinates of others.
@@ -232,8 +242,8 @@ impl<S: RunScalar> Sharing<S> {
         mu.iter().zip(&self.are_moments).map(|(&mu, is_moment)| if *is_moment { mu * factor } else { mu }).collect()
     }
 
-    /// Solves mu - A y = `first`, s - A^T mu = 0, y - K^T w = 0, -K s = `last`.
-    fn shares(&self, first: Option<&[S]>, last: Option<&[S]>) -> Shares<S> {
+    /// Solves mu - A y = g, s - A^T mu = 0, y - K^T w = 0, -K s = h for each (g, h).
+    fn shares<const N: usize>(&self, right: [[Vec<S>; 2]; N]) -> [Shares<S>; N] {
         let (equations, columns, kept) = (self.rows.len(), self.columns.count, self.kept.len());
         let (along, force, weight) = (equations, equations + columns, equations + 2 * columns);
         let mut entries: Entries<S> = (0..weight).map(|unknown| (unknown, unknown, S::one())).collect();
@@ -249,26 +259,31 @@ impl<S: RunScalar> Sharing<S> {
                 entries.push((weight + number, force + column, -x));
             }
         }
-        let mut rhs = vec![S::zero(); weight + kept];
-        first.into_iter().for_each(|first| rhs[..equations].copy_from_slice(first));
-        last.into_iter().for_each(|last| rhs[weight..].copy_from_slice(last));
-        let solved = solve(&entries, &rhs);
-        let mut weights = vec![S::zero(); equations];
-        self.kept.iter().zip(&solved[weight..]).for_each(|(&equation, &own)| weights[equation] = own);
-        Shares { mu: solved[..equations].to_vec(), along: solved[along..force].to_vec(), weights }
+        let zero = vec![S::zero(); 2 * columns];
+        let right = right.map(|[g, h]| [&g[..], &zero, &h].concat());
+        let solved = solve(weight + kept, &entries, &right);
+        std::array::from_fn(|number| {
+            let (solved, mut weights) = (&solved[number], vec![S::zero(); equations]);
+            self.kept.iter().zip(&solved[weight..]).for_each(|(&equation, &own)| weights[equation] = own);
+            Shares { mu: solved[..equations].to_vec(), along: solved[along..force].to_vec(), weights }
+        })
     }
 
-    /// mu* and A^+ mu*, both as forces.
-    fn least(&self, mu: &[S]) -> Shares<S> {
+    /// Right-hand sides of mu* and A^+ mu*, both as forces.
+    fn of_least(&self, mu: &[S]) -> [Vec<S>; 2] {
         let force = combination(&self.rows, mu, self.columns.count);
-        let last: Vec<S> = self.kept.iter().map(|&row| -product(&self.rows[row], &force)).collect();
-        self.shares(None, Some(&last))
+        [vec![S::zero(); self.rows.len()], self.kept.iter().map(|&row| -product(&self.rows[row], &force)).collect()]
     }
 
-    /// A^+ b.
-    fn pseudoinverse_times(&self, b: &[S]) -> Shares<S> {
-        let first: Vec<S> = b.iter().map(|&b| -b).collect();
-        self.shares(Some(&first), None)
+    /// Those of A^+ b.
+    fn of_pseudoinverse(&self, b: &[S]) -> [Vec<S>; 2] {
+        [b.iter().map(|&b| -b).collect(), vec![S::zero(); self.kept.len()]]
+    }
+
+    /// mu*, as forces.
+    fn least(&self, mu: &[S]) -> Vec<S> {
+        let [Shares { mu, .. }] = self.shares([self.of_least(mu)]);
+        mu
     }
 
     /// Forces in the model's units whose product with a row without measures is that of measured ones: moments by L.
@@ -286,12 +301,10 @@ impl<S: RunScalar> Sharing<S> {
         -rows.map(|((row, &alpha), _)| alpha * product(row, &of_moments)).sum::<S>() / self.length.value
     }
 
-    /// What of A^T alpha is not in the span of the kept rows: zero on the constraints, where the dropped rows depend on them. With
-    /// e + K^T w = A^T alpha, K e = 0.
-    fn outside(&self, alpha: &[S]) -> Vec<S> {
+    /// What of A^T alpha is not in the span of the kept rows, for each alpha: zero on the constraints, where the dropped rows depend on them.
+    /// With e + K^T w = A^T alpha, K e = 0.
+    fn outside(&self, all: &[&[S]]) -> Vec<Vec<S>> {
         let count = self.columns.count;
-        let mut rhs = combination(&self.rows, alpha, count);
-        rhs.resize(count + self.kept.len(), S::zero());
         let mut entries: Entries<S> = (0..count).map(|column| (column, column, S::one())).collect();
         for (number, &equation) in self.kept.iter().enumerate() {
             for &(column, x) in &self.rows[equation] {
@@ -299,16 +312,17 @@ impl<S: RunScalar> Sharing<S> {
                 entries.push((count + number, column, x));
             }
         }
-        let mut solved = solve(&entries, &rhs);
-        solved.truncate(count);
-        solved
+        let zero = vec![S::zero(); self.kept.len()];
+        let right: Vec<Vec<S>> =
+            all.iter().map(|alpha| [combination(&self.rows, alpha, count), zero.clone()].concat()).collect();
+        solve(count + self.kept.len(), &entries, &right)
     }
 }
 
 /// The multipliers of least norm with the same forces as `mu`, which are zero for `dropped` equations.
 pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S], q: &[S], mu: &[S], t: S) -> Vec<S> {
     let sharing = Sharing::new(model, dropped, p, q, t);
-    sharing.measured(&sharing.least(&sharing.measured(mu, -1)).mu, 1)
+    sharing.measured(&sharing.least(&sharing.measured(mu, -1)), 1)
 }
 
 /// Share of a multiplier without forces below which it is round-off.
@@ -320,7 +334,7 @@ pub(crate) fn multipliers_without_forces(model: &Model, dropped: &[usize], p: &[
     let sharing = Sharing::new(model, dropped, p, q, t);
     // numbers without a relation to each other: multiples of the golden section
     let any: Vec<f64> = (1..=model.equations).map(|k| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract()).collect();
-    let least = sharing.least(&any).mu;
+    let least = sharing.least(&any);
     let open = |(any, least): (&f64, &f64)| if (any - least).abs() < DETERMINED { 0.0 } else { any - least };
     sharing.measured(&any.iter().zip(&least).map(open).collect::<Vec<_>>(), 1)
 }
@@ -351,21 +365,22 @@ pub(super) fn add_least_multipliers_transposed(
 ) {
     let sharing = Sharing::new(model, dropped, p, q, t);
     let mu = &sharing.measured(mu, -1)[..];
-    let Shares { mu: least, along: zeta, weights: theta } = sharing.least(mu);
     // mu* = L times its measure, and so is its adjoint's measure
     let least_bar = &sharing.measured(least_bar, 1)[..];
     let moments = |one: &[f64], other: &[f64]| -> f64 {
         let pairs = one.iter().zip(other).zip(&sharing.are_moments);
         pairs.map(|((a, b), is_moment)| if *is_moment { a * b } else { 0.0 }).sum()
     };
-    let Shares { along: eta, weights: kappa, .. } = sharing.pseudoinverse_times(least_bar);
+    let [of_least, of_bar] = sharing.shares([sharing.of_least(mu), sharing.of_pseudoinverse(least_bar)]);
+    let Shares { mu: least, along: zeta, weights: theta } = of_least;
+    let Shares { along: eta, weights: kappa, .. } = of_bar;
     let moved: Vec<f64> = sharing.rows.iter().map(|row| product(row, &eta)).collect();
     let first: Vec<f64> = mu.iter().zip(&least).map(|(mu, least)| mu - least).collect();
     let second: Vec<f64> = least_bar.iter().zip(&moved).map(|(bar, moved)| bar - moved).collect();
     bars.mu.iter_mut().zip(sharing.measured(&moved, -1)).for_each(|(bar, moved)| *bar += moved);
     let mut length_bar = (moments(least_bar, &least) - moments(&moved, mu)) / sharing.length.value;
-    let [first_outside, second_outside] = [&first, &second].map(|alpha| sharing.outside(alpha));
-    let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &first_outside), (&theta, &second_outside)];
+    let outside = sharing.outside(&[&first, &second]);
+    let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &outside[0]), (&theta, &outside[1])];
     for (alpha, beta) in pairs {
         length_bar += sharing.length_gradient(alpha, beta);
         let (alpha, beta) = (sharing.measured(alpha, 1), sharing.unmeasured_columns(beta));
@@ -442,12 +457,12 @@ mod tests {
                 kept: (0..count).map(|tie| 2 * tie).collect(),
             };
             let mu: Vec<f64> = (0..2 * count).map(|row| if row % 2 == 0 { (row as f64).sin() } else { 0.0 }).collect();
-            let Shares { mu: least, along, weights } = sharing.least(&mu);
+            let [Shares { mu: least, along, weights }] = sharing.shares([sharing.of_least(&mu)]);
             for (equation, least) in least.iter().enumerate() {
                 assert!((least - 0.5 * mu[equation / 2 * 2]).abs() < 1e-12, "equation {equation} of {count}");
             }
             // A^+ mu*, in both of its forms
-            let again = sharing.pseudoinverse_times(&least);
+            let [again] = sharing.shares([sharing.of_pseudoinverse(&least)]);
             let of_weights = combination(&sharing.rows, &weights, count);
             for ((own, other), third) in along.iter().zip(&again.along).zip(&of_weights) {
                 let size = count as f64;

@@ -4,7 +4,7 @@
 //! coordinates are then known, and what is left of its coordinates goes to the rows that are left. A row of which next to nothing is left
 //! depends on those before it; one of which little is left waits for a later front, so that R stays well conditioned.
 //!
-//! Source: Davis, ACM Trans. Math. Softw. 38 (2011), "Algorithm 915, SuiteSparseQR", section 2.3, for rows that depend on others; ibid. for fronts.
+//! Source: Davis, ACM Trans. Math. Softw. 38 (2011), "Algorithm 915, SuiteSparseQR", with rows that depend on others as by Heath (1982).
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
