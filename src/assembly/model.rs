@@ -241,10 +241,15 @@ impl Model {
         })
     }
 
+    /// The joint of a constraint equation.
+    pub(crate) fn joint_of(&self, equation: usize) -> Option<&Attached<ConstraintPhysics>> {
+        let joint = self.constraints.get(self.constraints.partition_point(|joint| joint.equations.end <= equation));
+        joint.filter(|joint| joint.equations.contains(&equation))
+    }
+
     /// Name of a constraint equation: joint and number, counted from 1.
     pub fn equation_name(&self, equation: usize) -> String {
-        let joint = self.constraints.iter().find(|joint| joint.equations.contains(&equation));
-        joint.map_or_else(String::new, |joint| {
+        self.joint_of(equation).map_or_else(String::new, |joint| {
             format!("joint \"{}\", constraint {}", joint.name, equation - joint.equations.start + 1)
         })
     }

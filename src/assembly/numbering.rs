@@ -223,7 +223,7 @@ impl<'m> System<'m> {
         let mut multipliers = |count: usize, dropped: &[usize]| -> Vec<Option<usize>> {
             (0..count)
                 .map(|equation| {
-                    (!dropped.contains(&equation)).then(|| {
+                    dropped.binary_search(&equation).is_err().then(|| {
                         columns += 1;
                         columns - 1
                     })

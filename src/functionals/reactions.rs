@@ -4,47 +4,99 @@
 //! m / L, as forces on an arm of this length, so that the split depends on no unit.
 //!
 //! With A the rows of all equations towards translations and rotations in these measures, K those that are kept, and F = A^T mu the forces of
-//! the solved multipliers: mu* = argmin |mu*| subject to A^T mu* = F. Rows of K, orthonormalized, are Q; then A = M Q with M = A Q^T,
-//! and mu* = M (M^T M)^-1 Q F, a smooth function of the state that depends on the choice K only by round-off.
+//! the solved multipliers: mu* = argmin |mu*| subject to K A^T mu* = K F. It is the first part of the solution of
+//!
+//! mu* - A y = 0,  s - A^T mu* = 0,  y - K^T w = 0,  -K s = -K F,
+//!
+//! a sparse system, and a smooth function of the state that depends on the choice K only by round-off. y = A^+ mu*, where A^+ is the
+//! pseudoinverse of A on the span of the kept rows; with -b, 0, 0, 0 on the right y = A^+ b.
 
 use crate::assembly::Model;
 use crate::elements::{NodeKind, RunScalar};
+use crate::linalg::{Backend, Factorization, SparsePattern};
 use crate::scalar::{Quaternion, Scalar, SpatialVector, Vector3};
+use std::cell::RefCell;
 use std::ops::Range;
+use std::sync::Arc;
 
-type Matrix<S> = Vec<Vec<S>>;
+/// Rows of a sparse matrix: columns and entries.
+type Matrix<S> = Vec<Vec<(usize, S)>>;
 
-fn dot<S: Scalar>(a: &[S], b: &[S]) -> S {
-    a.iter().zip(b).map(|(&a, &b)| a * b).sum()
+fn product<S: Scalar>(row: &[(usize, S)], b: &[S]) -> S {
+    row.iter().map(|&(column, x)| x * b[column]).sum()
 }
 
-fn combination<S: Scalar>(rows: &[Vec<S>], weights: &[S], length: usize) -> Vec<S> {
+/// A^T times weights of rows.
+fn combination<S: Scalar>(rows: &[Vec<(usize, S)>], weights: &[S], length: usize) -> Vec<S> {
     let mut sum = vec![S::zero(); length];
     for (row, &weight) in rows.iter().zip(weights) {
-        sum.iter_mut().zip(row).for_each(|(sum, &x)| *sum += x * weight);
+        row.iter().for_each(|&(column, x)| sum[column] += x * weight);
     }
     sum
 }
 
-/// Orthonormalizes independent rows; twice, because once leaves parts of the size of round-off times their dependence.
-fn orthonormal<S: RunScalar>(mut rows: Matrix<S>) -> Matrix<S> {
-    for i in 0..rows.len() {
-        let (done, rest) = rows.split_at_mut(i);
-        let own = &mut rest[0];
-        for _ in 0..2 {
-            for unit in &*done {
-                let share = dot(own, unit);
-                // rows of a planar mechanism act in its plane or across it
-                if share.value() == 0.0 && (0..S::PARTS).all(|part| share.part(part) == 0.0) {
-                    continue;
-                }
-                own.iter_mut().zip(unit).for_each(|(x, &u)| *x -= u * share);
-            }
-        }
-        let norm = dot(own, own).sqrt();
-        own.iter_mut().for_each(|x| *x /= norm);
+/// Entries of a square matrix: row, column and value, none twice.
+type Entries<S> = Vec<(usize, usize, S)>;
+
+/// Corrections of a solution: the first finds values, the second derivatives, the third what round-off left.
+const CORRECTIONS: usize = 3;
+/// Patterns that are kept: least multipliers' own and that of [`Sharing::outside`].
+const PATTERNS: usize = 2;
+
+thread_local! {
+    /// Analysed patterns, those used last first: one sample after another has the same.
+    static ANALYSED: RefCell<Vec<(Arc<SparsePattern>, Factorization)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Solves a sparse system for some right-hand sides with derivative parts, by the factors of its values; not a number where it is singular.
+fn solve<S: RunScalar>(size: usize, entries: &[(usize, usize, S)], right: &[Vec<S>]) -> Vec<Vec<S>> {
+    let pattern = SparsePattern::from_entries(size, entries.iter().map(|&(row, column, _)| (column, row)).collect());
+    let mut values = vec![0.0; pattern.rows.len()];
+    for &(row, column, value) in entries {
+        values[pattern.position(row, column).expect("an entry of the pattern")] = value.value();
     }
-    rows
+    let singular = || right.iter().map(|_| vec![S::from(f64::NAN); size]).collect();
+    // taken out: while it works this thread may come by again
+    let known = ANALYSED.with_borrow_mut(|all| {
+        let place = all.iter().position(|(known, _)| **known == pattern)?;
+        Some(all.remove(place))
+    });
+    let (pattern, mut factors) = match known {
+        Some(known) => known,
+        None => {
+            let pattern = Arc::new(pattern);
+            let Ok(factors) = Factorization::new(&pattern, Backend::Automatic) else { return singular() };
+            (pattern, factors)
+        }
+    };
+    factors.start_afresh(false);
+    let solved = match factors.factor(&values) {
+        Ok(()) => right.iter().map(|rhs| corrected(&mut factors, entries, rhs)).collect(),
+        Err(_) => singular(),
+    };
+    ANALYSED.with_borrow_mut(|all| {
+        all.insert(0, (pattern, factors));
+        all.truncate(PATTERNS);
+    });
+    solved
+}
+
+/// The solution of one right-hand side, corrected from zero.
+fn corrected<S: RunScalar>(factors: &mut Factorization, entries: &[(usize, usize, S)], rhs: &[S]) -> Vec<S> {
+    let (mut x, mut own) = (vec![S::zero(); rhs.len()], vec![0.0; rhs.len()]);
+    for _ in 0..CORRECTIONS {
+        let mut left = rhs.to_vec();
+        entries.iter().for_each(|&(row, column, value)| left[row] -= value * x[column]);
+        own.iter_mut().zip(&left).for_each(|(own, left)| *own = left.value());
+        factors.solve(&mut own);
+        x.iter_mut().zip(&own).for_each(|(x, &own)| x.add_to_value(own));
+        for part in 0..S::PARTS {
+            own.iter_mut().zip(&left).for_each(|(own, left)| *own = left.part(part));
+            factors.solve(&mut own);
+            x.iter_mut().zip(&own).for_each(|(x, &own)| x.add_to_part(part, own));
+        }
+    }
+    x
 }
 
 /// Columns of the generalized forces on the moving nodes: force and moment of a body, the coordinates of others.
@@ -105,7 +157,7 @@ impl<S: Scalar> Length<S> {
 /// Rows A of all constraint equations towards `columns`; the moment on a body is G(e) f / 2 in its frame, with natural coordinates the
 /// sum of axis x force on it in the world.
 fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) -> Matrix<S> {
-    let mut all = vec![vec![S::zero(); columns.count]; model.equations];
+    let mut all = vec![Vec::new(); model.equations];
     for joint in &model.constraints {
         let dofs: Vec<usize> = joint.nodes.iter().flat_map(|node| model.nodes[node.0].dofs.clone()).collect();
         let own: Vec<S> = dofs.iter().map(|&dof| q[dof]).collect();
@@ -117,7 +169,7 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) 
                 let (force, place) = (&force[local..local + count], &own[local..local + count]);
                 local += count;
                 let Some(first) = columns.first[node.0] else { continue };
-                let target = &mut all[equation][first..];
+                let own: &mut Vec<(usize, S)> = &mut all[equation];
                 if kind.has_axes() {
                     let moment = match kind {
                         NodeKind::Body => {
@@ -126,14 +178,20 @@ fn rows<S: RunScalar>(model: &Model, columns: &Columns, p: &[S], q: &[S], t: S) 
                         }
                         _ => NodeKind::Natural.moment(place, force),
                     };
-                    target
-                        .iter_mut()
-                        .zip(force[..3].iter().chain(&moment.components()))
-                        .for_each(|(target, &f)| *target += f);
+                    own.extend((first..).zip(force[..3].iter().copied().chain(moment.components())));
                 } else {
-                    target.iter_mut().zip(force).for_each(|(target, &f)| *target += f);
+                    own.extend((first..).zip(force.iter().copied()));
                 }
             }
+            let own = &mut all[equation];
+            own.sort_by_key(|(column, _)| *column);
+            own.dedup_by(|(column, x), (before, sum)| {
+                let is_same = column == before;
+                if is_same {
+                    *sum += *x;
+                }
+                is_same
+            });
         }
     }
     all
@@ -149,11 +207,16 @@ struct Sharing<S> {
     rows: Matrix<S>,
     /// Kept rows.
     kept: Vec<usize>,
-    /// Q: an orthonormal basis of the kept rows.
-    basis: Matrix<S>,
-    /// M^T, and its orthonormalized rows.
-    shares: Matrix<S>,
-    units: Matrix<S>,
+}
+
+/// Part of the solution of the sparse system.
+struct Shares<S> {
+    /// The multipliers of least norm.
+    mu: Vec<S>,
+    /// y.
+    along: Vec<S>,
+    /// w as weights of all equations, zero for dropped ones: y = sum of weights times rows.
+    weights: Vec<S>,
 }
 
 impl<S: RunScalar> Sharing<S> {
@@ -161,23 +224,16 @@ impl<S: RunScalar> Sharing<S> {
         let columns = Columns::of(model);
         let length = Length::of(model, p);
         let mut rows = rows(model, &columns, p, q, t);
-        let is_moment = |column: usize| columns.moments.iter().any(|own| own.contains(&column));
-        let on_points = |row: &Vec<S>| row.iter().enumerate().any(|(i, x)| x.value() != 0.0 && !is_moment(i));
+        let mut is_moment = vec![false; columns.count];
+        columns.moments.iter().cloned().flatten().for_each(|column| is_moment[column] = true);
+        let on_points = |row: &Vec<(usize, S)>| row.iter().any(|&(column, x)| x.value() != 0.0 && !is_moment[column]);
         let are_moments: Vec<bool> = rows.iter().map(|row| !on_points(row)).collect();
         // of an equation of moments the two lengths cancel
         for row in rows.iter_mut().zip(&are_moments).filter(|(_, is_moment)| !**is_moment).map(|(row, _)| row) {
-            columns.moments.iter().cloned().flatten().for_each(|column| row[column] /= length.value);
+            row.iter_mut().filter(|(column, _)| is_moment[*column]).for_each(|(_, x)| *x /= length.value);
         }
-        let kept: Vec<usize> = (0..rows.len()).filter(|row| !dropped.contains(row)).collect();
-        let basis = orthonormal(kept.iter().map(|&row| rows[row].clone()).collect());
-        let shares: Matrix<S> = basis.iter().map(|unit| rows.iter().map(|row| dot(row, unit)).collect()).collect();
-        let units = orthonormal(shares.clone());
-        Sharing { columns, length, are_moments, rows, kept, basis, shares, units }
-    }
-
-    /// Entry of R in M = P R.
-    fn triangle(&self, k: usize, j: usize) -> S {
-        dot(&self.units[k], &self.shares[j])
+        let kept = (0..rows.len()).filter(|row| dropped.binary_search(row).is_err()).collect();
+        Sharing { columns, length, are_moments, rows, kept }
     }
 
     /// Multipliers times L^power where they are moments.
@@ -186,34 +242,48 @@ impl<S: RunScalar> Sharing<S> {
         mu.iter().zip(&self.are_moments).map(|(&mu, is_moment)| if *is_moment { mu * factor } else { mu }).collect()
     }
 
-    /// mu* = P R^-T Q A^T mu, both as forces.
-    fn least(&self, mu: &[S]) -> Vec<S> {
-        let force = combination(&self.rows, mu, self.columns.count);
-        let mut solved: Vec<S> = Vec::with_capacity(self.basis.len());
-        for (j, unit) in self.basis.iter().enumerate() {
-            let known: S = (0..j).map(|k| self.triangle(k, j) * solved[k]).sum();
-            solved.push((dot(unit, &force) - known) / self.triangle(j, j));
+    /// Solves mu - A y = g, s - A^T mu = 0, y - K^T w = 0, -K s = h for each (g, h).
+    fn shares<const N: usize>(&self, right: [[Vec<S>; 2]; N]) -> [Shares<S>; N] {
+        let (equations, columns, kept) = (self.rows.len(), self.columns.count, self.kept.len());
+        let (along, force, weight) = (equations, equations + columns, equations + 2 * columns);
+        let mut entries: Entries<S> = (0..weight).map(|unknown| (unknown, unknown, S::one())).collect();
+        for (equation, row) in self.rows.iter().enumerate() {
+            for &(column, x) in row {
+                entries.push((equation, along + column, -x));
+                entries.push((force + column, equation, -x));
+            }
         }
-        combination(&self.units, &solved, self.rows.len())
+        for (number, &equation) in self.kept.iter().enumerate() {
+            for &(column, x) in &self.rows[equation] {
+                entries.push((along + column, weight + number, -x));
+                entries.push((weight + number, force + column, -x));
+            }
+        }
+        let zero = vec![S::zero(); 2 * columns];
+        let right = right.map(|[g, h]| [&g[..], &zero, &h].concat());
+        let solved = solve(weight + kept, &entries, &right);
+        std::array::from_fn(|number| {
+            let (solved, mut weights) = (&solved[number], vec![S::zero(); equations]);
+            self.kept.iter().zip(&solved[weight..]).for_each(|(&equation, &own)| weights[equation] = own);
+            Shares { mu: solved[..equations].to_vec(), along: solved[along..force].to_vec(), weights }
+        })
     }
 
-    /// y = A^+ b = Q^T R^-1 P^T b, and the weights of all equations (zero for dropped ones) with y = sum of weights times rows.
-    fn pseudoinverse_times(&self, b: &[S]) -> (Vec<S>, Vec<S>) {
-        let count = self.basis.len();
-        let mut solved = vec![S::zero(); count];
-        for k in (0..count).rev() {
-            let known: S = (k + 1..count).map(|j| self.triangle(k, j) * solved[j]).sum();
-            solved[k] = (dot(&self.units[k], b) - known) / self.triangle(k, k);
-        }
-        let y = combination(&self.basis, &solved, self.columns.count);
-        // the kept rows are L Q with a lower triangle L: L^T weights = the solution
-        let mut weights = vec![S::zero(); self.rows.len()];
-        for k in (0..count).rev() {
-            let unit = &self.basis[k];
-            let known: S = (k + 1..count).map(|j| dot(&self.rows[self.kept[j]], unit) * weights[self.kept[j]]).sum();
-            weights[self.kept[k]] = (solved[k] - known) / dot(&self.rows[self.kept[k]], unit);
-        }
-        (y, weights)
+    /// Right-hand sides of mu* and A^+ mu*, both as forces.
+    fn of_least(&self, mu: &[S]) -> [Vec<S>; 2] {
+        let force = combination(&self.rows, mu, self.columns.count);
+        [vec![S::zero(); self.rows.len()], self.kept.iter().map(|&row| -product(&self.rows[row], &force)).collect()]
+    }
+
+    /// Those of A^+ b.
+    fn of_pseudoinverse(&self, b: &[S]) -> [Vec<S>; 2] {
+        [b.iter().map(|&b| -b).collect(), vec![S::zero(); self.kept.len()]]
+    }
+
+    /// mu*, as forces.
+    fn least(&self, mu: &[S]) -> Vec<S> {
+        let [Shares { mu, .. }] = self.shares([self.of_least(mu)]);
+        mu
     }
 
     /// Forces in the model's units whose product with a row without measures is that of measured ones: moments by L.
@@ -225,21 +295,27 @@ impl<S: RunScalar> Sharing<S> {
 
     /// d (alpha . A beta) / d L.
     fn length_gradient(&self, alpha: &[S], beta: &[S]) -> S {
+        let mut of_moments = vec![S::zero(); self.columns.count];
+        self.columns.moments.iter().cloned().flatten().for_each(|column| of_moments[column] = beta[column]);
         let rows = self.rows.iter().zip(alpha).zip(&self.are_moments).filter(|(_, is_moment)| !**is_moment);
-        let of_moments = |row: &Vec<S>| -> S {
-            self.columns.moments.iter().cloned().flatten().map(|column| row[column] * beta[column]).sum()
-        };
-        -rows.map(|((row, &alpha), _)| alpha * of_moments(row)).sum::<S>() / self.length.value
+        -rows.map(|((row, &alpha), _)| alpha * product(row, &of_moments)).sum::<S>() / self.length.value
     }
 
-    /// What of A^T alpha is not in the span of the kept rows: zero on the constraints, where the dropped rows depend on them.
-    fn outside(&self, alpha: &[S]) -> Vec<S> {
-        let mut rest = combination(&self.rows, alpha, self.columns.count);
-        for unit in &self.basis {
-            let share = dot(&rest, unit);
-            rest.iter_mut().zip(unit).for_each(|(x, &u)| *x -= u * share);
+    /// What of A^T alpha is not in the span of the kept rows, for each alpha: zero on the constraints, where the dropped rows depend on them.
+    /// With e + K^T w = A^T alpha, K e = 0.
+    fn outside(&self, all: &[&[S]]) -> Vec<Vec<S>> {
+        let count = self.columns.count;
+        let mut entries: Entries<S> = (0..count).map(|column| (column, column, S::one())).collect();
+        for (number, &equation) in self.kept.iter().enumerate() {
+            for &(column, x) in &self.rows[equation] {
+                entries.push((column, count + number, x));
+                entries.push((count + number, column, x));
+            }
         }
-        rest
+        let zero = vec![S::zero(); self.kept.len()];
+        let right: Vec<Vec<S>> =
+            all.iter().map(|alpha| [combination(&self.rows, alpha, count), zero.clone()].concat()).collect();
+        solve(count + self.kept.len(), &entries, &right)
     }
 }
 
@@ -252,20 +328,15 @@ pub fn least_multipliers<S: RunScalar>(model: &Model, dropped: &[usize], p: &[S]
 /// Share of a multiplier without forces below which it is round-off.
 const DETERMINED: f64 = 1e-9;
 
-/// Multipliers that change no force, and can be added to those of least norm: one list for each equation that is left out.
-pub(crate) fn multipliers_without_forces(model: &Model, dropped: &[usize], p: &[f64], q: &[f64], t: f64) -> Vec<Vec<f64>> {
+/// Multipliers that change no force, and can be added to those of least norm: a sum of all that there are, which has part in each equation
+/// whose multiplier the forces leave open.
+pub(crate) fn multipliers_without_forces(model: &Model, dropped: &[usize], p: &[f64], q: &[f64], t: f64) -> Vec<f64> {
     let sharing = Sharing::new(model, dropped, p, q, t);
-    let of = |equation: usize| {
-        let mut own = vec![0.0; sharing.rows.len()];
-        own[equation] = 1.0;
-        for unit in &sharing.units {
-            let share = unit[equation];
-            own.iter_mut().zip(unit).for_each(|(own, unit)| *own -= share * unit);
-        }
-        own.iter_mut().filter(|own| own.abs() < DETERMINED).for_each(|own| *own = 0.0);
-        sharing.measured(&own, 1)
-    };
-    dropped.iter().map(|&equation| of(equation)).collect()
+    // numbers without a relation to each other: multiples of the golden section
+    let any: Vec<f64> = (1..=model.equations).map(|k| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract()).collect();
+    let least = sharing.least(&any);
+    let open = |(any, least): (&f64, &f64)| if (any - least).abs() < DETERMINED { 0.0 } else { any - least };
+    sharing.measured(&any.iter().zip(&least).map(open).collect::<Vec<_>>(), 1)
 }
 
 /// Where the adjoints of [`least_multipliers`] go.
@@ -294,21 +365,22 @@ pub(super) fn add_least_multipliers_transposed(
 ) {
     let sharing = Sharing::new(model, dropped, p, q, t);
     let mu = &sharing.measured(mu, -1)[..];
-    let least = sharing.least(mu);
     // mu* = L times its measure, and so is its adjoint's measure
     let least_bar = &sharing.measured(least_bar, 1)[..];
     let moments = |one: &[f64], other: &[f64]| -> f64 {
         let pairs = one.iter().zip(other).zip(&sharing.are_moments);
         pairs.map(|((a, b), is_moment)| if *is_moment { a * b } else { 0.0 }).sum()
     };
-    let [(eta, kappa), (zeta, theta)] = [least_bar, &least[..]].map(|b| sharing.pseudoinverse_times(b));
-    let moved: Vec<f64> = sharing.rows.iter().map(|row| dot(row, &eta)).collect();
+    let [of_least, of_bar] = sharing.shares([sharing.of_least(mu), sharing.of_pseudoinverse(least_bar)]);
+    let Shares { mu: least, along: zeta, weights: theta } = of_least;
+    let Shares { along: eta, weights: kappa, .. } = of_bar;
+    let moved: Vec<f64> = sharing.rows.iter().map(|row| product(row, &eta)).collect();
     let first: Vec<f64> = mu.iter().zip(&least).map(|(mu, least)| mu - least).collect();
     let second: Vec<f64> = least_bar.iter().zip(&moved).map(|(bar, moved)| bar - moved).collect();
     bars.mu.iter_mut().zip(sharing.measured(&moved, -1)).for_each(|(bar, moved)| *bar += moved);
     let mut length_bar = (moments(least_bar, &least) - moments(&moved, mu)) / sharing.length.value;
-    let [first_outside, second_outside] = [&first, &second].map(|alpha| sharing.outside(alpha));
-    let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &first_outside), (&theta, &second_outside)];
+    let outside = sharing.outside(&[&first, &second]);
+    let pairs = [(&first, &eta), (&second, &zeta), (&kappa, &outside[0]), (&theta, &outside[1])];
     for (alpha, beta) in pairs {
         length_bar += sharing.length_gradient(alpha, beta);
         let (alpha, beta) = (sharing.measured(alpha, 1), sharing.unmeasured_columns(beta));
@@ -365,5 +437,40 @@ fn add_row_gradient(
         let (of_q, of_p) = joint.physics.reaction_gradient((&own, own_p, t), alpha, &along);
         dofs.iter().zip(&of_q).for_each(|(&dof, own)| q_bar[dof] += own);
         p_bar[joint.parameters.clone()].iter_mut().zip(&of_p).for_each(|(bar, own)| *bar += own);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of the points on a line is tied to the one before by two equal equations, of which one is kept.
+    #[test]
+    fn doubled_ties_bear_half_of_each_force_and_take_the_same_work_for_each() {
+        let work = [50, 2000].map(|count| {
+            let row = |i: usize| if i == 0 { vec![(0, 1.0)] } else { vec![(i - 1, -1.0), (i, 1.0)] };
+            let sharing = Sharing {
+                columns: Columns { first: Vec::new(), count, moments: Vec::new() },
+                length: Length { value: 1.0, places: Vec::new() },
+                are_moments: vec![false; 2 * count],
+                rows: (0..2 * count).map(|equation| row(equation / 2)).collect(),
+                kept: (0..count).map(|tie| 2 * tie).collect(),
+            };
+            let mu: Vec<f64> = (0..2 * count).map(|row| if row % 2 == 0 { (row as f64).sin() } else { 0.0 }).collect();
+            let [Shares { mu: least, along, weights }] = sharing.shares([sharing.of_least(&mu)]);
+            for (equation, least) in least.iter().enumerate() {
+                assert!((least - 0.5 * mu[equation / 2 * 2]).abs() < 1e-12, "equation {equation} of {count}");
+            }
+            // A^+ mu*, in both of its forms
+            let [again] = sharing.shares([sharing.of_pseudoinverse(&least)]);
+            let of_weights = combination(&sharing.rows, &weights, count);
+            for ((own, other), third) in along.iter().zip(&again.along).zip(&of_weights) {
+                let size = count as f64;
+                assert!((own - other).abs() < 1e-12 * size && (own - third).abs() < 1e-12 * size, "{own} {other} {third}");
+            }
+            let plan = ANALYSED.with_borrow(|analysed| analysed[0].1.plan());
+            plan.work.expect("sparse").multiplications / count as f64
+        });
+        assert!(work[1] < 1.5 * work[0], "{work:?}");
     }
 }

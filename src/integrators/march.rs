@@ -95,6 +95,8 @@ pub struct Run<S> {
     /// Start \[s\] and number of the first step that leaps over a dead point, where drives determine the motion: behind it the mechanism is on
     /// another branch.
     pub leap: Option<(f64, usize)>,
+    /// Determinants that were looked at for it: two of each step in which coordinates do not change as their rates say.
+    pub determinants: usize,
     /// Of equilibria: whether they stand.
     pub stability: Option<StabilityCourse>,
     /// Work done.

@@ -1,14 +1,12 @@
 //! Redundant constraints: which equations are kept, and a watch over those that are left out.
 
-// indices carry meaning in matrix code
-#![allow(clippy::needless_range_loop)]
 // `!(x <= limit)` is how a NaN fails a check
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
 use super::{Problem, RunError};
 use crate::assembly::{Equations, Jacobian, Model, Residual, StageSystem, System, SystemOptions, VectorsAvq};
 use crate::elements::{FormulaWork, RunScalar};
-use crate::linalg::independent_rows;
+use crate::linalg::{SparseRow, independent_rows};
 
 /// A dropped equation may be violated by this share of the largest coordinate ...
 const VIOLATED: f64 = 1e-8;
@@ -18,7 +16,7 @@ const WORSE: f64 = 1e3;
 pub(super) const KEPT: f64 = VIOLATED / WORSE;
 
 /// Rows of the constraint equations in an assembled matrix, towards the unknowns of nodes.
-pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Vec<f64>> {
+pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<SparseRow> {
     let pattern = &system.pattern;
     let places = system.multiplier_places();
     let nodes = places.iter().flatten().min().copied().unwrap_or(pattern.size);
@@ -28,11 +26,11 @@ pub(super) fn constraint_rows(system: &System, jacobian: &Jacobian) -> Vec<Vec<f
             row_of[place] = Some(row);
         }
     }
-    let mut rows = vec![vec![0.0; nodes]; places.len()];
+    let mut rows = vec![SparseRow::new(); places.len()];
     for column in 0..nodes {
         for place in pattern.column_starts[column]..pattern.column_starts[column + 1] {
             if let Some(row) = row_of[pattern.rows[place] as usize] {
-                rows[row][column] = jacobian.values[place];
+                rows[row].push((column, jacobian.values[place]));
             }
         }
     }

@@ -5,7 +5,6 @@ use super::march::embedded_difference;
 use super::record::StepRecord;
 use super::{StabilityCourse, Table};
 use crate::elements::RunScalar;
-use crate::linalg::sign_of_determinant;
 use smallvec::SmallVec;
 
 /// The largest estimated error of one step: in coordinates by the model's length, in velocities by the largest velocity of the run; angular
@@ -44,8 +43,8 @@ pub struct StepErrors {
     /// Mean accelerations of the latest steps, latest first, and their times, for methods without an embedded solution; the acceleration that
     /// was solved for at the start, or last anew, stands behind those after it [s, m/s2].
     pub accelerations: Vec<(f64, Vec<f64>)>,
-    /// Sign of the determinant of the constraints' rows, of a mechanism whose motion its drives determine: 1 or -1, that before a singular
-    /// pose while it stands in one, 0 where not known.
+    /// Sign of the determinant of the constraints' rows, of a mechanism whose motion its drives determine, when it was looked at last: 1 or
+    /// -1, that before a singular pose while it stands in one, 0 where not known.
     pub orientation: f64,
     /// Start of the first step in which it changed, and its number.
     pub leap: Option<(f64, usize)>,
@@ -191,16 +190,16 @@ impl<S: RunScalar> Resolution<S> {
         }
     }
 
-    /// Takes note of the side on which a driven mechanism is after a step, by the rows of its constraints and drives. A mechanism whose
-    /// coordinates change as its rates say goes through a singular pose as a parallelogram does: that is no leap.
-    pub fn note_side(&mut self, rows: &mut [f64], size: usize, (t, number): (f64, usize), is_smooth: impl FnOnce() -> bool) {
-        let sign = sign_of_determinant(rows, size);
+    /// Takes note of the sides on which a driven mechanism is before and after a step in which coordinates do not change as their rates say, by
+    /// the determinant of the rows of its constraints and drives; 0 is neither. A mechanism whose coordinates change as their rates say goes
+    /// through a singular pose as a parallelogram does: that is no leap.
+    pub fn note_sides(&mut self, [start, end]: [f64; 2], (t, number): (f64, usize)) {
         let StepErrors { orientation, leap, .. } = &mut self.errors;
-        if *orientation * sign < 0.0 && !is_smooth() {
+        let start = if start == 0.0 { *orientation } else { start };
+        if start * end < 0.0 {
             *leap = leap.or(Some((t, number)));
         }
-        // behind a pose that is exactly singular the side before it is the one to compare with
-        *orientation = if sign == 0.0 { *orientation } else { sign };
+        *orientation = if end == 0.0 { start } else { end };
     }
 
     /// Takes note that the side is not known: other equations are left out.

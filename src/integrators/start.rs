@@ -341,13 +341,13 @@ fn find_dependent(problem: &Problem<f64>, table: &Table, policy: ConstraintPolic
     if kept.len() == rows.len() {
         return Err(newton.describe(&failure, &Equations::acceleration(), place));
     }
-    let dependent: Vec<usize> = (0..rows.len()).filter(|row| !kept.contains(row)).collect();
+    let dependent: Vec<usize> = (0..rows.len()).filter(|row| kept.binary_search(row).is_err()).collect();
     Err(redundant(model, &dependent))
 }
 
 /// The error of equations that depend on the others.
 fn redundant(model: &Model, dependent: &[usize]) -> RunError {
-    let kept: Vec<usize> = (0..model.equations).filter(|row| !dependent.contains(row)).collect();
+    let kept: Vec<usize> = (0..model.equations).filter(|row| dependent.binary_search(row).is_err()).collect();
     // of a loop of beams these are hundreds
     const SHOWN: usize = 6;
     let names = |list: &[usize]| {

@@ -15,10 +15,11 @@ use super::{
     StartPlan, Systems, Table, TimeGrid, Verdict,
 };
 use crate::assembly::{
-    Clock, Equations, Residual, RowsOfDrives, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq,
+    Clock, ConstraintRows, Equations, Residual, StageCoefficients, StageSystem, System, Unknowns, VectorsAvq,
 };
 use crate::design::shortest;
 use crate::elements::RunScalar;
+use crate::linalg::{dependences, sign_of_determinant};
 use std::sync::Arc;
 
 /// A run that is taken step by step, and can go on from a [`Checkpoint`].
@@ -53,9 +54,23 @@ pub struct Stepper<'m, S> {
 
 /// A driven mechanism in real numbers.
 struct RealDrives {
-    rows: RowsOfDrives,
+    rows: ConstraintRows,
     q: Vec<f64>,
     p: Vec<f64>,
+    /// Pose and time before the step made last, if its side is not known.
+    before: Option<(Vec<f64>, f64)>,
+    /// Determinants whose signs were asked for.
+    determinants: usize,
+}
+
+impl RealDrives {
+    /// The side on which the mechanism is in a pose.
+    fn side<S: RunScalar>(&mut self, system: &System, q: &[S], t: f64) -> f64 {
+        self.determinants += 1;
+        self.q.clear();
+        self.q.extend(q.iter().map(|q| q.value()));
+        sign_of_determinant(self.rows.evaluate(system, &system.options.dropped, (&self.q, &self.p), t))
+    }
 }
 
 /// Steps from one look at the choice of redundant equations to the next.
@@ -338,12 +353,12 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         self.between.set_acceleration(kinds, &first);
         self.resolution.begin(t, &first.unknowns.x);
         let watched = guide.is_none() && !is_static;
-        if let Some(mut rows) = RowsOfDrives::new(&self.acceleration.system).filter(|_| watched) {
-            let real = |values: &[S]| values.iter().map(|value| value.value()).collect::<Vec<f64>>();
-            let (q, p) = (real(&first.base.q), real(&self.problem.p));
-            rows.evaluate(&self.acceleration.system, &q, &p, t);
-            self.resolution.note_side(&mut rows.rows, rows.size, (t, 0), || true);
-            self.drives = Some(RealDrives { rows, q, p });
+        let (rows, is_driven) = ConstraintRows::new(&self.acceleration.system);
+        let p = || self.problem.p.iter().map(|p| p.value()).collect();
+        self.drives =
+            (is_driven && watched).then(|| RealDrives { rows, q: Vec::new(), p: p(), before: None, determinants: 0 });
+        if let Some(drives) = &mut self.drives {
+            self.resolution.errors.orientation = drives.side(&self.acceleration.system, &first.base.q, t);
         }
         if !guessed.is_empty() {
             self.between.last.mu = guessed;
@@ -381,8 +396,9 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         let counters = self.counters();
         let mut carried = self.between.carried.into_iter();
         let (q, v) = (carried.next().unwrap_or_default(), carried.next().unwrap_or_default());
+        let determinants = self.drives.map_or(0, |drives| drives.determinants);
         let StepErrors { leap, stability, .. } = self.resolution.errors;
-        Run { q, v, rejected, counters, error: self.resolution.worst(), leap, stability }
+        Run { q, v, rejected, counters, error: self.resolution.worst(), leap, determinants, stability }
     }
 
     /// Takes note of the estimated error of the step made last.
@@ -415,20 +431,30 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
         }
     }
 
-    /// Takes note of the branch on which a driven mechanism is.
+    /// Takes note of the branch on which a driven mechanism is, where the step made last may have left it.
     fn note_side(&mut self, end: f64) {
         if self.between.chosen_anew || self.method.table.is_static() {
             return self.resolution.forget_side();
         }
-        let Some(RealDrives { rows, q, p }) = &mut self.drives else { return };
-        q.clear();
-        q.extend(self.between.carried[0].iter().map(|q| q.value()));
-        rows.evaluate(&self.acceleration.system, q, p, end);
+        let Some(drives) = &mut self.drives else { return };
         // what was carried before the step was swapped away
         let (before, after) = (&self.updated, &self.between.carried);
         let StepRecord { t, h, .. } = self.record;
-        let is_smooth = || is_smooth([&before[0], &before[1]], [&after[0], &after[1]], h, &self.stage.coordinate_scales);
-        self.resolution.note_side(&mut rows.rows, rows.size, (t, self.between.step), is_smooth);
+        if is_smooth([&before[0], &before[1]], [&after[0], &after[1]], h, &self.stage.coordinate_scales) {
+            let (mut pose, _) = drives.before.take().unwrap_or_default();
+            pose.clear();
+            pose.extend(before[0].iter().map(|q| q.value()));
+            drives.before = Some((pose, t));
+            return;
+        }
+        let system = &self.acceleration.system;
+        let mut start = drives.side(system, &before[0], t);
+        // behind a pose that is singular the side before it is the one to compare with
+        if let Some((pose, t)) = drives.before.take().filter(|_| start == 0.0) {
+            start = drives.side(system, &pose, t);
+        }
+        let end = drives.side(system, &after[0], end);
+        self.resolution.note_sides([start, end], (t, self.between.step));
     }
 
     /// The step made last.
@@ -492,30 +518,32 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             }
         }
         self.before = before;
-        result.and_then(|()| self.exchange(span.1))
+        result.map(|()| self.exchange(span.1))
     }
 
     /// Leaves out another equation where a dropped one follows from the kept ones with a coefficient above [`WEAK`]: these are then
     /// nearly dependent, and errors of the stages grow by it. Exchanging the two makes them more independent by this factor.
-    fn exchange(&mut self, t: f64) -> Result<(), RunError> {
+    fn exchange(&mut self, t: f64) {
         let StepState { step, dropped, carried, chosen_anew, .. } = &mut self.between;
         if !step.is_multiple_of(WATCHED_EVERY) {
-            return Ok(());
+            return;
         }
-        if self.start.system.options.dropped != *dropped {
-            self.start = newton(self.method, &Systems::new(self.problem.model, self.method, dropped).plain)?;
-        }
-        let (q, v) = (&carried[0], &carried[1]);
-        let p = &self.problem.p;
-        if self.start.factor_accelerations((q, v), p, t).is_err() {
+        let (model, system) = (self.problem.model, &self.acceleration.system);
+        let [q, v, p] = [&carried[0], &carried[1], &self.problem.p];
+        let [real_q, real_p] = [q, p].map(|values| values.iter().map(|value| value.value()).collect::<Vec<f64>>());
+        let (mut rows, _) = ConstraintRows::new(system);
+        let Some(coefficients) = dependences(rows.evaluate(system, &[], (&real_q, &real_p), t), dropped) else {
             let others = dependent_equations(self.problem, (q, v), t, Some(dropped.len()));
             (*chosen_anew, *dropped) = (others != *dropped, others);
-            return Ok(());
-        }
-        let start = &mut self.start;
-        let weakest = dropped.iter().enumerate().filter_map(|(place, &equation)| {
-            let (kept, coefficient) = start.largest_coefficient(equation, q, p, t)?;
-            Some((place, kept, coefficient.abs()))
+            return;
+        };
+        let weakest = coefficients.iter().enumerate().filter_map(|(place, coefficients)| {
+            let sizes =
+                || coefficients.range(..model.equations).map(|(&equation, coefficient)| (equation, coefficient.abs()));
+            let largest = sizes().fold(0.0, |largest: f64, (_, size)| largest.max(size));
+            // of equal ones, as symmetric loops have them, the first, whatever their last bits
+            let (kept, size) = sizes().find(|(_, size)| *size >= 0.999 * largest)?;
+            Some((place, kept, size))
         });
         if let Some((place, kept, coefficient)) = weakest.max_by(|a, b| a.2.total_cmp(&b.2))
             && coefficient > WEAK
@@ -524,7 +552,6 @@ impl<'m, S: RunScalar> Stepper<'m, S> {
             dropped.sort_unstable();
             *chosen_anew = true;
         }
-        Ok(())
     }
 
     /// Are the equations that were left out violated?

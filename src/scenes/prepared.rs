@@ -230,12 +230,11 @@ impl<'s> Prepared<'s> {
             return [Vec::new(), Vec::new()];
         }
         let added = multipliers_without_forces(model, &dropped, &p, &start.q, 0.0);
-        let of_joint = |joint: &&Attached<ConstraintPhysics>| {
-            added.iter().any(|added| joint.equations.clone().any(|row| added[row] != 0.0))
-        };
+        let of_joint =
+            |joint: &&Attached<ConstraintPhysics>| added[joint.equations.clone()].iter().any(|&added| added != 0.0);
         let at = VectorsAvq { a: vec![0.0; model.dofs], v: start.v, q: start.q };
         let sample = Sample { at, mu: vec![0.0; model.equations], ..Sample::empty() };
-        let of_functional = |own: &&Functional| added.iter().any(|added| own.changes_with(model, &sample, &p, added));
+        let of_functional = |own: &&Functional| own.changes_with(model, &sample, &p, &added);
         let joints = model.constraints.iter().filter(of_joint).map(|joint| &*joint.name).collect();
         [joints, self.functionals().iter().filter(of_functional).map(|own| &*own.name).collect()]
     }

@@ -2,6 +2,7 @@
 
 mod aggregates;
 mod breakpoints;
+mod dead_points;
 mod elimination;
 mod foreign_parts;
 mod frequencies;

@@ -1,7 +1,7 @@
 //! What the signs of a symmetric matrix say: Sylvester's law, with the constraints of its multipliers.
 
 use super::Factorization;
-use crate::linalg::{Inertia, sign_of_determinant};
+use crate::linalg::{Inertia, SparseRow, sign_of_determinant};
 use nalgebra::DMatrix;
 
 /// Signs of the symmetric part of a matrix, and how far it is from the matrix itself.
@@ -51,6 +51,9 @@ impl Factorization {
             |matrix: &DMatrix<f64>| matrix.row_iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
         let round_off = ROUND_OFF * size as f64 * norm(&matrix);
         let inverse = matrix.try_inverse().map_or(f64::INFINITY, |inverse| norm(&inverse));
-        (round_off * inverse < 1.0).then(|| sign_of_determinant(&mut columns, size))
+        // that of the transpose is the same
+        let column = |column: usize| self.entries(column).map(|place| (self.pattern.rows[place] as usize, scaled[place]));
+        let columns: Vec<SparseRow> = (0..size).map(|own| column(own).collect()).collect();
+        (round_off * inverse < 1.0).then(|| sign_of_determinant(&columns)).filter(|sign| *sign != 0.0)
     }
 }
