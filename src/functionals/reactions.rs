@@ -43,39 +43,55 @@ const CORRECTIONS: usize = 3;
 /// Patterns that are kept: least multipliers' own and that of [`Sharing::outside`].
 const PATTERNS: usize = 2;
 
+/// A pattern that was analysed.
+struct Analysed {
+    size: usize,
+    /// Rows and columns of the entries, as they came, and where each stands among the values.
+    places: Vec<[usize; 2]>,
+    positions: Vec<usize>,
+    count: usize,
+    factors: Factorization,
+}
+
+impl Analysed {
+    fn new<S>(size: usize, entries: &[(usize, usize, S)]) -> Option<Self> {
+        let pattern = SparsePattern::from_entries(size, entries.iter().map(|&(row, column, _)| (column, row)).collect());
+        let pattern = Arc::new(pattern);
+        let factors = Factorization::new(&pattern, Backend::Multifrontal).ok()?;
+        let positions = entries.iter().map(|&(row, column, _)| pattern.position(row, column)).collect::<Option<_>>()?;
+        let places = entries.iter().map(|&(row, column, _)| [row, column]).collect();
+        Some(Analysed { size, places, positions, count: pattern.rows.len(), factors })
+    }
+
+    fn is_of<S>(&self, size: usize, entries: &[(usize, usize, S)]) -> bool {
+        let same = |(own, entry): (&[usize; 2], &(usize, usize, S))| *own == [entry.0, entry.1];
+        self.size == size && self.places.len() == entries.len() && self.places.iter().zip(entries).all(same)
+    }
+}
+
 thread_local! {
-    /// Analysed patterns, those used last first: one sample after another has the same.
-    static ANALYSED: RefCell<Vec<(Arc<SparsePattern>, Factorization)>> = const { RefCell::new(Vec::new()) };
+    /// Those used last first: one sample after another has the same.
+    static ANALYSED: RefCell<Vec<Analysed>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Solves a sparse system for some right-hand sides with derivative parts, by the factors of its values; not a number where it is singular.
 fn solve<S: RunScalar>(size: usize, entries: &[(usize, usize, S)], right: &[Vec<S>]) -> Vec<Vec<S>> {
-    let pattern = SparsePattern::from_entries(size, entries.iter().map(|&(row, column, _)| (column, row)).collect());
-    let mut values = vec![0.0; pattern.rows.len()];
-    for &(row, column, value) in entries {
-        values[pattern.position(row, column).expect("an entry of the pattern")] = value.value();
-    }
     let singular = || right.iter().map(|_| vec![S::from(f64::NAN); size]).collect();
     // taken out: while it works this thread may come by again
     let known = ANALYSED.with_borrow_mut(|all| {
-        let place = all.iter().position(|(known, _)| **known == pattern)?;
+        let place = all.iter().position(|known| known.is_of(size, entries))?;
         Some(all.remove(place))
     });
-    let (pattern, mut factors) = match known {
-        Some(known) => known,
-        None => {
-            let pattern = Arc::new(pattern);
-            let Ok(factors) = Factorization::new(&pattern, Backend::Automatic) else { return singular() };
-            (pattern, factors)
-        }
-    };
-    factors.start_afresh(false);
-    let solved = match factors.factor(&values) {
-        Ok(()) => right.iter().map(|rhs| corrected(&mut factors, entries, rhs)).collect(),
+    let Some(mut analysed) = known.or_else(|| Analysed::new(size, entries)) else { return singular() };
+    let mut values = vec![0.0; analysed.count];
+    analysed.positions.iter().zip(entries).for_each(|(&place, entry)| values[place] = entry.2.value());
+    analysed.factors.start_afresh(false);
+    let solved = match analysed.factors.factor(&values) {
+        Ok(()) => right.iter().map(|rhs| corrected(&mut analysed.factors, entries, rhs)).collect(),
         Err(_) => singular(),
     };
     ANALYSED.with_borrow_mut(|all| {
-        all.insert(0, (pattern, factors));
+        all.insert(0, analysed);
         all.truncate(PATTERNS);
     });
     solved
@@ -468,7 +484,7 @@ mod tests {
                 let size = count as f64;
                 assert!((own - other).abs() < 1e-12 * size && (own - third).abs() < 1e-12 * size, "{own} {other} {third}");
             }
-            let plan = ANALYSED.with_borrow(|analysed| analysed[0].1.plan());
+            let plan = ANALYSED.with_borrow(|analysed| analysed[0].factors.plan());
             plan.work.expect("sparse").multiplications / count as f64
         });
         assert!(work[1] < 1.5 * work[0], "{work:?}");

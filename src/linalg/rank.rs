@@ -475,12 +475,12 @@ mod tests {
         // welds, balls, hinges about x, sliders of one direction
         let kinds = [[3, 3], [3, 0], [3, 2], [2, 3]];
         let mut list = Vec::new();
-        for body in 1..=bodies {
+        for (body, &place) in places.iter().enumerate().skip(1) {
             let tie = (noise.below(3) == 0).then_some(noise.below(body));
             for other in [body - 1].into_iter().chain(tie) {
-                let kind = kinds[if case % 5 == 0 { 2 } else { noise.below(4) }];
+                let kind = kinds[if case.is_multiple_of(5) { 2 } else { noise.below(4) }];
                 // hinges on one line, or anywhere
-                let point = if case % 4 == 0 { Vector3::zeros() } else { places[body] + drawn_vector(noise) * unit };
+                let point = if case.is_multiple_of(4) { Vector3::zeros() } else { place + drawn_vector(noise) * unit };
                 list.push((point, kind, [other, body]));
             }
         }
