@@ -1,6 +1,7 @@
 //! Whether the equilibrium of a run stands, in words and as JSON.
 
 use super::console::{count, json_number};
+use crate::elements::NodeKind;
 use crate::integrators::{Stability, StabilityCourse, Verdict};
 use crate::io::number;
 use crate::scenes::Prepared;
@@ -50,7 +51,7 @@ pub fn statement(prepared: &Prepared, forward: &Forward) -> Option<Statement> {
             };
             let lost = lost.map_or_else(String::new, |lost| format!("; {lost}"));
             Statement::Warning(format!(
-                "{which} is UNSTABLE ({directions}): no structure stays there, and functionals and gradients are those of a {} that cannot \
+                "{which} is UNSTABLE ({directions}): what is modelled does not stay there, and functionals and gradients are those of a {} that cannot \
                  last{lost}; {}",
                 if is_start { "motion from a state" } else { "state" },
                 way(prepared)
@@ -78,8 +79,15 @@ fn way(prepared: &Prepared) -> String {
             prepared.grid.steps()
         ),
     };
+    // the stretch that bending brings with it makes axial forces of alternating signs in coarse elements, which buckle them aside
+    let finer = match prepared.model().nodes.iter().any(|node| node.kind == NodeKind::Slope) {
+        true => {
+            "cables of few elements that hardly stretch lose their stability by their mesh alone: take more of them, or `small` strains; "
+        }
+        false => "",
+    };
     format!(
-        "{shorter}a structure without imperfection stays on its straight path: give it a small side load or an initial bow; or simulate the \
+        "{shorter}{finer}a structure without imperfection stays on its straight path: give it a small side load or an initial bow; or simulate the \
          motion with dampers"
     )
 }

@@ -1,16 +1,17 @@
-//! Equilibria next to their bifurcations, drawn by lot: columns, chains of links and trusses, and what is said of their stability.
+//! Equilibria next to their bifurcations, drawn by lot: columns, chains of links, trusses and arches, and what is said of their stability.
 
 use super::dense_count::{Told, compare};
 use super::equilibria::chain;
 use super::random_mechanism::Lots;
 use crate::verification::Report;
-use costate::integrators::Verdict;
+use costate::elements::flexible::Section;
+use costate::integrators::{ArcLength, Verdict};
 use costate::prelude::*;
-use costate::scenes::FileScene;
+use costate::scenes::{BeamLine, FileScene};
 use std::f64::consts::PI;
 
 /// Of each kind in the short form; so many times as many in the long one.
-const DRAWN: [usize; 3] = [24, 60, 60];
+const DRAWN: [usize; 4] = [24, 60, 60, 24];
 const LONG: usize = 10;
 /// Distance from the critical load, as a share of it, within which its sign may be unknown: what its closed form is off by.
 const NOTHING: f64 = 1e-12;
@@ -44,11 +45,12 @@ impl Outcomes {
 /// All of them.
 pub fn count(report: &mut Report) -> Result<(), String> {
     let times = if report.is_long() { LONG } else { 1 };
-    let [columns_drawn, chains_drawn, trusses_drawn] = DRAWN.map(|count| count * times);
+    let [columns_drawn, chains_drawn, trusses_drawn, arches_drawn] = DRAWN.map(|count| count * times);
     columns(report, columns_drawn)?;
     chains(report, chains_drawn)?;
     trusses(report, trusses_drawn);
-    Ok(())
+    arches(report, arches_drawn);
+    published_arch(report)
 }
 
 /// A share of a critical load: away from it by any order of magnitude between two, on either side.
@@ -229,4 +231,137 @@ fn trusses(report: &mut Report, count: usize) {
         }
     }
     outcomes.report(report, "trusses", 3.0);
+}
+
+/// An arch of a circle with EI = R = 1 in its plane as a curved beam, under a dead load on its crown.
+struct Arch {
+    /// Of the whole arch.
+    angle: f64,
+    axial: f64,
+    /// Stiffness against torsion, and against bending out of the plane.
+    out_of_plane: [f64; 2],
+    /// Which end is clamped; others stand on hinges.
+    clamped: [bool; 2],
+    half: usize,
+    /// Beside the load, as a share of it: in the plane and out of it.
+    aside: [f64; 2],
+    load: f64,
+    steps: usize,
+}
+
+impl Arch {
+    fn draw(lots: &mut Lots) -> Self {
+        let aside = [(); 2].map(|()| if lots.happens(0.5) { 0.0 } else { lots.size(1e-9, 1e-2) });
+        let mut arch = Arch {
+            angle: lots.number(0.6, 4.5),
+            axial: lots.size(1e3, 1e6),
+            out_of_plane: [(); 2].map(|()| lots.size(0.1, 10.0)),
+            clamped: [(); 2].map(|()| lots.happens(0.5)),
+            half: 1 + lots.below(4),
+            aside,
+            load: 0.0,
+            steps: 1 + lots.below(20),
+        };
+        // beyond the load under which an arch on hinges goes sideways
+        let beyond = 60.0 / (arch.angle * arch.angle).min(1.0);
+        let (mut low, mut high) = (0.0, beyond);
+        for _ in 0..30 {
+            arch.load = 0.5 * (low + high);
+            let ended = Prepared::new(&arch).and_then(|prepared| prepared.analysis().forward(&[]));
+            let stands = ended.is_ok_and(|forward| {
+                forward.stability.is_some_and(|course| course.lost.is_none() && course.end.verdict() == Verdict::Stable)
+            });
+            if stands { low = arch.load } else { high = arch.load }
+        }
+        arch.load = low * beside(lots, 1e-8);
+        arch
+    }
+}
+
+impl Scene for Arch {
+    fn name(&self) -> String {
+        "arch".into()
+    }
+    fn variables(&self) -> Vec<DesignVariable> {
+        Vec::new()
+    }
+    fn settings(&self) -> Settings {
+        Settings::statics(self.steps)
+    }
+    fn build<S: Scalar>(&self, _x: &[S], m: &mut MechanismBuilder<S>) -> Result<(), String> {
+        let at = |x: [f64; 3]| Vector3::<S>::from_f64(x);
+        let (ground, axis) = (m.ground(), at([0.0, 0.0, 1.0]));
+        let place = |angle: f64| at([angle.sin(), angle.cos(), 0.0]);
+        let (left, right) = (place(-0.5 * self.angle), place(0.5 * self.angle));
+        let mut line = BeamLine::arc(left, Vector3::zeros(), -axis, S::from(self.angle), 2 * self.half);
+        if self.clamped[0] {
+            line = line.clamped_start();
+        }
+        if self.clamped[1] {
+            line = line.clamped_end();
+        }
+        // section axis 2 lies along the axis of the arch, so that bending in its plane is about it
+        let [torsion, aside] = self.out_of_plane;
+        let section = Section::new([self.axial, self.axial, self.axial, torsion, 1.0, aside].map(S::from));
+        let section = section.with_inertia(S::one(), [S::from(1e-6); 2]);
+        let arch = m.beam("arch", line, &section);
+        for (end, (node, at)) in [(arch.start(), left), (arch.end(), right)].into_iter().enumerate() {
+            if !self.clamped[end] {
+                m.revolute(&format!("hinge {end}"), [ground, node], at, axis);
+            }
+        }
+        let crown = arch.nodes[2 * self.half];
+        let direction = at([self.aside[0], -1.0, self.aside[1]]);
+        let size = Signal::of(TimeFunction::ConstantRate, &[S::zero(), S::from(self.load)]);
+        m.force("load", Force { on: crown, point: place(0.0), direction, frame: LoadFrame::World, size });
+        Ok(())
+    }
+}
+
+/// Arches next to the load at which they lose their stability, against the dense count.
+fn arches(report: &mut Report, count: usize) {
+    let (mut outcomes, mut unstable) = (Outcomes::default(), 0);
+    for number in 0..count {
+        let arch = Arch::draw(&mut Lots::new(number as u64, 34));
+        let ended = Prepared::new(&arch).and_then(|prepared| {
+            let forward = prepared.analysis().forward(&[])?;
+            let told = compare(&prepared, &forward).map_err(RunError::Input)?;
+            Ok((forward, told))
+        });
+        let Ok((forward, told)) = ended else {
+            outcomes.errors += 1;
+            continue;
+        };
+        unstable += usize::from(forward.stability.is_some_and(|course| course.end.verdict() == Verdict::Unstable));
+        if matches!(told, Told::Wrong(_)) {
+            report.note(format!("arch {number}: {:?}, {told:?} by the dense count", forward.stability));
+        }
+        outcomes.note(&told);
+    }
+    outcomes.report(report, "arches", 3.0);
+    report.inform("bifurcations/arches/unstable among them", unstable as f64);
+}
+
+/// An arch of 215 degrees, clamped at one end and on a hinge at the other, that snaps through: 8.97 EI/R2, DaDeppo & Schmidt (1975).
+fn published_arch(report: &mut Report) -> Result<(), String> {
+    let arch = Arch {
+        angle: 215.0_f64.to_radians(),
+        axial: 1e6,
+        out_of_plane: [1e2; 2],
+        clamped: [true, false],
+        half: 8,
+        aside: [0.0; 2],
+        load: 10.0,
+        steps: 20,
+    };
+    let prepared = Prepared::new(&arch).map_err(|error| error.to_string())?;
+    let path = prepared.path(&ArcLength::new(0.05)).map_err(|error| error.to_string())?;
+    let first = path.limits.first().ok_or("the load on the arch has no limit")?;
+    report.compare("bifurcations/arch of 215 degrees/limit load by the published one", first.load * 10.0 / 8.97, 1.0, 0.005);
+    let forward = prepared.analysis().forward(&[]);
+    let stands = forward.is_ok_and(|forward| {
+        forward.stability.is_some_and(|course| course.lost.is_none() && course.end.verdict() == Verdict::Stable)
+    });
+    report.at_most("bifurcations/arch of 215 degrees/said to stand all the way to beyond it", f64::from(stands), 0.0);
+    Ok(())
 }

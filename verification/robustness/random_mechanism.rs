@@ -2,6 +2,7 @@
 
 use crate::verification::Noise;
 use costate::assembly::{ConstraintId, NodeId};
+use costate::elements::flexible::faces::FaceKind;
 use costate::elements::flexible::section::Shape;
 use costate::elements::flexible::{CableSection, Material, Section};
 use costate::elements::forces::{AppliedForce, AppliedTorque, LoadFrame};
@@ -9,7 +10,7 @@ use costate::elements::joints;
 use costate::functionals::quantities::SectionMeasure;
 use costate::integrators::{STATIC_TABLE, StepControl};
 use costate::prelude::*;
-use costate::scenes::{BeamLine, CableLine};
+use costate::scenes::{BeamLine, CableLine, Edge};
 
 /// Lots, each with the odds that it is asked for.
 pub struct Lots(Noise);
@@ -51,7 +52,7 @@ impl Lots {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RandomMechanism {
     pub seed: u64,
-    /// Has members without mass, stops and second hinges, which are drawn from a series of their own: the rest is what it is without.
+    /// Has members without mass, stops, second hinges and tied sheets, which are drawn from a series of their own: the rest is what it is without.
     pub has_more: bool,
 }
 
@@ -132,7 +133,7 @@ struct Place<S> {
 /// A mechanism that grows.
 struct Growing<'m, S: Scalar> {
     lots: Lots,
-    /// Those of members without mass, stops and second hinges.
+    /// Those of members without mass, stops, second hinges and tied sheets.
     more: Option<Lots>,
     /// Whether redundant equations are left out.
     drops: bool,
@@ -498,6 +499,29 @@ impl<S: Scalar> Growing<'_, S> {
         self.points.push(own);
     }
 
+    /// Two panels side by side, one fixed to another member, the other tied to it where their nodes do not meet.
+    fn add_tied_sheet(&mut self) {
+        let [along, across] = self.axis().perpendiculars();
+        let [wide, high] = [(); 2].map(|()| self.by.length * self.lots.size(0.1, 1.0));
+        let (corner, (material, _)) = (self.place(), self.section());
+        let thickness = self.by.length * self.lots.size(2e-3, 2e-2);
+        let damping = if self.lots.happens(0.3) { self.by.damping * self.lots.size(1e-5, 1e-2) } else { S::zero() };
+        let [first, second] = [0.0, 1.0].map(|place| {
+            let edges = [along * wide, across * high];
+            let counts = [1, if place > 0.5 { 2 } else { 1 + 2 * self.lots.below(2) }];
+            let face = self.lots.pick(&[FaceKind::Quad4, FaceKind::Quad4, FaceKind::Triangle6, FaceKind::Quad9]);
+            let mesh = ShellMesh::plate(corner + edges[0] * S::from(place), edges, counts).with_faces(face);
+            let name = self.name("panel");
+            self.m.shell(&name, mesh.damped(damping), &material, thickness)
+        });
+        let Place { node: held, .. } = self.bodies[self.lots.below(self.bodies.len())];
+        let (name, seam) = (self.name("hold"), self.name("seam"));
+        self.joints.push(self.m.fixed(&name, [held, first.node(0, 0)], corner));
+        self.joints.extend(self.m.tie(&seam, &second.edge(Edge::FirstStart), &[&first]));
+        let end = second.edge(Edge::FirstEnd)[0];
+        self.bodies.push(Place { node: end, kind: NodeKind::Body, at: self.m.position(end) });
+    }
+
     fn load(&mut self) {
         let Place { node, kind: on, .. } = self.any();
         let (name, direction, arm) = (self.name("load"), self.axis(), self.place());
@@ -629,6 +653,9 @@ impl Scene for RandomMechanism {
         }
         if growing.wants_more(0.3) {
             growing.by_more_lots(Growing::add_eye);
+        }
+        if growing.wants_more(0.2) {
+            growing.by_more_lots(Growing::add_tied_sheet);
         }
         growing.measure();
         Ok(())

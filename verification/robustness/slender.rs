@@ -1,10 +1,13 @@
 //! Slender cantilevers under a load across the tip: equilibria, and the motion after the load was let on.
 
 use super::cantilever::{Line, SlenderCantilever};
+use super::dense_count::{Told, compare};
 use super::elastica;
 use crate::verification::Report;
-use costate::integrators::StepControl;
+use costate::integrators::{StepControl, Verdict};
 use costate::prelude::*;
+use costate::scenes::Prepared;
+use costate::sensitivity::Forward;
 
 /// EA L2/EI.
 const AXIAL_STIFFNESSES: [f64; 4] = [1e7, 1e8, 1e9, 1e10];
@@ -58,9 +61,13 @@ impl Outcomes {
 
 /// Runs to the end, and where the tip is then.
 fn tip_of(scene: &SlenderCantilever) -> Result<[f64; 2], String> {
+    end_of(scene).map(|(_, forward)| [forward.values[0], forward.values[1]])
+}
+
+fn end_of(scene: &SlenderCantilever) -> Result<(Prepared<'_>, Forward), String> {
     let prepared = Prepared::new(scene).map_err(|error| error.to_string())?;
     let forward = prepared.analysis().forward(&[scene.load]).map_err(|error| error.to_string())?;
-    Ok([forward.values[0], forward.values[1]])
+    Ok((prepared, forward))
 }
 
 /// Runs with given load steps, with steps that are divided, and with steps that the solver chooses.
@@ -96,9 +103,11 @@ pub fn statics(report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// Equilibria of cables: nine loads of 1 to 9, with the error that a mesh of cubics makes of their bending.
+/// Equilibria of cables: nine loads of 1 to 9, with the error that a mesh of cubics makes of their bending; what is said of their stability,
+/// against a dense eigensolver.
 pub fn cables(report: &mut Report) -> Result<(), String> {
     let mut total = Outcomes::default();
+    let (mut told, mut unstable) = ([0.0; 4], [0.0; 2]);
     for line in [Line::Cable, Line::SmallStrainCable] {
         for axial in [1e6, 1e8, 1e10] {
             for (elements, tolerance) in [(8, 1e-2), (32, 5e-4)] {
@@ -108,13 +117,38 @@ pub fn cables(report: &mut Report) -> Result<(), String> {
                     let (_, settings) = &ways[place % ways.len()];
                     let (settings, sudden) = (settings.clone(), false);
                     let scene = SlenderCantilever { line, axial, load, elements, settings, sudden };
-                    own.judge(tip_of(&scene), elastica::tip(load), tolerance);
+                    let end = end_of(&scene);
+                    if let Ok((prepared, forward)) = &end {
+                        let says = compare(prepared, forward)?;
+                        let place = match says {
+                            Told::Right => 0,
+                            Told::Open => 1,
+                            Told::Unknown => 2,
+                            Told::Wrong(_) => 3,
+                        };
+                        told[place] += 1.0;
+                        if let Told::Wrong(numbers) = says {
+                            report.note(format!("a cable under {load}: {numbers:?} told, not known, counted"));
+                        }
+                        let stands = forward.stability.is_some_and(|course| course.end.verdict() == Verdict::Stable);
+                        unstable[usize::from(elements == 8 && line == Line::Cable)] += f64::from(!stands);
+                    }
+                    let tip = end.map(|(_, forward)| [forward.values[0], forward.values[1]]);
+                    own.judge(tip, elastica::tip(load), tolerance);
                 }
                 own.report(report, &format!("cables/{line:?}, EA {axial:.0e}, {elements} elements"));
                 total.add(&own);
             }
         }
     }
+    let [right, open, unknown, wrong] = told;
+    report.inform("cables/stability told as the dense count has it", right);
+    report.inform("cables/stability open in both", open);
+    report.inform("cables/stability said to be not known", unknown);
+    report.at_most("cables/stability told wrongly", wrong, 0.0);
+    // the mesh of few elements with exact strains is unstable itself where it hardly stretches
+    report.inform("cables/unstable, of those with exact strains and 8 elements", unstable[1]);
+    report.at_most("cables/unstable, of all others", unstable[0], 0.0);
     total.report_all(report, "cables");
     Ok(())
 }

@@ -27,6 +27,11 @@ pub enum Problem {
     Roof,
     /// A cylinder between diaphragms, pinched; an eighth of it.
     PinchedCylinder,
+    /// A tube of radius and length 1 under a pressure inside of E t, which widens it by its radius; free along its axis; an eighth of it.
+    Tube {
+        /// Thickness by radius.
+        thickness: f64,
+    },
     /// MacNeal and Harder (1985): a strip of 12 by 1.1, twisted by a right angle, clamped at one end, with a force at the other.
     TwistedBeam {
         /// Thickness.
@@ -142,6 +147,18 @@ fn diaphragm<S: Scalar>(m: &mut MechanismBuilder<S>, edge: &[NodeId]) {
     }
 }
 
+/// Planes of symmetry of an eighth of a cylinder along y; its crown in the middle.
+fn eighth<S: Scalar>(m: &mut MechanismBuilder<S>, shell: &ShellMember) -> NodeId {
+    let (crown, side) = (shell.edge(Edge::FirstStart), shell.edge(Edge::FirstEnd));
+    crown[1..].iter().for_each(|&node| symmetry(m, node, 0));
+    side[1..].iter().for_each(|&node| symmetry(m, node, 2));
+    let middle = shell.edge(Edge::SecondStart);
+    middle[1..middle.len() - 1].iter().for_each(|&node| symmetry(m, node, 1));
+    slide(m, crown[0], 2);
+    slide(m, side[0], 0);
+    crown[0]
+}
+
 impl Benchmark {
     pub fn new(problem: Problem, elements: [usize; 2]) -> Self {
         Benchmark { problem, elements, face: FaceKind::Quad9, share: 1.0, load_steps: 20 }
@@ -245,18 +262,19 @@ impl Scene for Benchmark {
                     ..Laminate::new(vec![Ply::isotropic(&material(3e6, 0.3, 0.0), S::from(3.0))])
                 };
                 let shell = m.laminate_shell("shell", mesh, &plate, unit(1));
-                let (crown, side) = (shell.edge(Edge::FirstStart), shell.edge(Edge::FirstEnd));
-                crown[1..].iter().for_each(|&node| symmetry(m, node, 0));
-                side[1..].iter().for_each(|&node| symmetry(m, node, 2));
-                let middle = shell.edge(Edge::SecondStart);
-                middle[1..middle.len() - 1].iter().for_each(|&node| symmetry(m, node, 1));
-                slide(m, crown[0], 2);
-                slide(m, side[0], 0);
+                let crown = eighth(m, &shell);
                 let end = shell.edge(Edge::SecondEnd);
                 diaphragm(m, &end[1..end.len() - 1]);
                 hold(m, end[0], 2);
                 hold(m, end[end.len() - 1], 0);
-                load(m, ("pinch".into(), false), crown[0], [0.0, 0.0, -0.25 * self.share])?;
+                load(m, ("pinch".into(), false), crown, [0.0, 0.0, -0.25 * self.share])?;
+            }
+            Problem::Tube { thickness } => {
+                let shell =
+                    m.shell("shell", self.cylinder([1.0, 1.0], 0.5 * PI), &material(1.0, 0.3, 0.0), S::from(thickness));
+                eighth(m, &shell);
+                let (size, full) = (TimeFunction::table(&[0.0, 1.0], Interpolant::Lines)?, S::from(thickness * self.share));
+                m.pressure("pressure", &shell, LoadFrame::World, Signal::of(size, &[S::zero(), full]));
             }
             Problem::TwistedBeam { thickness, in_plane } => {
                 let twist = S::from(0.5 * PI);

@@ -93,13 +93,13 @@ pub struct Tie {
 #[derive(Clone, Copy, Debug)]
 pub struct Ties {
     /// E_rr, E_ss and, in triangles, E_qq along the third edge.
-    pub stretch: [[Tie; 3]; 3],
+    pub stretch: [[Tie; 4]; 3],
     /// G_r and G_s.
     pub shear: [[Tie; 8]; 2],
 }
 
 const NO_TIE: Tie = Tie { strain: 0, weight: 0.0 };
-const NO_TIES: Ties = Ties { stretch: [[NO_TIE; 3]; 3], shear: [[NO_TIE; 8]; 2] };
+const NO_TIES: Ties = Ties { stretch: [[NO_TIE; 4]; 3], shear: [[NO_TIE; 8]; 2] };
 
 /// How the strain between r and s follows.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,10 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// A triangle of six nodes: corners at (r, s) = (0, 0), (1, 0), (0, 1), then the middles of the edges from each to the next.
 ///
 /// Strains and curvatures along the three edges (E_rr, E_ss, E_qq with q = s - r) are linear in r and s: through two Gauss points of their own
-/// edge and a third at a height of 1/sqrt 3 above its middle; 2 E_rs = E_rr + E_ss - E_qq. Transverse shear is
+/// edge, and through the mean of two Gauss points of the line half way up to the opposite corner; 2 E_rs = E_rr + E_ss - E_qq. They are those of
+/// all displacements of third degree, and their integrals are those of the strains themselves, so that a constant stress does the same
+/// work: on warped triangles a point at a height of 1/sqrt 3 above the edge, which keeps the first alone, locks what is thin, and lets pressure
+/// widen it. Transverse shear is
 ///
 /// G_r = a_1 + b_1 r + c_1 s + s (d r + e s),   G_s = a_2 + b_2 r + c_2 s - r (d r + e s),
 ///
@@ -18,8 +21,8 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// straight. With transverse shear that is linear in r and s, tied along the edges alone (MITC6a), thin plates are too soft by a third on
 /// coarse meshes.
 ///
-/// Source: Lee & Bathe (2004) for strains along the edges, Kim & Bathe (2009) for the middle point of transverse shear, which keeps the
-/// element stable; the quadrature of Strang & Fix (1973).
+/// Source: Lee & Bathe (2004) for strains along the edges, with the one point above each; Kim & Bathe (2009) for the middle point of transverse
+/// shear, which keeps the element stable; the quadrature of Strang & Fix (1973).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Triangle6;
 
@@ -39,7 +42,7 @@ static SHAPE: FaceShape = FaceShape {
     at_nodes: &AT_NODES,
     node_weights: &NODE_WEIGHTS,
     spacing: 0.5,
-    tying: Tying { points: [6, 3, 2], ties: &TIES, between: Between::ThirdDirection },
+    tying: Tying { points: [6, 6, 2], ties: &TIES, between: Between::ThirdDirection },
     points: &SHELL_POINTS,
     surface_points: &SURFACE_POINTS,
     values: |r, s| SmallVec::from_slice(&numbers(r, s).value),
@@ -59,17 +62,26 @@ const fn numbers(r: f64, s: f64) -> Numbers<NODES> {
 /// Gauss points of an edge of length 1.
 const NEAR: f64 = 0.5 - 0.5 / SQRT_3;
 const FAR: f64 = 0.5 + 0.5 / SQRT_3;
-const HEIGHT: f64 = 1.0 / SQRT_3;
+/// Gauss points of a line half way up, of length 1/2.
+const HALF_NEAR: f64 = 0.5 * NEAR;
+const HALF_FAR: f64 = 0.5 * FAR;
 const THIRD: f64 = 1.0 / 3.0;
 
 /// Along r, s and q, two on each edge.
 static NUMBERS_EDGES: [Numbers<NODES>; 6] =
     [numbers(NEAR, 0.0), numbers(FAR, 0.0), numbers(0.0, NEAR), numbers(0.0, FAR), numbers(FAR, NEAR), numbers(NEAR, FAR)];
-/// A third point for the strain along each of them, seen from it at (NEAR, HEIGHT).
-static NUMBERS_ABOVE: [Numbers<NODES>; 3] = [numbers(NEAR, HEIGHT), numbers(HEIGHT, NEAR), numbers(NEAR, NEAR)];
+/// Half way up from each of them, along it.
+static NUMBERS_ABOVE: [Numbers<NODES>; 6] = [
+    numbers(HALF_NEAR, 0.5),
+    numbers(HALF_FAR, 0.5),
+    numbers(0.5, HALF_NEAR),
+    numbers(0.5, HALF_FAR),
+    numbers(HALF_FAR, HALF_NEAR),
+    numbers(HALF_NEAR, HALF_FAR),
+];
 static NUMBERS_MIDDLE: [Numbers<NODES>; 1] = [numbers(THIRD, THIRD)];
 static EDGES: [Weights; 6] = Numbers::at_all(&NUMBERS_EDGES);
-static ABOVE: [Weights; 3] = Numbers::at_all(&NUMBERS_ABOVE);
+static ABOVE: [Weights; 6] = Numbers::at_all(&NUMBERS_ABOVE);
 static MIDDLE: [Weights; 1] = Numbers::at_all(&NUMBERS_MIDDLE);
 
 /// Points near the corners and near the middles of the edges: (a, a), (1 - 2 a, a), (a, 1 - 2 a), with their weights, which integrate up to the
@@ -104,10 +116,12 @@ static AT_NODES: [Weights; NODES] = Numbers::at_all(&NUMBERS_NODES);
 /// A quarter of the rule at the corners and three quarters of that at the middles of the edges: all nodes have a share.
 static NODE_WEIGHTS: [f64; NODES] = [1.0 / 24.0, 1.0 / 24.0, 1.0 / 24.0, 0.125, 0.125, 0.125];
 
-/// Weights of values at (NEAR, 0), (FAR, 0) and (NEAR, HEIGHT) in the linear function of the place `along` the edge and `across` it.
-const fn linear(along: f64, across: f64) -> [f64; 3] {
-    let (second, third) = (SQRT_3 * (along - NEAR), SQRT_3 * across);
-    [1.0 - second - third, second, third]
+/// Weights of values at (NEAR, 0), (FAR, 0), (HALF_NEAR, 1/2) and (HALF_FAR, 1/2) in the linear function of the place `along` the edge and
+/// `across` it.
+const fn linear(along: f64, across: f64) -> [f64; 4] {
+    // the middle of the line half way up is at (1/4, 1/2)
+    let second = SQRT_3 * (along + 0.5 * across - NEAR);
+    [1.0 - second - across, second - across, across, across]
 }
 
 /// (G_r, G_s) at (r, s) from G_r at both points of its edge, G_s, G_q, and G_r, G_s in the middle.
@@ -133,7 +147,7 @@ const fn transverse(values: [f64; 8], r: f64, s: f64) -> [f64; 2] {
 const ALONG: usize = 3;
 const STRETCH: usize = 2;
 const FIRST_ABOVE: usize = 6 * ALONG;
-const FIRST_MIDDLE: usize = FIRST_ABOVE + 3 * STRETCH;
+const FIRST_MIDDLE: usize = FIRST_ABOVE + 6 * STRETCH;
 
 static TIES: [Ties; GAUSS_POINTS] = {
     let mut all = [NO_TIES; GAUSS_POINTS];
@@ -144,12 +158,13 @@ static TIES: [Ties; GAUSS_POINTS] = {
         let weights = [linear(r, s), linear(s, r), linear(s, 1.0 - r - s)];
         let mut direction = 0;
         while direction < 3 {
-            let [near, far, above] = weights[direction];
-            let first = 2 * direction * ALONG;
+            let [near, far, above_near, above_far] = weights[direction];
+            let (first, above) = (2 * direction * ALONG, FIRST_ABOVE + 2 * direction * STRETCH);
             all[point].stretch[direction] = [
                 Tie { strain: first, weight: near },
                 Tie { strain: first + ALONG, weight: far },
-                Tie { strain: FIRST_ABOVE + STRETCH * direction, weight: above },
+                Tie { strain: above, weight: above_near },
+                Tie { strain: above + STRETCH, weight: above_far },
             ];
             direction += 1;
         }
@@ -170,12 +185,19 @@ static TIES: [Ties; GAUSS_POINTS] = {
 
 static ROWS_ALONG: [[Interpolation; 9]; 6] =
     [along_r(&EDGES[0]), along_r(&EDGES[1]), along_s(&EDGES[2]), along_s(&EDGES[3]), along_q(&EDGES[4]), along_q(&EDGES[5])];
-static ROWS_STRETCH: [[Interpolation; 6]; 3] = [stretch(ABOVE[0].by_r), stretch(ABOVE[1].by_s), stretch(ABOVE[2].by_q)];
+static ROWS_STRETCH: [[Interpolation; 6]; 6] = [
+    stretch(ABOVE[0].by_r),
+    stretch(ABOVE[1].by_r),
+    stretch(ABOVE[2].by_s),
+    stretch(ABOVE[3].by_s),
+    stretch(ABOVE[4].by_q),
+    stretch(ABOVE[5].by_q),
+];
 static ROWS_SHEAR: [[Interpolation; 6]; 2] = [shear(&MIDDLE[0], MIDDLE[0].by_r), shear(&MIDDLE[0], MIDDLE[0].by_s)];
 table!(ROWS_GAUSS: inertial at GAUSS, 6 x 6);
 table!(ROWS_NODES: turn at AT_NODES, 12 x 6);
 table!(ROWS_SURFACE: on_surface at GAUSS, 9 x 6);
-points!(SHELL_POINTS: 23 of ROWS_ALONG, ROWS_STRETCH, ROWS_SHEAR, ROWS_GAUSS, ROWS_NODES);
+points!(SHELL_POINTS: 26 of ROWS_ALONG, ROWS_STRETCH, ROWS_SHEAR, ROWS_GAUSS, ROWS_NODES);
 points!(SURFACE_POINTS: 6 of ROWS_SURFACE);
 
 /// Kites at the corners, and what lies between two of them at an edge, up to the middle.
@@ -236,13 +258,30 @@ mod tests {
     }
 
     #[test]
-    fn strains_along_an_edge_reproduce_linear_functions() {
-        for (a, b, c) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] {
-            let at = |x: f64, y: f64| a + b * x + c * y;
-            let values = [at(NEAR, 0.0), at(FAR, 0.0), at(NEAR, HEIGHT)];
+    fn strains_along_an_edge_reproduce_linear_functions_and_the_mean_of_quadratic_ones() {
+        // powers of the place along the edge and across it; the mean over the triangle is 2 m! n! / (m + n + 2)!
+        for (m, n, mean) in
+            [(0, 0, 1.0), (1, 0, THIRD), (0, 1, THIRD), (2, 0, 1.0 / 6.0), (1, 1, 1.0 / 12.0), (0, 2, 1.0 / 6.0)]
+        {
+            let at = |x: f64, y: f64| x.powi(m) * y.powi(n);
+            let values = [at(NEAR, 0.0), at(FAR, 0.0), at(HALF_NEAR, 0.5), at(HALF_FAR, 0.5)];
+            let tied = |x: f64, y: f64| linear(x, y).iter().zip(values).map(|(weight, value)| weight * value).sum::<f64>();
+            let integral: f64 = PLACES.iter().zip(GAUSS_WEIGHTS).map(|(&[x, y], weight)| tied(x, y) * weight).sum();
+            assert!((2.0 * integral - mean).abs() < 1e-14, "{m} {n}");
+            assert!(m + n > 1 || PLACES.iter().all(|&[x, y]| (tied(x, y) - at(x, y)).abs() < 1e-14));
+        }
+    }
+
+    #[test]
+    fn strains_along_an_edge_are_those_of_displacements_of_third_degree() {
+        // r (2 r - 1) (r - 1) and r s t are 0 at all nodes, and so are those with another letter
+        let slopes: [fn(f64, f64) -> f64; 3] =
+            [|r, _| 6.0 * r * r - 6.0 * r + 1.0, |r, s| 6.0 * (1.0 - r - s) * (r + s) - 1.0, |r, s| s * (1.0 - 2.0 * r - s)];
+        for at in slopes {
+            let values = [at(NEAR, 0.0), at(FAR, 0.0), at(HALF_NEAR, 0.5), at(HALF_FAR, 0.5)];
             for [x, y] in PLACES {
                 let tied: f64 = linear(x, y).iter().zip(values).map(|(weight, value)| weight * value).sum();
-                assert!((tied - at(x, y)).abs() < 1e-14);
+                assert!(tied.abs() < 1e-14, "{tied}");
             }
         }
     }
