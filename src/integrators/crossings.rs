@@ -50,6 +50,8 @@ struct Watched {
     /// Of functionals: the mildest change that is told.
     of_functional: Option<SwitchKind>,
     places: Vec<Place>,
+    /// Arguments that the sides depend on.
+    reads: Vec<usize>,
     inputs: Vec<f64>,
     numbers: Vec<f64>,
 }
@@ -101,8 +103,10 @@ impl SwitchWatch {
     ) {
         let known = self.known.entry((Arc::as_ptr(formula), lengths));
         if let Some(switches) = known.or_insert_with(|| formula.switches(lengths)).clone() {
-            let (name, inputs, numbers) = (name.into(), Vec::new(), Vec::new());
-            self.parts.push(Watched { name, switches, of_functional, places: places(), inputs, numbers });
+            let (name, places, numbers) = (name.into(), places(), Vec::new());
+            let reads = (0..).zip(switches.reads()).filter_map(|(input, reads)| reads.then_some(input)).collect();
+            let inputs = vec![0.0; places.len()];
+            self.parts.push(Watched { name, switches, of_functional, places, reads, inputs, numbers });
         }
     }
 
@@ -130,13 +134,11 @@ impl SwitchWatch {
             at.q.resize(solve.base.q.len(), 0.0);
             at.set_shifted(&solve.base, solve.equations.residual, &solve.unknowns);
             mu.clone_from(&solve.unknowns.mu);
-            self.compare(p, solve.t);
+            self.compare(p, solve.t, false);
         }
         self.seen.at.v.clone_from(&step.v);
         self.seen.at.q.clone_from(&step.q);
-        let end = step.t + step.h;
-        self.compare(p, end);
-        self.begin(p, end);
+        self.compare(p, step.t + step.h, true);
     }
 
     /// What was noted, jumps first.
@@ -153,33 +155,48 @@ impl SwitchWatch {
         }
     }
 
-    fn compare(&mut self, p: &[f64], t: f64) {
+    /// Compares the state with that at the start of the step; the end of it is the start of the next one.
+    fn compare(&mut self, p: &[f64], t: f64, is_end: bool) {
         let SwitchWatch { parts, seen, inputs, numbers, work, step, crossings, .. } = self;
         for part in parts {
-            seen.write(&part.places, p, t, inputs);
+            inputs.resize(part.places.len(), 0.0);
+            // within a step only what tells the sides
+            match is_end {
+                true => seen.write(&part.places, p, t, inputs),
+                false => part.reads.iter().for_each(|&input| inputs[input] = seen.value(part.places[input], p, t)),
+            }
             part.switches.evaluate(inputs, numbers, work);
-            if !part.switches.change(&part.numbers, numbers) {
-                continue;
+            if part.switches.change(&part.numbers, numbers) {
+                seen.write(&part.places, p, t, inputs);
+                note(part, inputs, (*step, t), crossings);
             }
-            // along the way an element's inertia would cancel its forces: the accelerations stay, unless a switch reads them
-            let mut to = inputs.clone();
-            let count = part.places.iter().take_while(|place| matches!(place, Place::A(_))).count();
-            to[..count].copy_from_slice(&part.inputs[..count]);
-            part.switches.evaluate(&to, numbers, work);
-            let to = if part.switches.change(&part.numbers, numbers) { &to } else { &*inputs };
-            let Some(kind) = part.switches.kind(&part.inputs, to) else { continue };
-            let is_functional = part.of_functional.is_some();
-            if part.of_functional == Some(SwitchKind::Jump) && kind == SwitchKind::Kink {
-                continue;
+            if is_end {
+                std::mem::swap(&mut part.inputs, inputs);
+                std::mem::swap(&mut part.numbers, numbers);
             }
-            let is_own = |own: &&mut Crossing| (&own.part, own.is_functional, own.kind) == (&part.name, is_functional, kind);
-            match crossings.iter_mut().find(is_own) {
-                Some(own) => own.count += usize::from(std::mem::replace(&mut own.last, *step) != *step),
-                None => {
-                    let (part, step) = (part.name.clone(), *step);
-                    crossings.push(Crossing { part, is_functional, kind, step, t, count: 1, last: step });
-                }
-            }
+        }
+    }
+}
+
+/// Notes how a part changes on the way from the start of the step to `inputs`, where a switch of it changes sides.
+fn note(part: &Watched, inputs: &[f64], (step, t): (usize, f64), crossings: &mut Vec<Crossing>) {
+    // along the way an element's inertia would cancel its forces: the accelerations stay, unless a switch reads them
+    let (mut to, mut numbers) = (inputs.to_vec(), Vec::new());
+    let count = part.places.iter().take_while(|place| matches!(place, Place::A(_))).count();
+    to[..count].copy_from_slice(&part.inputs[..count]);
+    part.switches.evaluate(&to, &mut numbers, &mut ProgramWork::default());
+    let to = if part.switches.change(&part.numbers, &numbers) { &to } else { inputs };
+    let Some(kind) = part.switches.kind(&part.inputs, to) else { return };
+    let is_functional = part.of_functional.is_some();
+    if part.of_functional == Some(SwitchKind::Jump) && kind == SwitchKind::Kink {
+        return;
+    }
+    let is_own = |own: &&mut Crossing| (&own.part, own.is_functional, own.kind) == (&part.name, is_functional, kind);
+    match crossings.iter_mut().find(is_own) {
+        Some(own) => own.count += usize::from(std::mem::replace(&mut own.last, step) != step),
+        None => {
+            let part = part.name.clone();
+            crossings.push(Crossing { part, is_functional, kind, step, t, count: 1, last: step });
         }
     }
 }
@@ -191,15 +208,18 @@ fn places(model: &Model, lists: &[fn(usize) -> Place], nodes: &[NodeId], paramet
 }
 
 impl Seen {
-    fn write(&self, places: &[Place], p: &[f64], t: f64, inputs: &mut Vec<f64>) {
-        inputs.clear();
-        inputs.extend(places.iter().map(|&place| match place {
+    fn value(&self, place: Place, p: &[f64], t: f64) -> f64 {
+        match place {
             Place::A(dof) => self.at.a[dof],
             Place::V(dof) => self.at.v[dof],
             Place::Q(dof) => self.at.q[dof],
             Place::Mu(row) => self.mu[row],
             Place::P(index) => p[index],
             Place::Time => t,
-        }));
+        }
+    }
+
+    fn write(&self, places: &[Place], p: &[f64], t: f64, inputs: &mut [f64]) {
+        inputs.iter_mut().zip(places).for_each(|(input, &place)| *input = self.value(place, p, t));
     }
 }

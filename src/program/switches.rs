@@ -167,6 +167,11 @@ impl Switches {
         self.program.run(inputs, numbers, work);
     }
 
+    /// Which arguments these numbers depend on.
+    pub fn reads(&self) -> Vec<bool> {
+        self.program.reads()
+    }
+
     /// Whether any switch changes sides between two lists of such numbers.
     pub fn change(&self, before: &[f64], after: &[f64]) -> bool {
         self.changing(before, after).next().is_some()
